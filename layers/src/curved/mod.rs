@@ -1,0 +1,24 @@
+//! Curved layers by an advancing convex front.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 3; C. Dai, C. C. L. Wang,
+//! C. Wu, S. Lefebvre, G. Fang, Y.-J. Liu, "Support-free volume printing by multi-axis motion", ACM TOG 37(4),
+//! 2018; H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), chapters 4 to 6.
+//!
+//! A nozzle of any size reaches a point outside the convex hull of everything built so far, platform included.
+//! So an order of cells can be built when each cell (1) has a neighbour in an earlier layer or stands on the
+//! platform, and (2) does not lie inside the hull of the platform and all earlier layers. [`Rules`] says what
+//! "neighbour" and "inside" mean, [`Platform`] what the part stands on, [`LayerOrder`] holds an order.
+//!
+//! # The lattice
+//! Cells are numbered `x + nx * (y + ny * z)`. Geometry is done on *doubled* coordinates: the centre of cell
+//! `[x, y, z]` is the lattice point `[2x + 1, 2y + 1, 2z + 1]`, and the plate under the part is the plane `z = 0`.
+
+mod cells;
+mod order;
+mod platform;
+mod rules;
+
+pub use cells::{Cells, CellsError};
+pub use order::LayerOrder;
+pub use platform::{Platform, PlatformError};
+pub use rules::{Neighbours, Rules, RulesError};

@@ -1,0 +1,15 @@
+//! Layers for multi-axis additive manufacturing: in which order the cells of a solid can be built.
+//!
+//! A printer that turns the part can lay material in any direction, so a layer need not be plane. This crate
+//! finds curved layers that need no support and that a nozzle of any size reaches without a collision, and it
+//! audits any such order from first principles.
+//!
+//! * [`curved`]: growing fields after Dai et al. (2018), their audit and their quality.
+//!
+//! Sets of cells come in as plain bits ([`curved::Cells`]), so any voxeliser will do.
+
+pub mod curved;
+mod progress;
+
+pub use nalgebra;
+pub use progress::Progress;
