@@ -1,0 +1,148 @@
+//! Half-spaces with integer normals, and how deep below their border a point lies.
+
+use crate::HullError;
+
+/// How deep below the surface of a body a point must lie to count as *deep*, in steps of 1/512 of a lattice unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Depth {
+    steps: u32,
+}
+
+impl Depth {
+    /// Any point of the closed body is deep, points of its surface too.
+    pub const SURFACE: Depth = Depth { steps: 0 };
+
+    /// Steps in a lattice unit. A power of two keeps usual depths exact; more steps than this and the squares in
+    /// [`Depth::margin`] would leave 128 bits.
+    pub const STEPS: u32 = 512;
+
+    /// Largest depth, in lattice units.
+    pub const MAX: f64 = 64.0;
+
+    /// The depth `units`, to the nearest step.
+    ///
+    /// # Errors
+    /// [`HullError::Depth`] for a depth that is negative, not a number or above [`Depth::MAX`].
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_hull::Depth;
+    /// assert_eq!(Depth::new(0.0)?, Depth::SURFACE);
+    /// assert_eq!(Depth::new(1.5)?.units(), 1.5);
+    /// assert!(Depth::new(-1.0).is_err());
+    /// # Ok::<(), curvlay_hull::HullError>(())
+    /// ```
+    pub fn new(units: f64) -> Result<Self, HullError> {
+        if !(0.0..=Self::MAX).contains(&units) {
+            return Err(HullError::Depth { units });
+        }
+        Ok(Depth { steps: (units * f64::from(Self::STEPS)).round() as u32 })
+    }
+
+    /// The depth in lattice units.
+    pub fn units(self) -> f64 {
+        f64::from(self.steps) / f64::from(Self::STEPS)
+    }
+
+    /// The least integer that is not below `depth * |normal|`, exactly.
+    ///
+    /// With `squared = |normal|^2 < 2^70` and at most `2^15` steps, everything below fits 128 bits.
+    pub(crate) fn margin(self, squared: u128) -> i64 {
+        if self.steps == 0 {
+            return 0;
+        }
+        let steps = u128::from(self.steps);
+        let target = steps * steps * squared;
+        let reaches = |margin: i64| {
+            let scaled = margin as u128 * u128::from(Self::STEPS);
+            scaled * scaled >= target
+        };
+        let mut margin = (self.units() * (squared as f64).sqrt()) as i64;
+        while !reaches(margin) {
+            margin += 1;
+        }
+        while margin > 0 && reaches(margin - 1) {
+            margin -= 1;
+        }
+        margin
+    }
+}
+
+/// The half-space `normal . p <= offset` that a facet bounds.
+///
+/// A point lies strictly outside when `normal . p > offset`, and counts as deep below this plane when
+/// `normal . p <= inner`. All numbers are exact for points with coordinates below 2^15.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plane {
+    /// Outward normal, not of unit length.
+    pub normal: [i64; 3],
+    /// The greatest `normal . p` in the body.
+    pub offset: i64,
+    /// The greatest `normal . p` of points that count as deep.
+    pub inner: i64,
+}
+
+impl Plane {
+    /// Stands for a facet that is gone: every point lies below it, and it keeps none from being deep.
+    pub(crate) const NOWHERE: Plane = Plane { normal: [0; 3], offset: 1, inner: 0 };
+
+    /// The plane with the given outward normal through `p`.
+    pub(crate) fn through(normal: [i64; 3], p: [i32; 3], depth: Depth) -> Self {
+        let squared = normal.iter().map(|&c| u128::from(c.unsigned_abs()).pow(2)).sum();
+        let offset = dot(normal, p);
+        Plane { normal, offset, inner: offset - depth.margin(squared) }
+    }
+
+    /// Height of `p` over the plane, times the length of the normal: positive outside.
+    pub fn height(&self, p: [i32; 3]) -> i64 {
+        dot(self.normal, p) - self.offset
+    }
+
+    /// Whether `p` is not deep below this plane: one such plane proves that `p` is not deep in the body.
+    pub fn shows(&self, p: [i32; 3]) -> bool {
+        dot(self.normal, p) > self.inner
+    }
+
+    /// Length of the normal.
+    pub fn length(&self) -> f64 {
+        self.normal.iter().map(|&c| (c as f64).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+/// `normal . p`.
+pub(crate) fn dot(normal: [i64; 3], p: [i32; 3]) -> i64 {
+    normal[0] * i64::from(p[0]) + normal[1] * i64::from(p[1]) + normal[2] * i64::from(p[2])
+}
+
+/// The difference `a - b`.
+pub(crate) fn minus(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
+    [0, 1, 2].map(|k| i64::from(a[k]) - i64::from(b[k]))
+}
+
+/// The cross product.
+pub(crate) fn cross(u: [i64; 3], v: [i64; 3]) -> [i64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn margins_are_the_least_integers_that_reach() {
+        let depth = Depth::new(2.0).unwrap();
+        assert_eq!(depth.margin(25), 10); // 3-4-5: exact
+        assert_eq!(depth.margin(26), 11); // 2 sqrt 26 = 10.198
+        assert_eq!(depth.margin(24), 10); // 2 sqrt 24 = 9.798
+        assert_eq!(depth.margin((1 << 35) * (1 << 35)), 1 << 36);
+        assert_eq!(depth.margin((1 << 35) * (1 << 35) + 1), (1 << 36) + 1);
+        assert_eq!(Depth::SURFACE.margin(u128::MAX), 0);
+    }
+
+    #[test]
+    fn unsound_depths_are_refused() {
+        for units in [-0.5, f64::NAN, 65.0] {
+            assert!(matches!(Depth::new(units), Err(HullError::Depth { .. })));
+        }
+    }
+}
