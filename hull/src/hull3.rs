@@ -49,6 +49,10 @@ pub struct ConvexHull {
     /// The planes of `facets`; [`Plane::NOWHERE`] where a facet is gone.
     planes: Vec<Plane>,
     facets: Vec<Facet>,
+    /// Lengths of the normals.
+    lengths: Vec<f64>,
+    /// The facet made last, which is there whenever the body has volume.
+    newest: u32,
     /// Facets that are gone and may be used again.
     free: Vec<u32>,
     journal: Vec<Undo>,
@@ -78,12 +82,19 @@ pub enum Location {
     Outside,
 }
 
+/// Where on the surface a search starts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Hint {
+    facet: u32,
+}
+
 /// A state of a hull to go back to.
 #[derive(Debug)]
 #[must_use = "a checkpoint is given back to `rollback` or `commit`"]
 pub struct Checkpoint {
     journal: usize,
     points: usize,
+    newest: u32,
 }
 
 /// What undoes one change.
@@ -145,6 +156,8 @@ impl ConvexHull {
             ideal: false,
             planes: Vec::new(),
             facets: Vec::new(),
+            lengths: Vec::new(),
+            newest: 0,
             free: Vec::new(),
             journal: Vec::new(),
             checkpoints: 0,
@@ -260,6 +273,60 @@ impl ConvexHull {
         self.planes.iter().all(|plane| !plane.shows(p))
     }
 
+    /// A plane of the surface that shows that `p` is not deep; `None` if it is.
+    ///
+    /// Starting from `hint`, which is left where the search ended, it walks over the surface to where `p` lies farthest above: such a plane goes on
+    /// to show it the longest while the body grows. Points near each other share a hint well; any hint will do.
+    ///
+    /// # Cost
+    /// A short walk as a rule, one pass over the facets at worst (and if `p` is deep).
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_hull::{ConvexHull, Depth, Hint};
+    /// let column = ConvexHull::column(&[[0, 0], [8, 0], [8, 8], [0, 8]], 0, Depth::new(2.0)?)?;
+    /// let mut hint = Hint::default();
+    /// let mut normal = |p| column.witness(p, &mut hint).map(|plane| plane.reduced().normal);
+    /// assert_eq!(normal([7, 4, 5]), Some([0, 0, 1]));
+    /// assert_eq!(normal([7, 4, -5]), Some([1, 0, 0]));
+    /// assert_eq!(normal([4, 4, -5]), None);
+    /// # Ok::<(), curvlay_hull::HullError>(())
+    /// ```
+    pub fn witness(&self, p: [i32; 3], hint: &mut Hint) -> Option<&Plane> {
+        if !self.is_solid() {
+            return None;
+        }
+        let top = self.climb(p, hint.facet);
+        if self.planes[top as usize].shows(p) {
+            hint.facet = top;
+            return Some(&self.planes[top as usize]);
+        }
+        let shows = |plane: &Plane| plane.shows(p);
+        let facet = self.planes.iter().position(shows)?;
+        hint.facet = self.climb(p, facet as u32);
+        Some(&self.planes[hint.facet as usize])
+    }
+
+    /// The facet that `p` lies farther above (or less far below) than any of its neighbours, uphill from `start`.
+    fn climb(&self, p: [i32; 3], start: u32) -> u32 {
+        let height = |facet: u32| self.planes[facet as usize].height(p) as f64 / self.lengths[facet as usize];
+        let gone = |facet: u32| self.planes.get(facet as usize).is_none_or(|plane| *plane == Plane::NOWHERE);
+        let mut top = if gone(start) { self.newest } else { start };
+        let mut height_of_top = height(top);
+        loop {
+            let below = top;
+            for next in self.facets[below as usize].across {
+                let height_of_next = height(next);
+                if height_of_next > height_of_top {
+                    (top, height_of_top) = (next, height_of_next);
+                }
+            }
+            if top == below {
+                return top;
+            }
+        }
+    }
+
     /// The greatest `direction . p` in the body; `None` if there is no point, or no greatest value.
     pub fn support(&self, direction: [i32; 3]) -> Option<i64> {
         let direction = direction.map(i64::from);
@@ -315,7 +382,7 @@ impl ConvexHull {
     /// Starts a what-if: everything from here on can be taken back. What-ifs may be nested.
     pub fn checkpoint(&mut self) -> Checkpoint {
         self.checkpoints += 1;
-        Checkpoint { journal: self.journal.len(), points: self.points.len() }
+        Checkpoint { journal: self.journal.len(), points: self.points.len(), newest: self.newest }
     }
 
     /// Takes back everything since `checkpoint`, exactly. Costs as much as was changed.
@@ -334,17 +401,20 @@ impl ConvexHull {
                 Some(Undo::Made { reused: false, .. }) => {
                     self.planes.pop();
                     self.facets.pop();
+                    self.lengths.pop();
                 }
                 Some(Undo::Flat(flat)) => {
                     self.flat = flat;
                     self.points.clear();
                     self.planes.clear();
                     self.facets.clear();
+                    self.lengths.clear();
                     self.free.clear();
                 }
                 None => break,
             }
         }
+        self.newest = checkpoint.newest;
         self.checkpoints -= 1;
     }
 
@@ -441,6 +511,10 @@ impl ConvexHull {
         if self.planes.get(hint as usize).is_some_and(outside) {
             return Some(hint);
         }
+        let top = self.climb(p, hint);
+        if outside(&self.planes[top as usize]) {
+            return Some(top);
+        }
         self.planes.iter().position(outside).map(|at| at as u32)
     }
 
@@ -512,15 +586,18 @@ impl ConvexHull {
             Some(slot) => {
                 self.planes[slot as usize] = plane;
                 self.facets[slot as usize] = facet;
+                self.lengths[slot as usize] = plane.length();
                 (slot, true)
             }
             None => {
                 self.planes.push(plane);
                 self.facets.push(facet);
+                self.lengths.push(plane.length());
                 (self.facets.len() as u32 - 1, false)
             }
         };
         self.log(Undo::Made { facet: made, reused });
+        self.newest = made;
         made
     }
 

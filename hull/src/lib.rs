@@ -19,7 +19,7 @@ mod rows;
 
 pub use error::{HullError, MAX_COORDINATE};
 pub use hull2::{Checkpoint2, ConvexHull2, Location2};
-pub use hull3::{Checkpoint, ConvexHull, Location};
+pub use hull3::{Checkpoint, ConvexHull, Hint, Location};
 pub use measure::Face;
 pub use nalgebra;
 pub use plane::{Depth, Plane};

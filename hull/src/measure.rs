@@ -48,7 +48,7 @@ impl ConvexHull {
     pub fn faces(&self) -> Vec<Face> {
         let mut triangles: Vec<_> = (0..self.facet_slots())
             .filter(|&slot| *self.plane_of(slot) != Plane::NOWHERE)
-            .map(|slot| (primitive(self.plane_of(slot).normal), self.facet(slot).corners))
+            .map(|slot| (self.plane_of(slot).reduced().normal, self.facet(slot).corners))
             .collect();
         triangles.sort_unstable();
         let of_one_normal = triangles.chunk_by(|a, b| a.0 == b.0);
@@ -80,20 +80,6 @@ impl ConvexHull {
     }
 }
 
-/// The vector without the greatest common divisor of its coordinates.
-pub(crate) fn primitive(v: [i64; 3]) -> [i64; 3] {
-    let divisor = v.iter().fold(0, |divisor, &c| gcd(divisor, c.unsigned_abs())).max(1) as i64;
-    v.map(|c| c / divisor)
-}
-
-/// The greatest common divisor; that of 0 and `b` is `b`.
-pub(crate) fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while a != 0 {
-        (a, b) = (b % a, a);
-    }
-    b
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,12 +103,5 @@ mod tests {
             assert_eq!(hull.volume_times_6(), Some(6 * 8 * 8 * 8));
             assert!((hull.area().unwrap() - 384.0).abs() < 1e-9);
         }
-    }
-
-    #[test]
-    fn common_divisors_go() {
-        assert_eq!(primitive([-6, 0, 9]), [-2, 0, 3]);
-        assert_eq!(primitive([0, 0, 0]), [0, 0, 0]);
-        assert_eq!(gcd(0, 5), 5);
     }
 }

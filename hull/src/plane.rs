@@ -103,6 +103,22 @@ impl Plane {
         dot(self.normal, p) > self.inner
     }
 
+    /// How far `inner` lies below `offset`.
+    pub fn margin(&self) -> i64 {
+        self.offset - self.inner
+    }
+
+    /// The same plane with a normal without common divisor. It shows the same points.
+    ///
+    /// (The margin is the least integer `m` with `m >= depth |n|`. For a normal `g n` and integers `k`,
+    /// `g k < ceil(g depth |n|)` says the same as `k < depth |n|`, so the margin of `n` is that of `g n` over `g`, rounded up.)
+    pub fn reduced(&self) -> Plane {
+        let divisor = divisor(self.normal);
+        let offset = self.offset / divisor;
+        let margin = -(-self.margin()).div_euclid(divisor);
+        Plane { normal: self.normal.map(|c| c / divisor), offset, inner: offset - margin }
+    }
+
     /// Length of the normal.
     pub fn length(&self) -> f64 {
         self.normal.iter().map(|&c| (c as f64).powi(2)).sum::<f64>().sqrt()
@@ -117,6 +133,19 @@ pub(crate) fn dot(normal: [i64; 3], p: [i32; 3]) -> i64 {
 /// The difference `a - b`.
 pub(crate) fn minus(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
     [0, 1, 2].map(|k| i64::from(a[k]) - i64::from(b[k]))
+}
+
+/// The greatest common divisor of the coordinates; 1 for a zero vector.
+pub(crate) fn divisor(v: [i64; 3]) -> i64 {
+    v.iter().fold(0, |divisor, &c| gcd(divisor, c.unsigned_abs())).max(1) as i64
+}
+
+/// The greatest common divisor; that of 0 and `b` is `b`.
+fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while a != 0 {
+        (a, b) = (b % a, a);
+    }
+    b
 }
 
 /// The cross product.
@@ -137,6 +166,26 @@ mod tests {
         assert_eq!(depth.margin((1 << 35) * (1 << 35)), 1 << 36);
         assert_eq!(depth.margin((1 << 35) * (1 << 35) + 1), (1 << 36) + 1);
         assert_eq!(Depth::SURFACE.margin(u128::MAX), 0);
+    }
+
+    #[test]
+    fn common_divisors_go() {
+        assert_eq!(divisor([-6, 0, 9]), 3);
+        assert_eq!(divisor([0, 0, 0]), 1);
+        assert_eq!(divisor([0, 0, -5]), 5);
+    }
+
+    #[test]
+    fn a_reduced_plane_shows_the_same_points() {
+        for units in [0.0, 0.3, 1.0, 1.7, 2.0] {
+            let depth = Depth::new(units).unwrap();
+            let plane = Plane::through([6, -12, 18], [1, 2, 5], depth);
+            let reduced = plane.reduced();
+            assert_eq!(reduced, Plane::through([1, -2, 3], [1, 2, 5], depth));
+            for x in -20..20 {
+                assert_eq!(plane.shows([x, 3, 2]), reduced.shows([x, 3, 2]), "{units} {x}");
+            }
+        }
     }
 
     #[test]

@@ -13,12 +13,24 @@
 //! Cells are numbered `x + nx * (y + ny * z)`. Geometry is done on *doubled* coordinates: the centre of cell
 //! `[x, y, z]` is the lattice point `[2x + 1, 2y + 1, 2z + 1]`, and the plate under the part is the plane `z = 0`.
 
+mod audit;
+mod bits;
+mod body;
 mod cells;
+mod growth;
 mod order;
+mod peel;
 mod platform;
+mod quality;
 mod rules;
 
+pub use audit::{AuditError, AuditReport, Fault, FaultCounts, audit};
 pub use cells::{Cells, CellsError};
+pub use growth::{
+    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit, grow,
+};
 pub use order::LayerOrder;
+pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
+pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};

@@ -1,0 +1,354 @@
+//! Whether an order of cells can be built, checked from first principles.
+//!
+//! The rules are those of the [module](super) (C. Dai, *Material Deposition in 3D Space*, TU Delft 2020, Definitions
+//! 1 to 3 in section 3.4.1), and nothing of the growth is used here, nor the hull that it grows with: the audit has
+//! its own statement of who supports whom, its own bits, and its own exact hull on integers. Layers are taken in
+//! their order. The cells of a layer are checked against everything in earlier layers and the platform, then they
+//! join it. What is found wrong is listed and the audit goes on as if the cell had been built all the same, except
+//! that a cell that is not of the solid, or was built before, is passed over.
+
+mod body;
+mod depth;
+mod wrap;
+
+use super::{Cells, LayerOrder, Neighbours, Platform, Rules, RulesError};
+use crate::Progress;
+use body::Body;
+use depth::{Depths, Question};
+use std::ops::ControlFlow;
+
+/// Faults of each kind that are listed one by one; the rest are only counted. More would tell a reader nothing new,
+/// and for each cell inside the hull that is listed its depth is worked out, which is slow.
+const LISTED_FAULTS: usize = 20;
+
+/// Cells between two reports of progress: some milliseconds in the worst case.
+const CELLS_PER_REPORT: u64 = 1 << 12;
+
+/// What is wrong with an order. Cells are told by their numbers, layers are counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The cell has no neighbour in an earlier layer and does not stand on the platform.
+    Unsupported {
+        /// The cell.
+        cell: u32,
+        /// Its layer.
+        layer: u32,
+    },
+    /// The centre of the cell lies inside the hull of the platform and all earlier layers.
+    Inside {
+        /// The cell.
+        cell: u32,
+        /// Its layer.
+        layer: u32,
+        /// How deep, in cells.
+        depth: f64,
+    },
+    /// The cell is in an earlier layer already, or twice in this one.
+    Repeated {
+        /// The cell.
+        cell: u32,
+        /// The layer in which it comes again.
+        layer: u32,
+    },
+    /// The cell does not belong to the solid.
+    NotSolid {
+        /// The cell.
+        cell: u32,
+        /// The layer that holds it.
+        layer: u32,
+    },
+    /// The layer has no cells.
+    EmptyLayer {
+        /// The layer.
+        layer: u32,
+    },
+    /// The cell of the solid is neither in a layer nor among the missed ones.
+    Lost {
+        /// The cell.
+        cell: u32,
+    },
+    /// The cell is in a layer and among the missed ones.
+    BuiltAndMissed {
+        /// The cell.
+        cell: u32,
+    },
+    /// The cell is among the missed ones more than once.
+    MissedTwice {
+        /// The cell.
+        cell: u32,
+    },
+    /// The cell is among the missed ones and does not belong to the solid.
+    MissedNotSolid {
+        /// The cell.
+        cell: u32,
+    },
+}
+
+/// How many faults there are of each kind; the kinds are those of [`Fault`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FaultCounts {
+    /// Cells without support.
+    pub unsupported: usize,
+    /// Cells inside the hull.
+    pub inside: usize,
+    /// Entries of layers for cells that were there before.
+    pub repeated: usize,
+    /// Entries of layers for cells that do not belong to the solid.
+    pub not_solid: usize,
+    /// Layers without cells.
+    pub empty_layers: usize,
+    /// Cells neither in a layer nor missed.
+    pub lost: usize,
+    /// Cells in a layer and missed.
+    pub built_and_missed: usize,
+    /// Cells missed more than once, counted from the second time on.
+    pub missed_twice: usize,
+    /// Missed cells that do not belong to the solid.
+    pub missed_not_solid: usize,
+}
+
+/// What an audit found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AuditReport {
+    /// Cells of the solid.
+    pub cells: usize,
+    /// Layers of the order.
+    pub layers: usize,
+    /// Cells of all layers together, each as often as it is listed.
+    pub in_layers: usize,
+    /// Cells listed as missed.
+    pub missed: usize,
+    /// Faults of each kind, listed or not.
+    pub counts: FaultCounts,
+    /// The first 20 faults of each kind, as they were found: layer by layer, then missed cells, then lost ones.
+    pub faults: Vec<Fault>,
+    /// The largest depth among the faults that are listed, in cells.
+    pub max_depth: f64,
+}
+
+impl AuditReport {
+    /// Whether the order can be built as it is: no fault, and `cells` is `in_layers` and `missed` together.
+    pub fn is_ok(&self) -> bool {
+        self.faults.is_empty() && self.cells == self.in_layers + self.missed
+    }
+
+    fn add(&mut self, count: impl FnOnce(&mut FaultCounts) -> &mut usize, fault: impl FnOnce() -> Fault) {
+        let count = count(&mut self.counts);
+        *count += 1;
+        if *count <= LISTED_FAULTS {
+            let fault = fault();
+            if let Fault::Inside { depth, .. } = fault {
+                self.max_depth = self.max_depth.max(depth);
+            }
+            self.faults.push(fault);
+        }
+    }
+}
+
+/// Why an order could not be audited.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AuditError {
+    /// The rules are unsound or do not fit the grid.
+    #[error(transparent)]
+    Rules(#[from] RulesError),
+    /// A layer or the list of missed cells holds a number that is no cell of the grid.
+    #[error("there is no cell {cell} in a grid of {len} cells")]
+    OutsideGrid {
+        /// The number.
+        cell: u32,
+        /// Cells in the grid.
+        len: u32,
+    },
+    /// The callback asked to stop.
+    #[error("the audit was cancelled")]
+    Cancelled,
+}
+
+/// Checks an order of `cells` on `platform` against the `rules`.
+///
+/// # Arguments
+/// * `order`: the layers, first to last; cells within a layer in any order.
+/// * `missed`: the cells of the solid that are in no layer.
+/// * `progress`: called every few thousand cells, with the stage `audit`; may cancel.
+///
+/// # Errors
+/// [`AuditError`] for unsound rules, a number outside the grid, or when cancelled. Whatever else is wrong with the
+/// order is no error but a [`Fault`] in the report. Never panics.
+///
+/// # Cost
+/// Three bits of memory for each cell of the grid, and a few bytes for each of its rows. A tenth of a microsecond or
+/// two for each cell of a sound order; a cell that is inside costs microseconds to milliseconds. One thread; the report
+/// depends on nothing but the arguments.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, Fault, LayerOrder, Platform, Rules, audit};
+/// use std::ops::ControlFlow;
+/// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
+/// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
+/// let mut order = LayerOrder::new();
+/// order.push([0]);
+/// order.push([2]);
+/// let report = audit(&cells, &platform, &Rules::default(), &order, &[1], &|_| ControlFlow::Continue(()))?;
+/// assert_eq!(report.faults, [Fault::Unsupported { cell: 2, layer: 2 }]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn audit(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    order: &LayerOrder,
+    missed: &[u32],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<AuditReport, AuditError> {
+    rules.check(cells.dims())?;
+    let question = Question { eps: rules.eps_in_1024ths()?, flat: rules.flat, reaches_down: platform.reaches_down() };
+    let len = cells.dims().iter().product::<u32>();
+    if let Some(&cell) = order.cells().iter().chain(missed).find(|&&cell| cell >= len) {
+        return Err(AuditError::OutsideGrid { cell, len });
+    }
+    let mut report = AuditReport {
+        cells: cells.count(),
+        layers: order.len(),
+        in_layers: order.cells().len(),
+        missed: missed.len(),
+        ..AuditReport::default()
+    };
+
+    let support = supporters(rules.neighbours);
+    let corners = platform.corners();
+    let stands = |[x, y, z]: [u32; 3]| z == 0 && stands_on(corners, [x, y].map(|k| 2 * i64::from(k) + 1), rules.flat);
+    let mut listed = Bits::of(cells); // in this layer or an earlier one
+    let mut built = Bits::of(cells); // in an earlier layer
+    let mut body = Body::new(cells.dims(), corners, platform.top());
+    let mut depths = Depths::new(question, &body);
+    let total = order.cells().len() as u64;
+    let mut done = 0;
+    for (layer, of_layer) in (1..).zip(order.iter()) {
+        if of_layer.is_empty() {
+            report.add(|counts| &mut counts.empty_layers, || Fault::EmptyLayer { layer });
+        }
+        for &cell in of_layer {
+            if done % CELLS_PER_REPORT == 0 && progress(Progress { stage: "audit", done, total }).is_break() {
+                return Err(AuditError::Cancelled);
+            }
+            done += 1;
+            let place = cells.position(cell);
+            if !cells.contains(place) {
+                report.add(|counts| &mut counts.not_solid, || Fault::NotSolid { cell, layer });
+                continue;
+            }
+            if !listed.insert(place) {
+                report.add(|counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
+                continue;
+            }
+            if !stands(place) && !support.iter().any(|&step| built.contains_at(place, step)) {
+                report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
+            }
+            let centre = place.map(|k| 2 * i64::from(k) + 1);
+            if depths.is_inside(&body, centre) {
+                report.add(
+                    |counts| &mut counts.inside,
+                    || Fault::Inside { cell, layer, depth: depths.depth(&body, centre) },
+                );
+            }
+        }
+        for place in of_layer.iter().map(|&cell| cells.position(cell)) {
+            if cells.contains(place) && built.insert(place) {
+                body.add(place);
+            }
+        }
+        let grown = body.settle();
+        depths.body_grew(&body, &grown);
+    }
+
+    let mut missing = Bits::of(cells);
+    for &cell in missed {
+        let place = cells.position(cell);
+        if !cells.contains(place) {
+            report.add(|counts| &mut counts.missed_not_solid, || Fault::MissedNotSolid { cell });
+        } else if !missing.insert(place) {
+            report.add(|counts| &mut counts.missed_twice, || Fault::MissedTwice { cell });
+        } else if built.contains(place) {
+            report.add(|counts| &mut counts.built_and_missed, || Fault::BuiltAndMissed { cell });
+        }
+    }
+    for cell in cells.iter() {
+        let place = cells.position(cell);
+        if !built.contains(place) && !missing.contains(place) {
+            report.add(|counts| &mut counts.lost, || Fault::Lost { cell });
+        }
+    }
+    let _ = progress(Progress { stage: "audit", done, total }); // too late to stop
+    Ok(report)
+}
+
+/// The steps from a cell to those that can support it, nearest first: at distance 1 or the root of 2 (a shared face
+/// or edge), or by the letter of Dai's Definition 1 at 1-norm 1 or 2.
+fn supporters(rule: Neighbours) -> Vec<[i64; 3]> {
+    let steps = (0..125).map(|k| [k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2]);
+    let squared = |step: &[i64; 3]| step.iter().map(|k| k * k).sum::<i64>();
+    let norm = |step: &[i64; 3]| step.iter().map(|k| k.abs()).sum::<i64>();
+    let mut found: Vec<_> = match rule {
+        Neighbours::FaceOrEdge => steps.filter(|step| (1..=2).contains(&squared(step))).collect(),
+        Neighbours::OneNorm => steps.filter(|step| (1..=2).contains(&norm(step))).collect(),
+    };
+    found.sort_by_key(squared);
+    found
+}
+
+/// Whether `[x, y]` lies in the closed polygon with the given corners (counter-clockwise), or if `flat` in its
+/// range of x.
+fn stands_on(corners: &[[i32; 2]], [x, y]: [i64; 2], flat: bool) -> bool {
+    if flat {
+        let along_x = || corners.iter().map(|corner| i64::from(corner[0]));
+        return along_x().any(|left| left <= x) && along_x().any(|right| x <= right);
+    }
+    (0..corners.len()).all(|k| {
+        let [[ax, ay], [bx, by]] = [corners[k], corners[(k + 1) % corners.len()]].map(|corner| corner.map(i64::from));
+        (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0
+    })
+}
+
+/// A set of cells of a grid, one bit each.
+struct Bits {
+    dims: [u32; 3],
+    words: Vec<u64>,
+}
+
+impl Bits {
+    /// An empty set in the grid of `cells`.
+    fn of(cells: &Cells) -> Self {
+        let dims = cells.dims();
+        let len = dims.iter().map(|&side| side as usize).product::<usize>();
+        Bits { dims, words: vec![0; len.div_ceil(64)] }
+    }
+
+    fn at(&self, [x, y, z]: [u32; 3]) -> (usize, u64) {
+        let bit = x as usize + self.dims[0] as usize * (y as usize + self.dims[1] as usize * z as usize);
+        (bit / 64, 1 << (bit % 64))
+    }
+
+    fn contains(&self, place: [u32; 3]) -> bool {
+        let (word, mask) = self.at(place);
+        self.words[word] & mask != 0
+    }
+
+    /// Whether the set has the cell one `step` away; `false` outside the grid.
+    fn contains_at(&self, place: [u32; 3], step: [i64; 3]) -> bool {
+        let [x, y, z] = [0, 1, 2].map(|k| i64::from(place[k]) + step[k]);
+        let within = |k: i64, side: u32| (0..i64::from(side)).contains(&k);
+        let [nx, ny, nz] = self.dims;
+        within(x, nx) && within(y, ny) && within(z, nz) && self.contains([x, y, z].map(|k| k as u32))
+    }
+
+    /// Adds a cell; returns whether it is new.
+    fn insert(&mut self, place: [u32; 3]) -> bool {
+        let (word, mask) = self.at(place);
+        let new = self.words[word] & mask == 0;
+        self.words[word] |= mask;
+        new
+    }
+}

@@ -1,0 +1,69 @@
+//! A set of cells that changes, as bits like those of [`Cells`].
+
+use super::cells::{Cells, set_bits};
+
+/// A subset of the cells of a grid.
+#[derive(Clone, Debug)]
+pub(super) struct CellSet {
+    dims: [u32; 3],
+    words_per_row: usize,
+    rows: Vec<u64>,
+}
+
+impl CellSet {
+    /// The set with the cells of `cells`.
+    pub(super) fn of(cells: &Cells) -> Self {
+        CellSet { dims: cells.dims(), words_per_row: cells.words_per_row(), rows: cells.rows().to_vec() }
+    }
+
+    /// A set without cells, in the grid of `cells`.
+    pub(super) fn none(cells: &Cells) -> Self {
+        CellSet { rows: vec![0; cells.rows().len()], ..CellSet::of(cells) }
+    }
+
+    fn at(&self, id: u32) -> (usize, u64) {
+        let [nx, _, _] = self.dims;
+        let (row, x) = (id / nx, id % nx);
+        (row as usize * self.words_per_row + x as usize / 64, 1 << (x % 64))
+    }
+
+    pub(super) fn contains(&self, id: u32) -> bool {
+        let (word, bit) = self.at(id);
+        self.rows[word] & bit != 0
+    }
+
+    /// Adds the cell and says whether it was missing.
+    pub(super) fn insert(&mut self, id: u32) -> bool {
+        let (word, bit) = self.at(id);
+        let missing = self.rows[word] & bit == 0;
+        self.rows[word] |= bit;
+        missing
+    }
+
+    pub(super) fn remove(&mut self, id: u32) {
+        let (word, bit) = self.at(id);
+        self.rows[word] &= !bit;
+    }
+
+    /// The numbers of the cells, rising.
+    pub(super) fn iter(&self) -> impl Iterator<Item = u32> {
+        let ([nx, _, _], words) = (self.dims, self.words_per_row);
+        self.rows.iter().enumerate().flat_map(move |(at, &word)| {
+            let first = (at / words) as u32 * nx + (at % words) as u32 * 64;
+            set_bits(word).map(move |bit| first + bit)
+        })
+    }
+
+    /// Those of the cells at `offsets` from the cell `id` that are in the set, in the order of the offsets.
+    pub(super) fn around<'a>(&'a self, id: u32, offsets: &'a [[i32; 3]]) -> impl Iterator<Item = u32> + 'a {
+        let [nx, ny, nz] = self.dims;
+        let position = [id % nx, id / nx % ny, id / nx / ny];
+        offsets.iter().filter_map(move |offset| {
+            let [x, y, z] = [0, 1, 2].map(|k| position[k].wrapping_add_signed(offset[k]));
+            let inside = x < nx && y < ny && z < nz;
+            let id = if inside { x + nx * (y + ny * z) } else { return None };
+            let word = (y as usize + ny as usize * z as usize) * self.words_per_row + x as usize / 64;
+            (self.rows[word] >> (x % 64) & 1 == 1).then_some(id)
+        })
+    }
+}

@@ -1,0 +1,60 @@
+//! The hull of the platform and of cells.
+
+use super::cells::Cells;
+use super::platform::Platform;
+use super::rules::{Rules, RulesError};
+use curvlay_hull::{ConvexHull, Depth, HullError};
+
+/// Half the length, in lattice units, of the bars that cells of a flat object stand for: so long that their ends are
+/// farther from every centre than the largest depth, so short that they stay where hulls are exact.
+const HALF_BAR: i32 = 1 << 14;
+
+/// How cells of a grid stand for points of a hull.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Centres {
+    dims: [u32; 3],
+    flat: bool,
+}
+
+impl Centres {
+    pub(super) fn new(cells: &Cells, rules: &Rules) -> Self {
+        Centres { dims: cells.dims(), flat: rules.flat }
+    }
+
+    /// The lattice point at the centre of a cell.
+    pub(super) fn of(self, cell: u32) -> [i32; 3] {
+        let [nx, ny, _] = self.dims;
+        [cell % nx, cell / nx % ny, cell / nx / ny].map(|c| 2 * c as i32 + 1)
+    }
+
+    /// Inserts the cells into a hull: their centres, or the ends of the bars that they stand for.
+    pub(super) fn insert(self, cells: impl Iterator<Item = u32>, hull: &mut ConvexHull) -> Result<(), HullError> {
+        let centres = cells.map(|cell| self.of(cell));
+        let points: Vec<_> = if self.flat {
+            centres.flat_map(|[x, y, z]| [[x, y - HALF_BAR, z], [x, y + HALF_BAR, z]]).collect()
+        } else {
+            centres.collect()
+        };
+        hull.insert(&points).map(|_| ())
+    }
+}
+
+/// The depth from which a point counts as inside, in lattice units: two to a cell.
+pub(super) fn depth(rules: &Rules) -> Result<f64, RulesError> {
+    Ok(2.0 * f64::from(rules.eps_in_1024ths()?) / 1024.0)
+}
+
+/// The hull of the platform alone.
+pub(super) fn hull_of_platform(platform: &Platform, rules: &Rules, depth: Depth) -> Result<ConvexHull, HullError> {
+    let corners: Vec<_> = if rules.flat {
+        platform.corners().iter().flat_map(|&[x, _]| [[x, 1 - HALF_BAR], [x, 1 + HALF_BAR]]).collect()
+    } else {
+        platform.corners().to_vec()
+    };
+    if platform.reaches_down() {
+        return ConvexHull::column(&corners, platform.top(), depth);
+    }
+    let mut plate = ConvexHull::new(depth);
+    plate.insert(&corners.iter().map(|&[x, y]| [x, y, platform.top()]).collect::<Vec<_>>())?;
+    Ok(plate)
+}

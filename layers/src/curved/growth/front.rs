@@ -1,0 +1,180 @@
+//! The advancing front: what is built, the hull around it, and what can no longer be built.
+
+use super::super::bits::CellSet;
+use super::super::body::{self, Centres};
+use super::super::cells::Cells;
+use super::super::order::LayerOrder;
+use super::super::platform::Platform;
+use super::super::rules::Rules;
+use super::GrowthError;
+use super::watch::{Endangered, Watch};
+use curvlay_hull::{ConvexHull, Depth, Hint, HullError, Plane};
+use std::collections::BTreeMap;
+
+/// Cells whose proof of being accessible fails with the hull as it is, by number.
+#[derive(Debug, Default)]
+pub(super) struct InDanger {
+    /// Those proposed for the layer in the making.
+    proposed: Vec<Endangered>,
+    /// Those for which the hull gives another proof, which is in its place.
+    saved: Vec<Endangered>,
+    /// Those that would be lost. Their proofs hold for the hull of the last layer.
+    pub(super) shadowed: Vec<Endangered>,
+}
+
+impl InDanger {
+    fn all(&self) -> impl Iterator<Item = &Endangered> {
+        self.proposed.iter().chain(&self.saved).chain(&self.shadowed)
+    }
+}
+
+/// What is built so far and what that means for the rest.
+pub(super) struct Front {
+    pub(super) hull: ConvexHull,
+    pub(super) order: LayerOrder,
+    /// Cells that are neither built nor lost.
+    pub(super) waiting: CellSet,
+    /// Cells that came to lie inside, and the layer (from 1) that did it.
+    pub(super) lost: Vec<(u32, u32)>,
+    /// Candidates held back until the cell under which they stand here is built or lost.
+    blocked_by: BTreeMap<u32, Vec<u32>>,
+    /// Candidates that were held back and no longer are.
+    pub(super) freed: Vec<u32>,
+    /// The candidates for the layer in the making.
+    pub(super) proposed: CellSet,
+    watch: Watch,
+    /// Where on the hull the last proof was found.
+    pub(super) hint: Hint,
+    centres: Centres,
+}
+
+impl Front {
+    pub(super) fn new(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
+        let depth = body::depth(rules)?;
+        let mut front = Front {
+            hull: body::hull_of_platform(platform, rules, Depth::new(depth)?)?,
+            order: LayerOrder::new(),
+            waiting: CellSet::of(cells),
+            lost: Vec::new(),
+            blocked_by: BTreeMap::new(),
+            freed: Vec::new(),
+            proposed: CellSet::none(cells),
+            watch: Watch::new(),
+            hint: Hint::default(),
+            centres: Centres::new(cells, rules),
+        };
+        // The platform lies below every cell, so for now straight up is a proof for each of them.
+        let top = i64::from(platform.top());
+        let up = Plane { normal: [0, 0, 1], offset: top, inner: top - depth.ceil() as i64 };
+        for cell in cells.iter() {
+            front.watch.add(cell, front.centre(cell), &up);
+        }
+        Ok(front)
+    }
+
+    /// The lattice point at the centre of a cell.
+    pub(super) fn centre(&self, cell: u32) -> [i32; 3] {
+        self.centres.of(cell)
+    }
+
+    /// Inserts the cells into the hull.
+    pub(super) fn insert(&mut self, cells: &[u32]) -> Result<(), HullError> {
+        self.centres.insert(cells.iter().copied(), &mut self.hull)
+    }
+
+    /// How many of the cells lie inside the hull.
+    pub(super) fn count_deep(&self, cells: &[u32]) -> usize {
+        cells.iter().filter(|&&cell| self.hull.is_deep(self.centre(cell))).count()
+    }
+
+    /// Builds all of `layer`; what that shadows is lost.
+    pub(super) fn build_all(&mut self, layer: &[u32]) -> Result<(), GrowthError> {
+        let start = self.hull.checkpoint();
+        self.insert(layer)?;
+        let added = self.hull.added_since(&start).to_vec();
+        self.hull.commit(start);
+        layer.iter().for_each(|&cell| self.waiting.remove(cell));
+        let in_danger = self.take_in_danger(&added);
+        self.settle(layer, &added, &in_danger);
+        Ok(())
+    }
+
+    /// What the hull would shadow if it stayed as it is. `added` are the points that it has got since the last layer.
+    /// Every cell in the answer must come back through [`Front::settle`] or [`Front::put_back`].
+    pub(super) fn take_in_danger(&mut self, added: &[[i32; 3]]) -> InDanger {
+        let mut in_danger = InDanger::default();
+        for mut endangered in self.watch.take_endangered(added, &self.waiting) {
+            if self.proposed.contains(endangered.cell) {
+                in_danger.proposed.push(endangered);
+                continue;
+            }
+            match self.hull.witness(self.centres.of(endangered.cell), &mut self.hint) {
+                Some(proof) => {
+                    endangered.proof = *proof;
+                    in_danger.saved.push(endangered);
+                }
+                None => in_danger.shadowed.push(endangered),
+            }
+        }
+        in_danger
+    }
+
+    /// Nothing was built: the proofs hold on.
+    pub(super) fn put_back(&mut self, in_danger: &InDanger) {
+        for Endangered { cell, proof } in in_danger.all() {
+            self.watch.add(*cell, self.centre(*cell), proof);
+        }
+    }
+
+    /// Ends a layer: its cells are built and in the hull, `added` are the points that are new to the hull, and every
+    /// cell whose proof may fail is in `in_danger`. Each of these gets a new proof or is lost.
+    pub(super) fn settle(&mut self, layer: &[u32], added: &[[i32; 3]], in_danger: &InDanger) {
+        self.order.push(layer.iter().copied());
+        let number = self.order.len() as u32;
+        for &cell in layer {
+            self.waiting.remove(cell);
+            self.free_behind(cell);
+        }
+        self.watch.raise(added);
+        for Endangered { cell, proof } in &in_danger.saved {
+            self.watch.add(*cell, self.centre(*cell), proof);
+        }
+        for &Endangered { cell, .. } in in_danger.proposed.iter().chain(&in_danger.shadowed) {
+            if !self.waiting.contains(cell) {
+                continue;
+            }
+            let centre = self.centre(cell);
+            match self.hull.witness(centre, &mut self.hint) {
+                Some(proof) => self.watch.add(cell, centre, proof),
+                None => {
+                    self.waiting.remove(cell);
+                    self.lost.push((cell, number));
+                    self.free_behind(cell);
+                }
+            }
+        }
+    }
+
+    /// Holds `candidate` back until `blocker` is built or lost.
+    pub(super) fn block(&mut self, candidate: u32, blocker: u32) {
+        self.blocked_by.entry(blocker).or_default().push(candidate);
+    }
+
+    fn free_behind(&mut self, cell: u32) {
+        self.freed.extend(self.blocked_by.remove(&cell).into_iter().flatten());
+    }
+
+    /// Forgets which candidates are held back, and why.
+    pub(super) fn forget_blocking(&mut self) {
+        self.blocked_by.clear();
+        self.freed.clear();
+    }
+
+    /// All candidates that are held back, as candidates once more, whatever they shadow.
+    pub(super) fn give_up_blocking(&mut self) -> Vec<u32> {
+        let mut candidates: Vec<u32> = std::mem::take(&mut self.blocked_by).into_values().flatten().collect();
+        candidates.retain(|&cell| self.waiting.contains(cell));
+        candidates.sort_unstable();
+        candidates
+    }
+}

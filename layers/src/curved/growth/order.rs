@@ -1,0 +1,61 @@
+//! Candidates in the order of their distance from a first one.
+
+use super::super::bits::CellSet;
+use super::length;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+/// Lengths are counted in this part of a cell, so that they can be compared exactly.
+const PARTS: f64 = (1u64 << 32) as f64;
+
+/// The candidates by their distance from the one with the least number, walking from neighbour to neighbour
+/// (Dijkstra's algorithm; Dai 2020, section 3.4.3, starts from any one). Those that do not hang together with it follow in
+/// the same way.
+pub(super) fn by_distance(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]]) -> Vec<u32> {
+    let mut distance: BTreeMap<u32, u64> = BTreeMap::new();
+    let mut ordered = Vec::with_capacity(candidates.len());
+    let mut sorted = candidates.to_vec();
+    sorted.sort_unstable();
+    let steps: Vec<([i32; 3], u64)> = offsets.iter().map(|&o| (o, (length(o) * PARTS) as u64)).collect();
+    for first in sorted {
+        if distance.contains_key(&first) {
+            continue;
+        }
+        distance.insert(first, 0);
+        let mut queue = BinaryHeap::from([Reverse((0, first))]);
+        while let Some(Reverse((far, cell))) = queue.pop() {
+            if distance[&cell] < far {
+                continue;
+            }
+            ordered.push(cell);
+            for (offset, step) in &steps {
+                for next in set.around(cell, std::slice::from_ref(offset)) {
+                    let known = distance.entry(next).or_insert(u64::MAX);
+                    if far + step < *known {
+                        *known = far + step;
+                        queue.push(Reverse((far + step, next)));
+                    }
+                }
+            }
+        }
+    }
+    ordered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::cells::Cells;
+    use super::super::super::rules::Neighbours;
+    use super::*;
+
+    #[test]
+    fn nearer_cells_come_first_and_islands_last() {
+        // . # # .
+        // # . . .   (first row below), and an island in the next level but one
+        let rows = [0b0001, 0b0110, 0, 0, 0b1000, 0];
+        let cells = Cells::new([4, 2, 3], &rows).unwrap();
+        let all: Vec<u32> = cells.iter().collect();
+        let ordered = by_distance(&all, &CellSet::of(&cells), Neighbours::FaceOrEdge.offsets());
+        assert_eq!(ordered, [0, 5, 6, 19]);
+    }
+}
