@@ -18,7 +18,7 @@ pub(super) struct InDanger {
     proposed: Vec<Endangered>,
     /// Those for which the hull gives another proof, which is in its place.
     saved: Vec<Endangered>,
-    /// Those that would be lost. Their proofs hold for the hull of the last layer.
+    /// The others: they would be lost. Their proofs hold for the hull of the last layer.
     pub(super) shadowed: Vec<Endangered>,
 }
 
@@ -119,6 +119,16 @@ impl Front {
         in_danger
     }
 
+    /// The cells are candidates for the next layer.
+    pub(super) fn propose(&mut self, cells: &[u32]) {
+        cells.iter().for_each(|&cell| _ = self.proposed.insert(cell));
+    }
+
+    /// The cells are candidates no longer.
+    pub(super) fn withdraw(&mut self, cells: &[u32]) {
+        cells.iter().for_each(|&cell| self.proposed.remove(cell));
+    }
+
     /// Nothing was built: the proofs hold on.
     pub(super) fn put_back(&mut self, in_danger: &InDanger) {
         for Endangered { cell, proof } in in_danger.all() {
@@ -160,7 +170,8 @@ impl Front {
         self.blocked_by.entry(blocker).or_default().push(candidate);
     }
 
-    fn free_behind(&mut self, cell: u32) {
+    /// Lets go of the candidates that are held back because of `cell`.
+    pub(super) fn free_behind(&mut self, cell: u32) {
         self.freed.extend(self.blocked_by.remove(&cell).into_iter().flatten());
     }
 
@@ -170,11 +181,11 @@ impl Front {
         self.freed.clear();
     }
 
-    /// All candidates that are held back, as candidates once more, whatever they shadow.
-    pub(super) fn give_up_blocking(&mut self) -> Vec<u32> {
-        let mut candidates: Vec<u32> = std::mem::take(&mut self.blocked_by).into_values().flatten().collect();
-        candidates.retain(|&cell| self.waiting.contains(cell));
-        candidates.sort_unstable();
-        candidates
+    /// All candidates that are held back, by rising number.
+    pub(super) fn blocked(&self) -> Vec<u32> {
+        let mut blocked: Vec<u32> = self.blocked_by.values().flatten().copied().collect();
+        blocked.retain(|&cell| self.waiting.contains(cell));
+        blocked.sort_unstable();
+        blocked
     }
 }

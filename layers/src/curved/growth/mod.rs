@@ -11,7 +11,8 @@
 //!   lost, since the hull only grows. Until then it is not tried again.
 //! * Shadowed is what newly comes to lie inside, candidates aside. Cells lost before do not count again, and a
 //!   candidate that comes to lie inside the hull of the others is built in the same layer.
-//! * Candidates are given up on (the last line of Algorithms 2 and 3) only when no threshold is left to raise.
+//! * Cells are given up (the last lines of Algorithms 2 and 3) only when no threshold is left to raise, and then for the
+//!   sake of that group of candidates that costs the fewest, not for all of them.
 
 mod front;
 mod order;
@@ -267,31 +268,31 @@ impl<'a> Grower<'a> {
         let Grower { front, candidates, options, .. } = self;
         candidates.retain(|&cell| front.waiting.contains(cell));
         if candidates.is_empty() {
-            *candidates = front.give_up_blocking();
+            *candidates = prevention::cheapest_group(front, &self.offsets)?;
             if candidates.is_empty() {
                 return Ok(false);
             }
             self.statistics.sacrifices += 1;
             front.build_all(candidates)?;
-        } else {
-            let layers = front.order.len();
-            let selection = match options.prevention {
-                Prevention::None => Selection::take_all(front, candidates)?,
-                Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets)?,
-                Prevention::Adaptive => prevention::adaptive(front, candidates)?,
-                Prevention::FewerThanAll => prevention::fewer_than_all(front, candidates)?,
-            };
-            self.statistics.trials += selection.trials;
-            self.statistics.whole_layers += u64::from(selection.whole);
-            if options.candidates == Candidates::OfLastLayer {
-                front.forget_blocking();
-                if front.order.len() == layers {
-                    self.statistics.sacrifices += 1;
-                    front.build_all(candidates)?;
-                }
-            }
+            candidates.clear();
+            self.collect_candidates();
+            return Ok(true);
         }
+        let layers = front.order.len();
+        let selection = match options.prevention {
+            Prevention::None => Selection::take_all(front, candidates)?,
+            Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets)?,
+            Prevention::Adaptive => prevention::adaptive(front, candidates)?,
+            Prevention::FewerThanAll => prevention::fewer_than_all(front, candidates)?,
+        };
+        self.statistics.trials += selection.trials;
+        self.statistics.whole_layers += u64::from(selection.whole);
         if options.candidates == Candidates::OfLastLayer {
+            front.forget_blocking();
+            if front.order.len() == layers {
+                self.statistics.sacrifices += 1;
+                front.build_all(candidates)?;
+            }
             candidates.iter().for_each(|&cell| self.reached.remove(cell));
         }
         self.candidates.clear();
@@ -314,7 +315,19 @@ impl<'a> Grower<'a> {
             }
         }
         if self.options.candidates == Candidates::OfAllLayers {
+            self.free_behind_candidates();
             self.candidates.sort_unstable();
+            self.candidates.dedup();
+        }
+    }
+
+    /// What is held back because of a candidate is a candidate too: the two may be built in one layer.
+    fn free_behind_candidates(&mut self) {
+        let mut done = 0;
+        while let Some(&candidate) = self.candidates.get(done) {
+            self.front.free_behind(candidate);
+            self.candidates.append(&mut self.front.freed);
+            done += 1;
         }
     }
 
@@ -323,6 +336,7 @@ impl<'a> Grower<'a> {
         while self.candidates.is_empty() && self.threshold + 1 < self.waiting_for.len() {
             self.threshold += 1;
             self.candidates = std::mem::take(&mut self.waiting_for[self.threshold]);
+            self.free_behind_candidates();
             self.candidates.sort_unstable();
         }
     }

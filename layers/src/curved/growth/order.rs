@@ -1,9 +1,9 @@
-//! Candidates in the order of their distance from a first one.
+//! Candidates in the order of their distance from a first one, and in groups that hang together.
 
 use super::super::bits::CellSet;
 use super::length;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// Lengths are counted in this part of a cell, so that they can be compared exactly.
 const PARTS: f64 = (1u64 << 32) as f64;
@@ -42,6 +42,23 @@ pub(super) fn by_distance(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]
     ordered
 }
 
+/// The candidates in groups of those that hang together, by their least number.
+pub(super) fn groups(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]]) -> Vec<Vec<u32>> {
+    let mut left: BTreeSet<u32> = candidates.iter().copied().collect();
+    let mut groups = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let mut group = vec![first];
+        let mut done = 0;
+        while let Some(&cell) = group.get(done) {
+            group.extend(set.around(cell, offsets).filter(|next| left.remove(next)));
+            done += 1;
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::super::cells::Cells;
@@ -57,5 +74,7 @@ mod tests {
         let all: Vec<u32> = cells.iter().collect();
         let ordered = by_distance(&all, &CellSet::of(&cells), Neighbours::FaceOrEdge.offsets());
         assert_eq!(ordered, [0, 5, 6, 19]);
+        let hanging = groups(&all, &CellSet::of(&cells), Neighbours::FaceOrEdge.offsets());
+        assert_eq!(hanging, [vec![0, 5, 6], vec![19]]);
     }
 }

@@ -9,7 +9,7 @@
 
 use super::GrowthError;
 use super::front::Front;
-use super::order::by_distance;
+use super::order::{by_distance, groups};
 use super::watch::{Endangered, dot};
 use curvlay_hull::Plane;
 use nalgebra::{Matrix3, Vector3};
@@ -91,6 +91,10 @@ impl Guarded {
     }
 }
 
+fn guard(front: &Front, shadowed: &[Endangered]) -> Vec<Guarded> {
+    shadowed.iter().map(|e| Guarded::new(e.cell, front.centre(e.cell), &e.proof)).collect()
+}
+
 impl Trial<'_> {
     /// Builds all candidates if that shadows nothing, else those that `select` accepts.
     fn run(
@@ -98,9 +102,9 @@ impl Trial<'_> {
         candidates: &mut [u32],
         select: impl FnOnce(&mut Trial, &mut [u32]) -> Result<(), GrowthError>,
     ) -> Result<Selection, GrowthError> {
-        candidates.iter().for_each(|&cell| _ = front.proposed.insert(cell));
+        front.propose(candidates);
         let selection = Self::run_proposed(front, candidates, select);
-        candidates.iter().for_each(|&cell| front.proposed.remove(cell));
+        front.withdraw(candidates);
         selection
     }
 
@@ -168,6 +172,33 @@ impl Trial<'_> {
         self.accepted.extend(part);
         Ok(Ok(()))
     }
+}
+
+/// The held-back candidates to build regardless of what they shadow: of the groups that hang together the one that
+/// shadows the fewest cells; none if nothing is held back.
+pub(super) fn cheapest_group(front: &mut Front, offsets: &[[i32; 3]]) -> Result<Vec<u32>, GrowthError> {
+    let blocked = front.blocked();
+    front.propose(&blocked);
+    let start = front.hull.checkpoint();
+    front.insert(&blocked)?;
+    let added = front.hull.added_since(&start).to_vec();
+    let in_danger = front.take_in_danger(&added);
+    front.hull.rollback(start);
+    let guarded = guard(front, &in_danger.shadowed);
+    let mut cheapest = (usize::MAX, Vec::new());
+    for group in groups(&blocked, &front.proposed, offsets) {
+        let start = front.hull.checkpoint();
+        front.insert(&group)?;
+        let is_shadowed = |guarded: &&Guarded| front.hull.witness(guarded.centre, &mut front.hint).is_none();
+        let cost = guarded.iter().filter(is_shadowed).count();
+        front.hull.rollback(start);
+        if cost < cheapest.0 {
+            cheapest = (cost, group);
+        }
+    }
+    front.put_back(&in_danger);
+    front.withdraw(&blocked);
+    Ok(cheapest.1)
 }
 
 /// Sorts `part` along its longest principal axis and returns where to cut it: between the cells on either side of
