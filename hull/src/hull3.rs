@@ -19,6 +19,7 @@ use crate::error::{HullError, check};
 use crate::flat;
 use crate::plane::{Depth, Plane, cross, dot, minus};
 use crate::polygon::convex_polygon;
+use crate::walls::Walls;
 
 /// A convex body spanned by lattice points, which grows as points are inserted.
 ///
@@ -46,11 +47,9 @@ pub struct ConvexHull {
     /// Every point that was a corner once. The first one is the ideal point, if there is one.
     points: Vec<[i32; 3]>,
     ideal: bool,
-    /// The planes of `facets`; [`Plane::NOWHERE`] where a facet is gone.
-    planes: Vec<Plane>,
+    /// The planes of `facets`, with gaps where a facet is gone.
+    walls: Walls,
     facets: Vec<Facet>,
-    /// Lengths of the normals.
-    lengths: Vec<f64>,
     /// The facet made last, which is there whenever the body has volume.
     newest: u32,
     /// Facets that are gone and may be used again.
@@ -154,9 +153,8 @@ impl ConvexHull {
             flat: Vec::new(),
             points: Vec::new(),
             ideal: false,
-            planes: Vec::new(),
+            walls: Walls::default(),
             facets: Vec::new(),
-            lengths: Vec::new(),
             newest: 0,
             free: Vec::new(),
             journal: Vec::new(),
@@ -255,12 +253,13 @@ impl ConvexHull {
         }
         let mut depth = f64::INFINITY;
         let mut on = false;
-        for plane in &self.planes {
-            match plane.height(p) {
-                1.. => return Location::Outside,
-                0 => on = true,
-                height => depth = depth.min(-height as f64 / plane.length()),
-            }
+        if self.walls.first_below(p).is_some() {
+            return Location::Outside;
+        }
+        for facet in self.walls.live() {
+            let height = self.walls.distance(facet, p);
+            on |= height >= 0.0;
+            depth = depth.min(-height);
         }
         if on { Location::On } else { Location::Inside { depth } }
     }
@@ -270,7 +269,7 @@ impl ConvexHull {
         if !self.is_solid() {
             return self.depth == Depth::SURFACE && flat::contains(&self.flat, p);
         }
-        self.planes.iter().all(|plane| !plane.shows(p))
+        self.walls.first_showing(p).is_none()
     }
 
     /// A plane of the surface that shows that `p` is not deep; `None` if it is.
@@ -292,31 +291,23 @@ impl ConvexHull {
     /// assert_eq!(normal([4, 4, -5]), None);
     /// # Ok::<(), curvlay_hull::HullError>(())
     /// ```
-    pub fn witness(&self, p: [i32; 3], hint: &mut Hint) -> Option<&Plane> {
+    pub fn witness(&self, p: [i32; 3], hint: &mut Hint) -> Option<Plane> {
         if !self.is_solid() {
             return None;
         }
         let top = self.climb(p, hint.facet);
-        if self.planes[top as usize].shows(p) {
-            hint.facet = top;
-            return Some(&self.planes[top as usize]);
-        }
-        let shows = |plane: &Plane| plane.shows(p);
-        let facet = self.planes.iter().position(shows)?;
-        hint.facet = self.climb(p, facet as u32);
-        Some(&self.planes[hint.facet as usize])
+        hint.facet = if self.walls.shows(top, p) { top } else { self.climb(p, self.walls.first_showing(p)?) };
+        Some(self.walls.plane(hint.facet))
     }
 
     /// The facet that `p` lies farther above (or less far below) than any of its neighbours, uphill from `start`.
     fn climb(&self, p: [i32; 3], start: u32) -> u32 {
-        let height = |facet: u32| self.planes[facet as usize].height(p) as f64 / self.lengths[facet as usize];
-        let gone = |facet: u32| self.planes.get(facet as usize).is_none_or(|plane| *plane == Plane::NOWHERE);
-        let mut top = if gone(start) { self.newest } else { start };
-        let mut height_of_top = height(top);
+        let mut top = if self.walls.is_live(start) { start } else { self.newest };
+        let mut height_of_top = self.walls.distance(top, p);
         loop {
             let below = top;
             for next in self.facets[below as usize].across {
-                let height_of_next = height(next);
+                let height_of_next = self.walls.distance(next, p);
                 if height_of_next > height_of_top {
                     (top, height_of_top) = (next, height_of_next);
                 }
@@ -337,8 +328,8 @@ impl ConvexHull {
     }
 
     /// The planes of the facets. Triangles of one face each have their own multiple of the same normal.
-    pub fn planes(&self) -> impl Iterator<Item = &Plane> {
-        self.planes.iter().filter(|plane| **plane != Plane::NOWHERE)
+    pub fn planes(&self) -> impl Iterator<Item = Plane> {
+        self.walls.live().map(|facet| self.walls.plane(facet))
     }
 
     /// The corners of the body (its extreme points) in lexical order.
@@ -352,24 +343,19 @@ impl ConvexHull {
 
     /// The triangles of the surface, counter-clockwise from outside. A corner at infinity is `None`.
     pub fn triangles(&self) -> impl Iterator<Item = [Option<[i32; 3]>; 3]> {
-        self.live_facets().map(|facet| facet.corners.map(|corner| self.finite(corner)))
+        self.facets().map(|facet| self.facet(facet).corners.map(|corner| self.finite(corner)))
     }
 
-    pub(crate) fn live_facets(&self) -> impl Iterator<Item = Facet> {
-        let live = |plane: &Plane| *plane != Plane::NOWHERE;
-        self.facets.iter().zip(&self.planes).filter(move |(_, plane)| live(plane)).map(|(facet, _)| *facet)
+    pub(crate) fn facets(&self) -> impl Iterator<Item = u32> {
+        self.walls.live()
     }
 
-    pub(crate) fn plane_of(&self, facet: u32) -> &Plane {
-        &self.planes[facet as usize]
+    pub(crate) fn plane_of(&self, facet: u32) -> Plane {
+        self.walls.plane(facet)
     }
 
     pub(crate) fn facet(&self, facet: u32) -> Facet {
         self.facets[facet as usize]
-    }
-
-    pub(crate) fn facet_slots(&self) -> u32 {
-        self.facets.len() as u32
     }
 
     /// The corner, unless it is the ideal point.
@@ -393,22 +379,20 @@ impl ConvexHull {
                     self.points.pop();
                 }
                 Some(Undo::Linked { facet, edge, across }) => self.facets[facet as usize].across[edge] = across,
-                Some(Undo::Removed { facet, plane }) => self.planes[facet as usize] = plane,
+                Some(Undo::Removed { facet, plane }) => self.walls.set(facet, &plane),
                 Some(Undo::Made { facet, reused: true }) => {
-                    self.planes[facet as usize] = Plane::NOWHERE;
+                    self.walls.take(facet);
                     self.free.push(facet);
                 }
                 Some(Undo::Made { reused: false, .. }) => {
-                    self.planes.pop();
+                    self.walls.pop();
                     self.facets.pop();
-                    self.lengths.pop();
                 }
                 Some(Undo::Flat(flat)) => {
                     self.flat = flat;
                     self.points.clear();
-                    self.planes.clear();
+                    self.walls.truncate(0);
                     self.facets.clear();
-                    self.lengths.clear();
                     self.free.clear();
                 }
                 None => break,
@@ -482,7 +466,7 @@ impl ConvexHull {
             if first == NONE {
                 continue;
             }
-            let plane = self.planes[facet as usize];
+            let plane = self.walls.plane(facet);
             let farthest = chain(&next, first).max_by_key(|&at| (plane.height(points[at]), at)).unwrap_or(0);
             self.add(points[farthest], facet);
             waiting.resize(self.facets.len(), NONE);
@@ -493,7 +477,7 @@ impl ConvexHull {
                 while at != NONE {
                     let point = points[at as usize];
                     let after = next[at as usize];
-                    let outside = |made: &&u32| self.planes[**made as usize].height(point) > 0;
+                    let outside = |made: &&u32| self.walls.height(**made, point) > 0.0;
                     if let Some(&made) = self.scratch.made.iter().find(outside) {
                         next[at as usize] = std::mem::replace(&mut waiting[made as usize], at);
                     }
@@ -507,15 +491,8 @@ impl ConvexHull {
 
     /// A facet that `p` lies strictly outside of. `hint` is looked at first.
     fn facet_below(&self, p: [i32; 3], hint: u32) -> Option<u32> {
-        let outside = |plane: &Plane| plane.height(p) > 0;
-        if self.planes.get(hint as usize).is_some_and(outside) {
-            return Some(hint);
-        }
         let top = self.climb(p, hint);
-        if outside(&self.planes[top as usize]) {
-            return Some(top);
-        }
-        self.planes.iter().position(outside).map(|at| at as u32)
+        if self.walls.height(top, p) > 0.0 { Some(top) } else { self.walls.first_below(p) }
     }
 
     /// Adds the corner `p`, which lies strictly outside the facet `seed`.
@@ -557,11 +534,10 @@ impl ConvexHull {
             done += 1;
             for k in 0..3 {
                 let beyond = across[k];
-                let plane = &self.planes[beyond as usize];
-                if *plane == Plane::NOWHERE {
+                if !self.walls.is_live(beyond) {
                     continue;
                 }
-                if plane.height(p) >= 0 {
+                if self.walls.height(beyond, p) >= 0.0 {
                     self.remove(beyond);
                 } else {
                     let (from, to) = (corners[k], corners[(k + 1) % 3]);
@@ -575,7 +551,7 @@ impl ConvexHull {
     }
 
     fn remove(&mut self, facet: u32) {
-        let plane = std::mem::replace(&mut self.planes[facet as usize], Plane::NOWHERE);
+        let plane = self.walls.take(facet);
         self.log(Undo::Removed { facet, plane });
         self.scratch.removed.push(facet);
     }
@@ -584,15 +560,13 @@ impl ConvexHull {
         let plane = self.plane_through(facet.corners);
         let (made, reused) = match self.free.pop() {
             Some(slot) => {
-                self.planes[slot as usize] = plane;
+                self.walls.set(slot, &plane);
                 self.facets[slot as usize] = facet;
-                self.lengths[slot as usize] = plane.length();
                 (slot, true)
             }
             None => {
-                self.planes.push(plane);
+                self.walls.push(&plane);
                 self.facets.push(facet);
-                self.lengths.push(plane.length());
                 (self.facets.len() as u32 - 1, false)
             }
         };

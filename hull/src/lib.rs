@@ -16,6 +16,7 @@ mod measure;
 mod plane;
 mod polygon;
 mod rows;
+mod walls;
 
 pub use error::{HullError, MAX_COORDINATE};
 pub use hull2::{Checkpoint2, ConvexHull2, Location2};

@@ -1,7 +1,7 @@
 //! Volume, area and faces of a body.
 
 use crate::hull3::ConvexHull;
-use crate::plane::{Plane, cross, minus};
+use crate::plane::{cross, minus};
 
 /// A face of a body: all of its surface in one plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,10 +46,8 @@ impl ConvexHull {
     /// # Cost
     /// `O(f log f)` for `f` facets.
     pub fn faces(&self) -> Vec<Face> {
-        let mut triangles: Vec<_> = (0..self.facet_slots())
-            .filter(|&slot| *self.plane_of(slot) != Plane::NOWHERE)
-            .map(|slot| (self.plane_of(slot).reduced().normal, self.facet(slot).corners))
-            .collect();
+        let mut triangles: Vec<_> =
+            self.facets().map(|facet| (self.plane_of(facet).reduced().normal, self.facet(facet).corners)).collect();
         triangles.sort_unstable();
         let of_one_normal = triangles.chunk_by(|a, b| a.0 == b.0);
         of_one_normal
@@ -66,7 +64,7 @@ impl ConvexHull {
     /// Checks every property of the structure; for tests.
     #[cfg(test)]
     pub(crate) fn assert_sound(&self) {
-        for slot in (0..self.facet_slots()).filter(|&slot| *self.plane_of(slot) != Plane::NOWHERE) {
+        for slot in self.facets() {
             let facet = self.facet(slot);
             for k in 0..3 {
                 let twin = self.facet(facet.across[k]);

@@ -83,9 +83,6 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Stands for a facet that is gone: every point lies below it, and it keeps none from being deep.
-    pub(crate) const NOWHERE: Plane = Plane { normal: [0; 3], offset: 1, inner: 0 };
-
     /// The plane with the given outward normal through `p`.
     pub(crate) fn through(normal: [i64; 3], p: [i32; 3], depth: Depth) -> Self {
         let squared = normal.iter().map(|&c| u128::from(c.unsigned_abs()).pow(2)).sum();

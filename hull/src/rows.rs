@@ -101,7 +101,7 @@ impl RowIntervals {
         }
         let upper = sorted_by_slope(hull, |plane| plane.normal);
         let lower = sorted_by_slope(hull, |plane| [-plane.normal[0], plane.normal[1], plane.normal[2]]);
-        let across: Vec<Plane> = hull.planes().filter(|plane| plane.normal[0] == 0).copied().collect();
+        let across: Vec<Plane> = hull.planes().filter(|plane| plane.normal[0] == 0).collect();
         let mut envelope = Vec::new();
         for z in 0..nz {
             let height = self.lattice.origin[1] + self.lattice.step * z as i32;
@@ -157,7 +157,7 @@ impl RowIntervals {
 /// The planes that bound x from above once `normal_of` has been applied, by rising slope.
 fn sorted_by_slope(hull: &ConvexHull, normal_of: impl Fn(&Plane) -> [i64; 3]) -> Vec<([i64; 3], i64)> {
     let mut lines: Vec<_> =
-        hull.planes().map(|plane| (normal_of(plane), plane.inner)).filter(|(normal, _)| normal[0] > 0).collect();
+        hull.planes().map(|plane| (normal_of(&plane), plane.inner)).filter(|(normal, _)| normal[0] > 0).collect();
     lines.sort_by(|(a, _), (b, _)| (i128::from(a[1]) * i128::from(b[0])).cmp(&(i128::from(b[1]) * i128::from(a[0]))));
     lines
 }

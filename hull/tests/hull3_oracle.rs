@@ -146,7 +146,7 @@ proptest! {
     #[test]
     fn rollback_restores_exactly(points in points(9, 40), more in prop::collection::vec(points(12, 20), 1..5)) {
         let mut hull = hull_of(&points, Depth::new(1.0).unwrap());
-        let state = |hull: &ConvexHull| (hull.triangles().collect::<Vec<_>>(), hull.planes().copied().collect::<Vec<_>>(), hull.corners());
+        let state = |hull: &ConvexHull| (hull.triangles().collect::<Vec<_>>(), hull.planes().collect::<Vec<_>>(), hull.corners());
         let mut stack = Vec::new();
         for batch in &more {
             stack.push((state(&hull), hull.checkpoint()));

@@ -27,9 +27,22 @@ impl Centres {
         [cell % nx, cell / nx % ny, cell / nx / ny].map(|c| 2 * c as i32 + 1)
     }
 
+    /// The row of a cell.
+    pub(super) fn row(self, cell: u32) -> u32 {
+        cell / self.dims[0]
+    }
+
     /// Inserts the cells into a hull: their centres, or the ends of the bars that they stand for.
-    pub(super) fn insert(self, cells: impl Iterator<Item = u32>, hull: &mut ConvexHull) -> Result<(), HullError> {
-        let centres = cells.map(|cell| self.of(cell));
+    pub(super) fn insert(self, cells: &[u32], hull: &mut ConvexHull) -> Result<(), HullError> {
+        // A cell between its two neighbours in a row is no corner of anything.
+        let between = |at: usize| {
+            let cell = cells[at];
+            let neighbours = at.checked_sub(1).and_then(|before| Some((*cells.get(before)?, *cells.get(at + 1)?)));
+            neighbours.is_some_and(|(before, after)| {
+                before + 1 == cell && cell + 1 == after && self.row(before) == self.row(after)
+            })
+        };
+        let centres = (0..cells.len()).filter(|&at| !between(at)).map(|at| self.of(cells[at]));
         let points: Vec<_> = if self.flat {
             centres.flat_map(|[x, y, z]| [[x, y - HALF_BAR, z], [x, y + HALF_BAR, z]]).collect()
         } else {

@@ -148,14 +148,18 @@ fn hull_of_rest(
 ) -> Result<ConvexHull, HullError> {
     let mut hull = hull_of_platform(platform, rules, depth)?;
     let words = cells.words_per_row();
-    let ends = remaining.chunks_exact(words).enumerate().flat_map(|(row, bits)| {
-        let start = row as u32 * cells.dims()[0];
-        let first = bits.iter().position(|&word| word != 0);
-        let last = bits.iter().rposition(|&word| word != 0);
-        let first = first.map(|word| start + 64 * word as u32 + bits[word].trailing_zeros());
-        let last = last.map(|word| start + 64 * word as u32 + 63 - bits[word].leading_zeros());
-        [first, last.filter(|&last| Some(last) != first)].into_iter().flatten()
-    });
-    Centres::new(cells, rules).insert(ends, &mut hull)?;
+    let ends: Vec<u32> = remaining
+        .chunks_exact(words)
+        .enumerate()
+        .flat_map(|(row, bits)| {
+            let start = row as u32 * cells.dims()[0];
+            let first = bits.iter().position(|&word| word != 0);
+            let last = bits.iter().rposition(|&word| word != 0);
+            let first = first.map(|word| start + 64 * word as u32 + bits[word].trailing_zeros());
+            let last = last.map(|word| start + 64 * word as u32 + 63 - bits[word].leading_zeros());
+            [first, last.filter(|&last| Some(last) != first)].into_iter().flatten()
+        })
+        .collect();
+    Centres::new(cells, rules).insert(&ends, &mut hull)?;
     Ok(hull)
 }

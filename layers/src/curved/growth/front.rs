@@ -79,7 +79,7 @@ impl Front {
 
     /// Inserts the cells into the hull.
     pub(super) fn insert(&mut self, cells: &[u32]) -> Result<(), HullError> {
-        self.centres.insert(cells.iter().copied(), &mut self.hull)
+        self.centres.insert(cells, &mut self.hull)
     }
 
     /// How many of the cells lie inside the hull.
@@ -94,8 +94,10 @@ impl Front {
         let added = self.hull.added_since(&start).to_vec();
         self.hull.commit(start);
         layer.iter().for_each(|&cell| self.waiting.remove(cell));
-        let in_danger = self.take_in_danger(&added);
+        let mut in_danger = self.take_in_danger(&added);
+        let lost = std::mem::take(&mut in_danger.shadowed);
         self.settle(layer, &added, &in_danger);
+        lost.iter().for_each(|endangered| self.lose(endangered.cell));
         Ok(())
     }
 
@@ -103,20 +105,34 @@ impl Front {
     /// Every cell in the answer must come back through [`Front::settle`] or [`Front::put_back`].
     pub(super) fn take_in_danger(&mut self, added: &[[i32; 3]]) -> InDanger {
         let mut in_danger = InDanger::default();
-        for mut endangered in self.watch.take_endangered(added, &self.waiting) {
-            if self.proposed.contains(endangered.cell) {
-                in_danger.proposed.push(endangered);
-                continue;
-            }
-            match self.hull.witness(self.centres.of(endangered.cell), &mut self.hint) {
-                Some(proof) => {
-                    endangered.proof = *proof;
-                    in_danger.saved.push(endangered);
+        let endangered = self.watch.take_endangered(added, &self.waiting);
+        let (proposed, others) = endangered.into_iter().partition(|e| self.proposed.contains(e.cell));
+        in_danger.proposed = proposed;
+        let others: Vec<Endangered> = others;
+        let centres = self.centres;
+        for row in others.chunk_by(|a, b| centres.row(a.cell) == centres.row(b.cell)) {
+            let mut rest = row;
+            while let Some((first, after)) = rest.split_first() {
+                match self.proof(first.cell) {
+                    Some(proof) => {
+                        in_danger.saved.push(Endangered { proof, ..*first });
+                        rest = after;
+                    }
+                    None => {
+                        // What lies inside a convex body is one piece of the row.
+                        let inside = 1 + after.partition_point(|e| self.proof(e.cell).is_none());
+                        in_danger.shadowed.extend(&rest[..inside]);
+                        rest = &rest[inside..];
+                    }
                 }
-                None => in_danger.shadowed.push(endangered),
             }
         }
         in_danger
+    }
+
+    /// A plane that shows that the cell is accessible with the hull as it is.
+    fn proof(&mut self, cell: u32) -> Option<Plane> {
+        self.hull.witness(self.centres.of(cell), &mut self.hint)
     }
 
     /// The cells are candidates for the next layer.
@@ -140,7 +156,6 @@ impl Front {
     /// cell whose proof may fail is in `in_danger`. Each of these gets a new proof or is lost.
     pub(super) fn settle(&mut self, layer: &[u32], added: &[[i32; 3]], in_danger: &InDanger) {
         self.order.push(layer.iter().copied());
-        let number = self.order.len() as u32;
         for &cell in layer {
             self.waiting.remove(cell);
             self.free_behind(cell);
@@ -150,19 +165,20 @@ impl Front {
             self.watch.add(*cell, self.centre(*cell), proof);
         }
         for &Endangered { cell, .. } in in_danger.proposed.iter().chain(&in_danger.shadowed) {
-            if !self.waiting.contains(cell) {
-                continue;
-            }
-            let centre = self.centre(cell);
-            match self.hull.witness(centre, &mut self.hint) {
-                Some(proof) => self.watch.add(cell, centre, proof),
-                None => {
-                    self.waiting.remove(cell);
-                    self.lost.push((cell, number));
-                    self.free_behind(cell);
+            if self.waiting.contains(cell) {
+                match self.proof(cell) {
+                    Some(proof) => self.watch.add(cell, self.centre(cell), &proof),
+                    None => self.lose(cell),
                 }
             }
         }
+    }
+
+    /// The cell lies inside since the last layer.
+    fn lose(&mut self, cell: u32) {
+        self.waiting.remove(cell);
+        self.lost.push((cell, self.order.len() as u32));
+        self.free_behind(cell);
     }
 
     /// Holds `candidate` back until `blocker` is built or lost.

@@ -156,7 +156,7 @@ impl Trial<'_> {
         for at in crossed {
             let Guarded { cell, centre, .. } = self.endangered[at];
             match self.front.hull.witness(centre, &mut self.front.hint) {
-                Some(proof) => renewed.push((at, Guarded::new(cell, centre, proof))),
+                Some(proof) => renewed.push((at, Guarded::new(cell, centre, &proof))),
                 None => {
                     self.front.hull.rollback(start);
                     self.endangered.swap(0, at); // what stops one part often stops the next
