@@ -1,1 +1,20 @@
 //! Inputs that the benches share.
+
+use curvlay_voxel::VoxelGrid;
+
+/// A hollow ball on a stem, with an arm that hangs down beside it, in a cube of `side` cells.
+///
+/// # Panics
+/// If `side` is 0 or the grid too large.
+pub fn hollow_ball(side: u32) -> VoxelGrid {
+    let solid = |[x, y, z]: [u32; 3]| {
+        let at = |c: u32, middle: f64| (f64::from(c) + 0.5) / f64::from(side) - middle;
+        let (dx, dy, dz) = (at(x, 0.5), at(y, 0.5), at(z, 0.62));
+        let from_middle = (dx * dx + dy * dy + dz * dz).sqrt();
+        let stem = dx.hypot(dy) < 0.08 && dz < 0.0;
+        let arm = (at(x, 0.9)).hypot(dy) < 0.05 && (-0.3..0.05).contains(&dz);
+        let beam = dy.abs() < 0.05 && (0.0..0.05).contains(&dz) && (0.2..0.42).contains(&dx);
+        stem || arm || beam || (0.2..0.3).contains(&from_middle)
+    };
+    VoxelGrid::from_fn([side; 3], solid).expect("a small grid")
+}

@@ -1,1 +1,14 @@
-//! TBD
+//! What the examples share: reading meshes, arguments, output folder, progress bars, pictures, the report, and shapes
+//! made in code. Unpublished; it knows nothing of the published crates and takes plain data from them.
+
+pub mod args;
+pub mod bars;
+pub mod mesh;
+pub mod output;
+pub mod render;
+pub mod report;
+pub mod shapes;
+pub mod summary;
+pub mod table;
+
+pub use nalgebra;

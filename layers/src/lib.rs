@@ -5,10 +5,12 @@
 //! audits any such order from first principles.
 //!
 //! * [`curved`]: growing fields after Dai et al. (2018), their audit and their quality.
+//! * [`planar`]: plane layers after Boge (2019): what a printer misses that cannot turn the part.
 //!
 //! Sets of cells come in as plain bits ([`curved::Cells`]), so any voxeliser will do.
 
 pub mod curved;
+pub mod planar;
 mod progress;
 
 pub use nalgebra;

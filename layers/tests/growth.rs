@@ -280,3 +280,19 @@ fn peeling_ends_at_any_depth() {
         assert!(part.cells().iter().all(|cell| field.value(cell) > 0));
     }
 }
+
+/// A cell that joined others with the same direction found their reach too high, left over from a what-if: its
+/// proof was taken for void from the start.
+#[test]
+fn a_reach_left_over_from_a_what_if_is_lowered() {
+    let side = |row: u64| (0..6).map(move |_| row);
+    let rows: Vec<u64> = (0..20).flat_map(|z| side(if z < 14 { 0xF } else { 0xF_FFFF })).collect();
+    let cells = Cells::new([20, 6, 20], &rows).unwrap();
+    let part = Part { dims: [20, 6, 20], rows: rows.clone(), platform: Platform::under(&cells, 64.0).unwrap() };
+    for prevention in [Prevention::None, Prevention::Incremental, Prevention::Adaptive] {
+        let growth = part.grow(&Rules::default(), prevention);
+        let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
+        let report = audit(&cells, &part.platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+        assert!(report.is_ok() && (prevention == Prevention::None || missed.is_empty()), "{prevention:?} {report}");
+    }
+}

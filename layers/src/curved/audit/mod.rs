@@ -15,6 +15,7 @@ use super::{Cells, LayerOrder, Neighbours, Platform, Rules, RulesError};
 use crate::Progress;
 use body::Body;
 use depth::{Depths, Question};
+use std::fmt::{self, Display};
 use std::ops::ControlFlow;
 
 /// Faults of each kind that are listed one by one; the rest are only counted. More would tell a reader nothing new,
@@ -142,6 +143,41 @@ impl AuditReport {
                 self.max_depth = self.max_depth.max(depth);
             }
             self.faults.push(fault);
+        }
+    }
+}
+
+/// One line: `passed`, or how many faults of which kind.
+impl Display for AuditReport {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let FaultCounts {
+            unsupported,
+            inside,
+            repeated,
+            not_solid,
+            empty_layers,
+            lost,
+            built_and_missed,
+            missed_twice,
+            missed_not_solid,
+        } = self.counts;
+        let kinds = [
+            (unsupported, "without support"),
+            (inside, "inside the hull of earlier layers"),
+            (repeated, "built twice"),
+            (not_solid, "built but not of the solid"),
+            (empty_layers, "empty layers"),
+            (lost, "neither built nor missed"),
+            (built_and_missed, "both built and missed"),
+            (missed_twice, "missed twice"),
+            (missed_not_solid, "missed but not of the solid"),
+        ];
+        let found: Vec<String> =
+            kinds.iter().filter(|(count, _)| *count > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
+        match found.as_slice() {
+            [] if self.is_ok() => f.write_str("passed"),
+            [] => write!(f, "{} cells, but {} in layers and {} missed", self.cells, self.in_layers, self.missed),
+            found => f.write_str(&found.join(", ")),
         }
     }
 }

@@ -45,7 +45,7 @@ impl Watch {
         Watch { groups: Vec::new(), group_of: HashMap::new() }
     }
 
-    /// Watches the cell at `point`, which `proof` shows to be accessible.
+    /// Watches the cell at `point`, which `proof` shows to be accessible: a plane with all of the front below it.
     pub(super) fn add(&mut self, cell: u32, point: [i32; 3], proof: &Plane) {
         let proof = proof.reduced();
         let group = *self.group_of.entry(proof.normal).or_insert_with(|| {
@@ -54,6 +54,7 @@ impl Watch {
             self.groups.len() - 1
         });
         let group = &mut self.groups[group];
+        group.reach = group.reach.min(proof.offset);
         group.cells.push(Reverse((dot(group.normal, point), cell)));
     }
 

@@ -1,0 +1,186 @@
+//! What the example leaves behind: the tables on stdout, `summary.json` and `report.html`.
+
+use super::growing::{Case, Results, Run, STRATEGIES};
+use super::objects::PLATFORMS;
+use super::thesis::{LAYERS, METHODS, MISSED, UNIFORM};
+use curvlay_examples::args::Failure;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::render::{LayeredCells, Plane, draw_cut};
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::{Summary, SummaryError};
+use curvlay_examples::table::Table;
+use std::io::{self, Write};
+use std::time::Duration;
+
+/// Pixels of each picture: squares of 20 pixels for the 35 cells of the large platform.
+const PICTURE: [u32; 2] = [728, 320];
+
+const BOTH: &str = "Tables 5.1 and 5.2: missed cells and layers, by the rules of the thesis, ours and Boge's";
+const SLICED: &str = "Table 6.6: missed cells of uniform slicing, ours and Boge's";
+const DEFAULT: &str = "The same objects by our default rules (eps 1 cell): missed cells / layers";
+
+pub fn write(results: &Results, folder: &OutputFolder, threads: usize, time: Duration) -> Result<(), Failure> {
+    folder.write("report.html", report(results)?.to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(results, threads, time)?.write(folder)?;
+    Ok(())
+}
+
+/// Prints the tables; a reader that has gone away (`| head`) is not an error.
+pub fn print(results: &Results) -> Result<(), Failure> {
+    let text = format!(
+        "{BOTH}\n{}\n{SLICED}\n{}\n{DEFAULT}\n{}\n{}",
+        thesis_table(results),
+        uniform_table(results),
+        default_table(results),
+        verdict(results)
+    );
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// Object and platform.
+fn place(case: &Case) -> [String; 2] {
+    [(case.object + 1).to_string(), PLATFORMS[case.platform].to_owned()]
+}
+
+/// A line for each object on each platform; for each method ours and hers.
+fn thesis_table(results: &Results) -> Table {
+    let methods = METHODS
+        .iter()
+        .flat_map(|method| [format!("{method} missed"), "Boge".to_owned(), "layers".to_owned(), "Boge".to_owned()]);
+    let mut table = Table::new(["object".to_owned(), "platform".to_owned()].into_iter().chain(methods));
+    for case in &results.cases {
+        let figures = case.theirs.iter().enumerate().flat_map(|(method, run)| {
+            let in_table = |table: [[[usize; 2]; 3]; 6]| table[case.object][case.platform][method];
+            [run.growth.missed.len(), in_table(MISSED), run.growth.order.len(), in_table(LAYERS)]
+        });
+        table.row(place(case).into_iter().chain(figures.map(|figure| figure.to_string())));
+    }
+    table
+}
+
+fn uniform_table(results: &Results) -> Table {
+    let mut table = Table::new(["object", "cells", "missed", "Boge"]);
+    let on_small = results.cases.iter().filter(|case| case.platform == 0);
+    for (case, missed) in on_small.zip(&results.uniform) {
+        let thesis = UNIFORM[case.object].map_or_else(|| "-".to_owned(), |missed| missed.to_string());
+        table.row([place(case)[0].clone(), case.drawn.grid.count().to_string(), missed.to_string(), thesis]);
+    }
+    table
+}
+
+fn default_table(results: &Results) -> Table {
+    let heads = ["object", "platform"].into_iter().chain(STRATEGIES).chain(["audits"]);
+    let mut table = Table::new(heads);
+    for case in &results.cases {
+        let figures = case.ours.iter().map(|run| format!("{} / {}", run.growth.missed.len(), run.growth.order.len()));
+        let passed = case.ours.iter().filter(|run| run.audit.is_ok()).count();
+        let audits = if passed == STRATEGIES.len() { "passed" } else { "FAILED" };
+        table.row(place(case).into_iter().chain(figures).chain([audits.to_owned()]));
+    }
+    table
+}
+
+/// How many checks passed, and which did not.
+fn verdict(results: &Results) -> Table {
+    let (entries, audits) = (results.entries.len(), results.runs().count());
+    let failed = results.failed_audits();
+    let mut table = Table::new(["", ""]);
+    table
+        .row(["figures that agree".to_owned(), format!("{} of {entries}", entries - results.disagreeing().count())])
+        .row(["audits passed".to_owned(), format!("{} of {audits}", audits - failed.len())]);
+    for entry in results.disagreeing() {
+        table.row(["DIFFERS".to_owned(), format!("{}: {}, in the thesis {}", entry.key, entry.ours, entry.thesis)]);
+    }
+    failed.into_iter().for_each(|line| _ = table.row(["AUDIT FAILED".to_owned(), line]));
+    table
+}
+
+fn summary(results: &Results, threads: usize, time: Duration) -> Result<Summary, SummaryError> {
+    let disagreeing: Vec<&str> = results.disagreeing().map(|entry| entry.key.as_str()).collect();
+    let failed = results.failed_audits();
+    let audits = results.runs().count();
+    let mut summary = Summary::new();
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("threads", threads)?
+        .set("entries", results.entries.len())?
+        .set("agreeing", results.entries.len() - disagreeing.len())?
+        .set("disagreeing", disagreeing.join(", "))?
+        .set("audits", audits)?
+        .set("audits_passed", audits - failed.len())?
+        .set("audit_ok", failed.is_empty())?
+        .set("audits_failed", failed.join("; "))?
+        .set_seconds("total_s", time)?;
+    for (object, &missed) in results.uniform.iter().enumerate() {
+        summary.set(&format!("object{}_uniform_missed", object + 1), missed)?;
+    }
+    for (name, run) in results.runs() {
+        summary
+            .set(&format!("{name}_missed"), run.growth.missed.len())?
+            .set(&format!("{name}_layers"), run.growth.order.len())?;
+    }
+    Ok(summary)
+}
+
+fn report(results: &Results) -> Result<Report, Failure> {
+    let mut report = Report::new("Six objects after Boge (2019)");
+    report.paragraph(
+        "H. Boge grew six small objects layer by layer on a small, a medium and a large platform (Robotic additive \
+         manufacturing, MSc thesis, NTNU 2019): greedily (GCFA), and with incremental shadow prevention (GCFA-ISP). A \
+         cell that comes to lie inside the convex hull of what is built is missed. The objects are shown in figures \
+         only; here they are reconstructions with her counts.",
+    );
+    results.disagreeing().for_each(|entry| {
+        _ = report.notice(&format!("{} is {}, in the thesis {}", entry.key, entry.ours, entry.thesis));
+    });
+    results.failed_audits().iter().for_each(|line| _ = report.notice(&format!("The audit failed: {line}")));
+    report
+        .table("This run", &verdict(results))
+        .heading("By the rules of the thesis")
+        .table(BOTH, &thesis_table(results))
+        .table(SLICED, &uniform_table(results))
+        .heading("By our default rules")
+        .paragraph(
+            "A cell may lie up to one cell deep in the hull, cells held back can be taken later, and the platform \
+             reaches down without end. Each order was audited from first principles.",
+        )
+        .table(DEFAULT, &default_table(results))
+        .heading("On the large platform, by the rules of the thesis");
+    for case in on_large(results) {
+        let runs: Vec<_> = METHODS.iter().zip(&case.theirs).map(|(method, run)| (case, *method, run)).collect();
+        pictures(&mut report, &runs)?;
+    }
+    report.heading("On the large platform, by our default rules");
+    let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[3], &case.ours[3])).collect();
+    pictures(&mut report, &runs)?;
+    Ok(report)
+}
+
+fn on_large(results: &Results) -> impl Iterator<Item = &Case> {
+    results.cases.iter().filter(|case| case.platform == PLATFORMS.len() - 1)
+}
+
+/// Adds the growing fields side by side.
+fn pictures(report: &mut Report, runs: &[(&Case, &str, &Run)]) -> Result<(), Failure> {
+    let mut drawn = Vec::new();
+    for (case, method, run) in runs {
+        let cut = if case.drawn.flat { "" } else { " (cut through the middle)" };
+        drawn.push((format!("object {}, {method}{cut}", case.object + 1), picture(case, run)?));
+    }
+    report.pictures(&drawn.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect::<Vec<_>>());
+    Ok(())
+}
+
+/// The growing field as squares; of an object in space the cut through its middle.
+fn picture(case: &Case, run: &Run) -> Result<Vec<u8>, Failure> {
+    let grid = &case.drawn.grid;
+    let field = run.growth.order.field(grid.dims().iter().map(|&side| side as usize).product());
+    let layered = LayeredCells::new(grid.dims(), grid.rows(), &field)?;
+    let [width, height] = PICTURE;
+    let cut = draw_cut(&layered, Plane::middle_y(grid.dims()), width, height);
+    Ok(cut.with_legend(run.growth.order.len() as u32, run.growth.missed.len()).to_png())
+}

@@ -1,0 +1,291 @@
+//! Arguments that the examples share, and their exit status.
+//!
+//! Each group is flattened into the arguments of an example:
+//! ```
+//! use clap::Parser;
+//! use curvlay_examples::args::{Common, MeshArgs};
+//! #[derive(Parser)]
+//! struct Args {
+//!     #[command(flatten)]
+//!     mesh: MeshArgs,
+//!     #[command(flatten)]
+//!     common: Common,
+//! }
+//! let args = Args::try_parse_from(["curved_layers", "--unit", "m", "--threads", "2"])?;
+//! assert_eq!((args.common.threads, args.mesh.mesh), (2, None));
+//! assert!(Args::try_parse_from(["curved_layers", "--scale", "0"]).is_err());
+//! # Ok::<(), clap::Error>(())
+//! ```
+
+use crate::mesh::{Mesh, MeshError, Placement, Unit, Up, read_mesh};
+use crate::output::{OutputError, OutputFolder};
+use clap::{Args, Parser, ValueEnum};
+use std::env;
+use std::error::Error;
+use std::ffi::OsString;
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::thread;
+
+/// What all examples take.
+#[derive(Args, Clone, Debug)]
+pub struct Common {
+    /// Folder for the results [default: target/out/ and the name of the example]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads to work on; the results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = cores(), value_parser = threads, allow_negative_numbers = true)]
+    pub threads: usize,
+    /// No progress bars
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Common {
+    /// Opens the output folder: the one asked for, or `target/out/NAME`. To be done before the work.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be written.
+    pub fn folder(&self, name: &str) -> Result<OutputFolder, OutputError> {
+        let default = || Path::new("target").join("out").join(name);
+        OutputFolder::create(&self.out.clone().unwrap_or_else(default))
+    }
+}
+
+/// Which part, and how it is meant.
+#[derive(Args, Clone, Debug)]
+pub struct MeshArgs {
+    /// STL, OBJ or PLY file [default: a jug made in code]
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// Unit of the numbers in the file
+    #[arg(long, default_value = "mm")]
+    pub unit: Unit,
+    /// Makes the part this many times as large
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
+    pub scale: f64,
+    /// The axis of the file that points up
+    #[arg(long, default_value = "z")]
+    pub up: Up,
+}
+
+/// A part as it was read, in millimetres with z up.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The file without its folder, or the name of the shape.
+    pub name: String,
+    /// The part.
+    pub mesh: Mesh,
+    /// Doubts about its size, in one line.
+    pub warning: Option<String>,
+}
+
+impl MeshArgs {
+    /// Unit, scale and axis.
+    pub fn placement(&self) -> Placement {
+        Placement { unit: self.unit, scale: self.scale, up: self.up }
+    }
+
+    /// Reads the file, or makes `shape` when there is none; unit, scale and axis apply to both.
+    ///
+    /// # Errors
+    /// [`MeshError`] when the file cannot be used.
+    pub fn load(&self, shape_name: &str, shape: impl FnOnce() -> Mesh) -> Result<Part, MeshError> {
+        let (path, mut mesh) = match &self.mesh {
+            Some(path) => (path.clone(), read_mesh(path)?),
+            None => (PathBuf::from(shape_name), shape()),
+        };
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        match self.placement().apply(&mut mesh) {
+            Ok(warning) => Ok(Part { name, mesh, warning }),
+            Err(fault) => Err(MeshError { path, fault }),
+        }
+    }
+}
+
+/// How large the cells are: one of the two, or neither.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct VoxelArgs {
+    /// Wanted number of cells; the nearest that can be reached is taken
+    #[arg(long, value_name = "N", conflicts_with = "cell", value_parser = count, allow_negative_numbers = true)]
+    pub voxels: Option<u64>,
+    /// Edge of a cell in millimetres
+    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub cell: Option<f64>,
+}
+
+/// How the part grows.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct GrowArgs {
+    /// Depth inside the hull from which a cell counts as shadowed, in cells
+    #[arg(long, value_name = "CELLS", default_value_t = 1.0, value_parser = eps, allow_negative_numbers = true)]
+    pub eps: f64,
+    /// Diameter of the platform in millimetres; one that covers the part is taken if that is larger
+    #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
+    pub platform_diameter_mm: f64,
+    /// How the next layer is chosen
+    #[arg(long, default_value = "incremental")]
+    pub strategy: Strategy,
+    /// How the governed strategy keeps cells from being shadowed
+    #[arg(long, default_value = "adaptive")]
+    pub prevention: Prevention,
+}
+
+/// How the next layer is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Strategy {
+    /// All cells that can be built now.
+    Greedy,
+    /// Cell by cell, unless it shadows others.
+    Incremental,
+    /// All, halving the set while it shadows others.
+    Adaptive,
+    /// In the order of a peeling field.
+    Governed,
+}
+
+/// How cells are kept from being shadowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Prevention {
+    /// Cell by cell.
+    Incremental,
+    /// By halving sets.
+    Adaptive,
+}
+
+/// The name of a choice as it is typed.
+pub fn typed_name(choice: impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+/// Most threads that make sense: more only cost memory, and a slip of the keyboard should not start a million.
+const MAX_THREADS: usize = 1024;
+
+fn cores() -> usize {
+    thread::available_parallelism().map_or(1, |n| n.get().min(MAX_THREADS))
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let n: usize = text.parse().map_err(|_| "not a whole number".to_owned())?;
+    if (1..=MAX_THREADS).contains(&n) { Ok(n) } else { Err(format!("must be from 1 to {MAX_THREADS}")) }
+}
+
+fn count(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be a whole number from 1 on".to_owned())
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
+/// A finite number above zero, for clap.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn above_zero(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err("must be above 0 and finite".to_owned()) }
+}
+
+fn eps(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if (0.0..=16.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 16".to_owned()) }
+}
+
+/// How an example ended that could do its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is well. Missed cells alone are well.
+    Done,
+    /// A check of ours failed; the summary names it.
+    CheckFailed,
+}
+
+/// Input or output that cannot be used, in one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure(String);
+
+impl Failure {
+    /// Takes the message; line breaks become spaces.
+    pub fn new(message: impl Display) -> Self {
+        Failure(message.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
+    }
+
+    /// The line.
+    pub fn message(&self) -> &str {
+        &self.0
+    }
+}
+
+impl<E: Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure::new(error)
+    }
+}
+
+/// Exit status for input or output that cannot be used.
+const UNUSABLE: u8 = 1;
+/// Exit status for arguments that cannot be used.
+const ARGUMENTS: u8 = 2;
+/// Exit status of a run that finished, but a check of ours failed.
+const CHECK_FAILED: u8 = 3;
+
+/// Parses the command line and runs `main` on it.
+///
+/// # Returns
+/// 0: done (help and version, too). 1: `main` failed, one line on stderr says at what. 2: the arguments cannot be
+/// used, one line on stderr says which. 3: done, but a check failed.
+pub fn run_with_args<A: Parser>(main: impl FnOnce(A) -> Result<Outcome, Failure>) -> ExitCode {
+    run_on(env::args_os(), main)
+}
+
+/// The same on a command line of its own; the first word is the name of the program.
+pub fn run_on<A: Parser>(
+    words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    main: impl FnOnce(A) -> Result<Outcome, Failure>,
+) -> ExitCode {
+    match A::try_parse_from(words) {
+        Ok(args) => run(|| main(args)),
+        Err(error) if !error.use_stderr() => {
+            // Help; if it cannot be written, nobody is there to read it.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            say(&one_line(&error));
+            ExitCode::from(ARGUMENTS)
+        }
+    }
+}
+
+/// Runs `main` and turns its end into an exit status, as [`run_with_args`].
+pub fn run(main: impl FnOnce() -> Result<Outcome, Failure>) -> ExitCode {
+    match main() {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(CHECK_FAILED),
+        Err(failure) => {
+            say(&format!("error: {}", failure.0));
+            ExitCode::from(UNUSABLE)
+        }
+    }
+}
+
+/// What clap says, without usage and hints, in one line that begins with `error: `.
+pub fn one_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let told =
+        text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    told.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// Writes a warning to stderr.
+pub fn warn(message: impl Display) {
+    say(&format!("warning: {message}"));
+}
+
+fn say(line: &str) {
+    // With stderr gone there is no place left to complain.
+    let _ = writeln!(io::stderr(), "{line}");
+}

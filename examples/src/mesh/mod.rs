@@ -1,0 +1,223 @@
+//! Triangle meshes from files: STL (binary and ASCII), OBJ, PLY.
+//!
+//! A file is read whole and then parsed, so that every number in it can be held against the bytes that are there.
+//! Corners at exactly the same place become one vertex, in the order in which they appear.
+
+mod obj;
+mod placement;
+mod ply;
+mod stl;
+
+pub use placement::{Placement, Unit, Up};
+
+use nalgebra::Point3;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
+use std::{fmt, fs, io};
+
+/// Triangles over vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Corners, each place once.
+    pub vertices: Vec<Point3<f64>>,
+    /// Numbers of the corners, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Least and greatest coordinates; `None` without vertices.
+    pub fn bounds(&self) -> Option<[Point3<f64>; 2]> {
+        let first = *self.vertices.first()?;
+        let grow = |[low, high]: [Point3<f64>; 2], p: &Point3<f64>| [low.inf(p), high.sup(p)];
+        Some(self.vertices.iter().fold([first, first], grow))
+    }
+}
+
+/// A mesh file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {fault}", .path.display())]
+pub struct MeshError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    #[source]
+    pub fault: MeshFault,
+}
+
+/// What is wrong with a mesh file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshFault {
+    /// The system does not hand the file out.
+    #[error("cannot be read: {0}")]
+    Unreadable(#[source] io::Error),
+    /// A directory, or another thing that is not a file.
+    #[error("is not a file")]
+    NotAFile,
+    /// The name does not tell the format.
+    #[error("the ending of the name must be .stl, .obj or .ply")]
+    UnknownEnding,
+    /// No bytes.
+    #[error("the file is empty")]
+    Empty,
+    /// Sound, but without a triangle.
+    #[error("the file holds no triangles")]
+    NoTriangles,
+    /// Neither ASCII nor binary STL.
+    #[error("this is not an STL file: neither `solid` in front nor the length of a binary one")]
+    NotStl,
+    /// A binary STL file whose length does not fit its count.
+    #[error("the header promises {triangles} triangles, which take {expected} bytes, but the file has {bytes}: {}",
+        if .bytes < .expected { "cut short, or not an STL file" } else { "bytes were added, or it is not an STL file" })]
+    Length {
+        /// Triangles that the header promises.
+        triangles: u32,
+        /// Bytes that they take.
+        expected: u64,
+        /// Bytes of the file.
+        bytes: u64,
+    },
+    /// A coordinate that is infinite, not a number, or beyond what a number holds.
+    #[error("{place}: coordinate {axis} of corner {corner} is {value}", axis = ["x", "y", "z"][*.axis])]
+    NotFinite {
+        /// Where it is.
+        place: Place,
+        /// The corner of the triangle, or the vertex, counted from 1.
+        corner: usize,
+        /// 0, 1 or 2 for x, y or z.
+        axis: usize,
+        /// What stands there.
+        value: f64,
+    },
+    /// Something that the format does not allow.
+    #[error("{place}: {what}")]
+    Syntax {
+        /// Where it is.
+        place: Place,
+        /// What is wrong.
+        what: String,
+    },
+    /// The coordinates leave the range of numbers once scale and unit are applied.
+    #[error("the part is infinitely large at this scale and unit")]
+    Scale,
+}
+
+/// A place in a file, counted from 1 (bytes from 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a text file.
+    Line(usize),
+    /// A byte of a binary file.
+    Byte(u64),
+    /// A triangle, and where it starts.
+    Triangle(usize, u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Place::Line(line) => write!(f, "line {line}"),
+            Place::Byte(byte) => write!(f, "byte {byte}"),
+            Place::Triangle(triangle, byte) => write!(f, "triangle {triangle} (byte {byte})"),
+        }
+    }
+}
+
+/// Reads a mesh; the ending of the name (any case) tells the format, polygons are cut into fans.
+///
+/// # Errors
+/// [`MeshError`] names the file, the place in it and the fault, in one line.
+///
+/// # Cost
+/// Linear in the size of the file, which is read whole. Nothing is set aside by a count that the file states.
+pub fn read_mesh(path: &Path) -> Result<Mesh, MeshError> {
+    read(path).map_err(|fault| MeshError { path: path.to_owned(), fault })
+}
+
+fn read(path: &Path) -> Result<Mesh, MeshFault> {
+    if !fs::metadata(path).map_err(MeshFault::Unreadable)?.is_file() {
+        return Err(MeshFault::NotAFile);
+    }
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    let parse = match ending.as_deref() {
+        Some("stl") => stl::parse,
+        Some("obj") => obj::parse,
+        Some("ply") => ply::parse,
+        _ => return Err(MeshFault::UnknownEnding),
+    };
+    let bytes = fs::read(path).map_err(MeshFault::Unreadable)?;
+    if bytes.is_empty() {
+        return Err(MeshFault::Empty);
+    }
+    let mesh = parse(&bytes)?;
+    if mesh.triangles.is_empty() { Err(MeshFault::NoTriangles) } else { Ok(mesh) }
+}
+
+/// Collects triangles, giving each place one vertex.
+#[derive(Default)]
+struct Welder {
+    mesh: Mesh,
+    vertex_at: HashMap<[u64; 3], u32>,
+}
+
+impl Welder {
+    /// The vertex at `p`, made when it is new.
+    fn vertex(&mut self, p: [f64; 3]) -> Result<u32, MeshFault> {
+        let next = self.mesh.vertices.len();
+        // Adding zero makes -0 and 0 one place.
+        match self.vertex_at.entry(p.map(|c| (c + 0.0).to_bits())) {
+            Entry::Occupied(known) => Ok(*known.get()),
+            Entry::Vacant(new) => {
+                let id = u32::try_from(next).map_err(|_| syntax(Place::Byte(0), "more than 2^32 vertices"))?;
+                self.mesh.vertices.push(Point3::from(p));
+                Ok(*new.insert(id))
+            }
+        }
+    }
+
+    /// Adds a polygon as a fan around its first corner. A fan over a corner that points inwards overlaps itself, but
+    /// its windings still add up to those of the polygon.
+    fn polygon(&mut self, corners: &[u32]) {
+        for i in 2..corners.len() {
+            self.mesh.triangles.push([corners[0], corners[i - 1], corners[i]]);
+        }
+    }
+}
+
+fn syntax(place: Place, what: impl Into<String>) -> MeshFault {
+    MeshFault::Syntax { place, what: what.into() }
+}
+
+/// `p` when it is finite, else the fault.
+fn finite(p: [f64; 3], place: Place, corner: usize) -> Result<[f64; 3], MeshFault> {
+    match p.iter().position(|c| !c.is_finite()) {
+        Some(axis) => Err(MeshFault::NotFinite { place, corner, axis, value: p[axis] }),
+        None => Ok(p),
+    }
+}
+
+/// A piece of a file as it may stand in a message: short, and without control characters.
+fn quoted(piece: &str) -> String {
+    const SHOWN: usize = 30;
+    let more = if piece.chars().nth(SHOWN).is_some() { "..." } else { "" };
+    format!("`{}{more}`", printable(piece, SHOWN))
+}
+
+/// The first characters of a text on one line.
+fn printable(text: &str, most: usize) -> String {
+    text.chars()
+        .take(most)
+        .map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() })
+        .collect()
+}
+
+/// Three numbers from the words of a line.
+fn three_numbers<'a>(words: &mut impl Iterator<Item = &'a str>, place: Place) -> Result<[f64; 3], MeshFault> {
+    let mut p = [0.0; 3];
+    for c in &mut p {
+        let word = words.next().ok_or_else(|| syntax(place, "three coordinates are due"))?;
+        *c = word.parse().map_err(|_| syntax(place, format!("{} is not a number", quoted(word))))?;
+    }
+    Ok(p)
+}

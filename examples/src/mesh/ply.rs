@@ -1,0 +1,152 @@
+//! PLY, ASCII or binary, through `ply-rs-bw`; its header counts are held against the size of the file.
+
+use super::{Mesh, MeshFault, Place, Welder, finite, printable, quoted, syntax};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
+use std::io::Cursor;
+
+pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+    let parser = Parser::<Element>::new();
+    let mut reader = Reader::new(Cursor::new(bytes));
+    let header = match parser.read_header(&mut reader) {
+        Ok(header) => header,
+        Err(error) => return Err(syntax(Place::Line(error.line().unwrap_or(1)), one_line(&error))),
+    };
+    check_header(&header, bytes.len() - reader.get_ref().position() as usize)?;
+    let ascii = header.encoding == Encoding::Ascii;
+    let mut welder = Welder::default();
+    let mut ids = Vec::new();
+    for def in header.elements.values() {
+        let start = if ascii { Place::Line(reader.line()) } else { Place::Byte(reader.get_ref().position()) };
+        let elements = match parser.read_payload_for_element(&mut reader, def, &header) {
+            Ok(elements) => elements,
+            Err(error) => {
+                return Err(match error.line() {
+                    Some(line) if ascii => syntax(Place::Line(line), with_text(&error, bytes, line)),
+                    _ => syntax(Place::Byte(reader.get_ref().position()), one_line(&error)),
+                });
+            }
+        };
+        // In an ASCII file each element is a line; in a binary one the start of its list has to do.
+        let place = |i: usize| match start {
+            Place::Line(line) => Place::Line(line + i),
+            other => other,
+        };
+        match def.name.as_str() {
+            "vertex" => {
+                for (i, vertex) in elements.iter().enumerate() {
+                    ids.push(welder.vertex(finite(vertex.position, place(i), i + 1)?)?);
+                }
+            }
+            "face" => {
+                for (i, face) in elements.iter().enumerate() {
+                    let corner = |&v: &i64| {
+                        usize::try_from(v).ok().and_then(|v| ids.get(v).copied()).ok_or_else(|| {
+                            syntax(place(i), format!("face {} names vertex {v} (from 0) of {}", i + 1, ids.len()))
+                        })
+                    };
+                    let corners = face.corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
+                    if corners.len() < 3 {
+                        return Err(syntax(place(i), format!("face {} has {} corners", i + 1, corners.len())));
+                    }
+                    welder.polygon(&corners);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(welder.mesh)
+}
+
+/// Holds the header against what we need and what the rest of the file can hold.
+fn check_header(header: &Header, bytes_left: usize) -> Result<(), MeshFault> {
+    let in_header = |what: String| syntax(Place::Line(1), what);
+    for def in header.elements.values() {
+        // Every element takes a byte at least, so a larger count is a lie.
+        if def.count > bytes_left {
+            let what = format!("the header promises {} of {} in {bytes_left} bytes", def.count, quoted(&def.name));
+            return Err(in_header(what));
+        }
+        if def.properties.is_empty() && def.count > 0 {
+            return Err(in_header(format!("the header gives {} no properties", quoted(&def.name))));
+        }
+    }
+    let kind = |element: &str, property: &str| {
+        header.elements.get(element).and_then(|def| def.properties.get(property)).map(|def| &def.data_type)
+    };
+    for axis in ["x", "y", "z"] {
+        if !matches!(kind("vertex", axis), Some(PropertyType::Scalar(_))) {
+            return Err(in_header(format!("the header has no number `{axis}` of `vertex`")));
+        }
+    }
+    let corners = CORNERS.iter().find_map(|name| kind("face", name));
+    if !matches!(corners, Some(PropertyType::List(_, item)) if ![ScalarType::Float, ScalarType::Double].contains(item))
+    {
+        return Err(in_header("the header has no list of whole numbers `vertex_indices` of `face`".to_owned()));
+    }
+    let order = |name| header.elements.get_index_of(name);
+    if order("face") < order("vertex") {
+        return Err(in_header("faces before vertices cannot be read".to_owned()));
+    }
+    Ok(())
+}
+
+/// Both names are about.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// What the parser says, without its line breaks and the line number that we give ourselves.
+fn one_line(error: &ParseError) -> String {
+    let text = error.to_string();
+    let first = text.lines().next().unwrap_or_default();
+    let first = first.split_once(": ").filter(|(line, _)| line.starts_with("Line ")).map_or(first, |(_, what)| what);
+    printable(first.trim_end_matches('.'), 120)
+}
+
+/// The same, and what stands in the line.
+fn with_text(error: &ParseError, bytes: &[u8], line: usize) -> String {
+    let text = String::from_utf8_lossy(bytes);
+    let found = text.lines().nth(line.saturating_sub(1)).map_or_else(String::new, |text| format!(": {}", quoted(text)));
+    one_line(error) + &found
+}
+
+/// A vertex or a face, whichever the properties fill.
+struct Element {
+    position: [f64; 3],
+    corners: Vec<i64>,
+}
+
+impl PropertyAccess for Element {
+    fn new() -> Self {
+        Element { position: [0.0; 3], corners: Vec::new() }
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let Some(axis) = ["x", "y", "z"].iter().position(|&axis| axis == name) {
+            self.position[axis] = match property {
+                Property::Char(v) => f64::from(v),
+                Property::UChar(v) => f64::from(v),
+                Property::Short(v) => f64::from(v),
+                Property::UShort(v) => f64::from(v),
+                Property::Int(v) => f64::from(v),
+                Property::UInt(v) => f64::from(v),
+                Property::Float(v) => f64::from(v),
+                Property::Double(v) => v,
+                _ => return PropertyAccessResult::UnsupportedType,
+            };
+            PropertyAccessResult::Set
+        } else if CORNERS.contains(&name) {
+            self.corners = match property {
+                Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListUChar(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListUShort(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListUInt(list) => list.into_iter().map(i64::from).collect(),
+                _ => return PropertyAccessResult::UnsupportedType,
+            };
+            PropertyAccessResult::Set
+        } else {
+            PropertyAccessResult::Ignored
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! The output folder: checked before the work begins, written file by file, each whole or not at all.
+
+use std::cell::Cell;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+
+/// A folder that can be written. Folders that were made for it and stayed empty go away with it.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    /// Folders that were not there before, outermost first.
+    made: Vec<PathBuf>,
+    written: Cell<bool>,
+}
+
+/// Why there is no output.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// Something else has the name of the folder, or of one above it.
+    #[error("{}: is a file, so it cannot be the output folder", .path.display())]
+    NotAFolder {
+        /// What is in the way.
+        path: PathBuf,
+    },
+    /// The folder is not there and cannot be made.
+    #[error("{}: the output folder cannot be made: {source}", .path.display())]
+    Make {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The folder, or a file in it, cannot be written.
+    #[error("{}: cannot be written: {source}", .path.display())]
+    Write {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl OutputFolder {
+    /// Makes the folder if it is not there, and tries a file in it.
+    ///
+    /// # Errors
+    /// [`OutputError`] when the folder cannot be used; nothing is left behind then.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let in_the_way = path.ancestors().find(|above| above.exists()).filter(|above| !above.is_dir());
+        if let Some(file) = in_the_way {
+            return Err(OutputError::NotAFolder { path: file.to_owned() });
+        }
+        let missing = |above: &&Path| !above.as_os_str().is_empty() && !above.exists();
+        let mut made: Vec<PathBuf> = path.ancestors().take_while(missing).map(Path::to_owned).collect();
+        made.reverse();
+        // From here on dropping the folder clears up.
+        let folder = OutputFolder { path: path.to_owned(), made, written: Cell::new(false) };
+        fs::create_dir_all(path).map_err(|source| OutputError::Make { path: path.to_owned(), source })?;
+        let trial = folder.temporary("trial");
+        File::create(&trial)
+            .and_then(|_| fs::remove_file(&trial))
+            .map_err(|source| OutputError::Write { path: path.to_owned(), source })?;
+        Ok(folder)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes a file at once.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::write_with`].
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<(), OutputError> {
+        self.write_with(name, |file| file.write_all(bytes.as_ref()))
+    }
+
+    /// Writes a file bit by bit: under a temporary name in the folder, renamed when `fill` is done.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] when `fill` or the system says no; an earlier file of that name then stays as it was.
+    pub fn write_with(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let temporary = self.temporary(name);
+        let target = self.path.join(name);
+        let written = File::create(&temporary).and_then(|file| {
+            let mut file = BufWriter::new(file);
+            fill(&mut file)?;
+            file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            fs::rename(&temporary, &target)
+        });
+        match written {
+            Ok(()) => {
+                self.written.set(true);
+                Ok(())
+            }
+            Err(source) => {
+                // It may not even be there; the error to report is the first one.
+                let _ = fs::remove_file(&temporary);
+                Err(OutputError::Write { path: target, source })
+            }
+        }
+    }
+
+    /// A name that no other run uses at the same time.
+    fn temporary(&self, name: &str) -> PathBuf {
+        self.path.join(format!(".{name}.{}.part", process::id()))
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if !self.written.get() {
+            for folder in self.made.iter().rev() {
+                // Only an empty folder can be removed, so nobody's files are at risk.
+                let _ = fs::remove_dir(folder);
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
+
+use crate::table::Table;
+use std::fmt::Write;
+
+/// A page, built from the top down. All text is escaped.
+#[derive(Clone, Debug)]
+pub struct Report {
+    title: String,
+    body: String,
+}
+
+impl Report {
+    /// A page with a title and nothing else yet.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_examples::{report::Report, table::Table};
+    /// let mut table = Table::new(["", "ours", "paper"]);
+    /// table.row(["layers", "128", "131"]);
+    /// let mut report = Report::new("Curved layers");
+    /// report.paragraph("Depth < 1 cell.").table("Bunny", &table);
+    /// assert!(report.to_html().contains("Depth &lt; 1 cell."));
+    /// ```
+    pub fn new(title: &str) -> Self {
+        Report { title: title.to_owned(), body: String::new() }
+    }
+
+    /// A heading under the title.
+    pub fn heading(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<h2>{}</h2>", escaped(text)))
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<p>{}</p>", escaped(text)))
+    }
+
+    /// A paragraph that stands out: a warning, a failed check.
+    pub fn notice(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<p class=\"notice\" role=\"note\">{}</p>", escaped(text)))
+    }
+
+    /// A table; columns of figures are set flush right. An empty caption is left out.
+    pub fn table(&mut self, caption: &str, table: &Table) -> &mut Self {
+        let class = |column: usize| if table.is_numeric(column) { " class=\"figure\"" } else { "" };
+        let mut html = String::from("<div class=\"scroll\"><table>");
+        if !caption.is_empty() {
+            let _ = write!(html, "<caption>{}</caption>", escaped(caption));
+        }
+        if table.header().iter().any(|cell| !cell.is_empty()) {
+            html += "\n<thead><tr>";
+            for (column, cell) in table.header().iter().enumerate() {
+                let _ = write!(html, "<th scope=\"col\"{}>{}</th>", class(column), escaped(cell));
+            }
+            html += "</tr></thead>";
+        }
+        html += "\n<tbody>";
+        for row in table.rows() {
+            html += "\n<tr>";
+            for (column, cell) in row.iter().enumerate() {
+                let _ = match column {
+                    0 if !table.is_numeric(0) => write!(html, "<th scope=\"row\">{}</th>", escaped(cell)),
+                    _ => write!(html, "<td{}>{}</td>", class(column), escaped(cell)),
+                };
+            }
+            html += "</tr>";
+        }
+        self.push(&(html + "\n</tbody></table></div>"))
+    }
+
+    /// A PNG picture with a line under it, which also stands for it where it cannot be seen.
+    pub fn picture(&mut self, caption: &str, png: &[u8]) -> &mut Self {
+        self.pictures(&[(caption, png)])
+    }
+
+    /// Pictures side by side where there is room, else below one another.
+    pub fn pictures(&mut self, pictures: &[(&str, &[u8])]) -> &mut Self {
+        let mut html = String::from("<div class=\"pictures\">");
+        for (caption, png) in pictures {
+            let caption = escaped(caption);
+            let _ = write!(
+                html,
+                "\n<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\"><figcaption>{caption}</figcaption></figure>",
+                base64(png)
+            );
+        }
+        self.push(&(html + "\n</div>"))
+    }
+
+    fn push(&mut self, html: &str) -> &mut Self {
+        self.body += html;
+        self.body.push('\n');
+        self
+    }
+
+    /// The page.
+    pub fn to_html(&self) -> String {
+        let title = escaped(&self.title);
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
+             </head>\n<body>\n<main>\n<h1>{title}</h1>\n{}</main>\n</body>\n</html>\n",
+            self.body
+        )
+    }
+}
+
+const STYLE: &str = "\
+:root { --ink: #1f2630; --soft: #5b6675; --line: #dfe3e8; --paper: #fbfbfa; --card: #ffffff; --accent: #0b7a75;
+  --notice: #fff4d6; --notice-line: #d9a400; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e4e7eb; --soft: #9aa5b3; --line: #333b46; --paper: #15191e; --card: #1c2127; --accent: #4cc2b8;
+    --notice: #33290c; --notice-line: #b58a12; }
+}
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--paper); color: var(--ink);
+  font: 16px/1.6 system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif; }
+main { max-width: 68rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+h1 { font-size: 2rem; line-height: 1.2; letter-spacing: -0.015em; margin: 0 0 1.25rem; padding-bottom: 0.75rem;
+  border-bottom: 3px solid var(--accent); overflow-wrap: anywhere; }
+h2 { font-size: 1.25rem; line-height: 1.3; margin: 2.5rem 0 0.75rem; }
+p { max-width: 44rem; margin: 0.75rem 0; overflow-wrap: anywhere; }
+.notice { background: var(--notice); border-left: 4px solid var(--notice-line); padding: 0.6rem 1rem; border-radius: 4px; }
+.scroll { overflow-x: auto; margin: 1.25rem 0; }
+table { border-collapse: collapse; font-size: 0.94rem; min-width: min(24rem, 100%); }
+caption { text-align: left; color: var(--soft); padding-bottom: 0.4rem; }
+th, td { padding: 0.38rem 1.1rem 0.38rem 0; border-bottom: 1px solid var(--line); text-align: left;
+  vertical-align: baseline; }
+th:not(:first-child), td:not(:first-child) { padding-left: 1.1rem; }
+thead th { color: var(--soft); font-weight: 600; border-bottom: 2px solid var(--line); white-space: nowrap; }
+tbody th { font-weight: 400; }
+tbody tr:last-child > * { border-bottom-color: transparent; }
+.figure { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1.25rem;
+  margin: 1.25rem 0; align-items: start; }
+figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
+figure img { display: block; width: 100%; height: auto; background: #ffffff; }
+figcaption { padding: 0.6rem 0.9rem; color: var(--soft); font-size: 0.9rem; border-top: 1px solid var(--line); }
+@media print { body { background: none; } figure { break-inside: avoid; } }
+";
+
+/// Text as it may stand between tags and in quoted attributes.
+fn escaped(text: &str) -> String {
+    let mut html = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => html += "&amp;",
+            '<' => html += "&lt;",
+            '>' => html += "&gt;",
+            '"' => html += "&quot;",
+            '\'' => html += "&#39;",
+            c if c.is_control() && !c.is_whitespace() => html.push('\u{fffd}'),
+            c => html.push(c),
+        }
+    }
+    html
+}
+
+/// RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let bits = (0..3).fold(0, |bits, i| bits << 8 | u32::from(chunk.get(i).copied().unwrap_or(0)));
+        for i in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize];
+            text.push(if i <= chunk.len() { char::from(digit) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_agrees_with_the_test_vectors_of_rfc_4648() {
+        let vectors =
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
+        for (bytes, text) in vectors {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+        assert_eq!(base64(&[0xff, 0xfe, 0xfb]), "//77");
+    }
+}

@@ -1,0 +1,176 @@
+//! The example `curved_layers` from outside: what it writes, and what it says to bad input.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder that goes away with the test.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("curvlay-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Scratch(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Runs the example, which `cargo test` has built beside this test.
+fn run(args: &[&str]) -> Output {
+    let beside = std::env::current_exe().unwrap();
+    let program = beside.ancestors().nth(2).unwrap().join("examples").join("curved_layers");
+    assert!(program.exists(), "build the examples first: cargo build --examples");
+    Command::new(program).args(args).output().unwrap()
+}
+
+/// The exit status and the last line on stderr.
+fn status_and_line(output: &Output) -> (i32, String) {
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code().unwrap(), stderr.lines().last().unwrap_or_default().to_owned())
+}
+
+fn summary(folder: &str) -> Value {
+    serde_json::from_slice(&fs::read(Path::new(folder).join("summary.json")).unwrap()).unwrap()
+}
+
+/// A binary STL of boxes, each given by two corners.
+fn boxes(boxes: &[[[f32; 3]; 2]]) -> Vec<u8> {
+    const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut bytes = vec![0; 80];
+    bytes.extend((12 * boxes.len() as u32).to_le_bytes());
+    for ends in boxes {
+        let corner = |k: usize| [0, 1, 2].map(|axis| ends[k >> axis & 1][axis]);
+        for [a, b, c, d] in FACES {
+            for triangle in [[a, b, c], [a, c, d]] {
+                bytes.extend([0; 12]);
+                triangle.iter().flat_map(|&k| corner(k)).for_each(|value| bytes.extend(value.to_le_bytes()));
+                bytes.extend([0; 2]);
+            }
+        }
+    }
+    bytes
+}
+
+#[test]
+fn every_strategy_writes_the_same_kind_of_results() {
+    let scratch = Scratch::new("strategies");
+    let mesh = scratch.path("arch.stl");
+    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [4.0, 6.0, 20.0]], [[4.0, 0.0, 14.0], [20.0, 6.0, 20.0]]])).unwrap();
+    for strategy in ["greedy", "incremental", "adaptive", "governed"] {
+        let out = scratch.path(strategy);
+        let output = run(&["--mesh", &mesh, "--cell", "1", "--strategy", strategy, "--out", &out, "--threads", "1"]);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let summary = summary(&out);
+        assert_eq!(summary["cells"], 4 * 6 * 20 + 16 * 6 * 6, "{strategy}");
+        assert_eq!(
+            (&summary["audit_ok"], &summary["strategy"], &summary["mesh"]),
+            (&true.into(), &strategy.into(), &"arch.stl".into())
+        );
+        assert_eq!(summary["volume_mm3"].as_f64().map(f64::round), Some(1056.0));
+        let shadowed = summary["missed_shadowed"].as_u64().unwrap();
+        assert_eq!(
+            summary["missed_cells"].as_u64().unwrap(),
+            shadowed + summary["missed_unsupported"].as_u64().unwrap()
+        );
+        let field = fs::read_to_string(Path::new(&out).join("field.csv")).unwrap();
+        let layers: Vec<u64> =
+            field.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
+        assert_eq!(layers.len() as u64, summary["cells"].as_u64().unwrap());
+        assert_eq!(layers.iter().max().copied(), summary["layers"].as_u64());
+        assert_eq!(
+            layers.iter().filter(|&&layer| layer == 0).count() as u64,
+            summary["missed_cells"].as_u64().unwrap()
+        );
+        let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+        assert_eq!(report.matches("data:image/png;base64,").count(), 4);
+    }
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_threads() {
+    let scratch = Scratch::new("threads");
+    let field = |threads: &str| {
+        let out = scratch.path(threads);
+        assert!(run(&["--voxels", "5000", "--threads", threads, "--out", &out]).status.success());
+        fs::read(Path::new(&out).join("field.csv")).unwrap()
+    };
+    assert!(field("1") == field("4"));
+}
+
+#[test]
+fn bad_arguments_exit_with_2_and_bad_files_with_1() {
+    let scratch = Scratch::new("bad");
+    fs::write(scratch.path("file"), "x").unwrap();
+    let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
+    let cases: [(&[&str], i32, &str); 9] = [
+        (&["--voxels", "0"], 2, "--voxels"),
+        (&["--cell", "-1"], 2, "--cell"),
+        (&["--eps", "nan"], 2, "--eps"),
+        (&["--strategy", "wild"], 2, "--strategy"),
+        (&["--voxels", "9", "--cell", "1"], 2, "--cell"),
+        (&["--mesh", "no-such-file.stl"], 1, "no-such-file.stl"),
+        (&["--mesh", &scratch.path("")], 1, "not a file"),
+        (&["--cell", "0.0001"], 1, "grid"),
+        (&["--platform-diameter", "1e9"], 1, "platform"),
+    ];
+    for (args, status, word) in cases {
+        let output = run(&[args, &["--out", &out]].concat());
+        let (found, line) = status_and_line(&output);
+        assert_eq!(found, status, "{args:?}: {line}");
+        assert!(line.starts_with("error: ") && line.contains(word), "{args:?}: {line}");
+        assert!(!Path::new(&out).exists(), "{args:?} left something behind");
+    }
+    let (status, line) = status_and_line(&run(&["--out", &in_the_way]));
+    assert!(status == 1 && line.contains(&in_the_way), "{status} {line}");
+}
+
+/// What the README of the damaged models asks for: exit status, and a word that must be said.
+#[test]
+fn damaged_models_get_what_they_deserve() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/bad-models");
+    if !folder.exists() {
+        println!("skipped: no damaged models here");
+        return;
+    }
+    let cases = [
+        ("truncated.stl", 1, "cut short"),
+        ("nan-coords.stl", 1, "NaN"),
+        ("hole.stl", 0, "hole"),
+        ("self-intersecting.stl", 0, "cross"),
+        ("zero-area.stl", 0, "120 triangles"),
+        ("empty.stl", 1, "empty"),
+        ("wrong-count.stl", 1, "4294967295"),
+        ("solid-header.stl", 0, ""),
+        ("not-an-stl.stl", 1, "not an STL"),
+        ("metres.stl", 1, "--unit"),
+        ("inside-out.stl", 0, "inwards"),
+    ];
+    let scratch = Scratch::new("damaged");
+    for (name, status, word) in cases {
+        let out = scratch.path(name);
+        let file = folder.join(name).display().to_string();
+        let output = run(&["--mesh", &file, "--voxels", "5000", "--out", &out]);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{name}: {stderr}");
+        assert!(stderr.contains(word), "{name}: {stderr}");
+        assert_eq!(Path::new(&out).exists(), status == 0, "{name}");
+    }
+    // The same solid however it is written: whole, with a hole, inside out, with slivers.
+    let cells = |name: &str| summary(&scratch.path(name))["cells"].as_u64().unwrap();
+    let sound = cells("solid-header.stl");
+    assert_eq!((cells("inside-out.stl"), cells("zero-area.stl")), (sound, sound));
+    assert!(cells("hole.stl").abs_diff(sound) * 50 < sound);
+}

@@ -1,0 +1,7 @@
+//! Plane layers: what a printer does that cannot turn the part, and the yardstick for curved layers.
+//!
+//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3.
+
+mod uniform;
+
+pub use uniform::{UniformSlicing, slice_uniformly};
