@@ -1,4 +1,5 @@
 //! The hull in space against brute force, on random and degenerate sets of points.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_hull::{ConvexHull, Depth, HullError, Location, RowIntervals, RowLattice};
 use proptest::prelude::*;

@@ -1,4 +1,5 @@
 //! Growth against a slow twin, and the properties that every growth has to have.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_hull::{ConvexHull, ConvexHull2, Depth};
 use curvlay_layers::Progress;

@@ -85,8 +85,7 @@ impl SheetField {
 /// let cells = Cells::new([5, 1, 5], &rows)?;
 /// let platform = Platform::under(&cells, 30.0)?;
 /// let field = peel(&cells, &platform, &Rules::default(), &|_| ControlFlow::Continue(()))?;
-/// assert_eq!(field.highest(), 5);
-/// assert_eq!((field.value(2), field.value(22)), (1, 5)); // the foot, the top
+/// assert_eq!((field.value(2), field.value(12), field.value(22)), (1, 2, 3)); // the foot, the middle, the top
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn peel(

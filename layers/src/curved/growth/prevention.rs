@@ -34,15 +34,15 @@ impl Selection {
 /// Tries the candidates all at once, then by halves (Algorithm 3).
 pub(super) fn adaptive(front: &mut Front, candidates: &mut [u32]) -> Result<Selection, GrowthError> {
     Trial::run(front, candidates, |trial, candidates| {
-        let mut stack = vec![0..candidates.len()];
-        while let Some(range) = stack.pop() {
-            let part = &mut candidates[range.clone()];
+        let mut stack: Vec<&mut [u32]> = Vec::from([candidates]);
+        while let Some(part) = stack.pop() {
             if let Err(blocker) = trial.accept(part)? {
                 match part {
                     [single] => trial.front.block(*single, blocker),
                     _ => {
-                        let middle = range.start + split(trial.front, part);
-                        stack.extend([middle..range.end, range.start..middle]);
+                        let middle = split(trial.front, part);
+                        let (near, far) = part.split_at_mut(middle);
+                        stack.extend([far, near]);
                     }
                 }
             }
