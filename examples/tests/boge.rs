@@ -49,6 +49,22 @@ fn every_figure_of_the_thesis_comes_out() {
     assert!(!report.contains("class=\"notice\""));
 }
 
+/// Boge 2019, section 4.4.6. Her coordinates count the row of the platform as well.
+#[test]
+fn the_worked_example_of_the_thesis_comes_out() {
+    let (results, _) = run("worked");
+    let case = &results.cases[1];
+    assert_eq!(case.key, "object1_m");
+    let layer = |method: usize, number: usize| -> Vec<[u32; 2]> {
+        let cells = case.theirs[method].growth.order.layer(number - 1).iter();
+        cells.map(|&cell| case.drawn.grid.position(cell)).map(|[x, _, z]| [x, z + 1]).collect()
+    };
+    assert_eq!(layer(0, 1), [[4, 1], [5, 1], [6, 1]]);
+    assert!((1..=9).all(|number| layer(0, number) == layer(1, number)));
+    assert_eq!(layer(0, 10), [[5, 10], [6, 10], [7, 10], [8, 10], [9, 10], [9, 9]]);
+    assert_eq!(layer(1, 10), [[5, 10], [6, 10], [7, 10], [8, 10], [9, 9]]);
+}
+
 #[test]
 fn an_object_is_the_same_on_every_platform() {
     let (results, _) = run("platforms");

@@ -20,6 +20,8 @@ pub(super) struct Watch {
     groups: Vec<Group>,
     /// Looked up, never walked through: its order is not the same from run to run.
     group_of: HashMap<[i64; 3], usize>,
+    /// The proof given last and its group: neighbours mostly share theirs.
+    last: Option<(Plane, usize)>,
 }
 
 /// Cells with one direction.
@@ -42,20 +44,30 @@ pub(super) struct Endangered {
 
 impl Watch {
     pub(super) fn new() -> Self {
-        Watch { groups: Vec::new(), group_of: HashMap::new() }
+        Watch { groups: Vec::new(), group_of: HashMap::new(), last: None }
     }
 
     /// Watches the cell at `point`, which `proof` shows to be accessible: a plane with all of the front below it.
     pub(super) fn add(&mut self, cell: u32, point: [i32; 3], proof: &Plane) {
+        let group = match self.last {
+            Some((last, group)) if last == *proof => group,
+            _ => self.group_for(proof),
+        };
+        self.last = Some((*proof, group));
+        let group = &mut self.groups[group];
+        group.cells.push(Reverse((dot(group.normal, point), cell)));
+    }
+
+    /// The group with the direction of `proof`, its reach no higher than that of the proof.
+    fn group_for(&mut self, proof: &Plane) -> usize {
         let proof = proof.reduced();
         let group = *self.group_of.entry(proof.normal).or_insert_with(|| {
             let (reach, margin) = (proof.offset, proof.margin());
             self.groups.push(Group { normal: proof.normal, reach, margin, cells: BinaryHeap::new() });
             self.groups.len() - 1
         });
-        let group = &mut self.groups[group];
-        group.reach = group.reach.min(proof.offset);
-        group.cells.push(Reverse((dot(group.normal, point), cell)));
+        self.groups[group].reach = self.groups[group].reach.min(proof.offset);
+        group
     }
 
     /// Takes out the cells in `waiting` whose proof would fail if the front got `points`.
@@ -79,6 +91,7 @@ impl Watch {
 
     /// The front has got `points`.
     pub(super) fn raise(&mut self, points: &[[i32; 3]]) {
+        self.last = None;
         let unused = self.groups.iter().filter(|group| group.cells.is_empty()).count();
         if 2 * unused > self.groups.len() {
             self.groups.retain(|group| !group.cells.is_empty());
