@@ -193,7 +193,7 @@ proptest! {
         cells.iter().for_each(|cell| values[cell as usize] = 1);
         let options = GrowthOptions::default();
         let governed = grow(&cells, &part.platform, &rules, &options, Some(&SheetField::new(values)), &go).unwrap();
-        prop_assert_eq!(governed, part.grow(&rules, Prevention::Adaptive));
+        prop_assert_eq!(governed, part.grow(&rules, options.prevention));
     }
 
     /// Flat objects: the greedy scheme with a hull in the plane, made afresh for each layer.

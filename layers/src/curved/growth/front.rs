@@ -104,11 +104,9 @@ impl Front {
     /// What the hull would shadow if it stayed as it is. `added` are the points that it has got since the last layer.
     /// Every cell in the answer must come back through [`Front::settle`] or [`Front::put_back`].
     pub(super) fn take_in_danger(&mut self, added: &[[i32; 3]]) -> InDanger {
-        let mut in_danger = InDanger::default();
         let endangered = self.watch.take_endangered(added, &self.waiting);
-        let (proposed, others) = endangered.into_iter().partition(|e| self.proposed.contains(e.cell));
-        in_danger.proposed = proposed;
-        let others: Vec<Endangered> = others;
+        let (proposed, others): (Vec<_>, Vec<_>) = endangered.into_iter().partition(|e| self.proposed.contains(e.cell));
+        let mut in_danger = InDanger { proposed, ..InDanger::default() };
         let centres = self.centres;
         for row in others.chunk_by(|a, b| centres.row(a.cell) == centres.row(b.cell)) {
             let mut rest = row;

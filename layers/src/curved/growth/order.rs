@@ -1,7 +1,6 @@
 //! Candidates in the order of their distance from a first one, and in groups that hang together.
 
 use super::super::bits::CellSet;
-use super::length;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
@@ -57,6 +56,11 @@ pub(super) fn groups(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]]) ->
         groups.push(group);
     }
     groups
+}
+
+/// How far apart the centres of neighbours are.
+fn length(offset: [i32; 3]) -> f64 {
+    offset.map(f64::from).iter().map(|d| d * d).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

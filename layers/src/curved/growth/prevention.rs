@@ -123,11 +123,7 @@ impl Trial<'_> {
             return Ok(Selection { whole: true, trials: 1 });
         }
         front.hull.rollback(start);
-        let guarded = in_danger
-            .shadowed
-            .iter()
-            .map(|e: &Endangered| Guarded::new(e.cell, front.centre(e.cell), &e.proof))
-            .collect();
+        let guarded = guard(front, &in_danger.shadowed);
         let mut trial = Trial { front, endangered: guarded, accepted: Vec::new(), added: Vec::new(), trials: 1 };
         select(&mut trial, candidates)?;
         let Trial { mut accepted, added, trials, .. } = trial;

@@ -1,0 +1,196 @@
+//! Layer after layer: who is a candidate when, and what is left at the end.
+
+use super::super::bits::CellSet;
+use super::super::cells::Cells;
+use super::super::peel::SheetField;
+use super::super::platform::Platform;
+use super::super::rules::Rules;
+use super::front::Front;
+use super::prevention::{self, Selection};
+use super::{
+    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
+};
+
+/// The state between two layers.
+pub(super) struct Grower<'a> {
+    cells: &'a Cells<'a>,
+    platform: &'a Platform,
+    rules: &'a Rules,
+    options: &'a GrowthOptions,
+    offsets: Vec<[i32; 3]>,
+    pub(super) front: Front,
+    /// Cells that have been candidates or wait to become one.
+    reached: CellSet,
+    /// Candidates for the next layer.
+    candidates: Vec<u32>,
+    /// Neighbours of what is built that wait for the threshold to reach their value of the governing field.
+    waiting_for: Vec<Vec<u32>>,
+    governor: Option<&'a SheetField>,
+    threshold: usize,
+    statistics: GrowthStatistics,
+}
+
+impl<'a> Grower<'a> {
+    pub(super) fn new(
+        cells: &'a Cells<'a>,
+        platform: &'a Platform,
+        rules: &'a Rules,
+        options: &'a GrowthOptions,
+        governor: Option<&'a SheetField>,
+    ) -> Result<Self, GrowthError> {
+        let first = first_layer(cells, platform, rules);
+        if first.is_empty() {
+            return Err(GrowthError::NothingOnPlatform);
+        }
+        let mut offsets = rules.neighbours.offsets().to_vec();
+        if options.visit == Visit::HighestFirst {
+            offsets.sort_by_key(|offset| -offset[2]);
+        }
+        let mut front = Front::new(cells, platform, rules)?;
+        front.build_all(&first)?;
+        let mut growth = Grower {
+            cells,
+            platform,
+            rules,
+            options,
+            offsets,
+            front,
+            reached: CellSet::none(cells),
+            candidates: Vec::new(),
+            waiting_for: vec![Vec::new(); governor.map_or(1, |field| field.highest() as usize + 1)],
+            governor,
+            threshold: 0,
+            statistics: GrowthStatistics::default(),
+        };
+        growth.collect_candidates();
+        Ok(growth)
+    }
+
+    /// Builds one more layer; false if there is nothing left to build.
+    pub(super) fn next_layer(&mut self) -> Result<bool, GrowthError> {
+        self.raise_threshold();
+        let Grower { front, candidates, options, .. } = self;
+        if candidates.is_empty() {
+            *candidates = prevention::cheapest_group(front, &self.offsets)?;
+            if candidates.is_empty() {
+                return Ok(false);
+            }
+            self.statistics.sacrifices += 1;
+            front.build_all(candidates)?;
+            candidates.clear();
+            self.collect_candidates();
+            return Ok(true);
+        }
+        let layers = front.order.len();
+        let selection = match options.prevention {
+            Prevention::None => Selection::take_all(front, candidates)?,
+            Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets)?,
+            Prevention::Adaptive => prevention::adaptive(front, candidates)?,
+            Prevention::FewerThanAll => prevention::fewer_than_all(front, candidates)?,
+        };
+        self.statistics.trials += selection.trials;
+        self.statistics.whole_layers += u64::from(selection.whole);
+        if options.candidates == Candidates::OfLastLayer {
+            front.forget_blocking();
+            if front.order.len() == layers {
+                self.statistics.sacrifices += 1;
+                front.build_all(candidates)?;
+            }
+            candidates.iter().for_each(|&cell| self.reached.remove(cell));
+        }
+        self.candidates.clear();
+        self.collect_candidates();
+        Ok(true)
+    }
+
+    /// Adds the neighbours of the last layer to the candidates, and candidates that nothing holds back any more.
+    fn collect_candidates(&mut self) {
+        let Some(last) = self.front.order.len().checked_sub(1) else { return };
+        self.candidates.append(&mut self.front.freed);
+        for &cell in self.front.order.layer(last) {
+            for neighbour in self.front.waiting.around(cell, &self.offsets) {
+                if self.reached.insert(neighbour) {
+                    match self.governor.map_or(0, |field| field.value(neighbour) as usize) {
+                        value if value <= self.threshold => self.candidates.push(neighbour),
+                        value => self.waiting_for[value].push(neighbour),
+                    }
+                }
+            }
+        }
+        if self.options.candidates == Candidates::OfAllLayers {
+            self.complete_candidates();
+        }
+    }
+
+    /// Adds what is held back because of a candidate, since the two may be built in one layer, and sorts all.
+    fn complete_candidates(&mut self) {
+        let mut done = 0;
+        while let Some(&candidate) = self.candidates.get(done) {
+            self.front.free_behind(candidate);
+            self.candidates.append(&mut self.front.freed);
+            done += 1;
+        }
+        self.candidates.sort_unstable();
+        self.candidates.dedup();
+    }
+
+    /// Raises the threshold until there is a candidate, or the governing field ends.
+    fn raise_threshold(&mut self) {
+        loop {
+            let front = &self.front;
+            self.candidates.retain(|&cell| front.waiting.contains(cell));
+            if !self.candidates.is_empty() || self.threshold + 1 == self.waiting_for.len() {
+                return;
+            }
+            self.threshold += 1;
+            self.candidates = std::mem::take(&mut self.waiting_for[self.threshold]);
+            self.complete_candidates();
+        }
+    }
+
+    /// Lists what has no layer, with the reasons.
+    pub(super) fn finish(self) -> Growth {
+        let mut missed: Vec<_> = self
+            .front
+            .lost
+            .iter()
+            .map(|&(cell, layer)| MissedCell { cell, reason: MissedReason::Shadowed { layer } })
+            .collect();
+        let unsupported: Vec<u32> = self.front.waiting.iter().collect();
+        if !unsupported.is_empty() {
+            let joined = joined_to_platform(self.cells, self.platform, self.rules);
+            missed.extend(unsupported.into_iter().map(|cell| {
+                let reason =
+                    if joined.contains(cell) { MissedReason::SupportMissed } else { MissedReason::NeverAdjacent };
+                MissedCell { cell, reason }
+            }));
+        }
+        missed.sort_unstable_by_key(|missed| missed.cell);
+        Growth { order: self.front.order, missed, statistics: self.statistics }
+    }
+}
+
+/// The cells that stand on the platform, by rising number.
+fn first_layer(cells: &Cells, platform: &Platform, rules: &Rules) -> Vec<u32> {
+    let level = cells.dims()[0] * cells.dims()[1];
+    cells
+        .iter()
+        .take_while(|&cell| cell < level)
+        .filter(|&cell| {
+            let [x, y, _] = cells.position(cell);
+            platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], rules.flat)
+        })
+        .collect()
+}
+
+/// The cells that a chain of neighbours joins to the platform.
+fn joined_to_platform(cells: &Cells, platform: &Platform, rules: &Rules) -> CellSet {
+    let solid = CellSet::of(cells);
+    let mut joined = CellSet::none(cells);
+    let mut reached = first_layer(cells, platform, rules);
+    reached.iter().for_each(|&cell| _ = joined.insert(cell));
+    while let Some(cell) = reached.pop() {
+        reached.extend(solid.around(cell, rules.neighbours.offsets()).filter(|&next| joined.insert(next)));
+    }
+    joined
+}
