@@ -1,0 +1,410 @@
+//! Conservative voxelisation: a triangle mesh becomes the set of cells that it touches or encloses.
+//!
+//! A cell belongs to the solid when its open interior meets the closed solid. The solid is the surface together with
+//! all points whose winding number is above one half in absolute value: the union where parts pass through each other,
+//! the whole body where every triangle is turned inwards, the sensible side of a hole. A cube whose faces lie on planes
+//! of the grid gives its cells and no more; nothing of the solid lies outside the cells.
+//!
+//! * The surface: exact decisions on integers for each row of cells (`surface`, `lattice`).
+//! * The inside: one winding number for each connected piece of what the surface misses (`interior`, `winding`,
+//!   `boundary`).
+//! * A wanted number of cells: a search over the size of the cells and the place of the grid (`search`).
+//!
+//! The part is put on the plate: the grid and the result are those of the mesh moved by [`Voxelisation::shift`].
+
+use crate::boundary::{Cap, caps, open_edges, sides, welded};
+use crate::grid::zeroed;
+use crate::interior::{self, Capped, Inside, Surface};
+use crate::lattice::Lattice;
+use crate::search;
+use crate::surface::{Bits, Painter, Walls};
+use crate::winding::Winding;
+use crate::{GridError, Progress, VoxelGrid};
+use nalgebra::{Point3, Vector3};
+use std::ops::ControlFlow;
+
+/// How large the cells are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Resolution {
+    /// This edge, in millimetres. The grid begins where the part does: its low corner is that of the bounding box.
+    Cell(f64),
+    /// The size that gives this number of cells, or the nearest number that the search reaches: it ends within 0.1 %
+    /// of it, where flat faces make whole layers of cells come and go at once within 0.25 %, or else with the best of
+    /// a few dozen sizes and places of the grid (free in x and y; the part stands on a plane of the grid). There may be
+    /// no nearer number then.
+    Count(u64),
+}
+
+/// Options of [`voxelise`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoxelOptions {
+    /// How large the cells are; 100,000 cells unless said otherwise.
+    pub resolution: Resolution,
+    /// Most bytes that the bits of the grid may take, [`VoxelGrid::MAX_BYTES`] unless said otherwise. A larger grid is
+    /// refused before it is allocated. The work takes about two to three times that, and 24 bytes for each vertex.
+    pub max_bytes: u64,
+}
+
+impl Default for VoxelOptions {
+    fn default() -> Self {
+        VoxelOptions { resolution: Resolution::Count(100_000), max_bytes: VoxelGrid::MAX_BYTES }
+    }
+}
+
+/// The cells of a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Voxelisation {
+    /// The cells. Their plane `z = 0` is the plate.
+    pub grid: VoxelGrid,
+    /// What to add to the vertices, in millimetres, so that the mesh stands on the plate within `grid`. Along z alone.
+    pub shift: Vector3<f64>,
+    /// What was found on the way.
+    pub report: VoxelReport,
+}
+
+/// What [`voxelise`] found on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct VoxelReport {
+    /// Triangles that count: those with an area.
+    pub triangles: usize,
+    /// Triangles without area, left out: corners on a line within the rounding of `f64`, or, for triangles that share
+    /// no edge with another, within that of the `f32` of STL files.
+    pub dropped_triangles: usize,
+    /// Edges that the triangles do not pass through equally often in both directions; none if the mesh is closed.
+    /// A seam where triangles meet without sharing corners counts as open too, but leaks nothing.
+    pub open_edges: usize,
+    /// Cells that the surface touches.
+    pub surface_cells: u64,
+    /// Cells inside that the surface does not touch.
+    pub interior_cells: u64,
+    /// Connected pieces of what the surface does not touch, for which a winding number was asked.
+    pub pieces: usize,
+    /// Faces at which a cell inside and one outside meet without any surface between: the mouths of holes wider than a
+    /// cell, through which a flood fill would have lost the inside. Here the winding number bounds it.
+    pub leak_faces: u64,
+    /// Cells near holes that were decided one by one.
+    pub cells_asked_singly: u64,
+    /// The triangles are turned inwards, all or for the most part; the inside was taken all the same.
+    pub inside_out: bool,
+    /// Cells inside that the surface does not touch, and round which it is turned inwards.
+    pub turned_cells: u64,
+    /// Grids that were tried to come near a wanted number of cells; one for a given size.
+    pub trials: usize,
+}
+
+/// Why a mesh does not become cells.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum VoxelError {
+    /// The mesh has no triangle.
+    #[error("the mesh has no triangle")]
+    NoTriangle,
+    /// No triangle has an area.
+    #[error("all {dropped} triangles of the mesh have no area")]
+    NoArea {
+        /// Triangles without area.
+        dropped: usize,
+    },
+    /// A coordinate is not a number, not finite, or beyond any use.
+    #[error("vertex {vertex} at {position:?} is no place: coordinates must be finite and below 1e100 mm")]
+    BadVertex {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Its coordinates.
+        position: [f64; 3],
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {index} of {vertices}")]
+    BadIndex {
+        /// Index of the triangle.
+        triangle: usize,
+        /// Index of the vertex that it names.
+        index: u32,
+        /// Vertices that there are.
+        vertices: usize,
+    },
+    /// No cells were asked for.
+    #[error("zero cells were asked for; ask for one at least")]
+    NoCount,
+    /// The grid cannot be made.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// The mesh touches no open cell and encloses none, as a plate without thickness on a plane of the grid.
+    #[error("no cell of {cell_mm} mm is touched: the mesh lies within a plane of the grid and encloses nothing")]
+    Nothing {
+        /// Edge of a cell.
+        cell_mm: f64,
+    },
+    /// The progress callback stopped the work.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// Largest absolute coordinate: squares and cubes of it, and of its ratio to the smallest, stay finite.
+const MAX_COORDINATE: f64 = 1e100;
+
+/// The cells that a mesh touches or encloses.
+///
+/// # Arguments
+/// * `vertices`: corners in millimetres. Those that no triangle names count for nothing but are checked.
+/// * `triangles`: three indices each, counter-clockwise from outside. Closed or not, they may pass through each other,
+///   repeat vertices, or all be turned inwards.
+/// * `options`: how large the cells are.
+/// * `progress`: called now and then with the work done; `Break` stops it.
+///
+/// # Returns
+/// The cells whose open interior meets the closed solid (see the [crate] for what that is), the part standing on
+/// `z = 0`. Vertices are rounded to 2^-24 of a cell first; all that follows about the surface is exact.
+///
+/// # Errors
+/// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a resolution that is none,
+/// a grid beyond the limits of [`VoxelGrid`] or of `max_bytes` (before it is allocated), a mesh that touches no cell,
+/// and if it was stopped.
+///
+/// # Cost
+/// Linear in the triangles, the rows of cells that they touch and the pieces of the rest; a fifth of a second for a
+/// million surface cells, some dozens of that for a wanted number. Deterministic, on one thread.
+///
+/// # Example
+/// ```
+/// use curvlay_voxel::{Resolution, VoxelOptions, nalgebra::Point3, voxelise};
+/// use std::ops::ControlFlow;
+/// // A tetrahedron with its corner at the origin, legs of 3 mm, in cells of 1 mm.
+/// let vertices = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 3.0]].map(Point3::from);
+/// let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let options = VoxelOptions { resolution: Resolution::Cell(1.0), ..VoxelOptions::default() };
+/// let solid = voxelise(&vertices, &triangles, &options, &|_| ControlFlow::Continue(()))?;
+/// assert_eq!(solid.grid.count(), 6 + 3 + 1);
+/// assert_eq!(solid.report.open_edges, 0);
+/// # Ok::<(), curvlay_voxel::VoxelError>(())
+/// ```
+pub fn voxelise(
+    vertices: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    options: &VoxelOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Voxelisation, VoxelError> {
+    match options.resolution {
+        Resolution::Cell(cell_mm) if !(cell_mm > 0.0 && cell_mm.is_finite()) => {
+            return Err(GridError::CellSize { cell_mm }.into());
+        }
+        Resolution::Count(0) => return Err(VoxelError::NoCount),
+        _ => {}
+    }
+    let mut solid = Solid::new(vertices, triangles, options.max_bytes, progress)?;
+    let (trial, trials) = match options.resolution {
+        Resolution::Cell(cell) => (solid.trial(cell, [0.0; 2], &solid.go_on("voxelise"))?, 1),
+        Resolution::Count(wanted) => search::nearest(&mut solid, wanted)?,
+    };
+    solid.finish(trial, trials)
+}
+
+/// A mesh that was looked through, ready to be voxelised at any size.
+pub(crate) struct Solid<'a> {
+    vertices: &'a [Point3<f64>],
+    triangles: Vec<[u32; 3]>,
+    dropped: usize,
+    open_edges: usize,
+    surface: Surface,
+    high: Point3<f64>,
+    max_bytes: u64,
+    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    points: Vec<[i64; 3]>,
+    /// Volume (positive if the triangles are turned outwards) and area, with the longest side of the box as unit.
+    pub(crate) volume: f64,
+    pub(crate) area: f64,
+}
+
+/// The cells for one size and place of the grid.
+pub(crate) struct Trial {
+    lattice: Lattice,
+    cells: Bits,
+    pub(crate) surface_cells: u64,
+    inside: Inside,
+}
+
+impl Trial {
+    pub(crate) fn count(&self) -> u64 {
+        self.surface_cells + self.inside.cells
+    }
+}
+
+impl<'a> Solid<'a> {
+    fn new(
+        vertices: &'a [Point3<f64>],
+        triangles: &[[u32; 3]],
+        max_bytes: u64,
+        progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, VoxelError> {
+        if triangles.is_empty() {
+            return Err(VoxelError::NoTriangle);
+        }
+        let usable = |at: &Point3<f64>| at.iter().all(|c| c.abs() <= MAX_COORDINATE);
+        if let Some(vertex) = vertices.iter().position(|at| !usable(at)) {
+            return Err(VoxelError::BadVertex { vertex, position: vertices[vertex].into() });
+        }
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
+                return Err(VoxelError::BadIndex { triangle, index, vertices: vertices.len() });
+            }
+        }
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| vertices[corner as usize]);
+        let welded = welded(vertices);
+        let mut sound: Vec<_> =
+            triangles.iter().copied().filter(|triangle| has_area(&corners(triangle), f64::EPSILON)).collect();
+        let mut open = open_edges(&welded, sound.iter().copied());
+        if !open.is_empty() {
+            let rising = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+            let is_open = |ends: [u32; 2]| open.binary_search_by_key(&rising(ends), |edge| rising(edge.ends)).is_ok();
+            let loose =
+                |triangle: &[u32; 3]| sides(triangle.map(|corner| welded[corner as usize])).into_iter().all(is_open);
+            sound.retain(|triangle| has_area(&corners(triangle), f64::from(f32::EPSILON)) || !loose(triangle));
+            open = open_edges(&welded, sound.iter().copied());
+            if !open.is_empty() && open_edges(&welded, triangles.iter().copied()).is_empty() {
+                // A triangle without area stands between two that do not share their corners.
+                open.clear();
+            }
+        }
+        let dropped = triangles.len() - sound.len();
+        if sound.is_empty() {
+            return Err(VoxelError::NoArea { dropped });
+        }
+        let none = Vector3::repeat(f64::INFINITY);
+        let (low, high) = sound
+            .iter()
+            .flat_map(corners)
+            .fold((none, -none), |(low, high), at| (low.inf(&at.coords), high.sup(&at.coords)));
+        let (low, high, size) = (Point3::from(low), Point3::from(high), (high - low).max());
+        let in_box = |at: Point3<f64>| Point3::from((at - low) / size);
+        let winding: Vec<_> = sound.iter().map(|triangle| corners(triangle).map(in_box)).collect();
+        let (mut volume, mut area) = (0.0, 0.0);
+        for [a, b, c] in &winding {
+            let normal = (b - a).cross(&(c - a));
+            let from = a - Point3::new(0.5, 0.5, 0.5);
+            volume += from.dot(&normal) / 6.0;
+            area += normal.norm() / 2.0;
+        }
+        let boxed: Vec<_> = if open.is_empty() { Vec::new() } else { vertices.iter().map(|at| in_box(*at)).collect() };
+        let caps = caps(&boxed, &open);
+        let fan = |cap: &Cap| {
+            let apex = cap.apex;
+            cap.edges.iter().map(move |&[a, b]| (apex, a, b)).collect::<Vec<_>>()
+        };
+        let fans = caps.iter().flat_map(fan).map(|(apex, a, b)| [apex, boxed[a as usize], boxed[b as usize]]);
+        let surface =
+            Surface { winding: Winding::new(winding), caps_winding: Winding::new(fans.collect()), caps, low, size };
+        Ok(Solid {
+            vertices,
+            triangles: sound,
+            dropped,
+            open_edges: open.len(),
+            surface,
+            high,
+            max_bytes,
+            progress,
+            points: Vec::new(),
+            volume,
+            area,
+        })
+    }
+
+    /// Longest side of the bounding box, in millimetres.
+    pub(crate) fn size(&self) -> f64 {
+        self.surface.size
+    }
+
+    /// Tells of work under the name of a stage.
+    pub(crate) fn go_on(&self, stage: &'static str) -> impl Fn(u64, u64) -> Option<()> + use<'a> {
+        let progress = self.progress;
+        move |done, total| progress(Progress { stage, done, total }).is_continue().then_some(())
+    }
+
+    /// The cells of edge `cell`, the grid beginning `phase` cells before the part in x and y.
+    pub(crate) fn trial(
+        &mut self,
+        cell: f64,
+        phase: [f64; 2],
+        go_on: &dyn Fn(u64, u64) -> Option<()>,
+    ) -> Result<Trial, VoxelError> {
+        if !(cell > 0.0 && cell.is_finite()) {
+            return Err(GridError::CellSize { cell_mm: cell }.into());
+        }
+        let lattice = Lattice::new([self.surface.low, self.high], cell, phase, self.max_bytes)?;
+        let words = VoxelGrid::check(lattice.dims.map(u64::from), self.max_bytes)?;
+        let mut cells = Bits::new(lattice.dims, zeroed(words, lattice.dims)?);
+        self.points.clear();
+        self.points.extend(self.vertices.iter().map(|at| lattice.point(at)));
+        let (mut painter, mut walls) = (Painter::new(), Walls::default());
+        let total = self.triangles.len() as u64;
+        let mut painted = 0;
+        for (done, triangle) in self.triangles.iter().enumerate() {
+            // Rows count, not triangles, so that a stop is heard within milliseconds.
+            if painted > 1 << 16 || done % 4096 == 0 {
+                painted = 0;
+                go_on(done as u64 / 2, total).ok_or(VoxelError::Stopped)?;
+            }
+            let corners = triangle.map(|corner| self.points[corner as usize]);
+            painted += painter.paint(&corners, &mut cells, &mut walls)?;
+        }
+        let surface_cells = cells.rows.iter().map(|word| u64::from(word.count_ones())).sum();
+        let capped = if self.surface.caps.is_empty() { None } else { Some(self.capped(&lattice, &cells, &walls)?) };
+        let filled = |done: u64, of: u64| go_on(total / 2 + done * (total - total / 2) / of.max(1), total);
+        let inside = interior::fill(&mut cells, &walls, capped.as_ref(), &lattice, &mut self.surface, &filled);
+        Ok(Trial { lattice, cells, surface_cells, inside: inside.ok_or(VoxelError::Stopped)? })
+    }
+
+    /// What the surface and its caps touch together.
+    fn capped(&self, lattice: &Lattice, cells: &Bits, walls: &Walls) -> Result<Capped, VoxelError> {
+        let mut capped = Capped { cells: cells.clone(), walls: walls.clone(), ends: Default::default() };
+        let mut painter = Painter::new();
+        for cap in &self.surface.caps {
+            let apex = lattice.point(&(self.surface.low + cap.apex.coords * self.surface.size));
+            for &[a, b] in &cap.edges {
+                let corners = [apex, self.points[a as usize], self.points[b as usize]];
+                painter.paint(&corners, &mut capped.cells, &mut capped.walls)?;
+            }
+        }
+        for triangle in &self.triangles {
+            painter.paint_ends(&triangle.map(|corner| self.points[corner as usize]), &mut capped.ends, cells)?;
+        }
+        Ok(capped)
+    }
+
+    fn finish(self, trial: Trial, trials: usize) -> Result<Voxelisation, VoxelError> {
+        let Trial { lattice, cells, surface_cells, inside } = trial;
+        if surface_cells + inside.cells == 0 {
+            return Err(VoxelError::Nothing { cell_mm: lattice.cell });
+        }
+        let mut origin = lattice.origin();
+        let shift = Vector3::new(0.0, 0.0, -origin.z);
+        origin.z = 0.0;
+        let grid = VoxelGrid::from_rows(lattice.dims, cells.rows)?.placed(lattice.cell, origin)?;
+        let report = VoxelReport {
+            triangles: self.triangles.len(),
+            dropped_triangles: self.dropped,
+            open_edges: self.open_edges,
+            surface_cells,
+            interior_cells: inside.cells,
+            pieces: inside.pieces,
+            leak_faces: inside.leak_faces,
+            cells_asked_singly: inside.asked_singly,
+            inside_out: if inside.cells > 0 { inside.turned * 2 > inside.cells } else { self.volume < 0.0 },
+            turned_cells: inside.turned,
+            trials,
+        };
+        Ok(Voxelisation { grid, shift, report })
+    }
+}
+
+/// Whether a triangle has an area that the rounding of its coordinates, by `epsilon` of themselves, cannot have made.
+fn has_area([a, b, c]: &[Point3<f64>; 3], epsilon: f64) -> bool {
+    let (ab, ac) = (b - a, c - a);
+    let largest = a.coords.abs().sup(&b.coords.abs()).sup(&c.coords.abs());
+    let longest = ab.abs().sup(&ac.abs());
+    let normal = ab.cross(&ac);
+    // Each coordinate is off by half a unit in its last place at most, so each difference by one; twice that for the
+    // products of the computation itself.
+    let [x, y, z] = [(1, 2), (2, 0), (0, 1)].map(|(u, v)| largest[u] * longest[v] + largest[v] * longest[u]);
+    normal.abs().zip_fold(&Vector3::new(x, y, z), false, |any, normal, error| any || normal > 2.0 * epsilon * error)
+}
