@@ -1,5 +1,6 @@
 //! Bodies without volume: no point, a point, a segment, a plane polygon.
 
+use crate::error::check;
 use crate::plane::{cross, dot, minus};
 use crate::polygon::convex_polygon;
 
@@ -43,6 +44,9 @@ pub(crate) fn extreme_points(points: &[[i32; 3]]) -> Vec<[i32; 3]> {
 
 /// Whether `p` lies in the hull of points that lie in a plane and are its extreme points, in lexical order.
 pub(crate) fn contains(extreme: &[[i32; 3]], p: [i32; 3]) -> bool {
+    if check(&[p]).is_err() {
+        return false; // too far out for exact signs
+    }
     let with_p: Vec<_> = extreme.iter().copied().chain([p]).collect();
     tetrahedron(&with_p).is_none() && extreme_points(&with_p) == extreme
 }

@@ -215,22 +215,21 @@ impl ConvexHull {
         }
         let all: Vec<_> = self.flat.iter().chain(points).copied().collect();
         let before = std::mem::take(&mut self.flat);
-        let mut extended = usize::from(true);
         match flat::tetrahedron(&all) {
             None => {
                 self.flat = flat::extreme_points(&all);
-                extended = self.flat.iter().filter(|corner| !before.contains(corner)).count();
+                let extended = self.flat.iter().filter(|corner| !before.contains(corner)).count();
                 self.log(Undo::Flat(before));
+                Ok(extended)
             }
             Some(first) => {
-                self.log(Undo::Flat(before));
+                self.log(Undo::Flat(before.clone()));
                 self.points.extend(first);
                 self.build(vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]);
                 self.insert_outside(&all);
-                extended = extended.max(self.points.len() - corners_before);
+                Ok(self.points.iter().filter(|corner| !before.contains(corner)).count())
             }
         }
-        Ok(extended)
     }
 
     /// Whether the body has volume.
@@ -391,7 +390,7 @@ impl ConvexHull {
                 Some(Undo::Flat(flat)) => {
                     self.flat = flat;
                     self.points.clear();
-                    self.walls.truncate(0);
+                    self.walls.clear();
                     self.facets.clear();
                     self.free.clear();
                 }

@@ -115,8 +115,12 @@ impl RowIntervals {
                     let until = envelope.get(at + 1).map_or(rows.end, |(_, next)| *next);
                     for (row, ends) in level.iter_mut().enumerate().take(until).skip(*from) {
                         let y = self.lattice.origin[0] + self.lattice.step * row as i32;
-                        let bound = line.at(y).div_euclid(line.run).clamp(-BEYOND, BEYOND) as i32;
-                        ends[side] = if side == 1 { bound } else { -bound };
+                        let bound = line.at(y).div_euclid(line.run);
+                        // Cut off so that a row whose ends both lie beyond stays empty.
+                        ends[side] = match side {
+                            1 => bound.clamp(-BEYOND, BEYOND) as i32,
+                            _ => (-bound).clamp(1 - BEYOND, 1 + BEYOND) as i32,
+                        };
                     }
                 }
             }

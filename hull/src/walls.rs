@@ -8,113 +8,134 @@ use crate::plane::Plane;
 /// Planes by the number of their facet, with gaps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Walls {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-    /// Infinite where a facet is gone: no point lies outside it, and it shows none.
-    offset: Vec<f64>,
-    inner: Vec<f64>,
-    length: Vec<f64>,
+    blocks: Vec<Block>,
+    /// Number of facets, gaps included.
+    len: usize,
 }
 
-/// Planes that are compared at a time.
+/// Planes that are compared at a time: enough to keep the processor busy, few enough to find the one in a hit.
 const BLOCK: usize = 8;
 
-impl Walls {
-    /// Number of facets, gaps included.
-    pub(crate) fn len(&self) -> usize {
-        self.x.len()
-    }
+/// The columns of some planes.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    x: [f64; BLOCK],
+    y: [f64; BLOCK],
+    z: [f64; BLOCK],
+    /// Infinite where there is no facet: no point lies outside it, and it shows none.
+    offset: [f64; BLOCK],
+    inner: [f64; BLOCK],
+    length: [f64; BLOCK],
+}
 
+impl Block {
+    const EMPTY: Block = Block {
+        x: [0.0; BLOCK],
+        y: [0.0; BLOCK],
+        z: [0.0; BLOCK],
+        offset: [f64::INFINITY; BLOCK],
+        inner: [f64::INFINITY; BLOCK],
+        length: [1.0; BLOCK],
+    };
+
+    /// `normal . p` for one of the planes.
+    fn dot(&self, k: usize, [px, py, pz]: [f64; 3]) -> f64 {
+        self.x[k] * px + self.y[k] * py + self.z[k] * pz
+    }
+}
+
+impl Walls {
     pub(crate) fn is_live(&self, facet: u32) -> bool {
-        self.offset.get(facet as usize).is_some_and(|offset| offset.is_finite())
+        let at = facet as usize;
+        at < self.len && self.blocks[at / BLOCK].offset[at % BLOCK].is_finite()
     }
 
     pub(crate) fn live(&self) -> impl Iterator<Item = u32> {
-        (0..self.len() as u32).filter(|&facet| self.is_live(facet))
+        (0..self.len as u32).filter(|&facet| self.is_live(facet))
     }
 
     pub(crate) fn plane(&self, facet: u32) -> Plane {
-        let at = facet as usize;
-        let normal = [self.x[at], self.y[at], self.z[at]].map(|c| c as i64);
-        Plane { normal, offset: self.offset[at] as i64, inner: self.inner[at] as i64 }
+        let (block, k) = self.at(facet);
+        let normal = [block.x[k], block.y[k], block.z[k]].map(|c| c as i64);
+        Plane { normal, offset: block.offset[k] as i64, inner: block.inner[k] as i64 }
     }
 
     pub(crate) fn push(&mut self, plane: &Plane) {
-        for column in [&mut self.x, &mut self.y, &mut self.z, &mut self.offset, &mut self.inner, &mut self.length] {
-            column.push(0.0);
+        if self.len.is_multiple_of(BLOCK) {
+            self.blocks.push(Block::EMPTY);
         }
-        self.set(self.len() as u32 - 1, plane);
+        self.len += 1;
+        self.set(self.len as u32 - 1, plane);
     }
 
     pub(crate) fn pop(&mut self) {
-        self.truncate(self.len().saturating_sub(1));
-    }
-
-    pub(crate) fn truncate(&mut self, len: usize) {
-        for column in [&mut self.x, &mut self.y, &mut self.z, &mut self.offset, &mut self.inner, &mut self.length] {
-            column.truncate(len);
+        if let Some(last) = self.len.checked_sub(1) {
+            self.take(last as u32);
+            self.len = last;
+            self.blocks.truncate(last.div_ceil(BLOCK));
         }
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.blocks.clear();
+        self.len = 0;
+    }
+
     pub(crate) fn set(&mut self, facet: u32, plane: &Plane) {
-        let at = facet as usize;
-        [self.x[at], self.y[at], self.z[at]] = plane.normal.map(|c| c as f64);
-        self.offset[at] = plane.offset as f64;
-        self.inner[at] = plane.inner as f64;
-        self.length[at] = plane.length();
+        let (block, k) = (&mut self.blocks[facet as usize / BLOCK], facet as usize % BLOCK);
+        [block.x[k], block.y[k], block.z[k]] = plane.normal.map(|c| c as f64);
+        block.offset[k] = plane.offset as f64;
+        block.inner[k] = plane.inner as f64;
+        block.length[k] = plane.length();
     }
 
     /// Leaves a gap and returns what was there.
     pub(crate) fn take(&mut self, facet: u32) -> Plane {
         let plane = self.plane(facet);
-        self.offset[facet as usize] = f64::INFINITY;
-        self.inner[facet as usize] = f64::INFINITY;
+        let (block, k) = (&mut self.blocks[facet as usize / BLOCK], facet as usize % BLOCK);
+        block.offset[k] = f64::INFINITY;
+        block.inner[k] = f64::INFINITY;
         plane
     }
 
     /// Height of `p` over the facet, times the length of its normal; exact.
     pub(crate) fn height(&self, facet: u32, p: [i32; 3]) -> f64 {
-        let (at, [px, py, pz]) = (facet as usize, p.map(f64::from));
-        self.x[at] * px + self.y[at] * py + self.z[at] * pz - self.offset[at]
+        let (block, k) = self.at(facet);
+        block.dot(k, p.map(f64::from)) - block.offset[k]
     }
 
     /// Height of `p` over the facet.
     pub(crate) fn distance(&self, facet: u32, p: [i32; 3]) -> f64 {
-        self.height(facet, p) / self.length[facet as usize]
+        let (block, k) = self.at(facet);
+        (block.dot(k, p.map(f64::from)) - block.offset[k]) / block.length[k]
     }
 
     /// Whether the facet shows that `p` is not deep.
     pub(crate) fn shows(&self, facet: u32, p: [i32; 3]) -> bool {
-        let (at, [px, py, pz]) = (facet as usize, p.map(f64::from));
-        self.x[at] * px + self.y[at] * py + self.z[at] * pz > self.inner[at]
+        let (block, k) = self.at(facet);
+        block.dot(k, p.map(f64::from)) > block.inner[k]
     }
 
     /// The first facet that `p` lies strictly outside of.
     pub(crate) fn first_below(&self, p: [i32; 3]) -> Option<u32> {
-        self.first_exceeded(p, &self.offset)
+        self.first_exceeded(p, |block| &block.offset)
     }
 
     /// The first facet that shows that `p` is not deep.
     pub(crate) fn first_showing(&self, p: [i32; 3]) -> Option<u32> {
-        self.first_exceeded(p, &self.inner)
+        self.first_exceeded(p, |block| &block.inner)
     }
 
-    fn first_exceeded(&self, p: [i32; 3], bounds: &[f64]) -> Option<u32> {
-        let [px, py, pz] = p.map(f64::from);
-        let blocks = self.x.chunks(BLOCK).zip(self.y.chunks(BLOCK)).zip(self.z.chunks(BLOCK)).zip(bounds.chunks(BLOCK));
-        for (block, (((x, y), z), bounds)) in blocks.enumerate() {
-            let exceeded = |k: usize| x[k] * px + y[k] * py + z[k] * pz > bounds[k];
-            let any = if x.len() == BLOCK {
-                let (x, y, z, bounds) = (&x[..BLOCK], &y[..BLOCK], &z[..BLOCK], &bounds[..BLOCK]);
-                (0..BLOCK).fold(false, |any, k| any | (x[k] * px + y[k] * py + z[k] * pz > bounds[k]))
-            } else {
-                true
-            };
-            if any && let Some(k) = (0..x.len()).find(|&k| exceeded(k)) {
-                return Some((block * BLOCK + k) as u32);
-            }
-        }
-        None
+    fn first_exceeded(&self, p: [i32; 3], bounds: impl Fn(&Block) -> &[f64; BLOCK]) -> Option<u32> {
+        let p = p.map(f64::from);
+        let exceeded = |block: &Block, k: usize| block.dot(k, p) > bounds(block)[k];
+        let any = |block: &Block| (0..BLOCK).fold(false, |any, k| any | exceeded(block, k));
+        let hit = self.blocks.iter().position(any)?;
+        let k = (0..BLOCK).find(|&k| exceeded(&self.blocks[hit], k))?;
+        Some((hit * BLOCK + k) as u32)
+    }
+
+    fn at(&self, facet: u32) -> (&Block, usize) {
+        (&self.blocks[facet as usize / BLOCK], facet as usize % BLOCK)
     }
 }

@@ -47,9 +47,21 @@ impl CellSet {
 
     /// The numbers of the cells, rising.
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> {
-        let ([nx, _, _], words) = (self.dims, self.words_per_row);
-        self.rows.iter().enumerate().flat_map(move |(at, &word)| {
-            let first = (at / words) as u32 * nx + (at % words) as u32 * 64;
+        (0..self.dims[2]).flat_map(|level| self.level(level))
+    }
+
+    /// Levels of the grid.
+    pub(super) fn levels(&self) -> u32 {
+        self.dims[2]
+    }
+
+    /// The numbers of the cells of one level, rising.
+    pub(super) fn level(&self, level: u32) -> impl Iterator<Item = u32> {
+        let ([nx, ny, _], words) = (self.dims, self.words_per_row);
+        let first_row = level * ny;
+        let bits = &self.rows[words * first_row as usize..words * (first_row + ny) as usize];
+        bits.iter().enumerate().flat_map(move |(at, &word)| {
+            let first = (first_row + (at / words) as u32) * nx + (at % words) as u32 * 64;
             set_bits(word).map(move |bit| first + bit)
         })
     }

@@ -51,7 +51,7 @@ pub(super) struct Front {
 impl Front {
     pub(super) fn new(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
         let depth = body::depth(rules)?;
-        let mut front = Front {
+        Ok(Front {
             hull: body::hull_of_platform(platform, rules, Depth::new(depth)?)?,
             order: LayerOrder::new(),
             waiting: CellSet::of(cells),
@@ -59,17 +59,10 @@ impl Front {
             blocked_by: BTreeMap::new(),
             freed: Vec::new(),
             proposed: CellSet::none(cells),
-            watch: Watch::new(),
+            watch: Watch::new(platform.top(), depth),
             hint: Hint::default(),
             centres: Centres::new(cells, rules),
-        };
-        // The platform lies below every cell, so for now straight up is a proof for each of them.
-        let top = i64::from(platform.top());
-        let up = Plane { normal: [0, 0, 1], offset: top, inner: top - depth.ceil() as i64 };
-        for cell in cells.iter() {
-            front.watch.add(cell, front.centre(cell), &up);
-        }
-        Ok(front)
+        })
     }
 
     /// The lattice point at the centre of a cell.

@@ -6,6 +6,9 @@
 //! up to `c`. Cells that share a direction wait in a heap, the lowest on top, so growth looks only at cells whose
 //! proof fails: each of them then gets a new direction from the hull, or is lost.
 //!
+//! At first straight up is a proof for every cell, since the platform lies below them all. Levels that the front has
+//! not come up to are kept as a number, not as cells.
+//!
 //! `reach` may lie above the true reach (after a what-if that was taken back); then a proof fails too early, which costs a
 //! look at the hull and nothing else.
 
@@ -17,6 +20,10 @@ use std::collections::{BinaryHeap, HashMap};
 /// The waiting cells by the directions that prove them accessible.
 #[derive(Debug)]
 pub(super) struct Watch {
+    /// From this level on straight up is the proof of every waiting cell.
+    untouched: u32,
+    /// Highest point of the front, and the margin, for that direction.
+    up: Plane,
     groups: Vec<Group>,
     /// Looked up, never walked through: its order is not the same from run to run.
     group_of: HashMap<[i64; 3], usize>,
@@ -43,8 +50,11 @@ pub(super) struct Endangered {
 }
 
 impl Watch {
-    pub(super) fn new() -> Self {
-        Watch { groups: Vec::new(), group_of: HashMap::new(), last: None }
+    /// Watches all cells, which lie above the plane `z = top`; `depth` is that from which a cell counts as inside.
+    pub(super) fn new(top: i32, depth: f64) -> Self {
+        let top = i64::from(top);
+        let up = Plane { normal: [0, 0, 1], offset: top, inner: top - depth.ceil() as i64 };
+        Watch { untouched: 0, up, groups: Vec::new(), group_of: HashMap::new(), last: None }
     }
 
     /// Watches the cell at `point`, which `proof` shows to be accessible: a plane with all of the front below it.
@@ -73,6 +83,12 @@ impl Watch {
     /// Takes out the cells in `waiting` whose proof would fail if the front got `points`.
     pub(super) fn take_endangered(&mut self, points: &[[i32; 3]], waiting: &CellSet) -> Vec<Endangered> {
         let mut endangered = Vec::new();
+        let level_reached = points.iter().map(|p| i64::from(p[2])).fold(self.up.offset, i64::max) - self.up.margin();
+        let centre = |level: u32| 2 * i64::from(level) + 1;
+        while self.untouched < waiting.levels() && centre(self.untouched) <= level_reached {
+            endangered.extend(waiting.level(self.untouched).map(|cell| Endangered { cell, proof: self.up }));
+            self.untouched += 1;
+        }
         for group in self.groups.iter_mut().filter(|group| !group.cells.is_empty()) {
             let level = group.reach_with(points) - group.margin;
             while let Some(&Reverse((height, cell))) = group.cells.peek().filter(|lowest| lowest.0.0 <= level) {
@@ -100,6 +116,9 @@ impl Watch {
         for group in &mut self.groups {
             group.reach = group.reach_with(points);
         }
+        let margin = self.up.margin();
+        self.up.offset = points.iter().map(|p| i64::from(p[2])).fold(self.up.offset, i64::max);
+        self.up.inner = self.up.offset - margin;
     }
 }
 
