@@ -271,6 +271,18 @@ impl ConvexHull {
         self.walls.first_showing(p).is_none()
     }
 
+    /// Whether `p` lies outside the closed body, so that inserting it would extend the body. Exact.
+    ///
+    /// `hint` is as in [`ConvexHull::witness`], and so is the cost: long if the answer is no.
+    pub fn is_outside(&self, p: [i32; 3], hint: &mut Hint) -> bool {
+        if !self.is_solid() {
+            return !flat::contains(&self.flat, p);
+        }
+        let below = self.facet_below(p, hint.facet);
+        hint.facet = below.unwrap_or(hint.facet);
+        below.is_some()
+    }
+
     /// A plane of the surface that shows that `p` is not deep; `None` if it is.
     ///
     /// Starting from `hint`, which is left where the search ended, it walks over the surface to where `p` lies farthest above: such a plane goes on

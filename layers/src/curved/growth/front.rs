@@ -75,6 +75,11 @@ impl Front {
         self.centres.insert(cells, &mut self.hull)
     }
 
+    /// Whether the hull would grow with the cell.
+    pub(super) fn extends_hull(&mut self, cell: u32) -> bool {
+        self.hull.is_outside(self.centres.of(cell), &mut self.hint)
+    }
+
     /// How many of the cells lie inside the hull.
     pub(super) fn count_deep(&self, cells: &[u32]) -> usize {
         cells.iter().filter(|&&cell| self.hull.is_deep(self.centre(cell))).count()

@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 /// Lengths are counted in this part of a cell, so that they can be compared exactly.
 const PARTS: f64 = (1u64 << 32) as f64;
 
-/// The candidates by their distance from the one with the least number, walking from neighbour to neighbour
-/// (Dijkstra's algorithm; Dai 2020, section 3.4.3, starts from any one). Those that do not hang together with it follow in
+/// The candidates by their distance from the one with the least number, walking from neighbour to neighbour through the
+/// `set` that they belong to (Dijkstra's algorithm; Dai 2020, section 3.4.3, starts from any one). Those that do not hang together with it follow in
 /// the same way.
 pub(super) fn by_distance(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]]) -> Vec<u32> {
     let mut distance: BTreeMap<u32, u64> = BTreeMap::new();
@@ -16,7 +16,7 @@ pub(super) fn by_distance(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]
     let mut sorted = candidates.to_vec();
     sorted.sort_unstable();
     let steps: Vec<([i32; 3], u64)> = offsets.iter().map(|&o| (o, (length(o) * PARTS) as u64)).collect();
-    for first in sorted {
+    for &first in &sorted {
         if distance.contains_key(&first) {
             continue;
         }
@@ -26,7 +26,9 @@ pub(super) fn by_distance(candidates: &[u32], set: &CellSet, offsets: &[[i32; 3]
             if distance[&cell] < far {
                 continue;
             }
-            ordered.push(cell);
+            if sorted.binary_search(&cell).is_ok() {
+                ordered.push(cell);
+            }
             for (offset, step) in &steps {
                 for next in set.around(cell, std::slice::from_ref(offset)) {
                     let known = distance.entry(next).or_insert(u64::MAX);
@@ -78,6 +80,8 @@ mod tests {
         let all: Vec<u32> = cells.iter().collect();
         let ordered = by_distance(&all, &CellSet::of(&cells), Neighbours::FaceOrEdge.offsets());
         assert_eq!(ordered, [0, 5, 6, 19]);
+        let without_middle = by_distance(&[0, 6, 19], &CellSet::of(&cells), Neighbours::FaceOrEdge.offsets());
+        assert_eq!(without_middle, [0, 6, 19]);
         let hanging = groups(&all, &CellSet::of(&cells), Neighbours::FaceOrEdge.offsets());
         assert_eq!(hanging, [vec![0, 5, 6], vec![19]]);
     }

@@ -32,7 +32,7 @@ impl Selection {
 }
 
 /// Tries the candidates all at once, then by halves (Algorithm 3).
-pub(super) fn adaptive(front: &mut Front, candidates: &mut [u32]) -> Result<Selection, GrowthError> {
+pub(super) fn adaptive(front: &mut Front, candidates: &[u32]) -> Result<Selection, GrowthError> {
     Trial::run(front, candidates, |trial, candidates| {
         let mut stack: Vec<&mut [u32]> = Vec::from([candidates]);
         while let Some(part) = stack.pop() {
@@ -54,7 +54,7 @@ pub(super) fn adaptive(front: &mut Front, candidates: &mut [u32]) -> Result<Sele
 /// Tries the candidates one by one, in the order of their distance from the first one (Algorithm 2).
 pub(super) fn incremental(
     front: &mut Front,
-    candidates: &mut [u32],
+    candidates: &[u32],
     offsets: &[[i32; 3]],
 ) -> Result<Selection, GrowthError> {
     Trial::run(front, candidates, |trial, candidates| {
@@ -99,7 +99,7 @@ impl Trial<'_> {
     /// Builds all candidates if that shadows nothing, else those that `select` accepts.
     fn run(
         front: &mut Front,
-        candidates: &mut [u32],
+        candidates: &[u32],
         select: impl FnOnce(&mut Trial, &mut [u32]) -> Result<(), GrowthError>,
     ) -> Result<Selection, GrowthError> {
         front.propose(candidates);
@@ -110,7 +110,7 @@ impl Trial<'_> {
 
     fn run_proposed(
         front: &mut Front,
-        candidates: &mut [u32],
+        candidates: &[u32],
         select: impl FnOnce(&mut Trial, &mut [u32]) -> Result<(), GrowthError>,
     ) -> Result<Selection, GrowthError> {
         let start = front.hull.checkpoint();
@@ -124,8 +124,10 @@ impl Trial<'_> {
         }
         front.hull.rollback(start);
         let guarded = guard(front, &in_danger.shadowed);
-        let mut trial = Trial { front, endangered: guarded, accepted: Vec::new(), added: Vec::new(), trials: 1 };
-        select(&mut trial, candidates)?;
+        // What lies in the hull already does no harm; only the others are tried.
+        let (mut extending, accepted): (Vec<u32>, Vec<u32>) = candidates.iter().partition(|&&c| front.extends_hull(c));
+        let mut trial = Trial { front, endangered: guarded, accepted, added: Vec::new(), trials: 1 };
+        select(&mut trial, &mut extending)?;
         let Trial { mut accepted, added, trials, .. } = trial;
         if accepted.is_empty() {
             front.put_back(&in_danger);
