@@ -148,6 +148,20 @@ impl Trial<'_> {
                 centres.iter().any(|&p| dot(guarded.normal, p) >= guarded.limit)
             })
             .collect();
+        if let (Some(&at), [_, _, ..]) = (crossed.first(), part) {
+            // What one candidate shadows, any set with it shadows too: the one that crosses the plane the farthest is
+            // looked at alone, before all of them go into the hull.
+            let Guarded { cell, centre, normal, .. } = self.endangered[at];
+            let farthest = (0..part.len()).max_by_key(|&k| dot(normal, centres[k])).unwrap_or(0);
+            let start = self.front.hull.checkpoint();
+            self.front.insert(&part[farthest..=farthest])?;
+            let shadowed = self.front.hull.witness(centre, &mut self.front.hint).is_none();
+            self.front.hull.rollback(start);
+            if shadowed {
+                self.endangered.swap(0, at);
+                return Ok(Err(cell));
+            }
+        }
         let start = self.front.hull.checkpoint();
         self.front.insert(part)?;
         let mut renewed = Vec::with_capacity(crossed.len());
