@@ -1,4 +1,4 @@
-//! Hulls that grow: a dome that rises over a disc, 300 layers of 500 lattice points.
+//! Hulls that grow: a dome that rises over a platform, a cell a layer: 300 layers of 500 cell centres.
 //!
 //! * `layers`: all layers inserted into one hull, beside parry's hull built anew from the last corners and each layer.
 //! * `what_if`: which of 10,000 waiting points would one more point cover? Checkpoint, insert, rollback, beside parry's
@@ -8,7 +8,7 @@
 //! parry is a baseline and no oracle: it works in floating point. On these inputs it agrees, which is asserted.
 #![allow(missing_docs)] // of what criterion's macros make
 
-use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_hull::{ConvexHull, Depth, Hint, Plane, RowIntervals, RowLattice};
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::convex_hull;
@@ -20,8 +20,9 @@ type Point = [i32; 3];
 
 const LAYERS: usize = 300;
 const POINTS_A_LAYER: usize = 500;
-/// Radius of the platform, in lattice units: the dome stays over it.
+/// Radii of the platform and of the dome, in lattice units: the dome stays over the platform.
 const PLATFORM: f64 = 200.0;
+const DOME: f64 = 195.0;
 /// Two lattice units: one cell.
 const DEPTH: f64 = 2.0;
 
@@ -34,21 +35,28 @@ fn disc() -> Vec<[i32; 2]> {
     (0..64).map(corner).collect()
 }
 
-/// Centres of cells (odd coordinates) near the points `k` of a spiral on a half sphere.
-fn on_half_sphere(radius: f64, count: usize, turned: f64) -> Vec<Point> {
+/// Centres of cells (odd coordinates) near the points of a spiral on the upper half of an ellipsoid, in the order of
+/// cell numbers.
+fn on_dome(height: f64, count: usize, turned: f64) -> Vec<Point> {
     let golden = PI * (3.0 - 5f64.sqrt());
     let point = |k: usize| {
         let z = (k as f64 + 0.5) / count as f64;
         let (sin, cos) = (golden * k as f64 + turned).sin_cos();
-        let across = (1.0 - z * z).sqrt();
-        [cos * across, sin * across, z].map(|c| 2 * (radius * c / 2.0).floor() as i32 + 1)
+        let across = DOME * (1.0 - z * z).sqrt();
+        [cos * across, sin * across, height * z].map(|c| 2 * (c / 2.0).floor() as i32 + 1)
     };
-    (0..count).map(point).collect()
+    let mut points: Vec<Point> = (0..count).map(point).collect();
+    points.sort_unstable_by_key(|&[x, y, z]| [z, y, x]);
+    points
 }
 
-/// The dome gains half a lattice unit a layer, so that many points of a layer lie inside.
+/// Height of the dome after `layers`: its top rises by two lattice units, a cell, in each.
+fn height_after(layers: usize) -> f64 {
+    2.0 * layers as f64
+}
+
 fn layers() -> Vec<Vec<Point>> {
-    (0..LAYERS).map(|layer| on_half_sphere(20.0 + 0.5 * layer as f64, POINTS_A_LAYER, layer as f64)).collect()
+    (1..=LAYERS).map(|layer| on_dome(height_after(layer), POINTS_A_LAYER, layer as f64)).collect()
 }
 
 /// Ours: a column under the platform, and the layers one by one.
@@ -172,14 +180,17 @@ fn shadowed_in_rebuilt(corners: &[Point], waiting: &[Point], candidate: Point) -
 }
 
 fn bench_what_if(c: &mut Criterion) {
-    let mut hull = grown(&layers()[..200]);
-    let around: Vec<Point> = (0..40)
-        .flat_map(|shell| on_half_sphere(118.0 + f64::from(shell), 400, f64::from(shell)))
+    let built = 100;
+    let mut hull = grown(&layers()[..built]);
+    let around: Vec<Point> = (0..60)
+        .flat_map(|above| on_dome(height_after(built) + f64::from(above), 400, f64::from(above)))
         .filter(|&p| !hull.is_deep(p))
         .take(10_000)
         .collect();
     assert_eq!(around.len(), 10_000);
-    let candidates: Vec<Point> = on_half_sphere(123.0, 8, 0.3);
+    // From the next layer, and from farther ahead, so that some cover something.
+    let candidates: Vec<Point> =
+        [1, 5].into_iter().flat_map(|ahead| on_dome(height_after(built + ahead), 4, 0.3)).collect();
     let waiting = Waiting::new(&hull, &around);
     let corners = hull.corners();
     let theirs: Vec<usize> = candidates.iter().map(|&p| shadowed_in_rebuilt(&corners, &around, p)).collect();
@@ -199,42 +210,43 @@ fn bench_what_if(c: &mut Criterion) {
     group.finish();
 }
 
-/// Every point with odd coordinates around the dome.
-fn deep_by_asking(hull: &ConvexHull, lattice: RowLattice) -> Vec<u32> {
-    let [ny, nz] = lattice.count;
-    let half = ny as i32 - 1;
-    let rows = (0..nz as i32).flat_map(|z| (0..ny as i32).map(move |y| [y, z]));
-    rows.map(|[y, z]| {
-        let at = [lattice.origin[0] + lattice.step * y, lattice.origin[1] + lattice.step * z];
-        (-half..=half).step_by(2).filter(|&x| hull.is_deep([x, at[0], at[1]])).count() as u32
-    })
-    .collect()
+/// The rows of cell centres in a box around the dome, and the centres in a row.
+fn around_dome(built: usize) -> (RowLattice, Vec<i32>) {
+    let side = DOME as i32 | 1;
+    let count = [side as u32 + 1, built as u32];
+    (RowLattice { origin: [-side, 1], step: 2, count }, (-side..=side).step_by(2).collect())
+}
+
+/// The baseline for rows: how many centres of each row are deep?
+fn deep_by_asking(hull: &ConvexHull, lattice: RowLattice, xs: &[i32]) -> Vec<usize> {
+    let [ny, nz] = lattice.count.map(|count| count as i32);
+    let rows = (0..nz).flat_map(|z| (0..ny).map(move |y| [1 - ny + 2 * y, 1 + 2 * z]));
+    rows.map(|[y, z]| xs.iter().filter(|&&x| hull.is_deep([x, y, z])).count()).collect()
 }
 
 fn bench_rows(c: &mut Criterion) {
     let mut group = c.benchmark_group("rows");
     group.sample_size(10);
-    for built in [80, 160] {
+    for built in [10, 50] {
         let hull = grown(&layers()[..built]);
-        let radius = 20 + built as i32 / 2;
-        let side = 2 * (radius / 2) + 1; // odd
-        let lattice = RowLattice { origin: [-side, 1], step: 2, count: [side as u32 + 1, side as u32 / 2 + 1] };
-        let mut rows = RowIntervals::new(lattice);
+        let (lattice, xs) = around_dome(built);
+        let mut rows = RowIntervals::new(lattice).expect("rows within reach");
         rows.update(&hull);
-        let asked = deep_by_asking(&hull, lattice);
-        let found = (0..lattice.count[1]).flat_map(|z| (0..lattice.count[0]).map(move |y| [y, z])).map(|[y, z]| {
-            let odd = |x: &i32| x % 2 != 0 && x.abs() <= side;
-            rows.interval(y, z).into_iter().flatten().filter(odd).count() as u32
+        let asked = deep_by_asking(&hull, lattice, &xs);
+        let [ny, nz] = lattice.count;
+        let found = (0..nz).flat_map(|z| (0..ny).map(move |y| [y, z])).map(|[y, z]| {
+            let deep = |x: &&i32| rows.interval(y, z).is_some_and(|row| row.contains(x));
+            xs.iter().filter(deep).count()
         });
         assert!(found.eq(asked.iter().copied()));
-        let points = u64::from(lattice.count[0]).pow(2) * u64::from(lattice.count[1]);
-        eprintln!("rows: {points} points, {} of them deep", asked.iter().sum::<u32>());
-        group.throughput(Throughput::Elements(points));
+        let points = asked.len() * xs.len();
+        eprintln!("rows: {points} points, {} of them deep", asked.iter().sum::<usize>());
+        group.throughput(Throughput::Elements(points as u64));
         group.bench_with_input(BenchmarkId::new("update", points), &hull, |b, hull| {
-            b.iter_batched_ref(|| rows.clone(), |rows| rows.update(black_box(hull)), BatchSize::SmallInput)
+            b.iter(|| rows.update(black_box(hull)))
         });
         group.bench_with_input(BenchmarkId::new("baseline_point_by_point", points), &hull, |b, hull| {
-            b.iter(|| deep_by_asking(black_box(hull), lattice))
+            b.iter(|| deep_by_asking(black_box(hull), lattice, &xs))
         });
     }
     group.finish();

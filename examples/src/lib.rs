@@ -12,3 +12,8 @@ pub mod summary;
 pub mod table;
 
 pub use nalgebra;
+
+/// The snippet of the README, compiled and run with the other examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

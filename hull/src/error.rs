@@ -15,6 +15,19 @@ pub enum HullError {
     /// A column needs a cross-section with area.
     #[error("a column needs at least three corners that are not on a line")]
     NoArea,
+    /// Rows that do not lie within reach, or are too many.
+    #[error(
+        "{count:?} rows {step} apart from {origin:?} on: they must lie within {} and be fewer than 2^28",
+        crate::MAX_COORDINATE
+    )]
+    Rows {
+        /// y and z of the first row.
+        origin: [i32; 2],
+        /// Distance of neighbouring rows.
+        step: i32,
+        /// Rows along y and z.
+        count: [u32; 2],
+    },
     /// A depth is negative, not a number, or too large.
     #[error("a depth of {units} lattice units, it must lie between 0 and {}", crate::Depth::MAX)]
     Depth {

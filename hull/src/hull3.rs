@@ -104,6 +104,7 @@ enum Undo {
     Removed {
         facet: u32,
         plane: Plane,
+        triangle: Facet,
     },
     Made {
         facet: u32,
@@ -242,7 +243,7 @@ impl ConvexHull {
         self.depth
     }
 
-    /// Where `p` lies. Exact but for the figure of the depth.
+    /// Where `p` lies. Exact within [`crate::MAX_COORDINATE`], but for the figure of the depth.
     ///
     /// # Cost
     /// One pass over the facets.
@@ -263,7 +264,8 @@ impl ConvexHull {
         if on { Location::On } else { Location::Inside { depth } }
     }
 
-    /// Whether `p` lies in the closed body, at least [`ConvexHull::depth`] below every plane of its surface. Exact.
+    /// Whether `p` lies in the closed body, at least [`ConvexHull::depth`] below every plane of its surface. Exact
+    /// within [`crate::MAX_COORDINATE`].
     pub fn is_deep(&self, p: [i32; 3]) -> bool {
         if !self.is_solid() {
             return self.depth == Depth::SURFACE && flat::contains(&self.flat, p);
@@ -390,7 +392,11 @@ impl ConvexHull {
                     self.points.pop();
                 }
                 Some(Undo::Linked { facet, edge, across }) => self.facets[facet as usize].across[edge] = across,
-                Some(Undo::Removed { facet, plane }) => self.walls.set(facet, &plane),
+                Some(Undo::Removed { facet, plane, triangle }) => {
+                    self.walls.set(facet, &plane);
+                    self.facets[facet as usize] = triangle;
+                    self.free.pop();
+                }
                 Some(Undo::Made { facet, reused: true }) => {
                     self.walls.take(facet);
                     self.free.push(facet);
@@ -418,15 +424,13 @@ impl ConvexHull {
         let Checkpoint { .. } = checkpoint;
         self.checkpoints -= 1;
         if self.checkpoints == 0 {
-            for undo in self.journal.drain(..) {
-                if let Undo::Removed { facet, .. } = undo {
-                    self.free.push(facet);
-                }
-            }
+            self.journal.clear();
         }
     }
 
     /// The points inserted since `checkpoint` that extended the body when they came; later ones may have covered them.
+    /// Points count from when the body has volume: until then there are none, and those that give it volume are all
+    /// in the answer.
     pub fn added_since(&self, checkpoint: &Checkpoint) -> &[[i32; 3]] {
         &self.points[checkpoint.points.min(self.points.len())..]
     }
@@ -461,6 +465,7 @@ impl ConvexHull {
         waiting.resize(self.facets.len(), NONE);
         let mut next = vec![NONE; points.len()];
         let mut pending = Vec::new();
+        let mut orphans = Vec::new();
         let mut hint = 0;
         for (at, &point) in points.iter().enumerate() {
             if let Some(facet) = self.facet_below(point, hint) {
@@ -482,9 +487,11 @@ impl ConvexHull {
             self.add(points[farthest], facet);
             waiting.resize(self.facets.len(), NONE);
             waiting[facet as usize] = first;
-            for gone in 0..self.scratch.removed.len() {
-                let gone = self.scratch.removed[gone];
-                let mut at = std::mem::replace(&mut waiting[gone as usize], NONE);
+            orphans.clear();
+            orphans
+                .extend(self.scratch.removed.iter().map(|&gone| std::mem::replace(&mut waiting[gone as usize], NONE)));
+            for &first in &orphans {
+                let mut at = first;
                 while at != NONE {
                     let point = points[at as usize];
                     let after = next[at as usize];
@@ -527,9 +534,6 @@ impl ConvexHull {
             self.facets[made as usize].across[1] = next;
             self.facets[next as usize].across[2] = made;
         }
-        if self.checkpoints == 0 {
-            self.free.extend(&self.scratch.removed);
-        }
     }
 
     /// Removes the facets that have `p` on their plane or outside, which hang together and contain `seed`, and
@@ -563,7 +567,8 @@ impl ConvexHull {
 
     fn remove(&mut self, facet: u32) {
         let plane = self.walls.take(facet);
-        self.log(Undo::Removed { facet, plane });
+        self.log(Undo::Removed { facet, plane, triangle: self.facets[facet as usize] });
+        self.free.push(facet);
         self.scratch.removed.push(facet);
     }
 

@@ -26,3 +26,8 @@ pub use nalgebra;
 pub use plane::{Depth, Plane};
 pub use polygon::convex_polygon;
 pub use rows::{RowIntervals, RowLattice};
+
+/// The snippet of the README, compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -5,6 +5,7 @@
 //! `(inner - n_z z - n_y y) / n_x` in `y`, one for each plane with `n_x > 0`: a lower envelope. Sorted by slope once, the planes are
 //! put on a stack level after level; where a line takes over from the one before is decided exactly, at the rows.
 
+use crate::error::HullError;
 use crate::hull3::ConvexHull;
 use crate::plane::Plane;
 use std::ops::RangeInclusive;
@@ -27,7 +28,7 @@ pub struct RowLattice {
 /// use curvlay_hull::{ConvexHull, Depth, RowIntervals, RowLattice};
 /// let mut hull = ConvexHull::new(Depth::new(1.0)?);
 /// hull.insert(&[[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0], [0, 0, 8], [8, 0, 8], [0, 8, 8], [8, 8, 8]])?;
-/// let mut rows = RowIntervals::new(RowLattice { origin: [0, 0], step: 1, count: [9, 9] });
+/// let mut rows = RowIntervals::new(RowLattice { origin: [0, 0], step: 1, count: [9, 9] })?;
 /// rows.update(&hull);
 /// assert_eq!(rows.interval(4, 4), Some(1..=7));
 /// assert_eq!(rows.interval(0, 4), None);
@@ -68,9 +69,19 @@ impl Line {
 
 impl RowIntervals {
     /// Rows of which nothing is known to be deep.
-    pub fn new(lattice: RowLattice) -> Self {
-        let rows = lattice.count[0] as usize * lattice.count[1] as usize;
-        RowIntervals { lattice, ends: vec![NOTHING; rows] }
+    ///
+    /// # Errors
+    /// [`HullError::Rows`] for a step below 1, rows beyond 2^20 (they may lie far from any body, but not so far that
+    /// heights over planes leave 64 bits), or 2^28 rows or more.
+    pub fn new(lattice: RowLattice) -> Result<Self, HullError> {
+        let RowLattice { origin, step, count } = lattice;
+        let last = |axis: usize| i64::from(origin[axis]) + i64::from(step) * (i64::from(count[axis]) - 1).max(0);
+        let within = |place: i64| place.abs() <= BEYOND;
+        let rows = u64::from(count[0]) * u64::from(count[1]);
+        if step < 1 || rows >= 1 << 28 || (0..2).any(|axis| !within(origin[axis].into()) || !within(last(axis))) {
+            return Err(HullError::Rows { origin, step, count });
+        }
+        Ok(RowIntervals { lattice, ends: vec![NOTHING; rows as usize] })
     }
 
     /// The rows.

@@ -31,9 +31,10 @@ fn within(points: &[Point], p: Point) -> bool {
         turn(a, b, c) != 0 && (turns.iter().all(|&t| t >= 0) || turns.iter().all(|&t| t <= 0))
     };
     points.iter().enumerate().any(|(i, &a)| {
-        points[..=i].iter().enumerate().any(|(j, &b)| {
-            on_segment(a, b, p) || points[..j].iter().any(|&c| in_triangle(a, b, c))
-        })
+        points[..=i]
+            .iter()
+            .enumerate()
+            .any(|(j, &b)| on_segment(a, b, p) || points[..j].iter().any(|&c| in_triangle(a, b, c)))
     })
 }
 

@@ -91,7 +91,7 @@ proptest! {
             let faces: Vec<_> = hull.faces().into_iter().map(|face| face.normal).collect();
             prop_assert_eq!(faces, normals);
         }
-        let mut rows = RowIntervals::new(RowLattice { origin: [-4, -4], step: 1, count: [9, 9] });
+        let mut rows = RowIntervals::new(RowLattice { origin: [-4, -4], step: 1, count: [9, 9] }).unwrap();
         rows.update(&hull);
         for x in -4..=4 {
             for y in -4..=4 {

@@ -14,7 +14,7 @@ fn hull_of(points: &[Point], depth: f64) -> ConvexHull {
 }
 
 fn rows_of(lattice: RowLattice, hull: &ConvexHull) -> RowIntervals {
-    let mut rows = RowIntervals::new(lattice);
+    let mut rows = RowIntervals::new(lattice).unwrap();
     rows.update(hull);
     rows
 }
@@ -23,9 +23,7 @@ fn rows_of(lattice: RowLattice, hull: &ConvexHull) -> RowIntervals {
 fn each_row(rows: &RowIntervals) -> Vec<(Option<RangeInclusive<i32>>, [i32; 2])> {
     let RowLattice { origin, step, count } = rows.lattice();
     let indices = (0..count[1]).flat_map(|z| (0..count[0]).map(move |y| [y, z]));
-    indices
-        .map(|[y, z]| (rows.interval(y, z), [origin[0] + step * y as i32, origin[1] + step * z as i32]))
-        .collect()
+    indices.map(|[y, z]| (rows.interval(y, z), [origin[0] + step * y as i32, origin[1] + step * z as i32])).collect()
 }
 
 /// Asks for every point with `x` in `xs`; nothing may be deep beyond. Returns the number of deep points.
@@ -179,7 +177,7 @@ fn blocks_with_many_coplanar_facets() {
     for batch in [1, 50, 1000] {
         let block: Vec<Point> = cube(0..=9).collect();
         let mut hull = ConvexHull::new(Depth::new(2.0).unwrap());
-        let mut rows = RowIntervals::new(RowLattice { origin: [-3, -3], step: 1, count: [16; 2] });
+        let mut rows = RowIntervals::new(RowLattice { origin: [-3, -3], step: 1, count: [16; 2] }).unwrap();
         for points in block.chunks(batch) {
             hull.insert(points).unwrap();
             rows.update(&hull);
@@ -204,11 +202,11 @@ fn discs_extruded() {
     };
     for kind in 0..4 {
         for depth in [0.0, 1.0, 2.5] {
-            let points: Vec<Point> = disc.iter().flat_map(|&p| [0, 4, 9].map(|w| placed(kind, p, w))).collect();
+            let points: Vec<Point> = disc.iter().flat_map(|&p| [0, 8, 19].map(|w| placed(kind, p, w))).collect();
             let hull = hull_of(&points, depth);
-            let lattice = RowLattice { origin: [-50, -50], step: 1, count: [101; 2] };
+            let lattice = RowLattice { origin: [-50, -50], step: 1, count: [105; 2] };
             let deep = assert_point_by_point(&rows_of(lattice, &hull), &hull, -20..=20);
-            assert!(deep > 1_000, "{deep}");
+            assert!(deep > 2_000, "{deep}");
         }
     }
 }
@@ -247,8 +245,8 @@ fn rows_far_from_the_body_are_empty() {
     let mut slanted = ConvexHull::new(Depth::SURFACE);
     slanted.insert(&[[0, 0, 0], [9, 1, 2], [-3, 8, 1], [2, -1, 7]]).unwrap();
     for hull in [hull_of(&body, 0.0), slanted] {
-        for far in [20, MAX_COORDINATE - 10, -MAX_COORDINATE, 1 << 20, -(1 << 24)] {
-            for origin in [[far, 0], [0, far], [far, far], [far, -far]] {
+        for far in [20, MAX_COORDINATE - 10, -MAX_COORDINATE, (1 << 20) - 3, -(1 << 20)] {
+            for origin in [[far, 0], [0, far], [far, far], [far, -far.max(4 - (1 << 20))]] {
                 let rows = rows_of(RowLattice { origin, step: 1, count: [4; 2] }, &hull);
                 assert!(each_row(&rows).iter().all(|(interval, _)| interval.is_none()), "{origin:?}");
             }
@@ -278,5 +276,24 @@ fn a_lattice_without_rows_has_none() {
 #[test]
 #[should_panic(expected = "row 8, 0 of 8 x 8")]
 fn a_row_that_is_not_there() {
-    RowIntervals::new(RowLattice { origin: [0, 0], step: 1, count: [8; 2] }).interval(8, 0);
+    RowIntervals::new(RowLattice { origin: [0, 0], step: 1, count: [8; 2] }).unwrap().interval(8, 0);
+}
+
+#[test]
+fn rows_out_of_reach_are_refused() {
+    let m = 1 << 20;
+    for (origin, step, count) in [
+        ([0, 0], 0, [1, 1]),
+        ([0, 0], -1, [1, 1]),
+        ([m + 1, 0], 1, [1, 1]),
+        ([0, i32::MIN], 1, [1, 1]),
+        ([0, 0], i32::MAX, [2, 1]),
+        ([0, 0], 1, [u32::MAX, u32::MAX]),
+        ([-m, -m], 1, [1 << 15, 1 << 15]),
+    ] {
+        let refused = RowIntervals::new(RowLattice { origin, step, count });
+        assert_eq!(refused.err(), Some(curvlay_hull::HullError::Rows { origin, step, count }));
+    }
+    assert!(RowIntervals::new(RowLattice { origin: [-m, m], step: 2 * m, count: [2, 1] }).is_ok());
+    assert!(RowIntervals::new(RowLattice { origin: [0, 0], step: 1, count: [0, 0] }).is_ok());
 }

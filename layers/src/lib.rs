@@ -15,3 +15,8 @@ mod progress;
 
 pub use nalgebra;
 pub use progress::Progress;
+
+/// The snippet of the README, compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -47,3 +47,8 @@ pub use neighbours::Connectivity;
 pub use progress::Progress;
 pub use text::{TextGrid, TextGridError, WriteTextGridError, read_text_grid, write_text_grid};
 pub use voxelise::{Resolution, VoxelError, VoxelOptions, VoxelReport, Voxelisation, voxelise};
+
+/// The snippet of the README, compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -100,7 +100,7 @@ pub fn peel(
     let depth = Depth::new(body::depth(rules)?.max(1.0 / f64::from(Depth::STEPS)))?;
     let mut remaining = cells.rows().to_vec();
     let mut sheets = vec![0; nx as usize * ny as usize * nz as usize];
-    let mut deep = RowIntervals::new(RowLattice { origin: [1, 1], step: 2, count: [ny, nz] });
+    let mut deep = RowIntervals::new(RowLattice { origin: [1, 1], step: 2, count: [ny, nz] })?;
     let words = cells.words_per_row();
     let (mut left, total) = (cells.count() as u64, cells.count() as u64);
     let mut sheet = 0;
