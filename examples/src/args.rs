@@ -108,7 +108,7 @@ impl MeshArgs {
 /// How large the cells are: one of the two, or neither.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct VoxelArgs {
-    /// Wanted number of cells; the nearest that can be reached is taken
+    /// Wanted number of cells; the nearest that can be reached is taken [default: 100000, unless --cell is given]
     #[arg(long, value_name = "N", conflicts_with = "cell", value_parser = count, allow_negative_numbers = true)]
     pub voxels: Option<u64>,
     /// Edge of a cell in millimetres
