@@ -13,7 +13,7 @@ impl Depth {
     pub const SURFACE: Depth = Depth { steps: 0 };
 
     /// Steps in a lattice unit. A power of two keeps usual depths exact; more steps than this and the squares in
-    /// [`Depth::margin`] would leave 128 bits.
+    /// `margin` would leave 128 bits.
     pub const STEPS: u32 = 512;
 
     /// Largest depth, in lattice units.
