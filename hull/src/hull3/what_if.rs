@@ -1,0 +1,100 @@
+//! What-ifs: a journal of changes, undone from the last to the first.
+
+use super::{ConvexHull, Facet};
+use crate::plane::Plane;
+
+/// A state of a hull to go back to.
+#[derive(Debug)]
+#[must_use = "a checkpoint is given back to `rollback` or `commit`"]
+pub struct Checkpoint {
+    journal: usize,
+    points: usize,
+    newest: u32,
+}
+
+/// What undoes one change.
+#[derive(Clone, Debug)]
+pub(super) enum Undo {
+    /// The body had no volume, and these extreme points.
+    Flat(Vec<[i32; 3]>),
+    Removed {
+        facet: u32,
+        plane: Plane,
+        triangle: Facet,
+    },
+    Made {
+        facet: u32,
+        reused: bool,
+    },
+    Linked {
+        facet: u32,
+        edge: usize,
+        across: u32,
+    },
+    Point,
+}
+
+impl ConvexHull {
+    /// Starts a what-if: everything from here on can be taken back. What-ifs may be nested.
+    pub fn checkpoint(&mut self) -> Checkpoint {
+        self.checkpoints += 1;
+        Checkpoint { journal: self.journal.len(), points: self.points.len(), newest: self.newest }
+    }
+
+    /// Takes back everything since `checkpoint`, exactly. Costs as much as was changed.
+    pub fn rollback(&mut self, checkpoint: Checkpoint) {
+        while self.journal.len() > checkpoint.journal {
+            match self.journal.pop() {
+                Some(Undo::Point) => {
+                    self.points.pop();
+                }
+                Some(Undo::Linked { facet, edge, across }) => self.facets[facet as usize].across[edge] = across,
+                Some(Undo::Removed { facet, plane, triangle }) => {
+                    self.walls.set(facet, &plane);
+                    self.facets[facet as usize] = triangle;
+                    self.free.pop();
+                }
+                Some(Undo::Made { facet, reused: true }) => {
+                    self.walls.take(facet);
+                    self.free.push(facet);
+                }
+                Some(Undo::Made { reused: false, .. }) => {
+                    self.walls.pop();
+                    self.facets.pop();
+                }
+                Some(Undo::Flat(flat)) => {
+                    self.flat = flat;
+                    self.points.clear();
+                    self.walls.clear();
+                    self.facets.clear();
+                    self.free.clear();
+                }
+                None => break,
+            }
+        }
+        self.newest = checkpoint.newest;
+        self.checkpoints -= 1;
+    }
+
+    /// Ends the what-if that `checkpoint` began, and keeps what was inserted.
+    pub fn commit(&mut self, checkpoint: Checkpoint) {
+        let Checkpoint { .. } = checkpoint;
+        self.checkpoints -= 1;
+        if self.checkpoints == 0 {
+            self.journal.clear();
+        }
+    }
+
+    /// The points inserted since `checkpoint` that extended the body when they came; later ones may have covered them.
+    /// Points count from when the body has volume: until then there are none, and those that give it volume are all
+    /// in the answer.
+    pub fn added_since(&self, checkpoint: &Checkpoint) -> &[[i32; 3]] {
+        &self.points[checkpoint.points.min(self.points.len())..]
+    }
+
+    pub(super) fn log(&mut self, undo: Undo) {
+        if self.checkpoints > 0 {
+            self.journal.push(undo);
+        }
+    }
+}
