@@ -7,7 +7,7 @@ use curvlay_layers::curved::{
     AuditReport, Cells, Growth, GrowthOptions, LayerQuality, Neighbours, Platform, Prevention, Rules, audit, grow,
     layer_quality, peel,
 };
-use curvlay_voxel::inspect::{MeshReport, inspect};
+use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -15,9 +15,14 @@ use std::time::{Duration, Instant};
 /// How many cells a part gets unless the user says.
 const DEFAULT_CELLS: u64 = 100_000;
 
+/// From this share of the surface on thin walls are worth a word: sharp edges alone make up some tenths of a percent.
+const NOTABLE_SHARE: f64 = 0.01;
+
 /// What came of the stage.
 pub struct FieldRun {
     pub mesh: MeshReport,
+    /// What is thinner than a cell.
+    pub thin: ThinFeatures,
     pub solid: Voxelisation,
     pub platform: Platform,
     pub growth: Growth,
@@ -72,6 +77,9 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
     });
     let solid = solid.map_err(|error| failure(format!("{}: {error}", part.name)))?;
 
+    let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
+    let thin = thin.map_err(|error| failure(format!("{}: {error}", part.name)))?;
+
     let progress = |p: curvlay_layers::Progress| {
         bars.update(p.stage, p.done, p.total);
         ControlFlow::Continue(())
@@ -102,7 +110,7 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
     let (audit, audit_time) = timed(|| audit(&cells, &platform, &rules, &growth.order, &missed, &progress));
     let audit = audit.map_err(failure)?;
     let times = Times {
-        inspect: inspect_time,
+        inspect: inspect_time + thin_time,
         voxelise: voxelise_time,
         peel: peel_time,
         grow: grow_time,
@@ -110,8 +118,8 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
         total: start.elapsed(),
     };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
-    let findings = findings(&mesh, &solid);
-    Ok(FieldRun { mesh, solid, platform, growth, audit, quality, times, findings })
+    let findings = findings(&mesh, &thin, &solid);
+    Ok(FieldRun { mesh, thin, solid, platform, growth, audit, quality, times, findings })
 }
 
 /// The prevention that a strategy stands for.
@@ -124,7 +132,7 @@ pub fn prevention(args: &Args) -> Prevention {
 }
 
 /// What is wrong with the mesh and what became of it.
-fn findings(mesh: &MeshReport, solid: &Voxelisation) -> Vec<String> {
+fn findings(mesh: &MeshReport, thin: &ThinFeatures, solid: &Voxelisation) -> Vec<String> {
     let report = &solid.report;
     let mut findings = Vec::new();
     if !mesh.is_sound() {
@@ -132,6 +140,13 @@ fn findings(mesh: &MeshReport, solid: &Voxelisation) -> Vec<String> {
     }
     if report.dropped_triangles > 0 {
         findings.push(format!("{} triangles without area were dropped", report.dropped_triangles));
+    }
+    if thin.share > NOTABLE_SHARE {
+        findings.push(format!(
+            "{:.1} % of the surface belongs to walls thinner than a cell of {:.3} mm: they come out a cell thick",
+            100.0 * thin.share,
+            solid.grid.cell_mm()
+        ));
     }
     if report.leak_faces > 0 {
         findings.push(format!(

@@ -76,6 +76,7 @@ fn summary(args: &Args, part: &Part, run: &FieldRun) -> Result<Summary, Failure>
         .set("triangles", part.mesh.triangles.len())?
         .set("volume_mm3", run.mesh.volume_mm3())?
         .set("watertight", run.mesh.watertight)?
+        .set("thinner_than_cell_share", run.thin.share)?
         .set("cell_mm", grid.cell_mm())?
         .set("nx", nx)?
         .set("ny", ny)?
