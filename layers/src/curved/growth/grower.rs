@@ -68,24 +68,19 @@ impl<'a> Grower<'a> {
 
     /// Builds one more layer; false if there is nothing left to build.
     pub(super) fn next_layer(&mut self) -> Result<bool, GrowthError> {
-        self.drop_lost_candidates();
-        while self.candidates.is_empty() {
-            let group = prevention::cheapest_group(&mut self.front, &self.offsets)?;
-            if !group.is_empty() {
-                self.statistics.sacrifices += 1;
-                self.front.build_all(&group)?;
-                self.collect_candidates();
-                return Ok(true);
-            }
-            if self.threshold + 1 == self.waiting_for.len() {
+        self.raise_threshold();
+        let Grower { front, candidates, options, .. } = self;
+        if candidates.is_empty() {
+            *candidates = prevention::cheapest_group(front, &self.offsets)?;
+            if candidates.is_empty() {
                 return Ok(false);
             }
-            self.threshold += 1;
-            self.candidates = std::mem::take(&mut self.waiting_for[self.threshold]);
-            self.complete_candidates();
-            self.drop_lost_candidates();
+            self.statistics.sacrifices += 1;
+            front.build_all(candidates)?;
+            candidates.clear();
+            self.collect_candidates();
+            return Ok(true);
         }
-        let Grower { front, candidates, options, .. } = self;
         let layers = front.order.len();
         let selection = match options.prevention {
             Prevention::None => Selection::take_all(front, candidates)?,
@@ -139,9 +134,18 @@ impl<'a> Grower<'a> {
         self.candidates.dedup();
     }
 
-    fn drop_lost_candidates(&mut self) {
-        let front = &self.front;
-        self.candidates.retain(|&cell| front.waiting.contains(cell));
+    /// Raises the threshold until there is a candidate, or the governing field ends.
+    fn raise_threshold(&mut self) {
+        loop {
+            let front = &self.front;
+            self.candidates.retain(|&cell| front.waiting.contains(cell));
+            if !self.candidates.is_empty() || self.threshold + 1 == self.waiting_for.len() {
+                return;
+            }
+            self.threshold += 1;
+            self.candidates = std::mem::take(&mut self.waiting_for[self.threshold]);
+            self.complete_candidates();
+        }
     }
 
     /// Lists what has no layer, with the reasons.

@@ -190,9 +190,6 @@ impl Trial<'_> {
 /// shadows the fewest cells; none if nothing is held back.
 pub(super) fn cheapest_group(front: &mut Front, offsets: &[[i32; 3]]) -> Result<Vec<u32>, GrowthError> {
     let blocked = front.blocked();
-    if blocked.is_empty() {
-        return Ok(blocked);
-    }
     front.propose(&blocked);
     let start = front.hull.checkpoint();
     front.insert(&blocked)?;
