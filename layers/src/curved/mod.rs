@@ -25,6 +25,7 @@ mod quality;
 mod rules;
 
 pub use audit::{AuditError, AuditReport, Fault, FaultCounts, audit};
+pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit, grow,

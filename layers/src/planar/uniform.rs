@@ -6,8 +6,7 @@
 //! by one cell, and what stands on a missed cell is missed as well.
 //! The platform is the whole plane under the lowest level of the grid.
 
-use crate::curved::{Cells, LayerOrder};
-use std::iter;
+use crate::curved::{Cells, LayerOrder, set_bits};
 
 /// A solid cut into plane layers, all of one level.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -48,9 +47,9 @@ pub fn slice_uniformly(cells: &Cells) -> UniformSlicing {
         for (at, (standing, &solid)) in standing.iter_mut().zip(level).enumerate() {
             let row = (at / words) as u32 + ny * z;
             let first = nx * row + 64 * (at % words) as u32;
-            slicing.missed.extend(numbers(solid & !*standing, first));
+            slicing.missed.extend(set_bits(solid & !*standing).map(|bit| first + bit));
             *standing &= solid;
-            layer.extend(numbers(*standing, first));
+            layer.extend(set_bits(*standing).map(|bit| first + bit));
         }
         // Above an empty layer nothing stands any more.
         if !layer.is_empty() {
@@ -58,13 +57,4 @@ pub fn slice_uniformly(cells: &Cells) -> UniformSlicing {
         }
     }
     slicing
-}
-
-/// The numbers of the cells in one word of a row, rising, when its lowest bit is the cell `first`.
-fn numbers(mut word: u64, first: u32) -> impl Iterator<Item = u32> {
-    iter::from_fn(move || {
-        let bit = (word != 0).then(|| word.trailing_zeros())?;
-        word &= word - 1;
-        Some(first + bit)
-    })
 }
