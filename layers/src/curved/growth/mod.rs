@@ -163,7 +163,7 @@ pub enum GrowthError {
 /// [`GrowthError`]; cells that cannot be built are no error, they are listed with the reason.
 ///
 /// # Cost
-/// Greedy: about a microsecond a cell, plus the hull of each layer. The rest depends on how much is in danger of
+/// Greedy: some tenths of a microsecond a cell, the hulls included. The rest depends on how much is in danger of
 /// being shadowed. Memory: a few dozen bytes a cell. One thread; the same input gives the same order.
 ///
 /// # Example
