@@ -76,9 +76,8 @@ impl ConvexHull {
         self.checkpoints -= 1;
     }
 
-    /// Ends the what-if that `checkpoint` began, and keeps what was inserted.
-    pub fn commit(&mut self, checkpoint: Checkpoint) {
-        let Checkpoint { .. } = checkpoint;
+    /// Ends the what-if that the checkpoint began, and keeps what was inserted.
+    pub fn commit(&mut self, _checkpoint: Checkpoint) {
         self.checkpoints -= 1;
         if self.checkpoints == 0 {
             self.journal.clear();
