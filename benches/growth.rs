@@ -70,6 +70,11 @@ fn growth(c: &mut Criterion) {
         ] {
             group.bench_function(BenchmarkId::new(name, side), |b| b.iter(|| run(black_box(prevention), governed)));
         }
+        group.bench_function(BenchmarkId::new("unbuild", side), |b| {
+            b.iter(|| {
+                unbuild(black_box(&cells), &platform, &rules, &UnbuildOptions::default(), &go).expect("no bad input")
+            });
+        });
         let missed: Vec<u32> = greedy.missed.iter().map(|missed| missed.cell).collect();
         group.bench_function(BenchmarkId::new("audit", side), |b| {
             b.iter(|| audit(&cells, &platform, &rules, black_box(&greedy.order), &missed, &go).expect("no bad input"));

@@ -5,7 +5,7 @@ set -euo pipefail
 folder=$1
 shift
 [ $# -gt 0 ] || set -- 0.5 1 2
-strategies="greedy incremental adaptive governed"
+strategies="greedy incremental adaptive governed unbuild"
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 cargo build --quiet --release --example curved_layers

@@ -17,14 +17,17 @@ use curvlay_examples::bars::Bars;
 use curvlay_layers::Progress;
 use curvlay_layers::curved::{
     AuditReport, Candidates, Cells, Growth, GrowthOptions, Neighbours, Platform, PlatformError, Prevention, Rules,
-    Visit, audit, grow, peel,
+    UnbuildOptions, Visit, audit, grow, peel, unbuild,
 };
 use curvlay_layers::planar::slice_uniformly;
 use curvlay_voxel::TextGrid;
 use std::ops::ControlFlow;
 
 /// Our strategies, as `curved_layers` calls them.
-pub const STRATEGIES: [&str; 4] = ["greedy", "incremental", "adaptive", "governed"];
+pub const STRATEGIES: [&str; 5] = ["greedy", "incremental", "adaptive", "governed", "unbuild"];
+
+/// Un-building by the rules of the thesis.
+pub const UNBUILT: &str = "unbuild by her rules";
 
 /// An order, and what its audit says.
 pub struct Run {
@@ -41,8 +44,10 @@ pub struct Case {
     pub drawn: TextGrid,
     /// By the rules of the thesis, in the order of [`thesis::METHODS`].
     pub theirs: [Run; 2],
+    /// By the rules of the thesis, un-built.
+    pub unbuilt: Run,
     /// By our default rules, in the order of [`STRATEGIES`].
-    pub ours: [Run; 4],
+    pub ours: [Run; 5],
 }
 
 /// A figure of the thesis beside ours.
@@ -73,7 +78,7 @@ impl Results {
     pub fn runs(&self) -> impl Iterator<Item = (String, &Run)> {
         self.cases.iter().flat_map(|case| {
             let theirs = thesis::METHODS.iter().zip(&case.theirs);
-            let named = theirs.chain(STRATEGIES.iter().zip(&case.ours));
+            let named = theirs.chain([(&UNBUILT, &case.unbuilt)]).chain(STRATEGIES.iter().zip(&case.ours));
             named.map(|(method, run)| (figure(&case.key, method, ""), run))
         })
     }
@@ -93,7 +98,7 @@ impl Results {
 
 /// The name of a figure: `object1_s_gcfa_isp_missed`.
 fn figure(case: &str, method: &str, what: &str) -> String {
-    let name = format!("{case}_{}_{what}", method.to_lowercase().replace('-', "_"));
+    let name = format!("{case}_{}_{what}", method.to_lowercase().replace(['-', ' '], "_"));
     name.trim_end_matches('_').to_owned()
 }
 
@@ -135,34 +140,51 @@ fn cells(drawn: &TextGrid) -> Result<Cells<'_>, Failure> {
     Ok(Cells::new(drawn.grid.dims(), drawn.grid.rows())?)
 }
 
+/// How to come to an order.
+#[derive(Clone, Copy)]
+enum Way {
+    Grow(GrowthOptions),
+    /// Adaptively, governed by the peeling field.
+    Governed,
+    Unbuild,
+}
+
+fn grown_with(prevention: Prevention) -> Way {
+    Way::Grow(GrowthOptions { prevention, ..GrowthOptions::default() })
+}
+
 fn grow_case(drawing: Drawing) -> Result<Case, Failure> {
     let key = drawing.key();
     let Drawing { object, platform, drawn } = drawing;
-    let [greedy, isp] = [Prevention::None, Prevention::FewerThanAll].map(|prevention| by_thesis(&drawn, prevention));
+    let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
+    let as_in_the_thesis =
+        |prevention| Way::Grow(GrowthOptions { prevention, candidates: Candidates::OfLastLayer, visit });
+    let greedy = by_thesis(&drawn, as_in_the_thesis(Prevention::None))?;
+    let isp = by_thesis(&drawn, as_in_the_thesis(Prevention::FewerThanAll))?;
+    let unbuilt = by_thesis(&drawn, Way::Unbuild)?;
     let ours = [
-        by_default(&drawn, Prevention::None, false)?,
-        by_default(&drawn, Prevention::Incremental, false)?,
-        by_default(&drawn, Prevention::Adaptive, false)?,
-        by_default(&drawn, Prevention::Adaptive, true)?,
+        by_default(&drawn, grown_with(Prevention::None))?,
+        by_default(&drawn, grown_with(Prevention::Incremental))?,
+        by_default(&drawn, grown_with(Prevention::Adaptive))?,
+        by_default(&drawn, Way::Governed)?,
+        by_default(&drawn, Way::Unbuild)?,
     ];
-    Ok(Case { object, platform, key, theirs: [greedy?, isp?], ours, drawn })
+    Ok(Case { object, platform, key, theirs: [greedy, isp], unbuilt, ours, drawn })
 }
 
 /// Grows by the rules of the thesis.
-fn by_thesis(drawn: &TextGrid, prevention: Prevention) -> Result<Run, Failure> {
+fn by_thesis(drawn: &TextGrid, way: Way) -> Result<Run, Failure> {
     let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat };
     // Half a cell below the plane z = 0 lie the centres of the cells there.
     let platform = platform(drawn, [0.5, 0.5])?.elevated(-1)?;
-    let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
-    grown(drawn, &platform, &rules, &GrowthOptions { prevention, candidates: Candidates::OfLastLayer, visit }, false)
+    grown(drawn, &platform, &rules, way)
 }
 
 /// Grows by our default rules: a depth of one cell, a platform that reaches down, with its top under the part and
 /// its corners at those of the cells.
-fn by_default(drawn: &TextGrid, prevention: Prevention, governed: bool) -> Result<Run, Failure> {
+fn by_default(drawn: &TextGrid, way: Way) -> Result<Run, Failure> {
     let rules = Rules { flat: drawn.flat, ..Rules::default() };
-    let options = GrowthOptions { prevention, ..GrowthOptions::default() };
-    grown(drawn, &platform(drawn, [0.0, 1.0])?, &rules, &options, governed)
+    grown(drawn, &platform(drawn, [0.0, 1.0])?, &rules, way)
 }
 
 /// The hull of the platform's cells, of which each reaches from `low` to `high`.
@@ -179,18 +201,18 @@ fn platform(drawn: &TextGrid, [low, high]: [f64; 2]) -> Result<Platform, Platfor
 }
 
 /// Grows and audits.
-fn grown(
-    drawn: &TextGrid,
-    platform: &Platform,
-    rules: &Rules,
-    options: &GrowthOptions,
-    governed: bool,
-) -> Result<Run, Failure> {
+fn grown(drawn: &TextGrid, platform: &Platform, rules: &Rules, way: Way) -> Result<Run, Failure> {
     // One of these takes milliseconds.
     let go = |_: Progress| ControlFlow::Continue(());
     let cells = cells(drawn)?;
-    let governor = governed.then(|| peel(&cells, platform, rules, &go)).transpose()?;
-    let growth = grow(&cells, platform, rules, options, governor.as_ref(), &go)?;
+    let growth = match way {
+        Way::Grow(options) => grow(&cells, platform, rules, &options, None, &go)?,
+        Way::Governed => {
+            let options = GrowthOptions { prevention: Prevention::Adaptive, ..GrowthOptions::default() };
+            grow(&cells, platform, rules, &options, Some(&peel(&cells, platform, rules, &go)?), &go)?
+        }
+        Way::Unbuild => unbuild(&cells, platform, rules, &UnbuildOptions::default(), &go)?,
+    };
     let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
     let audit = audit(&cells, platform, rules, &growth.order, &missed, &go)?;
     Ok(Run { growth, audit })

@@ -1,6 +1,6 @@
 //! What the example leaves behind: the tables on stdout, `summary.json` and `report.html`.
 
-use super::growing::{Case, Results, Run, STRATEGIES};
+use super::growing::{Case, Results, Run, STRATEGIES, UNBUILT};
 use super::objects::PLATFORMS;
 use super::thesis::{LAYERS, METHODS, MISSED, UNIFORM};
 use curvlay_examples::args::Failure;
@@ -51,13 +51,15 @@ fn thesis_table(results: &Results) -> Table {
     let methods = METHODS
         .iter()
         .flat_map(|method| [format!("{method} missed"), "Boge".to_owned(), "layers".to_owned(), "Boge".to_owned()]);
-    let mut table = Table::new(["object".to_owned(), "platform".to_owned()].into_iter().chain(methods));
+    let heads = ["object".to_owned(), "platform".to_owned()].into_iter().chain(methods);
+    let mut table = Table::new(heads.chain([UNBUILT.to_owned(), "layers".to_owned()]));
     for case in &results.cases {
         let figures = case.theirs.iter().enumerate().flat_map(|(method, run)| {
             let in_table = |table: [[[usize; 2]; 3]; 6]| table[case.object][case.platform][method];
             [run.growth.missed.len(), in_table(MISSED), run.growth.order.len(), in_table(LAYERS)]
         });
-        table.row(place(case).into_iter().chain(figures.map(|figure| figure.to_string())));
+        let unbuilt = [case.unbuilt.growth.missed.len(), case.unbuilt.growth.order.len()];
+        table.row(place(case).into_iter().chain(figures.chain(unbuilt).map(|figure| figure.to_string())));
     }
     table
 }
@@ -155,7 +157,7 @@ fn report(results: &Results) -> Result<Report, Failure> {
         pictures(&mut report, &runs)?;
     }
     report.heading("On the large platform, by our default rules");
-    let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[3], &case.ours[3])).collect();
+    let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[4], &case.ours[4])).collect();
     pictures(&mut report, &runs)?;
     Ok(report)
 }

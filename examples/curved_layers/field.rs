@@ -4,8 +4,8 @@ use crate::{Args, failure};
 use curvlay_examples::args::{Failure, Part, Prevention as PreventionArg, Strategy};
 use curvlay_examples::bars::Bars;
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, GrowthOptions, LayerQuality, Neighbours, Platform, Prevention, Rules, audit, grow,
-    layer_quality, peel,
+    AuditReport, Cells, Growth, GrowthOptions, LayerQuality, Neighbours, Platform, Prevention, Rules, UnbuildOptions,
+    audit, grow, layer_quality, peel, unbuild,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -103,8 +103,14 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
         }
         _ => (None, Duration::ZERO),
     };
-    let options = GrowthOptions { prevention: prevention(args), ..GrowthOptions::default() };
-    let growth = grow(&cells, &platform, &rules, &options, governor.as_ref(), &progress).map_err(failure)?;
+    let growth = match args.grow.strategy {
+        Strategy::Unbuild => unbuild(&cells, &platform, &rules, &UnbuildOptions::default(), &progress),
+        _ => {
+            let options = GrowthOptions { prevention: prevention(args), ..GrowthOptions::default() };
+            grow(&cells, &platform, &rules, &options, governor.as_ref(), &progress)
+        }
+    };
+    let growth = growth.map_err(failure)?;
     let grow_time = grow_start.elapsed();
     let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
     let (audit, audit_time) = timed(|| audit(&cells, &platform, &rules, &growth.order, &missed, &progress));
@@ -125,7 +131,7 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
 /// The prevention that a strategy stands for.
 pub fn prevention(args: &Args) -> Prevention {
     match (args.grow.strategy, args.grow.prevention) {
-        (Strategy::Greedy, _) => Prevention::None,
+        (Strategy::Greedy | Strategy::Unbuild, _) => Prevention::None,
         (Strategy::Incremental, _) | (Strategy::Governed, PreventionArg::Incremental) => Prevention::Incremental,
         (Strategy::Adaptive, _) | (Strategy::Governed, PreventionArg::Adaptive) => Prevention::Adaptive,
     }

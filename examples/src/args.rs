@@ -126,7 +126,7 @@ pub struct GrowArgs {
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
     pub platform_diameter_mm: f64,
     /// How the next layer is chosen
-    #[arg(long, default_value = "incremental")]
+    #[arg(long, default_value = "unbuild")]
     pub strategy: Strategy,
     /// How the governed strategy keeps cells from being shadowed
     #[arg(long, default_value = "adaptive")]
@@ -144,6 +144,8 @@ pub enum Strategy {
     Adaptive,
     /// In the order of a peeling field.
     Governed,
+    /// In the reverse of the order in which the part can be taken apart.
+    Unbuild,
 }
 
 /// How cells are kept from being shadowed.

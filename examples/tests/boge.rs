@@ -43,7 +43,7 @@ fn every_figure_of_the_thesis_comes_out() {
     ] {
         assert_eq!(summary[key], figure, "{key}");
     }
-    assert_eq!((&summary["audits"], &summary["audit_ok"]), (&108.into(), &true.into()));
+    assert_eq!((&summary["audits"], &summary["audit_ok"]), (&144.into(), &true.into()));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 18);
     assert!(!report.contains("class=\"notice\""));

@@ -69,7 +69,7 @@ fn every_strategy_writes_the_same_kind_of_results() {
     let scratch = Scratch::new("strategies");
     let mesh = scratch.path("arch.stl");
     fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [4.0, 6.0, 20.0]], [[4.0, 0.0, 14.0], [20.0, 6.0, 20.0]]])).unwrap();
-    for strategy in ["greedy", "incremental", "adaptive", "governed"] {
+    for strategy in ["greedy", "incremental", "adaptive", "governed", "unbuild"] {
         let out = scratch.path(strategy);
         let output = run(&["--mesh", &mesh, "--cell", "1", "--strategy", strategy, "--out", &out, "--threads", "1"]);
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

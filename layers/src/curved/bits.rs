@@ -21,6 +21,21 @@ impl CellSet {
         CellSet { rows: vec![0; cells.rows().len()], ..CellSet::of(cells) }
     }
 
+    /// Cells along x, y and z.
+    pub(super) fn dims(&self) -> [u32; 3] {
+        self.dims
+    }
+
+    /// The bits, row after row.
+    pub(super) fn rows(&self) -> impl ExactSizeIterator<Item = &[u64]> {
+        self.rows.chunks_exact(self.words_per_row)
+    }
+
+    /// Number of cells in the set.
+    pub(super) fn count(&self) -> usize {
+        self.rows.iter().map(|word| word.count_ones() as usize).sum()
+    }
+
     fn at(&self, id: u32) -> (usize, u64) {
         let [nx, _, _] = self.dims;
         let (row, x) = (id / nx, id % nx);
@@ -38,6 +53,19 @@ impl CellSet {
         let missing = self.rows[word] & bit == 0;
         self.rows[word] |= bit;
         missing
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.rows.fill(0);
+    }
+
+    pub(super) fn remove_all(&mut self, ids: impl IntoIterator<Item = u32>) {
+        ids.into_iter().for_each(|id| self.remove(id));
+    }
+
+    /// Takes out all cells of the other set.
+    pub(super) fn subtract(&mut self, other: &CellSet) {
+        self.rows.iter_mut().zip(&other.rows).for_each(|(word, off)| *word &= !off);
     }
 
     pub(super) fn remove(&mut self, id: u32) {

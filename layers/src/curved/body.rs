@@ -27,6 +27,17 @@ impl Centres {
         [cell % nx, cell / nx % ny, cell / nx / ny].map(|c| 2 * c as i32 + 1)
     }
 
+    /// The cell whose centre, or an end of whose bar, is the lattice point `p`.
+    pub(super) fn cell_at(self, [x, y, z]: [i32; 3]) -> Option<u32> {
+        let y = if self.flat { y + if y < 0 { HALF_BAR } else { -HALF_BAR } } else { y };
+        let index = |place: i32, side: u32| {
+            let index = u32::try_from(place - 1).ok().filter(|doubled| doubled % 2 == 0)? / 2;
+            (index < side).then_some(index)
+        };
+        let [nx, ny, _] = self.dims;
+        Some(index(x, nx)? + nx * (index(y, ny)? + ny * index(z, self.dims[2])?))
+    }
+
     /// The row of a cell.
     pub(super) fn row(self, cell: u32) -> u32 {
         cell / self.dims[0]

@@ -23,6 +23,11 @@ mod peel;
 mod platform;
 mod quality;
 mod rules;
+mod runs;
+mod skin;
+mod standing;
+mod unbuild;
+mod watch;
 
 pub use audit::{AuditError, AuditReport, Fault, FaultCounts, audit};
 pub(crate) use cells::set_bits;
@@ -35,3 +40,4 @@ pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};
+pub use unbuild::{UnbuildOptions, unbuild};

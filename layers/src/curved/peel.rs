@@ -8,12 +8,13 @@
 //! of each lattice row out of what comes off, a row at a time.
 //! Departure: the printed Algorithm 4 leaves its counter one above the last sheet, so its inverse starts at 2; ours starts at 1.
 
-use super::body::{self, Centres, hull_of_platform};
-use super::cells::{Cells, set_bits};
+use super::bits::CellSet;
+use super::cells::Cells;
 use super::platform::Platform;
 use super::rules::{Rules, RulesError};
+use super::skin::Skin;
 use crate::Progress;
-use curvlay_hull::{ConvexHull, Depth, HullError, RowIntervals, RowLattice};
+use curvlay_hull::HullError;
 use std::ops::ControlFlow;
 
 /// A number from 1 for each cell of a solid: cells with a low one are to be built first.
@@ -95,33 +96,18 @@ pub fn peel(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<SheetField, PeelError> {
     rules.check(cells.dims())?;
-    let [nx, ny, nz] = cells.dims();
-    // Corners of the hull come off at any depth, or eps = 0 would never end.
-    let depth = Depth::new(body::depth(rules)?.max(1.0 / f64::from(Depth::STEPS)))?;
-    let mut remaining = cells.rows().to_vec();
-    let mut sheets = vec![0; nx as usize * ny as usize * nz as usize];
-    let mut deep = RowIntervals::new(RowLattice { origin: [1, 1], step: 2, count: [ny, nz] })?;
-    let words = cells.words_per_row();
+    let mut skin = Skin::new(cells, platform, rules)?;
+    let mut rest = CellSet::of(cells);
+    let mut sheets = vec![0; cells.dims().iter().map(|&side| side as usize).product()];
     let (mut left, total) = (cells.count() as u64, cells.count() as u64);
     let mut sheet = 0;
     while left > 0 {
         sheet += 1;
-        deep.update(&hull_of_rest(&remaining, cells, platform, rules, depth)?);
-        for (row, bits) in remaining.chunks_exact_mut(words).enumerate() {
-            let kept = deep.interval(row as u32 % ny, row as u32 / ny).map_or(0..0, |xs| {
-                // Centres lie at odd places: cell x at 2x + 1.
-                let (low, high) = (xs.start() / 2, (xs.end() - 1).div_euclid(2) + 1);
-                low.max(0) as u32..high.clamp(0, nx as i32) as u32
-            });
-            for (word, bits) in bits.iter_mut().enumerate() {
-                let first = 64 * word as u32;
-                let off = *bits & !mask(kept.start.saturating_sub(first), kept.end.saturating_sub(first));
-                *bits &= !off;
-                left -= u64::from(off.count_ones());
-                for bit in set_bits(off) {
-                    sheets[row * nx as usize + (first + bit) as usize] = sheet;
-                }
-            }
+        let hull = skin.hull(&rest)?;
+        for cell in skin.cells(&hull, &rest) {
+            rest.remove(cell);
+            sheets[cell as usize] = sheet;
+            left -= 1;
         }
         if progress(Progress { stage: "peel", done: total - left, total }).is_break() {
             return Err(PeelError::Cancelled);
@@ -129,36 +115,4 @@ pub fn peel(
     }
     sheets.iter_mut().filter(|value| **value > 0).for_each(|value| *value = 1 + sheet - *value);
     Ok(SheetField { values: sheets, highest: sheet })
-}
-
-/// The bits from `low` up to, not including, `high`, as far as they are in the word.
-fn mask(low: u32, high: u32) -> u64 {
-    let below = |bit: u32| if bit >= 64 { u64::MAX } else { (1 << bit) - 1 };
-    below(high) & !below(low)
-}
-
-/// The hull of the platform and of the first and last cell of each row: nothing between them is a corner.
-fn hull_of_rest(
-    remaining: &[u64],
-    cells: &Cells,
-    platform: &Platform,
-    rules: &Rules,
-    depth: Depth,
-) -> Result<ConvexHull, HullError> {
-    let mut hull = hull_of_platform(platform, rules, depth)?;
-    let words = cells.words_per_row();
-    let ends: Vec<u32> = remaining
-        .chunks_exact(words)
-        .enumerate()
-        .flat_map(|(row, bits)| {
-            let start = row as u32 * cells.dims()[0];
-            let first = bits.iter().position(|&word| word != 0);
-            let last = bits.iter().rposition(|&word| word != 0);
-            let first = first.map(|word| start + 64 * word as u32 + bits[word].trailing_zeros());
-            let last = last.map(|word| start + 64 * word as u32 + 63 - bits[word].leading_zeros());
-            [first, last.filter(|&last| Some(last) != first)].into_iter().flatten()
-        })
-        .collect();
-    Centres::new(cells, rules).insert(&ends, &mut hull)?;
-    Ok(hull)
 }

@@ -6,8 +6,8 @@ use super::super::cells::Cells;
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
+use super::super::watch::{Endangered, Watch};
 use super::GrowthError;
-use super::watch::{Endangered, Watch};
 use curvlay_hull::{ConvexHull, Depth, Hint, HullError, Plane};
 use std::collections::BTreeMap;
 

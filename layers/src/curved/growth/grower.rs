@@ -5,6 +5,7 @@ use super::super::cells::Cells;
 use super::super::peel::SheetField;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
+use super::super::standing::{joined, standing};
 use super::front::Front;
 use super::prevention::{self, Selection};
 use super::{
@@ -38,7 +39,7 @@ impl<'a> Grower<'a> {
         options: &'a GrowthOptions,
         governor: Option<&'a SheetField>,
     ) -> Result<Self, GrowthError> {
-        let first = first_layer(cells, platform, rules);
+        let first = standing(cells, platform, rules);
         if first.is_empty() {
             return Err(GrowthError::NothingOnPlatform);
         }
@@ -158,7 +159,8 @@ impl<'a> Grower<'a> {
             .collect();
         let unsupported: Vec<u32> = self.front.waiting.iter().collect();
         if !unsupported.is_empty() {
-            let joined = joined_to_platform(self.cells, self.platform, self.rules);
+            let feet = standing(self.cells, self.platform, self.rules);
+            let joined = joined(&CellSet::of(self.cells), &feet, self.rules.neighbours);
             missed.extend(unsupported.into_iter().map(|cell| {
                 let reason =
                     if joined.contains(cell) { MissedReason::SupportMissed } else { MissedReason::NeverAdjacent };
@@ -168,29 +170,4 @@ impl<'a> Grower<'a> {
         missed.sort_unstable_by_key(|missed| missed.cell);
         Growth { order: self.front.order, missed, statistics: self.statistics }
     }
-}
-
-/// The cells that stand on the platform, by rising number.
-fn first_layer(cells: &Cells, platform: &Platform, rules: &Rules) -> Vec<u32> {
-    let level = cells.dims()[0] * cells.dims()[1];
-    cells
-        .iter()
-        .take_while(|&cell| cell < level)
-        .filter(|&cell| {
-            let [x, y, _] = cells.position(cell);
-            platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], rules.flat)
-        })
-        .collect()
-}
-
-/// The cells that a chain of neighbours joins to the platform.
-fn joined_to_platform(cells: &Cells, platform: &Platform, rules: &Rules) -> CellSet {
-    let solid = CellSet::of(cells);
-    let mut joined = CellSet::none(cells);
-    let mut reached = first_layer(cells, platform, rules);
-    reached.iter().for_each(|&cell| _ = joined.insert(cell));
-    while let Some(cell) = reached.pop() {
-        reached.extend(solid.around(cell, rules.neighbours.offsets()).filter(|&next| joined.insert(next)));
-    }
-    joined
 }

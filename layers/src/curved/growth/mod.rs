@@ -18,7 +18,6 @@ mod front;
 mod grower;
 mod order;
 mod prevention;
-mod watch;
 
 use super::cells::Cells;
 use super::order::LayerOrder;

@@ -12,7 +12,7 @@
 //! `reach` may lie above the true reach (after a what-if that was taken back); then a proof fails too early, which costs a
 //! look at the hull and nothing else.
 
-use super::super::bits::CellSet;
+use super::bits::CellSet;
 use curvlay_hull::Plane;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};

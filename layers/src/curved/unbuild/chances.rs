@@ -1,0 +1,45 @@
+//! Until when each cell could be built, everything else staying as it is.
+
+use super::super::bits::CellSet;
+use super::super::body::{self, Centres, hull_of_platform};
+use super::super::cells::Cells;
+use super::super::order::LayerOrder;
+use super::super::platform::Platform;
+use super::super::rules::Rules;
+use super::super::watch::Watch;
+use curvlay_hull::{Depth, Hint, HullError};
+
+/// For each cell of the grid the last layer, counted from 1, in which it still does not lie inside the hull of all earlier
+/// layers; `u32::MAX` if it never comes to lie inside.
+pub(super) fn last_chances(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    order: &LayerOrder,
+) -> Result<Vec<u32>, HullError> {
+    let centres = Centres::new(cells, rules);
+    let depth = body::depth(rules).unwrap_or(0.0);
+    let mut hull = hull_of_platform(platform, rules, Depth::new(depth)?)?;
+    let mut hint = Hint::default();
+    let mut watch = Watch::new(platform.top(), depth);
+    let mut accessible = CellSet::of(cells);
+    let mut chances = vec![u32::MAX; cells.dims().iter().map(|&side| side as usize).product()];
+    for (number, layer) in (1..).zip(order.iter()) {
+        let start = hull.checkpoint();
+        centres.insert(layer, &mut hull)?;
+        let added = hull.added_since(&start).to_vec();
+        hull.commit(start);
+        let endangered = watch.take_endangered(&added, &accessible);
+        watch.raise(&added);
+        for cell in endangered.into_iter().map(|endangered| endangered.cell) {
+            match hull.witness(centres.of(cell), &mut hint) {
+                Some(proof) => watch.add(cell, centres.of(cell), &proof),
+                None => {
+                    accessible.remove(cell);
+                    chances[cell as usize] = number;
+                }
+            }
+        }
+    }
+    Ok(chances)
+}

@@ -1,0 +1,81 @@
+//! The cells that can come off next, each with the plane that proves it.
+//!
+//! A cell in the skin lies less than `eps` below a plane of the hull, and all that remains lies below that plane. With
+//! `eps = 0` nothing on a face may count, or two cells of one face could each claim to be the outer one: then only the
+//! corners come off, and the plane touches the hull in nothing but the corner.
+
+use super::super::bits::CellSet;
+use super::super::body::Centres;
+use super::super::cells::Cells;
+use super::super::platform::Platform;
+use super::super::rules::Rules;
+use super::super::skin::Skin;
+use curvlay_hull::{ConvexHull, Hint, HullError};
+use std::collections::BTreeMap;
+
+/// All of a set lies below `normal . p < normal . c + margin`, where `c` is the cell that the proof is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Proof {
+    pub(super) normal: [i64; 3],
+    pub(super) margin: i64,
+}
+
+/// Finds the extreme cells of what remains.
+pub(super) struct Extremes<'a> {
+    skin: Skin<'a>,
+    centres: Centres,
+    rules: &'a Rules,
+    hint: Hint,
+    hull: ConvexHull,
+    /// With `eps = 0` the directions in which each corner is the farthest point.
+    corners: BTreeMap<u32, [i64; 3]>,
+}
+
+impl<'a> Extremes<'a> {
+    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, HullError> {
+        let skin = Skin::new(cells, platform, rules)?;
+        let hull = skin.hull(&CellSet::none(cells))?;
+        let centres = Centres::new(cells, rules);
+        Ok(Extremes { skin, centres, rules, hint: Hint::default(), hull, corners: BTreeMap::new() })
+    }
+
+    /// The extreme cells of `rest`, by rising number.
+    pub(super) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, HullError> {
+        self.hull = self.skin.hull(rest)?;
+        if self.rules.eps > 0.0 {
+            return Ok(self.skin.cells(&self.hull, rest));
+        }
+        self.corners = self.corners(rest);
+        Ok(self.corners.keys().copied().collect())
+    }
+
+    /// The corners of the hull that are cells, with the sum of the normals of the faces that meet there.
+    fn corners(&self, rest: &CellSet) -> BTreeMap<u32, [i64; 3]> {
+        let mut corners: BTreeMap<u32, [i64; 3]> = BTreeMap::new();
+        for face in self.hull.faces() {
+            // The ends of the bars that stand for the cells of a flat object are no faces of the object.
+            if self.rules.flat && face.normal[1] != 0 {
+                continue;
+            }
+            for cell in face.corners.iter().filter_map(|&corner| self.centres.cell_at(corner)) {
+                if rest.contains(cell) {
+                    let sum = corners.entry(cell).or_insert([0; 3]);
+                    (0..3).for_each(|axis| sum[axis] += face.normal[axis]);
+                }
+            }
+        }
+        corners
+    }
+
+    /// The proof for one of the cells that [`Extremes::find`] found last.
+    pub(super) fn proof(&mut self, cell: u32) -> Proof {
+        match self.corners.get(&cell) {
+            Some(&normal) => Proof { normal, margin: 0 },
+            None => {
+                let plane = self.hull.witness(self.centres.of(cell), &mut self.hint);
+                let plane = plane.unwrap_or_else(|| unreachable!("cell {cell} lies in the skin")).reduced();
+                Proof { normal: plane.normal, margin: plane.margin() }
+            }
+        }
+    }
+}

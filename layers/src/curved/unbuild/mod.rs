@@ -1,0 +1,191 @@
+//! Growth by un-building: the part is taken apart in such an order that nothing is missed when it is put together again.
+//!
+//! Ours; the sheets are those of Dai 2020, section 3.4.4 (Algorithm 4), the rules those of his Definitions 1 to 3.
+//!
+//! A cell less than `eps` below the surface of the hull of what remains, itself and the platform included, can be removed: when it is put back,
+//! nothing that is there by then shadows it. So the cells come off in sheets ([`removal`]), but for those that something
+//! else hangs on ([`links`]). Put together in the reverse order nothing is shadowed, whatever else happens. How far
+//! the reverse order can be followed in parallel is told by the planes that prove each cell accessible: a cell only has
+//! to wait for those whose planes it lies above ([`schedule`]). So there are far fewer layers than sheets times
+//! sublayers. In the end small patches are put off until they can be printed with others ([`patches`]).
+//!
+//! The removal is stuck when every extreme cell has something hanging on it. Then the piece that takes the fewest cells along is given up
+//! for now. That says only that it must not hang on those cells: the removal starts again, with the cells that shadow
+//! the piece all by themselves banned from carrying it ([`detour`]). The best of all removals counts. Cells that it
+//! gave up are built where the front happens to leave them accessible.
+
+mod chances;
+mod detour;
+mod extreme;
+mod links;
+mod patches;
+mod removal;
+mod schedule;
+
+use super::bits::CellSet;
+use super::cells::Cells;
+use super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
+use super::order::LayerOrder;
+use super::platform::Platform;
+use super::rules::Rules;
+use super::standing::{joined, standing};
+use crate::Progress;
+use chances::last_chances;
+use detour::Detour;
+use removal::Removal;
+use schedule::schedule;
+use std::ops::ControlFlow;
+
+/// How [`unbuild`] goes about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnbuildOptions {
+    /// How often the removal may start again when it had to give something up. Default 6: on the parts that we know
+    /// nothing was gained after the fifth time, and each costs as much as the first.
+    pub look_back: u32,
+}
+
+impl Default for UnbuildOptions {
+    fn default() -> Self {
+        UnbuildOptions { look_back: 6 }
+    }
+}
+
+/// Grows an order of the cells by taking them apart first.
+///
+/// The statistics count as trials the removals, and as sacrifices the pieces that the best of them gave up.
+///
+/// # Arguments
+/// * `progress`: told the number of cells removed, then the number of cells built; may stop the work.
+///
+/// # Errors
+/// [`GrowthError`]; cells that cannot be built are no error, they are listed with the reason.
+///
+/// # Cost
+/// For each sheet the hull of the ends of all rows, and the pieces that its removal leaves; some microseconds a cell in
+/// all. Memory: some dozen bytes for each cell of the grid. One thread; the same input gives the same order.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, Platform, Rules, UnbuildOptions, unbuild};
+/// use std::ops::ControlFlow;
+/// // An arch: two stems of four cells and a bar of five that joins them.
+/// let rows = [0b10001, 0b10001, 0b10001, 0b10001, 0b11111];
+/// let cells = Cells::new([5, 1, 5], &rows)?;
+/// let platform = Platform::under(&cells, 10.0)?;
+/// let growth = unbuild(&cells, &platform, &Rules::default(), &UnbuildOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// assert!(growth.missed.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn unbuild(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    options: &UnbuildOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Growth, GrowthError> {
+    rules.check(cells.dims())?;
+    let total = cells.count();
+    if total == 0 {
+        return Err(GrowthError::NoCell);
+    }
+    let feet = standing(cells, platform, rules);
+    if feet.is_empty() {
+        return Err(GrowthError::NothingOnPlatform);
+    }
+    let tell = |stage: &'static str, done: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
+    let job = Job { cells, platform, rules, feet };
+    let (order, statistics) = job.best_order(options, &tell)?;
+    let mut chances = last_chances(cells, platform, rules, &order)?;
+    let order = patches::put_off(cells, rules, &order, &chances);
+    let missed = order.cells().len() < total;
+    if missed {
+        chances = last_chances(cells, platform, rules, &order)?;
+    }
+    Ok(Growth { missed: if missed { job.missed(&order, &chances) } else { Vec::new() }, order, statistics })
+}
+
+struct Job<'a> {
+    cells: &'a Cells<'a>,
+    platform: &'a Platform,
+    rules: &'a Rules,
+    feet: Vec<u32>,
+}
+
+impl Job<'_> {
+    /// The order that builds the most cells. `tell` hears the stage and the cells done.
+    fn best_order(
+        &self,
+        options: &UnbuildOptions,
+        tell: &dyn Fn(&'static str, usize) -> ControlFlow<()>,
+    ) -> Result<(LayerOrder, GrowthStatistics), GrowthError> {
+        let Job { cells, platform, rules, feet } = self;
+        let total = cells.count();
+        let mut solid = CellSet::of(cells);
+        let mut detours: Vec<Detour> = Vec::new();
+        let mut best = (LayerOrder::new(), GrowthStatistics::default());
+        for trials in 1..=u64::from(options.look_back) + 1 {
+            let progress = |left: usize| tell("unbuild", total - left);
+            let removal = Removal::run(cells, &solid, feet, platform, rules, &detours, &progress)?;
+            let removal = removal.ok_or(GrowthError::Cancelled)?;
+            let sacrifices = removal.pieces.len() as u64;
+            let largest = removal.pieces.iter().max_by_key(|piece| piece.len()).cloned();
+            let order = schedule(cells, feet, removal, platform, rules, &|built| tell("grow", built))?;
+            let order = order.ok_or(GrowthError::Cancelled)?;
+            if order.cells().len() > best.0.cells().len() {
+                best = (order, GrowthStatistics { sacrifices, ..best.1 });
+            }
+            best.1.trials = trials;
+            match largest {
+                Some(piece) => self.look_for_another_way(piece, &mut solid, &mut detours)?,
+                None => break,
+            }
+        }
+        Ok(best)
+    }
+
+    /// A removal was stuck with `piece`: the next one has to reach it on another way, or does without it.
+    fn look_for_another_way(
+        &self,
+        mut piece: Vec<u32>,
+        solid: &mut CellSet,
+        detours: &mut Vec<Detour>,
+    ) -> Result<(), GrowthError> {
+        let mut strictness = Detour::FIRST;
+        detours.retain(|detour| match detour.stricter(&piece) {
+            Some(stricter) => {
+                strictness = strictness.max(stricter);
+                piece.extend(&detour.piece);
+                false
+            }
+            None => true,
+        });
+        piece.sort_unstable();
+        piece.dedup();
+        let Job { cells, platform, rules, feet } = self;
+        let detour = Detour::new(piece, strictness, cells, platform, rules)?;
+        let mut open = solid.clone();
+        open.subtract(&detour.banned);
+        feet.iter().for_each(|&foot| _ = open.insert(foot));
+        let reached = joined(&open, feet, rules.neighbours);
+        if strictness <= Detour::LAST && detour.piece.iter().any(|&cell| reached.contains(cell)) {
+            detours.push(detour);
+        } else {
+            solid.remove_all(detour.piece);
+        }
+        Ok(())
+    }
+
+    /// Lists what has no layer, with the reasons.
+    fn missed(&self, order: &LayerOrder, chances: &[u32]) -> Vec<MissedCell> {
+        let field = order.field(chances.len());
+        let solid = CellSet::of(self.cells);
+        let joined = joined(&solid, &self.feet, self.rules.neighbours);
+        let reason = |cell: u32| match chances[cell as usize] {
+            _ if !joined.contains(cell) => MissedReason::NeverAdjacent,
+            u32::MAX => MissedReason::SupportMissed,
+            layer => MissedReason::Shadowed { layer },
+        };
+        let missed = self.cells.iter().filter(|&cell| field[cell as usize] == 0);
+        missed.map(|cell| MissedCell { cell, reason: reason(cell) }).collect()
+    }
+}
