@@ -149,13 +149,12 @@ fn random_rows(seed: u64, count: usize, nx: u32) -> Vec<u64> {
     (0..count).map(|_| (0..nx).fold(0, |row, x| row | u64::from(next() & 7 < 5) << x)).collect()
 }
 
-/// It is a search without a proof that it finds all: of 10,000 parts like these that can be built whole, it misses
-/// cells of a few.
+/// It is no exhaustive search, so this is what it owes: it may fail on one part in a hundred that can be built whole.
 #[test]
 fn next_to_nothing_is_missed_of_parts_that_can_be_built_whole() {
     let platform = Platform::polygon(&[[-1.0, -1.0], [6.0, -1.0], [6.0, 6.0], [-1.0, 6.0]]).unwrap();
     let (mut whole, mut with_misses) = (0, 0);
-    for seed in 0..1500 {
+    for seed in 0..750 {
         let eps = [0.0, 0.5, 1.0][seed as usize % 3];
         let part = Part { dims: [5, 1, 4], rows: random_rows(seed, 4, 5), platform: platform.clone() };
         let rules = Rules { eps, ..Rules::default() };
@@ -164,7 +163,7 @@ fn next_to_nothing_is_missed_of_parts_that_can_be_built_whole() {
             with_misses += usize::from(!part.unbuild(&rules).missed.is_empty());
         }
     }
-    assert!(whole > 200, "{whole}");
+    assert!(whole > 100, "{whole}");
     assert!(100 * with_misses <= whole, "{with_misses} of {whole}");
 }
 

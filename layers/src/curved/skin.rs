@@ -1,7 +1,7 @@
 //! The skin of what remains of a part: the cells less than `eps` below the surface of the hull of it and the platform.
 
 use super::bits::CellSet;
-use super::body::{self, Centres, hull_of_platform};
+use super::body::{Centres, hull_of_platform};
 use super::cells::{Cells, set_bits};
 use super::platform::Platform;
 use super::rules::Rules;
@@ -17,11 +17,11 @@ pub(super) struct Skin<'a> {
 }
 
 impl<'a> Skin<'a> {
-    /// For sets in the grid of `cells`. The rules are sound.
-    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, HullError> {
+    /// For sets in the grid of `cells`. `depth` is that from which a cell counts as inside, in lattice units.
+    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules, depth: f64) -> Result<Self, HullError> {
         let [_, ny, nz] = cells.dims();
         // Corners of the hull belong to the skin at any depth, or eps = 0 would leave nothing to take off.
-        let depth = body::depth(rules).unwrap_or(0.0).max(1.0 / f64::from(Depth::STEPS));
+        let depth = depth.max(1.0 / f64::from(Depth::STEPS));
         Ok(Skin {
             platform,
             rules,

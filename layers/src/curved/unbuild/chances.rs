@@ -3,11 +3,12 @@
 use super::super::bits::CellSet;
 use super::super::body::{self, Centres, hull_of_platform};
 use super::super::cells::Cells;
+use super::super::growth::GrowthError;
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::Watch;
-use curvlay_hull::{Depth, Hint, HullError};
+use curvlay_hull::{Depth, Hint};
 
 /// For each cell of the grid the last layer, counted from 1, in which it still does not lie inside the hull of all earlier
 /// layers; `u32::MAX` if it never comes to lie inside.
@@ -16,9 +17,9 @@ pub(super) fn last_chances(
     platform: &Platform,
     rules: &Rules,
     order: &LayerOrder,
-) -> Result<Vec<u32>, HullError> {
+) -> Result<Vec<u32>, GrowthError> {
     let centres = Centres::new(cells, rules);
-    let depth = body::depth(rules).unwrap_or(0.0);
+    let depth = body::depth(rules)?;
     let mut hull = hull_of_platform(platform, rules, Depth::new(depth)?)?;
     let mut hint = Hint::default();
     let mut watch = Watch::new(platform.top(), depth);

@@ -7,10 +7,11 @@
 use super::super::bits::CellSet;
 use super::super::body::{self, Centres, hull_of_platform};
 use super::super::cells::Cells;
+use super::super::growth::GrowthError;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::dot;
-use curvlay_hull::{Depth, HullError, Plane};
+use curvlay_hull::{Depth, Plane};
 
 /// So many cells of a piece stand for all of it. They decide for which cells a way around is looked for, not
 /// what is built; more cost time for each cell of the part, and change little.
@@ -36,7 +37,7 @@ impl Detour {
         cells: &Cells,
         platform: &Platform,
         rules: &Rules,
-    ) -> Result<Self, HullError> {
+    ) -> Result<Self, GrowthError> {
         let centres = Centres::new(cells, rules);
         let samples = SAMPLES.min(piece.len());
         let cones = (0..samples)
@@ -63,9 +64,9 @@ impl Detour {
 
 /// The planes of the cone behind `w`: what lies on or above all of them shadows `w`. The apex is raised by `eps`, since less
 /// deep than that is not inside.
-fn shadow(w: [i32; 3], platform: &Platform, rules: &Rules) -> Result<Vec<Plane>, HullError> {
+fn shadow(w: [i32; 3], platform: &Platform, rules: &Rules) -> Result<Vec<Plane>, GrowthError> {
     let mut hull = hull_of_platform(platform, rules, Depth::SURFACE)?;
-    let apex = [w[0], w[1], w[2] + body::depth(rules).map_or(0, |depth| depth.ceil() as i32)];
+    let apex = [w[0], w[1], w[2] + body::depth(rules)?.ceil() as i32];
     hull.insert(&[apex])?;
     Ok(hull.planes().filter(|plane| dot(plane.normal, apex) == plane.offset).collect())
 }

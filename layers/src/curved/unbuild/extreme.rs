@@ -5,12 +5,13 @@
 //! corners come off, and the plane touches the hull in nothing but the corner.
 
 use super::super::bits::CellSet;
-use super::super::body::Centres;
+use super::super::body::{self, Centres};
 use super::super::cells::Cells;
+use super::super::growth::GrowthError;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::skin::Skin;
-use curvlay_hull::{ConvexHull, Hint, HullError};
+use curvlay_hull::{ConvexHull, Hint};
 use std::collections::BTreeMap;
 
 /// All of a set lies below `normal . p < normal . c + margin`, where `c` is the cell that the proof is for.
@@ -32,15 +33,15 @@ pub(super) struct Extremes<'a> {
 }
 
 impl<'a> Extremes<'a> {
-    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, HullError> {
-        let skin = Skin::new(cells, platform, rules)?;
+    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
+        let skin = Skin::new(cells, platform, rules, body::depth(rules)?)?;
         let hull = skin.hull(&CellSet::none(cells))?;
         let centres = Centres::new(cells, rules);
         Ok(Extremes { skin, centres, rules, hint: Hint::default(), hull, corners: BTreeMap::new() })
     }
 
     /// The extreme cells of `rest`, by rising number.
-    pub(super) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, HullError> {
+    pub(super) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, GrowthError> {
         self.hull = self.skin.hull(rest)?;
         if self.rules.eps > 0.0 {
             return Ok(self.skin.cells(&self.hull, rest));

@@ -52,7 +52,8 @@ impl Default for UnbuildOptions {
 
 /// Grows an order of the cells by taking them apart first.
 ///
-/// The statistics count as trials the removals, and as sacrifices the pieces that the best of them gave up.
+/// In the statistics the trials are the removals, the sacrifices the pieces that the best of them gave up; no layers are
+/// counted as whole.
 ///
 /// # Arguments
 /// * `progress`: told the number of cells removed, then the number of cells built; may stop the work.

@@ -6,6 +6,7 @@
 
 use super::super::bits::CellSet;
 use super::super::cells::Cells;
+use super::super::growth::GrowthError;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::runs::Runs;
@@ -13,7 +14,6 @@ use super::super::standing::joined;
 use super::detour::Detour;
 use super::extreme::Extremes;
 use super::links::Links;
-use curvlay_hull::HullError;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::ops::ControlFlow;
@@ -66,7 +66,7 @@ impl Removal {
         rules: &Rules,
         detours: &[Detour],
         progress: &dyn Fn(usize) -> ControlFlow<()>,
-    ) -> Result<Option<Self>, HullError> {
+    ) -> Result<Option<Self>, GrowthError> {
         let in_grid = cells.dims().iter().map(|&side| side as usize).product();
         let removal = Removal {
             ranks: vec![NONE; in_grid],
@@ -92,7 +92,7 @@ impl Removal {
 }
 
 impl State<'_> {
-    fn take_off_a_sheet(&mut self, extremes: &mut Extremes) -> Result<(), HullError> {
+    fn take_off_a_sheet(&mut self, extremes: &mut Extremes) -> Result<(), GrowthError> {
         let mut extreme = extremes.find(&self.rest)?;
         extreme.retain(|cell| self.feet.binary_search(cell).is_err());
         self.sheet += 1;

@@ -10,12 +10,13 @@
 use super::super::bits::CellSet;
 use super::super::body::{self, Centres, hull_of_platform};
 use super::super::cells::Cells;
+use super::super::growth::GrowthError;
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::dot;
 use super::removal::{NONE, Plane, Removal};
-use curvlay_hull::{ConvexHull, Depth, Hint, HullError};
+use curvlay_hull::{ConvexHull, Depth, Hint};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -58,7 +59,7 @@ pub(super) fn schedule(
     platform: &Platform,
     rules: &Rules,
     progress: &dyn Fn(usize) -> ControlFlow<()>,
-) -> Result<Option<LayerOrder>, HullError> {
+) -> Result<Option<LayerOrder>, GrowthError> {
     let mut shaky = removal.shaky.clone();
     let given_up = !removal.pieces.is_empty();
     let mut schedule = Schedule::new(cells, removal, rules);
@@ -99,8 +100,8 @@ struct Front {
 }
 
 impl Front {
-    fn new(platform: &Platform, rules: &Rules) -> Result<Self, HullError> {
-        let depth = Depth::new(body::depth(rules).unwrap_or(0.0))?;
+    fn new(platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
+        let depth = Depth::new(body::depth(rules)?)?;
         Ok(Front { hull: hull_of_platform(platform, rules, depth)?, hint: Hint::default() })
     }
 }
