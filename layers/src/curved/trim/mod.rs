@@ -1,0 +1,279 @@
+//! Trimming: the part of a sheet that lies inside a solid, ending exactly on its skin.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 3.4.5 and Fig. 3.8, trims the
+//! isosurface `S*` of a layer (here the sheet) to the input model `H` (here the mesh) and leaves the how to others.
+//! Here, for one mesh and many sheets:
+//! 1. [`Trimmer::new`] welds the mesh, numbers its edges and plants one tree over it.
+//! 2. Each triangle of the sheet that passes through triangles of the mesh shares a segment with each. Which do is
+//!    decided exactly on the given coordinates. The sheet counts as lifted by an infinitely small step, so that there
+//!    is no touching and no lying in a face (`predicates`, `crossing`).
+//! 3. It is cut along its segments, on an integer grid of 1e-12 of its size (`patch`), each side of it once for both of
+//!    its neighbours (`pieces`). Every edge on the mesh lies in one triangle of it, so its midpoint is on the mesh too.
+//! 4. Along the sheet the winding number changes at segments alone, so one exact count for each connected part of the
+//!    sheet gives that of all pieces. Inside is where it is not zero: the union of parts that pass through each
+//!    other, for a mesh that looks outwards or inwards.
+//! 5. A mesh with holes has a winding number that is not whole. Pieces are then cut where it is one half (`holes`).
+//! 6. Triangles without height are taken out (`slivers`).
+//!
+//! Coordinates of cuts are rounded, what is cut is not a matter of rounding. So the result is a manifold for any input.
+
+mod crossing;
+mod edges;
+mod exact;
+mod holes;
+mod patch;
+mod pieces;
+mod predicates;
+mod sheet;
+mod slivers;
+mod solid;
+mod surface;
+mod tree;
+mod winding;
+
+use nalgebra::Point3;
+use pieces::Pieces;
+use sheet::Sheet;
+use solid::Solid;
+use std::fmt;
+use surface::Surface;
+
+/// Coordinates may not exceed this, in mm: a thousand kilometres. Far beyond it the exact signs would overflow.
+pub const MAX_COORDINATE: f64 = 1e9;
+
+/// A triangle with an altitude below this is a sliver, in mm: far below what a machine resolves, far above the rounding
+/// of coordinates.
+pub const MIN_ALTITUDE_MM: f64 = 1e-6;
+
+/// A solid, ready to trim any number of sheets.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::Trimmer;
+/// use curvlay_layers::nalgebra::Point3;
+/// # let corner = |k: u32| Point3::from([0, 1, 2].map(|bit| if k >> bit & 1 == 1 { 10.0 } else { 0.0 }));
+/// # let cube: Vec<_> = (0..8).map(corner).collect();
+/// # let faces = [
+/// #     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+/// #     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+/// # ];
+/// // A cube of 10 mm and a slanted sheet that reaches outside on all sides.
+/// let trimmer = Trimmer::new(&cube, &faces)?;
+/// let sheet = [[-5.0, -5.0, 2.0], [15.0, -5.0, 2.0], [15.0, 15.0, 6.0], [-5.0, 15.0, 6.0]].map(Point3::from);
+/// let trimmed = trimmer.trim(&sheet, &[[0, 1, 2], [0, 2, 3]])?;
+///
+/// let slope = 1.04_f64.sqrt();
+/// assert!((trimmed.area() - 100.0 * slope).abs() < 1e-9);
+/// assert!((trimmed.mesh_mm - (20.0 + 20.0 * slope)).abs() < 1e-9);
+/// assert!(trimmed.error_mm < 1e-12 && trimmed.border_mm == 0.0);
+/// # Ok::<(), curvlay_layers::curved::TrimError>(())
+/// ```
+#[derive(Debug)]
+pub struct Trimmer {
+    solid: Solid,
+}
+
+impl Trimmer {
+    /// Prepares a solid: the points round which its triangles go (winding number above one half in absolute value).
+    ///
+    /// # Arguments
+    /// * `vertices`: mm. Vertices at the same place count as one.
+    /// * `triangles`: numbers of vertices. They need not be closed, united, free of double or flat ones, nor look
+    ///   outwards.
+    ///
+    /// # Errors
+    /// [`TrimError::EmptyMesh`], [`TrimError::BadCorner`], [`TrimError::BadCoordinate`].
+    ///
+    /// # Cost
+    /// `O(n log n)` time for `n` triangles, some 300 bytes each.
+    pub fn new(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Trimmer, TrimError> {
+        Ok(Trimmer { solid: Solid::new(vertices, triangles)? })
+    }
+
+    /// Whether the mesh has holes: an edge along which triangles do not run as often one way as the other.
+    pub fn is_holed(&self) -> bool {
+        self.solid.holes.is_some()
+    }
+
+    /// The part of a sheet that lies inside.
+    ///
+    /// Where the sheet lies in a face it counts as just above it (and if that face is upright, as just beyond it in x,
+    /// or else in y). So a sheet in the bottom of a box is kept and one in its lid is not.
+    ///
+    /// # Arguments
+    /// * `vertices`: mm.
+    /// * `triangles`: an oriented manifold with boundary. It may touch the mesh, in any way.
+    ///
+    /// # Returns
+    /// An oriented manifold with boundary that runs as the sheet does; empty if the sheet does not reach inside. The
+    /// same on any number of threads.
+    ///
+    /// # Errors
+    /// [`TrimError::BadCorner`], [`TrimError::BadCoordinate`], [`TrimError::RepeatedCorner`],
+    /// [`TrimError::NotManifold`]; [`TrimError::Tangled`] for a solid that passes through itself beyond measure.
+    ///
+    /// # Cost
+    /// For `s` triangles of the sheet and `m` of the mesh some `O(s log m)`, and for each that is cut the square
+    /// of its number of segments. A mesh with holes takes far longer: a winding number for each vertex.
+    pub fn trim(&self, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<TrimmedSheet, TrimError> {
+        let sheet = Sheet::new(vertices, triangles)?;
+        let mut pieces = Pieces::cut(&sheet, &self.solid)?;
+        let keep: Vec<bool> = match &self.solid.holes {
+            None => pieces.numbers(&self.solid).into_iter().map(|number| number != 0).collect(),
+            Some(dipoles) => holes::split_at_half(&mut pieces, &self.solid, dipoles),
+        };
+        let mut surface = Surface::of(&pieces, &keep);
+        slivers::remove_slivers(&mut surface, &self.solid);
+        Ok(surface.finish(&self.solid))
+    }
+}
+
+/// The part of a sheet that lies inside a solid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrimmedSheet {
+    /// Places, mm.
+    pub vertices: Vec<Point3<f64>>,
+    /// Numbers of vertices; an oriented manifold with boundary.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the number of the triangle of the sheet that it is part of.
+    pub sources: Vec<u32>,
+    /// The edges that only one triangle has, as that triangle runs along them.
+    pub boundary: Vec<BoundaryEdge>,
+    /// Length of the boundary on the mesh, mm.
+    pub mesh_mm: f64,
+    /// Length of the sheet's own border inside the solid, mm.
+    pub border_mm: f64,
+    /// Length of the boundary across holes of the mesh, mm.
+    pub hole_mm: f64,
+    /// The greatest distance to the mesh of a vertex or midpoint of the boundary on the mesh, measured, mm.
+    pub error_mm: f64,
+    /// Whether the mesh has holes, so that inside was decided by a winding number of one half.
+    pub holed: bool,
+    /// Triangles with an altitude below [`MIN_ALTITUDE_MM`] that could not be taken out.
+    pub slivers: usize,
+}
+
+impl TrimmedSheet {
+    /// The area, mm2.
+    pub fn area(&self) -> f64 {
+        let corners = self.triangles.iter().map(|corners| corners.map(|corner| self.vertices[corner as usize]));
+        corners.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
+    }
+}
+
+/// An edge of the boundary of a trimmed sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoundaryEdge {
+    /// Its vertices; the sheet is to its left.
+    pub ends: [u32; 2],
+    /// What ends the sheet there.
+    pub kind: BoundaryKind,
+}
+
+/// What ends a trimmed sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BoundaryKind {
+    /// The mesh.
+    Mesh,
+    /// The sheet's own border, inside the solid.
+    Border,
+    /// A winding number of one half, across a hole of the mesh.
+    Hole,
+}
+
+/// Which of the two inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// The mesh of the solid.
+    Mesh,
+    /// The sheet.
+    Sheet,
+}
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Input::Mesh => "mesh",
+            Input::Sheet => "sheet",
+        })
+    }
+}
+
+/// Why a sheet could not be trimmed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrimError {
+    /// No triangle with three different corners.
+    #[error("the mesh has no triangles")]
+    EmptyMesh,
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} of the {input} names vertex {vertex}, but there are {vertices}")]
+    BadCorner {
+        /// Of which input.
+        input: Input,
+        /// The triangle.
+        triangle: usize,
+        /// What it names.
+        vertex: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A coordinate that is not finite or beyond [`MAX_COORDINATE`].
+    #[error("vertex {vertex} of the {input} has a coordinate that is not a number within +-1e9 mm")]
+    BadCoordinate {
+        /// Of which input.
+        input: Input,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// More triangles than can be numbered.
+    #[error("the {input} has more than {most} triangles or vertices")]
+    TooMany {
+        /// Of which input.
+        input: Input,
+        /// As many as there may be.
+        most: usize,
+    },
+    /// A triangle of the sheet with twice the same corner.
+    #[error("triangle {triangle} of the sheet has twice the same corner")]
+    RepeatedCorner {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// An edge that two triangles of the sheet run along the same way.
+    #[error(
+        "triangle {triangle} of the sheet runs along edge {}-{} as another one does: the sheet is no oriented manifold",
+        .edge[0], .edge[1]
+    )]
+    NotManifold {
+        /// The second of the two triangles.
+        triangle: usize,
+        /// Vertices of the edge.
+        edge: [u32; 2],
+    },
+    /// Where the mesh passes through itself, the cuts cross each other without end.
+    #[error("triangle {triangle} of the sheet cannot be cut: the mesh passes through itself too often there")]
+    Tangled {
+        /// The triangle.
+        triangle: usize,
+    },
+}
+
+/// As many triangles or vertices as there may be: their half-edges and cuts are numbered by 32 bits.
+const MOST: usize = 1 << 28;
+
+fn check(input: Input, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), TrimError> {
+    if vertices.len().max(triangles.len()) > MOST {
+        return Err(TrimError::TooMany { input, most: MOST });
+    }
+    let good = |p: &Point3<f64>| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
+    if let Some(vertex) = vertices.iter().position(|p| !good(p)) {
+        return Err(TrimError::BadCoordinate { input, vertex });
+    }
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
+            return Err(TrimError::BadCorner { input, triangle, vertex, vertices: vertices.len() });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,130 @@
+//! The mesh that sheets are trimmed to: its vertices welded, its edges numbered, a tree over its triangles.
+
+use super::crossing::leaves;
+use super::edges::Edges;
+use super::surface::altitude;
+use super::tree::{Bounds, Tree};
+use super::winding::Dipoles;
+use super::{Input, MIN_ALTITUDE_MM, TrimError, check};
+use nalgebra::Point3;
+
+/// Triangles lower than this are left out of a mesh that is closed without them, mm. What they add to a winding number
+/// is nothing but next to them. Flat ones come out of files in single precision up to 1e-5 mm high; a millimetre would
+/// be a part of the solid.
+const STRAY_MM: f64 = 1e-4;
+
+#[derive(Debug)]
+pub(super) struct Solid {
+    pub(super) points: Vec<Point3<f64>>,
+    /// Without those that have the same place twice among their corners.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The numbers of their edges; entry `k` is the one from corner `k` to the next.
+    pub(super) sides: Vec<[u32; 3]>,
+    /// The lower and the higher vertex of each edge.
+    pub(super) ends: Vec<[u32; 2]>,
+    pub(super) tree: Tree,
+    /// If the triangles do not close: what the winding number is computed from.
+    pub(super) holes: Option<Dipoles>,
+}
+
+impl Solid {
+    pub(super) fn new(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Solid, TrimError> {
+        check(Input::Mesh, vertices, triangles)?;
+        let (points, place) = weld(vertices);
+        let welded = triangles.iter().map(|corners| corners.map(|corner| place[corner as usize]));
+        let mut triangles: Vec<_> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        if triangles.is_empty() {
+            return Err(TrimError::EmptyMesh);
+        }
+        let mut edges = Edges::new(&triangles);
+        // Triangles without height may close the mesh, where they fill a seam, or be stray ones.
+        if !edges.are_balanced(&triangles) {
+            let place = |corner: u32| points[corner as usize];
+            let is_stray = |corners: &[u32; 3]| altitude(&corners.map(place)) < STRAY_MM;
+            let solid: Vec<_> = triangles.iter().copied().filter(|corners| !is_stray(corners)).collect();
+            let solid_edges = Edges::new(&solid);
+            if !solid.is_empty() && solid_edges.are_balanced(&solid) {
+                (triangles, edges) = (solid, solid_edges);
+            }
+        }
+        let holed = !edges.are_balanced(&triangles);
+        let boxes: Vec<_> = triangles.iter().map(|t| Bounds::of(t.map(|c| &points[c as usize]))).collect();
+        let tree = Tree::new(&boxes);
+        let mut solid = Solid { points, triangles, sides: edges.sides, ends: edges.ends, tree, holes: None };
+        if holed {
+            solid.holes = Some(Dipoles::new(&solid));
+        }
+        Ok(solid)
+    }
+
+    pub(super) fn corners(&self, triangle: u32) -> [&Point3<f64>; 3] {
+        self.triangles[triangle as usize].map(|corner| &self.points[corner as usize])
+    }
+
+    /// How often the closed mesh goes round a point, moved by the infinitely small step of the sheet: the sum of
+    /// what it leaves on the way up. Exact.
+    pub(super) fn winding(&self, p: &Point3<f64>) -> i32 {
+        let top = self.tree.bounds().high.z;
+        // One millimetre and more above all, told apart from it at any size that is let in.
+        let far = Point3::new(p.x, p.y, top.max(p.z) + 1.0 + 1e-3 * top.abs());
+        let mut sum = 0;
+        self.tree.meeting(&Bounds::of([p, &far]), |triangle| sum += leaves(p, &far, self.corners(triangle)));
+        sum
+    }
+
+    /// The distance to the nearest triangle.
+    pub(super) fn distance(&self, p: &Point3<f64>) -> f64 {
+        // Most points that are asked for lie on the mesh: few boxes hold them.
+        self.distance_within(p, MIN_ALTITUDE_MM).or_else(|| self.distance_within(p, f64::INFINITY)).unwrap_or(f64::NAN)
+    }
+
+    /// The distance to the nearest triangle, if it is below a bound.
+    pub(super) fn distance_within(&self, p: &Point3<f64>, bound: f64) -> Option<f64> {
+        let distance_sq = |triangle| (closest(self.corners(triangle), p) - p).norm_squared();
+        let found = self.tree.nearest_sq(p, bound * bound, distance_sq);
+        (found < bound * bound).then(|| found.sqrt())
+    }
+}
+
+/// The places of vertices, each once, and the number of the place of each vertex.
+fn weld(vertices: &[Point3<f64>]) -> (Vec<Point3<f64>>, Vec<u32>) {
+    // Adding zero takes the sign off a zero.
+    let at = |vertex: u32| vertices[vertex as usize].map(|c| c + 0.0);
+    let compare = |a: &u32, b: &u32| {
+        let (a, b) = (at(*a), at(*b));
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+    };
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    order.sort_unstable_by(|a, b| compare(a, b).then(a.cmp(b)));
+    let mut place = vec![0; vertices.len()];
+    let mut points = Vec::with_capacity(vertices.len());
+    for same in order.chunk_by(|a, b| compare(a, b).is_eq()) {
+        same.iter().for_each(|&vertex| place[vertex as usize] = points.len() as u32);
+        points.push(at(same[0]));
+    }
+    (points, place)
+}
+
+/// The point of a triangle that is nearest to `p`: C. Ericson, *Real-Time Collision Detection* (2005), section 5.1.5.
+fn closest([a, b, c]: [&Point3<f64>; 3], p: &Point3<f64>) -> Point3<f64> {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (along_b, along_c) = (ab.dot(&ap), ac.dot(&ap));
+    let (bb, bc, cc) = (ab.norm_squared(), ab.dot(&ac), ac.norm_squared());
+    // What is left of the way to `p`, along the sides, at `b` and at `c`.
+    let (b_b, b_c) = (along_b - bb, along_c - bc);
+    let (c_b, c_c) = (along_b - bc, along_c - cc);
+    let on = |from: &Point3<f64>, to: &Point3<f64>| {
+        let side = to - from;
+        let share = (p - from).dot(&side) / side.norm_squared();
+        from + side * share.clamp(0.0, 1.0)
+    };
+    let over_c = along_b * b_c - b_b * along_c;
+    let over_b = c_b * along_c - along_b * c_c;
+    let over_a = b_b * c_c - c_b * b_c;
+    let area = over_a + over_b + over_c;
+    if over_a > 0.0 && over_b > 0.0 && over_c > 0.0 {
+        return a + ab * (over_b / area) + ac * (over_c / area);
+    }
+    let nearer = |q: Point3<f64>, r: Point3<f64>| if (r - p).norm_squared() < (q - p).norm_squared() { r } else { q };
+    nearer(nearer(on(a, b), on(b, c)), on(c, a))
+}

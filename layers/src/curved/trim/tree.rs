@@ -1,0 +1,152 @@
+//! A tree of boxes over the triangles of the mesh, built once for all sheets.
+//!
+//! Halved at the median of the middles along the longest axis; nodes stand in the order of a walk that goes down first,
+//! each with the number of the node after its last descendant, so that a search needs no stack.
+
+use nalgebra::Point3;
+
+/// Triangles in a leaf. Fewer cost visits, more cost tests; flat between 2 and 8.
+const LEAF: usize = 4;
+
+/// A box: its least and greatest corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub(super) low: Point3<f64>,
+    pub(super) high: Point3<f64>,
+}
+
+impl Bounds {
+    pub(super) fn of<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> Bounds {
+        let none = Point3::from([f64::INFINITY; 3]);
+        let empty = Bounds { low: none, high: -none };
+        points.into_iter().fold(empty, |all, p| Bounds { low: all.low.inf(p), high: all.high.sup(p) })
+    }
+
+    fn meets(&self, other: &Bounds) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+
+    fn distance_sq(&self, p: &Point3<f64>) -> f64 {
+        let beyond = |k: usize| (self.low[k] - p[k]).max(p[k] - self.high[k]).max(0.0);
+        (0..3).map(|k| beyond(k) * beyond(k)).sum()
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Bounds,
+    /// The node after its last descendant.
+    next: u32,
+    /// Its triangles in `Tree::order`, if it is a leaf; else none.
+    first: u32,
+    count: u32,
+}
+
+#[derive(Debug)]
+pub(super) struct Tree {
+    nodes: Vec<Node>,
+    /// The triangles, leaf after leaf, and their boxes.
+    order: Vec<u32>,
+    boxes: Vec<Bounds>,
+}
+
+impl Tree {
+    /// `boxes` are those of the triangles.
+    pub(super) fn new(boxes: &[Bounds]) -> Tree {
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        let mut nodes = Vec::with_capacity(boxes.len());
+        grow(&mut nodes, boxes, &mut order, 0);
+        let boxes = order.iter().map(|&triangle| boxes[triangle as usize]).collect();
+        Tree { nodes, order, boxes }
+    }
+
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.nodes[0].bounds
+    }
+
+    /// Hands over the triangles whose box meets a box, touching included.
+    pub(super) fn meeting(&self, bounds: &Bounds, mut take: impl FnMut(u32)) {
+        let mut at = 0;
+        while let Some(node) = self.nodes.get(at) {
+            if node.bounds.meets(bounds) {
+                let leaf = node.first as usize..(node.first + node.count) as usize;
+                let meeting = leaf.filter(|&place| self.boxes[place].meets(bounds));
+                meeting.for_each(|place| take(self.order[place]));
+                at += 1;
+            } else {
+                at = node.next as usize;
+            }
+        }
+    }
+
+    /// Least of the squared distances that `distance_sq` gives for the triangles, or `bound` if that is smaller.
+    pub(super) fn nearest_sq(&self, p: &Point3<f64>, bound: f64, distance_sq: impl Fn(u32) -> f64) -> f64 {
+        let (mut best, mut at) = (bound, 0);
+        while let Some(node) = self.nodes.get(at) {
+            if node.bounds.distance_sq(p) < best {
+                best = self.leaf(node).iter().map(|&triangle| distance_sq(triangle)).fold(best, f64::min);
+                at += 1;
+            } else {
+                at = node.next as usize;
+            }
+        }
+        best
+    }
+
+    /// For each node, those after it first: its children or its triangles, put together into one value.
+    pub(super) fn fold<T: Clone>(&self, leaf: impl Fn(&[u32]) -> T, join: impl Fn(&T, &T) -> T) -> Vec<T> {
+        let mut values: Vec<Option<T>> = vec![None; self.nodes.len()];
+        for (at, node) in self.nodes.iter().enumerate().rev() {
+            let children = || {
+                let right = self.nodes.get(at + 1)?.next as usize;
+                Some(join(values.get(at + 1)?.as_ref()?, values.get(right)?.as_ref()?))
+            };
+            values[at] = if node.count > 0 { Some(leaf(self.leaf(node))) } else { children() };
+        }
+        values.into_iter().flatten().collect()
+    }
+
+    /// A walk over the nodes by number: `far` says whether a node is done with; if not, its triangles go to `near`.
+    pub(super) fn walk(&self, mut far: impl FnMut(usize) -> bool, mut near: impl FnMut(u32)) {
+        let mut at = 0;
+        while let Some(node) = self.nodes.get(at) {
+            if far(at) {
+                at = node.next as usize;
+            } else {
+                self.leaf(node).iter().for_each(|&triangle| near(triangle));
+                at += 1;
+            }
+        }
+    }
+
+    fn leaf(&self, node: &Node) -> &[u32] {
+        &self.order[node.first as usize..(node.first + node.count) as usize]
+    }
+}
+
+fn grow(nodes: &mut Vec<Node>, boxes: &[Bounds], order: &mut [u32], first: usize) {
+    let index = nodes.len();
+    let corners = order.iter().flat_map(|&triangle| {
+        let bounds = &boxes[triangle as usize];
+        [&bounds.low, &bounds.high]
+    });
+    let leaf = order.len() <= LEAF;
+    let count = if leaf { order.len() as u32 } else { 0 };
+    nodes.push(Node { bounds: Bounds::of(corners), next: 0, first: first as u32, count });
+    if !leaf {
+        let middle = |triangle: u32| {
+            let bounds = &boxes[triangle as usize];
+            Point3::from(bounds.low.coords + bounds.high.coords)
+        };
+        let middles: Vec<_> = order.iter().map(|&triangle| middle(triangle)).collect();
+        let spread = Bounds::of(&middles);
+        let axis = (spread.high - spread.low).imax();
+        let half = order.len() / 2;
+        let key = |triangle: u32| middle(triangle)[axis];
+        order.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+        let (left, right) = order.split_at_mut(half);
+        grow(nodes, boxes, left, first);
+        grow(nodes, boxes, right, first + half);
+    }
+    nodes[index].next = nodes.len() as u32;
+}
