@@ -104,6 +104,24 @@ fn walls_along_the_edges_of_the_sheet() {
     }
 }
 
+/// Walls of many triangles along edges of the sheet leave pieces a grid unit thick, in which the winding number is a
+/// matter of rounding.
+#[test]
+fn two_walls_with_nothing_around_them() {
+    let wall = |at: f64, flip: bool| {
+        let wall = grid([13, 11], [false; 2], |u, v| P::new(14.0 * u - 7.3, at, 9.0 * v - 1.1));
+        if flip { wall.turned() } else { wall }
+    };
+    // Two walls and nothing around them: between them the number is above one half, but for the rims.
+    let mesh = wall(-1.0, false).and(&wall(1.0, true));
+    let sheet = field(10.0, 20, |x, y| 3.0 + 0.001 * (x * x + y * y));
+    let trimmed = trim(&mesh, &sheet);
+    check(&sheet, &trimmed);
+    assert!(trimmed.holed && trimmed.hole_mm < 8.0, "{} mm", trimmed.hole_mm);
+    assert_relative_eq!(trimmed.mesh_mm, 28.0, max_relative = 0.05);
+    assert_relative_eq!(trimmed.area(), 28.0, max_relative = 0.05);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
