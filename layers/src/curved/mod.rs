@@ -26,7 +26,7 @@ mod rules;
 mod runs;
 mod skin;
 mod standing;
-mod trim;
+pub mod trim;
 mod unbuild;
 mod watch;
 
@@ -41,5 +41,4 @@ pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};
-pub use trim::{BoundaryEdge, BoundaryKind, Input, MAX_COORDINATE, MIN_ALTITUDE_MM, TrimError, TrimmedSheet, Trimmer};
 pub use unbuild::{UnbuildOptions, unbuild};

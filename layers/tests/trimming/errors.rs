@@ -1,7 +1,7 @@
 //! Every error, and what is none.
 
 use crate::helpers::*;
-use curvlay_layers::curved::{Input, TrimError, TrimmedSheet, Trimmer};
+use curvlay_layers::curved::trim::{Input, TrimError, TrimmedSheet, Trimmer};
 
 #[test]
 fn bad_input_is_told() {

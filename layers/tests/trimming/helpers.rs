@@ -1,7 +1,7 @@
 //! Meshes, sheets and what every trimmed sheet must be.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_layers::curved::{BoundaryKind, MIN_ALTITUDE_MM, TrimmedSheet, Trimmer};
+use curvlay_layers::curved::trim::{BoundaryKind, MIN_ALTITUDE_MM, TrimmedSheet, Trimmer};
 use curvlay_layers::nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! The models and the bad models, with flat and curved sheets. Skipped where they are not at hand.
 
 use crate::helpers::*;
-use curvlay_layers::curved::BoundaryKind;
+use curvlay_layers::curved::trim::BoundaryKind;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

@@ -49,7 +49,7 @@ pub const MIN_ALTITUDE_MM: f64 = 1e-6;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::Trimmer;
+/// use curvlay_layers::curved::trim::Trimmer;
 /// use curvlay_layers::nalgebra::Point3;
 /// # let corner = |k: u32| Point3::from([0, 1, 2].map(|bit| if k >> bit & 1 == 1 { 10.0 } else { 0.0 }));
 /// # let cube: Vec<_> = (0..8).map(corner).collect();
@@ -66,7 +66,7 @@ pub const MIN_ALTITUDE_MM: f64 = 1e-6;
 /// assert!((trimmed.area() - 100.0 * slope).abs() < 1e-9);
 /// assert!((trimmed.mesh_mm - (20.0 + 20.0 * slope)).abs() < 1e-9);
 /// assert!(trimmed.error_mm < 1e-12 && trimmed.border_mm == 0.0);
-/// # Ok::<(), curvlay_layers::curved::TrimError>(())
+/// # Ok::<(), curvlay_layers::curved::trim::TrimError>(())
 /// ```
 #[derive(Debug)]
 pub struct Trimmer {
