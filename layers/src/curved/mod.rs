@@ -26,6 +26,7 @@ mod rules;
 mod runs;
 mod skin;
 mod standing;
+pub mod surface;
 pub mod trim;
 mod unbuild;
 mod watch;

@@ -14,10 +14,13 @@
 //! * Cells are given up (the last lines of Algorithms 2 and 3) only when no threshold is left to raise, and then for the
 //!   sake of that group of candidates that costs the fewest, not for all of them.
 
+mod clock;
 mod front;
 mod grower;
 mod order;
 mod prevention;
+
+pub(in crate::curved) use clock::grow_by_clock;
 
 use super::cells::Cells;
 use super::order::LayerOrder;

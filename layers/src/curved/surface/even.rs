@@ -1,0 +1,162 @@
+//! Even layers: an accepted order becomes a smooth field whose layers are a cell thick whichever way they face.
+//!
+//! The hop count of an order steps a cell where the front is level or upright, and up to 1.41 cells where it leans,
+//! so its layers differ in thickness (Dai 2020, section 3.6.3). Here the order is *re-timed*: it is grown once more by
+//! a clock that moves the front one cell a layer in every direction (`growth/clock.rs`), under the
+//! same rules of support and accessibility, and no cell comes more than [`LAGS`] layers before its layer in the accepted
+//! order, which keeps what the order had learnt about who must wait for whom.
+//!
+//! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
+//! are tried, and the field with the more even slope and fewer waits is taken.
+//!
+//! The result is audited. If it fails, or a cell is left over, the clock is held closer to the order, and at last
+//! the order itself is the field. So what comes out always passes the audit.
+
+use super::extend::JUMP;
+use super::field::{FieldError, LayerField, plain_field};
+use super::lattice::Lattice;
+use crate::Progress;
+use crate::curved::growth::grow_by_clock;
+use crate::curved::{AuditError, AuditReport, Cells, GrowthError, LayerOrder, Platform, Rules, audit};
+use std::ops::ControlFlow;
+
+/// How many layers before its own layer in the order a cell may be built: tried one after the other. With a longer
+/// lead parts with arms that dip below their root are left with cells that cannot be built any more; with a shorter one
+/// the field keeps more of the waits of the order.
+pub const LAGS: [f64; 2] = [10.0, 1.0];
+
+/// A field of even layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Even {
+    /// The field.
+    pub field: LayerField,
+    /// How it came about.
+    pub method: EvenMethod,
+    /// The audit of its layers, which passed.
+    pub audit: AuditReport,
+    /// Pairs of cells with a common face whose values are [`JUMP`] layers apart or more. No surface will run across.
+    pub jumps: usize,
+}
+
+/// How a field came about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum EvenMethod {
+    /// By the clock, no cell more than this number of layers before its layer in the accepted order.
+    Clock {
+        /// The number of layers.
+        lag: f64,
+        /// Whether level fronts stayed level where the part gets wider.
+        stays_level: bool,
+    },
+    /// The clock left cells over: it is the plain field of the order.
+    Plain,
+}
+
+/// Why an order could not be re-timed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvenError {
+    /// The order names cells outside the solid, or none.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The growth did not start, or was cancelled.
+    #[error(transparent)]
+    Growth(#[from] GrowthError),
+    /// The audit did not start, or was cancelled.
+    #[error(transparent)]
+    Audit(#[from] AuditError),
+    /// The order that was given fails the audit itself.
+    #[error("the order does not pass the audit: {0}")]
+    Order(Box<AuditReport>),
+}
+
+/// Re-times an accepted order into a field of even layers, a cell thick, that passes the audit.
+///
+/// # Arguments
+/// * `order`: passes the audit with `missed`.
+/// * `missed`: the cells of the solid that are in no layer. They get no value.
+/// * `progress`: called with the stages `even` and `audit`; may cancel.
+///
+/// # Errors
+/// [`EvenError`].
+///
+/// # Cost
+/// About twice that of growing the order with incremental prevention and of an audit, on two threads with the feature
+/// `rayon`; more if it has to try again. The same input gives the same field on any number of threads.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, GrowthOptions, Platform, Rules, grow, surface::even};
+/// use std::ops::ControlFlow;
+/// // An upright T, one cell thick: a stem of four cells below a bar of five.
+/// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
+/// let cells = Cells::new([5, 1, 5], &rows)?;
+/// let (platform, rules) = (Platform::under(&cells, 10.0)?, Rules::default());
+/// let silent = |_| ControlFlow::Continue(());
+/// let growth = grow(&cells, &platform, &rules, &GrowthOptions::default(), None, &silent)?;
+/// let even = even(&cells, &platform, &rules, &growth.order, &[], &silent)?;
+/// assert_eq!(even.field.value(2), Some(0.5)); // the foot
+/// assert_eq!([20, 21, 22].map(|cell| even.field.value(cell)), [5.5, 4.5, 4.5].map(Some));
+/// assert!(even.audit.is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn even(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    order: &LayerOrder,
+    missed: &[u32],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Even, EvenError> {
+    let plain = plain_field(cells, order)?;
+    let rows = rows_of(cells, order);
+    let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
+    let layers = order.field(plain.values().len());
+    for lag in LAGS {
+        let attempt = |stays_level: bool| -> Result<Option<(f64, Even)>, EvenError> {
+            let release = layers.iter().map(|&layer| (f64::from(layer) - lag).max(0.0)).collect();
+            let clocked = grow_by_clock(&built, platform, rules, release, stays_level, progress)?;
+            if !clocked.complete {
+                return Ok(None);
+            }
+            let field = LayerField::new(cells, clocked.times, 1.0)?;
+            let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
+            let lattice = Lattice::of(&field, JUMP);
+            let jumps = lattice.jumps(JUMP);
+            let unevenness = lattice.unevenness() + jumps as f64 / field.count() as f64;
+            let method = EvenMethod::Clock { lag, stays_level };
+            Ok(audit.is_ok().then_some((unevenness, Even { field, method, audit, jumps })))
+        };
+        #[cfg(feature = "rayon")]
+        let (level, turning) = rayon::join(|| attempt(true), || attempt(false));
+        #[cfg(not(feature = "rayon"))]
+        let (level, turning) = (attempt(true), attempt(false));
+        match (level?, turning?) {
+            (Some(level), Some(turning)) => return Ok(if level.0 <= turning.0 { level.1 } else { turning.1 }),
+            (one, other) => {
+                if let Some((_, even)) = one.or(other) {
+                    return Ok(even);
+                }
+            }
+        }
+    }
+    let audit = audit(cells, platform, rules, &plain.rounded(), missed, progress)?;
+    let jumps = Lattice::of(&plain, JUMP).jumps(JUMP);
+    if audit.is_ok() {
+        Ok(Even { field: plain, method: EvenMethod::Plain, audit, jumps })
+    } else {
+        Err(EvenError::Order(Box::new(audit)))
+    }
+}
+
+/// The bits of the cells of an order, which are in the grid.
+fn rows_of(cells: &Cells, order: &LayerOrder) -> Vec<u64> {
+    let mut rows = vec![0; cells.rows().len()];
+    for &cell in order.cells() {
+        let [x, y, z] = cells.position(cell);
+        let row = y as usize + cells.dims()[1] as usize * z as usize;
+        rows[row * cells.words_per_row() + x as usize / 64] |= 1 << (x % 64);
+    }
+    rows
+}

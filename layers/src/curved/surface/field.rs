@@ -1,0 +1,179 @@
+//! A field of layers: for each cell of the part when it is built, in layers, as a number that need not be whole.
+//!
+//! The plate is at 0; layer `k`, counted from 1, is the cells with `k - 1 <= value < k`, so `k - 1/2` is its middle.
+
+use super::super::{Cells, LayerOrder};
+use super::extend::JUMP;
+use super::lattice::Lattice;
+
+/// When each cell of a part is built, in layers.
+///
+/// A cell has no value if it is empty or missed. [`plain_field`] makes a field of whole layers, [`even`](super::even())
+/// a smooth one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerField {
+    dims: [u32; 3],
+    /// By cell number; not a number where there is no value.
+    values: Vec<f64>,
+    layer_cells: f64,
+}
+
+/// Why values are no field.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldError {
+    /// The number of values does not fit the grid.
+    #[error("{values} values for a grid of {cells} cells")]
+    Length {
+        /// Values that were given.
+        values: usize,
+        /// Cells of the grid, empty ones included.
+        cells: usize,
+    },
+    /// A value below the plate or without end.
+    #[error("cell {cell} has the value {value}: it must be finite and not below 0, or not a number for none")]
+    Value {
+        /// The cell.
+        cell: u32,
+        /// Its value.
+        value: f64,
+    },
+    /// A value where there is no cell.
+    #[error("cell {cell} has a value and does not belong to the solid")]
+    NotSolid {
+        /// The cell.
+        cell: u32,
+    },
+    /// A layer of no thickness.
+    #[error("a layer of {layer_cells} cells: its thickness must be finite and above 0")]
+    Thickness {
+        /// The thickness that was given, in cells.
+        layer_cells: f64,
+    },
+    /// No cell has a value.
+    #[error("the field is empty: no cell has a value")]
+    Empty,
+    /// The order names a cell outside the grid.
+    #[error("the order names cell {cell} of a grid of {len}")]
+    OutsideGrid {
+        /// The number.
+        cell: u32,
+        /// Cells in the grid.
+        len: usize,
+    },
+}
+
+impl LayerField {
+    /// Takes `values`, by cell number, as the field of `cells`; not a number means none.
+    ///
+    /// # Arguments
+    /// * `layer_cells`: how thick a layer is, in cells.
+    ///
+    /// # Errors
+    /// [`FieldError`] for values that do not fit the cells, or if there is none.
+    pub fn new(cells: &Cells, values: Vec<f64>, layer_cells: f64) -> Result<Self, FieldError> {
+        let in_grid = cells.dims().iter().map(|&d| d as usize).product();
+        if values.len() != in_grid {
+            return Err(FieldError::Length { values: values.len(), cells: in_grid });
+        }
+        if !(layer_cells > 0.0 && layer_cells.is_finite()) {
+            return Err(FieldError::Thickness { layer_cells });
+        }
+        let mut any = false;
+        for (cell, &value) in (0..).zip(&values) {
+            if value.is_nan() {
+                continue;
+            }
+            any = true;
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(FieldError::Value { cell, value });
+            }
+            if !cells.contains(cells.position(cell)) {
+                return Err(FieldError::NotSolid { cell });
+            }
+        }
+        if any { Ok(LayerField { dims: cells.dims(), values, layer_cells }) } else { Err(FieldError::Empty) }
+    }
+
+    /// Cells of the grid along x, y and z.
+    pub fn dims(&self) -> [u32; 3] {
+        self.dims
+    }
+
+    /// The value of a cell; `None` if it is empty, missed, or not in the grid.
+    pub fn value(&self, cell: u32) -> Option<f64> {
+        self.values.get(cell as usize).copied().filter(|value| !value.is_nan())
+    }
+
+    /// All values by cell number; not a number where there is none.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// How thick a layer is, in cells: one over this is the slope of the field, where the layers are even.
+    pub fn layer_cells(&self) -> f64 {
+        self.layer_cells
+    }
+
+    /// Number of cells that have a value.
+    pub fn count(&self) -> usize {
+        self.values.iter().filter(|value| !value.is_nan()).count()
+    }
+
+    /// The highest value.
+    pub fn highest(&self) -> f64 {
+        self.values.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The field cut into whole layers: the order that an audit can check. Layers without cells are left out; cells
+    /// within a layer rise.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::curved::{Cells, surface::LayerField};
+    /// let cells = Cells::new([4, 1, 1], &[0b1111])?;
+    /// let field = LayerField::new(&cells, vec![0.5, 1.2, f64::NAN, 1.9], 1.0)?;
+    /// assert_eq!(field.rounded().iter().collect::<Vec<_>>(), [&[0][..], &[1, 3][..]]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn rounded(&self) -> LayerOrder {
+        let mut by_layer: Vec<(u64, u32)> =
+            (0..).zip(&self.values).filter(|(_, v)| !v.is_nan()).map(|(cell, v)| (*v as u64, cell)).collect();
+        by_layer.sort_unstable();
+        let mut order = LayerOrder::new();
+        for layer in by_layer.chunk_by(|a, b| a.0 == b.0) {
+            order.push(layer.iter().map(|&(_, cell)| cell));
+        }
+        order
+    }
+}
+
+/// The plain field of an order: a cell of layer `k` (from 1) has the value `k - 1/2`.
+///
+/// The thickness of its layers is their mean: the number of cells over the sum of the slopes at them. (Dai 2020, section
+/// 3.6.3, takes 1.25 cells, found by experiment.)
+///
+/// # Errors
+/// [`FieldError`] for an order that names cells outside the solid, or none.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, LayerOrder, surface::plain_field};
+/// let cells = Cells::new([1, 1, 3], &[1; 3])?;
+/// let mut order = LayerOrder::new();
+/// (0..3).for_each(|cell| order.push([cell]));
+/// let field = plain_field(&cells, &order)?;
+/// assert_eq!((field.value(2), field.layer_cells()), (Some(2.5), 1.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn plain_field(cells: &Cells, order: &LayerOrder) -> Result<LayerField, FieldError> {
+    let len = cells.dims().iter().map(|&d| d as usize).product();
+    if let Some(&cell) = order.cells().iter().find(|&&cell| cell as usize >= len) {
+        return Err(FieldError::OutsideGrid { cell, len });
+    }
+    let layers = order.field(len);
+    let value = |&layer: &u32| if layer == 0 { f64::NAN } else { f64::from(layer) - 0.5 };
+    let field = LayerField::new(cells, layers.iter().map(value).collect(), 1.0)?;
+    let mean_slope = Lattice::of(&field, JUMP).mean_slope();
+    Ok(LayerField { layer_cells: if mean_slope > 0.0 { 1.0 / mean_slope } else { 1.0 }, ..field })
+}

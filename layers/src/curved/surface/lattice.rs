@@ -1,0 +1,142 @@
+//! The lattice of cell centres with room around it: values at its nodes, and which neighbours are joined.
+
+use super::extend::JUMP;
+use super::field::LayerField;
+
+/// Nodes added on each side: two rings of extension, and one more so that every edge has cubes all around.
+pub(super) const ROOM: u32 = 3;
+
+/// Values at the nodes of a lattice, and the edges along which they may be interpolated.
+#[derive(Clone, Debug)]
+pub(super) struct Lattice {
+    /// Nodes along each axis.
+    pub(super) dims: [u32; 3],
+    /// Not a number where there is none.
+    pub(super) values: Vec<f64>,
+    /// Bit `a`: the node and the next one along axis `a` are joined.
+    pub(super) joined: Vec<u8>,
+}
+
+impl Lattice {
+    /// The lattice of the centres of the cells, in the middle of its room; neighbours are joined if both have a value
+    /// and the two are less than `jump` apart.
+    pub(super) fn of(field: &LayerField, jump: f64) -> Self {
+        let dims = field.dims().map(|d| d + 2 * ROOM);
+        let len = dims.iter().map(|&d| d as usize).product();
+        let mut lattice = Lattice { dims, values: vec![f64::NAN; len], joined: vec![0; len] };
+        let [nx, ny, _] = field.dims().map(|d| d as usize);
+        for (row, values) in field.values().chunks_exact(nx).enumerate() {
+            let start = lattice.index([0, (row % ny) as u32, (row / ny) as u32].map(|c| c + ROOM));
+            lattice.values[start..start + nx].copy_from_slice(values);
+        }
+        let strides = lattice.strides();
+        for node in 0..len {
+            let value = lattice.values[node];
+            if !value.is_nan() {
+                for (axis, stride) in strides.iter().enumerate() {
+                    // Comparisons with what is not a number are false.
+                    if (lattice.values[node + stride] - value).abs() < jump {
+                        lattice.joined[node] |= 1 << axis;
+                    }
+                }
+            }
+        }
+        lattice
+    }
+
+    pub(super) fn index(&self, [x, y, z]: [u32; 3]) -> usize {
+        x as usize + self.dims[0] as usize * (y as usize + self.dims[1] as usize * z as usize)
+    }
+
+    pub(super) fn position(&self, node: usize) -> [u32; 3] {
+        let [nx, ny, _] = self.dims.map(|d| d as usize);
+        [node % nx, node / nx % ny, node / nx / ny].map(|c| c as u32)
+    }
+
+    /// How far apart neighbours along each axis are stored.
+    pub(super) fn strides(&self) -> [usize; 3] {
+        let [nx, ny, _] = self.dims.map(|d| d as usize);
+        [1, nx, nx * ny]
+    }
+
+    /// Whether the node is joined to the next one along the axis, or to the one before it.
+    pub(super) fn is_joined(&self, node: usize, axis: usize, forwards: bool) -> bool {
+        let stride = self.strides()[axis];
+        let low = if forwards { Some(node) } else { node.checked_sub(stride) };
+        low.is_some_and(|low| self.joined[low] >> axis & 1 == 1)
+    }
+
+    /// How far the value goes, along half an edge, from its lower end upwards and from its upper end downwards, each
+    /// by the slope on its own side.
+    pub(super) fn half_steps(&self, low: usize, axis: usize) -> [f64; 2] {
+        [low, low + self.strides()[axis]].map(|node| self.slope(node, axis) / 2.0)
+    }
+
+    /// Whether a surface at this level runs across an edge that is cut by a jump: each side goes on to the middle of
+    /// the edge.
+    pub(super) fn is_open(&self, low: usize, axis: usize, level: f64) -> bool {
+        let Some(&b) = self.values.get(low + self.strides()[axis]) else { return false };
+        let a = self.values[low];
+        let is_cut = (a - b).abs() >= JUMP; // false for what is not a number
+        if !is_cut {
+            return false;
+        }
+        let [from_low, from_high] = self.half_steps(low, axis);
+        let between = |from: f64, to: f64| level > from.min(to) && level <= from.max(to);
+        // Only towards the other side: the slope must lead there.
+        (from_low * (b - a) > 0.0 && between(a, a + from_low))
+            || (from_high * (b - a) > 0.0 && between(b - from_high, b))
+    }
+
+    /// Slope at a node along an axis: over both joined neighbours, or the one that there is, or else zero.
+    pub(super) fn slope(&self, node: usize, axis: usize) -> f64 {
+        let stride = self.strides()[axis];
+        let value = self.values[node];
+        let after = self.is_joined(node, axis, true).then(|| self.values[node + stride] - value);
+        let before = self.is_joined(node, axis, false).then(|| value - self.values[node - stride]);
+        match (before, after) {
+            (Some(before), Some(after)) => (before + after) / 2.0,
+            (one, other) => one.or(other).unwrap_or(0.0),
+        }
+    }
+
+    /// Mean slope, in any direction, over all nodes at which there is one.
+    pub(super) fn mean_slope(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for slope in self.slopes() {
+            sum += slope;
+            count += 1.0;
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
+
+    /// How uneven layers will be: standard deviation over mean of their thickness, which is one over the slope. Where the
+    /// slope is steep there is more of a surface, so each node counts by its slope.
+    pub(super) fn unevenness(&self) -> f64 {
+        let (mut weight, mut mean, mut square) = (0.0, 0.0, 0.0);
+        for slope in self.slopes() {
+            weight += slope;
+            mean += 1.0; // slope * (1 / slope)
+            square += 1.0 / slope;
+        }
+        if weight > 0.0 { (square * weight / (mean * mean) - 1.0f64).max(0.0).sqrt() } else { 0.0 }
+    }
+
+    /// The slopes of the nodes that have one.
+    fn slopes(&self) -> impl Iterator<Item = f64> {
+        let slope = |node: usize| [0, 1, 2].map(|axis| self.slope(node, axis).powi(2)).iter().sum::<f64>().sqrt();
+        (0..self.values.len()).filter(|&node| !self.values[node].is_nan()).map(slope).filter(|&slope| slope > 0.0)
+    }
+
+    /// Pairs of neighbours whose values are `jump` or more apart.
+    pub(super) fn jumps(&self, jump: f64) -> usize {
+        let strides = self.strides();
+        let of_node = |node: usize| {
+            let apart = |stride: &&usize| {
+                self.values.get(node + **stride).is_some_and(|next| (next - self.values[node]).abs() >= jump)
+            };
+            strides.iter().filter(apart).count()
+        };
+        (0..self.values.len()).map(of_node).sum()
+    }
+}

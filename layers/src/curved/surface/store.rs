@@ -1,0 +1,271 @@
+//! Fields in files, so that work can go on from them later.
+//!
+//! Text, one thing a line, numbers as they round-trip:
+//! ```text
+//! curvlay field 1
+//! mesh 0123456789abcdef      the stamp of the mesh, in hexadecimal digits
+//! grid 40 30 50              cells along x, y and z
+//! cell_mm 0.8
+//! origin_mm -16 -12 0        the low corner of the grid
+//! layer_cells 1              how thick a layer is, in cells
+//! cells 2                    so many lines follow: a cell of the solid each, by rising number
+//! 17 0.5                     its value in layers
+//! 18 -                       or none: it is missed
+//! end
+//! ```
+
+use super::field::{FieldError, LayerField};
+use crate::curved::{Cells, CellsError};
+use nalgebra::Point3;
+use std::io::{self, BufRead, Write};
+
+/// Cells of the grid for each cell of the solid, and on top of that, beyond which a file is not believed: memory must
+/// follow what a file holds, not what it says. A hollow sphere a thousand cells wide has 170 for each.
+const MOST_GRID: [u64; 2] = [4096, 1 << 22];
+
+/// A field with all that is needed to go on from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedField {
+    /// The field.
+    pub field: LayerField,
+    /// The cells of the solid, missed ones included, as [`Cells`] takes them.
+    pub rows: Vec<u64>,
+    /// Edge of a cell in millimetres.
+    pub cell_mm: f64,
+    /// Low corner of the grid in millimetres.
+    pub origin: Point3<f64>,
+    /// The [stamp](mesh_stamp) of the mesh that the cells were made of.
+    pub mesh: u64,
+}
+
+/// Why a field could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadFieldError {
+    /// The source failed.
+    #[error("line {line}: {source}")]
+    Io {
+        /// The line, from 1.
+        line: usize,
+        /// What it said.
+        source: io::Error,
+    },
+    /// A line is not what belongs there.
+    #[error("line {line}: {expected} expected, found {found:?}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What belongs there.
+        expected: &'static str,
+        /// The start of what is there.
+        found: String,
+    },
+    /// The cells do not rise, or lie outside the grid.
+    #[error("line {line}: cell {cell} does not come after the one before, or lies outside the grid of {grid} cells")]
+    Cell {
+        /// The line, from 1.
+        line: usize,
+        /// The cell.
+        cell: u32,
+        /// Cells of the grid.
+        grid: u64,
+    },
+    /// The grid is far larger than the part in it.
+    #[error("a grid of {grid} cells for {cells} cells of the part: the sizes in the file cannot be right")]
+    Sparse {
+        /// Cells of the grid.
+        grid: u64,
+        /// Cells of the solid.
+        cells: usize,
+    },
+    /// The grid is no grid.
+    #[error(transparent)]
+    Cells(#[from] CellsError),
+    /// The values are no field.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+}
+
+/// The mesh is not the one that a field was made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the mesh has changed since the field was saved: its stamp is {now:016x}, that of the field {saved:016x}")]
+pub struct OtherMesh {
+    /// The stamp in the file.
+    pub saved: u64,
+    /// The stamp of the mesh.
+    pub now: u64,
+}
+
+/// A number that tells meshes apart: any change of a coordinate, a triangle or their order changes it (64-bit FNV-1a;
+/// G. Fowler, L. C. Noll, K.-P. Vo). Not made to withstand forgers.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::{curved::surface::mesh_stamp, nalgebra::Point3};
+/// let mut points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
+/// let before = mesh_stamp(&points, &[[0, 1, 2]]);
+/// points[2].y = 1.0 + f64::EPSILON;
+/// assert_ne!(before, mesh_stamp(&points, &[[0, 1, 2]]));
+/// ```
+pub fn mesh_stamp(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> u64 {
+    const START: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    let add =
+        |stamp: u64, bits: u64| bits.to_le_bytes().iter().fold(stamp, |s, &b| (s ^ u64::from(b)).wrapping_mul(PRIME));
+    let stamp = add(START, points.len() as u64);
+    let stamp = points.iter().flat_map(|p| p.iter()).fold(stamp, |stamp, c| add(stamp, c.to_bits()));
+    triangles.iter().flatten().fold(stamp, |stamp, &v| add(stamp, u64::from(v)))
+}
+
+impl SavedField {
+    /// The cells of the solid.
+    ///
+    /// # Errors
+    /// [`CellsError`] if `rows` have been changed so that they do not fit the field.
+    pub fn cells(&self) -> Result<Cells<'_>, CellsError> {
+        Cells::new(self.field.dims(), &self.rows)
+    }
+
+    /// Whether the field was made for the mesh with this [stamp](mesh_stamp).
+    ///
+    /// # Errors
+    /// [`OtherMesh`] if not.
+    pub fn check_mesh(&self, now: u64) -> Result<(), OtherMesh> {
+        if self.mesh == now { Ok(()) } else { Err(OtherMesh { saved: self.mesh, now }) }
+    }
+
+    /// Writes the field.
+    ///
+    /// # Errors
+    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if `rows` do not fit the field.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::curved::{Cells, surface::{LayerField, SavedField}};
+    /// let rows = vec![0b11];
+    /// let field = LayerField::new(&Cells::new([2, 1, 1], &rows)?, vec![0.5, f64::NAN], 1.0)?;
+    /// let saved = SavedField { field, rows, cell_mm: 0.8, origin: [0.0; 3].into(), mesh: 7 };
+    /// let mut file = Vec::new();
+    /// saved.write(&mut file)?;
+    /// let read = SavedField::read(&file[..])?;
+    /// assert_eq!((read.field.value(0), read.field.value(1)), (Some(0.5), None));
+    /// assert!(read.check_mesh(7).is_ok() && read.check_mesh(8).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        let cells = self.cells().map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+        let [nx, ny, nz] = cells.dims();
+        let Point3 { coords: at } = self.origin;
+        writeln!(out, "curvlay field 1\nmesh {:016x}\ngrid {nx} {ny} {nz}\ncell_mm {}", self.mesh, self.cell_mm)?;
+        writeln!(out, "origin_mm {} {} {}\nlayer_cells {}", at.x, at.y, at.z, self.field.layer_cells())?;
+        writeln!(out, "cells {}", cells.count())?;
+        for cell in cells.iter() {
+            match self.field.value(cell) {
+                Some(value) => writeln!(out, "{cell} {value}")?,
+                None => writeln!(out, "{cell} -")?,
+            }
+        }
+        writeln!(out, "end")
+    }
+
+    /// Reads a field.
+    ///
+    /// # Errors
+    /// [`ReadFieldError`], with the line. Takes memory by what there is in the file, not by what it announces.
+    pub fn read(source: impl BufRead) -> Result<Self, ReadFieldError> {
+        let mut lines = Lines { source, line: 0, text: String::new() };
+        lines.next()?;
+        if lines.text != "curvlay field 1" {
+            return Err(lines.unlike("`curvlay field 1`"));
+        }
+        let mesh =
+            lines.keyed("mesh", "`mesh` and 16 hexadecimal digits", |text| u64::from_str_radix(text, 16).ok())?;
+        let dims = lines.keyed("grid", "`grid` and three numbers of cells", three::<u32>)?;
+        let grid = dims.iter().fold(1u64, |product, &side| product.saturating_mul(u64::from(side)));
+        let cell_mm =
+            lines.keyed("cell_mm", "`cell_mm` and a length above 0", |text| number(text).filter(|&mm| mm > 0.0))?;
+        let origin = lines.keyed("origin_mm", "`origin_mm` and three finite numbers", |text| {
+            three(text).filter(|at: &[f64; 3]| at.iter().all(|c| c.is_finite()))
+        })?;
+        let layer_cells = lines.keyed("layer_cells", "`layer_cells` and a number", number)?;
+        let count = lines.keyed("cells", "`cells` and their number", |text| text.parse::<usize>().ok())?;
+        let mut read: Vec<(u32, f64)> = Vec::new();
+        for _ in 0..count {
+            lines.next()?;
+            let found = lines.text.split_once(' ').and_then(|(cell, value)| {
+                let value = if value == "-" { f64::NAN } else { number(value)? };
+                Some((cell.parse::<u32>().ok()?, value))
+            });
+            let Some((cell, value)) = found else {
+                return Err(lines.unlike("a cell and its value, or `-` for none,"));
+            };
+            if u64::from(cell) >= grid || read.last().is_some_and(|last| last.0 >= cell) {
+                return Err(ReadFieldError::Cell { line: lines.line, cell, grid });
+            }
+            read.push((cell, value));
+        }
+        lines.next()?;
+        if lines.text != "end" {
+            return Err(lines.unlike("`end`"));
+        }
+        let [per_cell, extra] = MOST_GRID;
+        if grid > per_cell.saturating_mul(read.len() as u64).saturating_add(extra) {
+            return Err(ReadFieldError::Sparse { grid, cells: read.len() });
+        }
+        let words = (dims[0].div_ceil(64) as usize).saturating_mul(dims[1] as usize).saturating_mul(dims[2] as usize);
+        let mut rows = vec![0; words];
+        let mut values = vec![f64::NAN; grid as usize];
+        for (cell, value) in read {
+            let (row, x) = (cell / dims[0], cell % dims[0]);
+            rows[row as usize * dims[0].div_ceil(64) as usize + x as usize / 64] |= 1 << (x % 64);
+            values[cell as usize] = value;
+        }
+        let field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?;
+        Ok(SavedField { field, rows, cell_mm, origin: origin.into(), mesh })
+    }
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+fn three<T: std::str::FromStr>(text: &str) -> Option<[T; 3]> {
+    let mut parts = text.split(' ').map(|part| part.parse().ok());
+    let three = [parts.next()??, parts.next()??, parts.next()??];
+    parts.next().is_none().then_some(three)
+}
+
+/// The lines of a source, told by their numbers.
+struct Lines<R> {
+    source: R,
+    line: usize,
+    text: String,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Goes on to the next line.
+    fn next(&mut self) -> Result<(), ReadFieldError> {
+        self.line += 1;
+        self.text.clear();
+        self.source.read_line(&mut self.text).map_err(|source| ReadFieldError::Io { line: self.line, source })?;
+        let text = self.text.trim_end_matches(['\n', '\r']).len();
+        self.text.truncate(text);
+        Ok(())
+    }
+
+    /// Goes on to the next line, which is `key` and something that `value` takes.
+    fn keyed<T>(
+        &mut self,
+        key: &str,
+        expected: &'static str,
+        value: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<T, ReadFieldError> {
+        self.next()?;
+        let found = self.text.split_once(' ').filter(|(word, _)| *word == key).and_then(|(_, rest)| value(rest));
+        found.ok_or_else(|| self.unlike(expected))
+    }
+
+    fn unlike(&self, expected: &'static str) -> ReadFieldError {
+        ReadFieldError::Line { line: self.line, expected, found: self.text.chars().take(40).collect() }
+    }
+}

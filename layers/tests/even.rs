@@ -1,0 +1,166 @@
+//! Even layers: they pass the audit on whatever solid, and they are even where nothing has to wait.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+use curvlay_layers::curved::surface::{
+    EvenError, EvenMethod, LAGS, LayerField, Surface, SurfaceSlices, contour, even, extend, measure_spacing,
+    plain_field,
+};
+use curvlay_layers::curved::{
+    AuditError, Cells, Growth, GrowthError, GrowthOptions, LayerOrder, Platform, Rules, RulesError, audit, grow,
+};
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+use std::ops::ControlFlow;
+
+fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn rows_of(dims: [u32; 3], solid: impl Fn([u32; 3]) -> bool) -> Vec<u64> {
+    let [nx, ny, nz] = dims;
+    let row = |y, z| (0..nx).filter(|&x| solid([x, y, z])).fold(0, |bits, x| bits | 1 << x);
+    (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))).map(|(y, z)| row(y, z)).collect()
+}
+
+fn grown(cells: &Cells, platform: &Platform) -> (Growth, Vec<u32>) {
+    let growth = grow(cells, platform, &Rules::default(), &GrowthOptions::default(), None, &go).unwrap();
+    let missed = growth.missed.iter().map(|missed| missed.cell).collect();
+    (growth, missed)
+}
+
+/// Solids of a few balls and bars, with overhangs and gaps, in a grid of 14 x 10 x 14 cells.
+fn solid() -> impl Strategy<Value = Vec<u64>> {
+    let part = ([0..14u32, 0..10, 0..14], 1..5u32, prop::bool::ANY);
+    (prop::collection::vec(part, 2..7), 0..13u32).prop_map(|(parts, foot)| {
+        rows_of([14, 10, 14], |p| {
+            let stands = p[2] < 2 && p[0].abs_diff(foot) < 3;
+            stands
+                || parts.iter().any(|(centre, size, is_ball)| {
+                    let away = [0, 1, 2].map(|k| p[k].abs_diff(centre[k]));
+                    if *is_ball {
+                        away.iter().map(|d| d * d).sum::<u32>() <= size * size
+                    } else {
+                        away[0] <= 1 && away[1] <= 1 || away[2] <= 1 && away[1] <= 1 && away[0] <= 2 * size
+                    }
+                })
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    #[test]
+    fn even_layers_pass_the_audit_and_keep_what_is_missed(rows in solid(), radius in 4.0..30.0f64) {
+        let cells = Cells::new([14, 10, 14], &rows).unwrap();
+        let platform = Platform::under(&cells, radius).unwrap();
+        let (growth, missed) = grown(&cells, &platform);
+        let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+        prop_assert_eq!(even.field.count(), growth.order.cells().len());
+        prop_assert!(missed.iter().all(|&cell| even.field.value(cell).is_none()));
+        let report = audit(&cells, &platform, &Rules::default(), &even.field.rounded(), &missed, &go).unwrap();
+        prop_assert!(report.is_ok(), "{report}");
+        prop_assert_eq!(&report, &even.audit);
+        if let EvenMethod::Clock { lag, .. } = even.method {
+            prop_assert!(LAGS.contains(&lag));
+            for (layer, of_layer) in (1..).zip(growth.order.iter()) {
+                for &cell in of_layer {
+                    prop_assert!(even.field.value(cell).unwrap() >= f64::from(layer) - lag);
+                }
+            }
+        }
+        prop_assert_eq!(even.jumps, extend(&even.field, &cells).jumps());
+    }
+}
+
+#[test]
+fn a_block_is_cut_into_level_layers() {
+    let rows = rows_of([9, 7, 12], |_| true);
+    let cells = Cells::new([9, 7, 12], &rows).unwrap();
+    let platform = Platform::under(&cells, 20.0).unwrap();
+    let (growth, _) = grown(&cells, &platform);
+    let even = even(&cells, &platform, &Rules::default(), &growth.order, &[], &go).unwrap();
+    assert_eq!((even.method, even.jumps), (EvenMethod::Clock { lag: LAGS[0], stays_level: true }, 0));
+    for cell in cells.iter() {
+        assert_eq!(even.field.value(cell), Some(f64::from(cells.position(cell)[2]) + 0.5));
+    }
+}
+
+#[test]
+fn a_roof_on_a_mast_gets_layers_half_as_uneven_as_hop_counts() {
+    // From the mast the front goes outwards in all directions: a hop takes it 1 cell along an axis, 1.41 between two.
+    let inside = |[x, y, z]: [u32; 3]| {
+        let off = [x, y].map(|c| f64::from(c) - 20.0);
+        off[0].hypot(off[1]) < if z < 8 { 4.0 } else { 20.0 }
+    };
+    let rows = rows_of([41, 41, 11], inside);
+    let cells = Cells::new([41, 41, 11], &rows).unwrap();
+    let platform = Platform::under(&cells, 20.0).unwrap();
+    let (growth, missed) = grown(&cells, &platform);
+    assert_eq!(missed, []);
+    let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+    let deviation = |field: &LayerField| {
+        let extended = extend(field, &cells);
+        let levels = extended.levels(1.0, 1.0).unwrap();
+        let mut surfaces = contour(&extended, &levels, 1.0, Point3::origin()).unwrap();
+        for surface in &mut surfaces {
+            let Surface { points, triangles, .. } = surface;
+            triangles.retain(|t| {
+                let middle = t.iter().fold(Vector3::zeros(), |sum, &v| sum + points[v as usize].coords / 3.0);
+                middle.iter().all(|&c| c >= 0.0) && cells.contains([middle.x, middle.y, middle.z].map(|c| c as u32))
+            });
+        }
+        let slices: Vec<SurfaceSlices> = surfaces.iter().map(|s| (&s.points[..], &s.triangles[..])).collect();
+        let spacing = measure_spacing(&slices, 1.0).unwrap();
+        (spacing.std_mm / spacing.mean_mm, spacing.mean_mm, spacing.squeezed_share)
+    };
+    let (plain, _, _) = deviation(&plain_field(&cells, &growth.order).unwrap());
+    let (evened, mean, squeezed) = deviation(&even.field);
+    assert!(evened < plain / 2.0, "{evened} {plain}");
+    assert!((mean - 1.0).abs() < 0.03 && squeezed < 0.01, "{mean} {squeezed}");
+}
+
+#[test]
+fn the_same_input_gives_the_same_field() {
+    let rows = rows_of([20, 12, 16], |[x, y, z]| z < 3 && x < 9 || (x + z) % 9 < 4 && y > 2 || z == 9);
+    let cells = Cells::new([20, 12, 16], &rows).unwrap();
+    let platform = Platform::under(&cells, 30.0).unwrap();
+    let (growth, missed) = grown(&cells, &platform);
+    let run = || even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+    let bits = |field: &[f64]| field.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    let (one, other) = (run(), run());
+    assert_eq!(bits(one.field.values()), bits(other.field.values()));
+}
+
+#[test]
+fn what_cannot_be_retimed_is_refused() {
+    let cells = Cells::new([1, 1, 3], &[1, 1, 1]).unwrap();
+    let platform = Platform::under(&cells, 3.0).unwrap();
+    let rules = Rules::default();
+    let order_of = |layers: &[&[u32]]| {
+        let mut order = LayerOrder::new();
+        layers.iter().for_each(|layer| order.push(layer.iter().copied()));
+        order
+    };
+    let run = |order: &LayerOrder, missed: &[u32], rules: &Rules| {
+        even(&cells, &platform, rules, order, missed, &go).unwrap_err()
+    };
+    assert!(matches!(run(&LayerOrder::new(), &[], &rules), EvenError::Field(_)));
+    assert!(matches!(run(&order_of(&[&[7]]), &[], &rules), EvenError::Field(_)));
+    // A cell in the air, and nothing that carries it.
+    assert!(matches!(run(&order_of(&[&[0], &[2]]), &[1], &rules), EvenError::Order(_)));
+    // A cell that is neither built nor missed.
+    assert!(matches!(run(&order_of(&[&[0], &[1]]), &[], &rules), EvenError::Order(_)));
+    let unsound = Rules { eps: -1.0, ..rules };
+    let refused = run(&order_of(&[&[0], &[1], &[2]]), &[], &unsound);
+    assert!(matches!(
+        refused,
+        EvenError::Growth(GrowthError::Rules(RulesError::Eps { .. })) | EvenError::Growth(GrowthError::Hull(_))
+    ));
+    let whole = order_of(&[&[0], &[1], &[2]]);
+    let stop = |_| ControlFlow::Break(());
+    let cancelled = even(&cells, &platform, &rules, &whole, &[], &stop).unwrap_err();
+    assert!(matches!(cancelled, EvenError::Growth(GrowthError::Cancelled) | EvenError::Audit(AuditError::Cancelled)));
+    // What the clock cannot do the order itself does: three cells, each in its layer.
+    assert_eq!(plain_field(&cells, &whole).unwrap().rounded(), whole);
+}
