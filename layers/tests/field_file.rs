@@ -46,7 +46,7 @@ proptest! {
         prop_assert_eq!(bits(&before), bits(&after));
         prop_assert_eq!((&before.rows, before.cell_mm, before.origin, before.mesh),
             (&after.rows, after.cell_mm, after.origin, after.mesh));
-        prop_assert_eq!(before.field.layer_cells(), after.field.layer_cells());
+        prop_assert_eq!(before.field.layer_cells().to_bits(), after.field.layer_cells().to_bits());
         prop_assert_eq!(text_of(&after), text_of(&before));
     }
 
@@ -54,7 +54,7 @@ proptest! {
     fn broken_files_are_refused_and_never_panic(cut in 0..200usize, byte in any::<u8>()) {
         let mut file = text_of(&saved([3, 2, 1], &[Some(0.5), None, Some(1.5), Some(2.0), None, None], 1).unwrap())
             .into_bytes();
-        let at = cut % file.len();
+        let at = cut % (file.len() - 1); // the last line may lack its end
         file[at] = byte;
         let _ = SavedField::read(&file[..]);
         prop_assert!(SavedField::read(&file[..at]).is_err());

@@ -180,7 +180,7 @@ fn a_leaning_plane_is_met_exactly_and_faces_the_growth() {
     let spacing = measure_spacing(&slices(&surfaces), 1.0).unwrap();
     assert!((spacing.mean_mm - 1.0).abs() < 1e-3 && spacing.std_mm < 0.01, "{} {}", spacing.mean_mm, spacing.std_mm);
     assert!(spacing.p05_mm > 0.98 && spacing.p95_mm < 1.02);
-    assert_eq!(spacing.squeezed_share, 0.0);
+    assert!(spacing.squeezed_share <= 0.0);
     assert!((spacing.histogram_mm2.iter().sum::<f64>() - spacing.measured_mm2).abs() < 1e-9);
 }
 

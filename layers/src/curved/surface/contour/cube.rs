@@ -177,8 +177,8 @@ mod tests {
 
     #[test]
     fn edges_and_faces_are_numbered_as_said() {
-        for edge in 0..12 {
-            assert_eq!(edge_at(LOW_CORNER[edge], edge / 4), edge);
+        for (edge, &corner) in LOW_CORNER.iter().enumerate() {
+            assert_eq!(edge_at(corner, edge / 4), edge);
         }
         for (face, edges) in FACES.iter().enumerate() {
             for k in 0..4 {
