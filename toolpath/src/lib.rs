@@ -1,0 +1,14 @@
+//! Tool paths for multi-axis additive manufacturing.
+//!
+//! * [`surface`]: paths on curved layers, given as triangle meshes: the exact geodesic distance to the boundary.
+
+mod progress;
+pub mod surface;
+
+pub use nalgebra;
+pub use progress::Progress;
+
+/// The snippet of the README, compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
