@@ -1,4 +1,5 @@
 //! What is a surface, what is not, and its rims and regions.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod common;
 

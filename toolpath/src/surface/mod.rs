@@ -2,9 +2,13 @@
 //!
 //! * [`SurfaceMesh`]: the mesh, checked at the door.
 //! * [`SurfaceDistance`]: the exact geodesic distance to the boundary, or to any edges and vertices.
+//! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part.
 
 mod geodesic;
+mod level_set;
 mod mesh;
+mod union;
 
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
+pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};

@@ -6,6 +6,7 @@
 //! windows cannot open a gap.
 
 use super::SurfaceDistance;
+use super::envelope::Window;
 use crate::surface::mesh::{next, previous};
 use nalgebra::Vector3;
 
@@ -74,8 +75,62 @@ impl SurfaceDistance<'_> {
         Nearest { distance, direction: direction.unwrap_or_default() }
     }
 
+    /// The distance on an edge of the mesh, as a share of its length from the tail of a half-edge. As [`Self::at`], but only the
+    /// windows next to the point need a look, since each is the first to arrive where it is.
+    pub(crate) fn along(&self, half_edge: u32, share: f64) -> f64 {
+        if self.is_source[half_edge as usize] {
+            return 0.0;
+        }
+        let edge = self.mesh.edge(half_edge);
+        let length = self.unfolding.frame(edge).length;
+        let t = if edge == half_edge { share * length } else { (1.0 - share) * length };
+        let windows = self.envelope.on(edge);
+        let next = windows.partition_point(|window| window.span[1] < t);
+        let beside = &windows[next.saturating_sub(1)..windows.len().min(next + 1)];
+        let over = |window: &Window| {
+            let bend = t.clamp(window.span[0], window.span[1]);
+            window.wave.at(bend) + (t - bend).abs()
+        };
+        let [tail, head] = [self.mesh.tail(edge), self.mesh.head(edge)].map(|v| self.distances[v as usize]);
+        beside.iter().map(over).fold((tail + t).min(head + (length - t)), f64::min)
+    }
+
     /// How many windows the distance is made of: a measure of time and memory.
     pub fn windows(&self) -> usize {
         self.envelope.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Sources, SurfaceMesh};
+    use nalgebra::Point3;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn along_an_edge_is_as_in_the_triangle() {
+        // A grid over saddles, with sources along its whole boundary, and from one vertex only.
+        let at = |i: u32, j: u32| i + 9 * j;
+        let place = |k: u32| (f64::from(k % 9), f64::from(k / 9));
+        let lifted =
+            |(x, y): (f64, f64)| Point3::new(x + 0.2 * (3.0 * y).sin(), y, 1.5 * (1.7 * x).sin() * (1.3 * y).cos());
+        let cells = (0..64).map(|k| (k % 8, k / 8));
+        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        let vertices = (0..81).map(place).map(lifted).collect();
+        let mesh = SurfaceMesh::new(vertices, cells.flat_map(halves).collect()).unwrap();
+        let go_on = |_| ControlFlow::Continue(());
+        let from_corner = Sources { vertices: &[0], ..Sources::default() };
+        let to_boundary = SurfaceDistance::to_boundary(&mesh, &go_on).unwrap();
+        for distance in [to_boundary, SurfaceDistance::to(&mesh, from_corner, &go_on).unwrap()] {
+            for h in 0..mesh.half_edges() {
+                for share in [0.0, 0.1, 0.37, 0.5, 0.82, 1.0] {
+                    let mut barycentric = [0.0; 3];
+                    (barycentric[h as usize % 3], barycentric[next(h) as usize % 3]) = (1.0 - share, share);
+                    let (along, inside) = (distance.along(h, share), distance.at(h / 3, barycentric).distance);
+                    assert!((along - inside).abs() < 1e-12, "half-edge {h}, {share}: {along}, {inside}");
+                }
+            }
+        }
     }
 }

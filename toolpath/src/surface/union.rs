@@ -1,0 +1,11 @@
+//! Sets of numbers that are joined: a forest in which each set is a tree.
+
+/// The root of the tree of an item. Halves the way on passing.
+pub(crate) fn root(parents: &mut [u32], mut item: u32) -> u32 {
+    while parents[item as usize] != item {
+        let up = parents[parents[item as usize] as usize];
+        parents[item as usize] = up;
+        item = up;
+    }
+    item
+}
