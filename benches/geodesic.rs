@@ -3,13 +3,16 @@
 //! * `plane`: the plate lies in a plane, so the error is known: it is asserted, and printed for both.
 //! * `wavy`: hills and saddles of 9 mm on a plate of 100 mm.
 //!
-//! The baseline is what one writes without windows: shortest paths in a graph of points on the edges, here with three inner
+//! * `rings`: level sets of the distance, a bead of 0.8 mm apart, with their nesting. Beside them segments in each triangle of the
+//!   mesh as it is, linear between its corners, neither joined nor nested; how far off each is gets printed.
+//!
+//! The baseline for distances is what one writes without windows: shortest paths in a graph of points on the edges, here with three inner
 //! points on each edge. Its paths exist, so it must never be shorter, which is asserted.
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{SurfaceDistance, SurfaceMesh};
+use curvlay_toolpath::surface::{LevelField, LevelSets, SurfaceDistance, SurfaceMesh};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::hint::black_box;
@@ -124,8 +127,11 @@ fn to_rims(p: &Point3<f64>, n: usize) -> f64 {
     outer.min(beyond(p.x).hypot(beyond(p.y)))
 }
 
+fn wavy(x: f64, y: f64) -> f64 {
+    3.0 * (x / 8.0).sin() * (y / 8.0).cos()
+}
+
 fn bench(c: &mut Criterion) {
-    let wavy = |x: f64, y: f64| 3.0 * (x / 8.0).sin() * (y / 8.0).cos();
     for (name, wave) in [("plane", 0.0), ("wavy", 1.0)] {
         let mut group = c.benchmark_group(name);
         group.sample_size(10);
@@ -159,5 +165,62 @@ fn bench(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, bench);
+const BEAD: f64 = 0.8;
+const TOLERANCE: f64 = 0.01;
+
+fn rings(distance: &SurfaceDistance, levels: &[f64]) -> LevelSets {
+    let field = LevelField::new(distance, TOLERANCE, &|_| ControlFlow::Continue(())).expect("a sound tolerance");
+    field.level_sets(levels).expect("rising levels")
+}
+
+/// Ends of a segment of a level set, and its triangle.
+type Segment = (u32, [[f64; 3]; 2]);
+
+/// The baseline: where each level crosses each triangle, by the values at its corners.
+fn segments(distance: &SurfaceDistance, levels: &[f64]) -> Vec<Segment> {
+    let mut found = Vec::new();
+    for (t, corners) in distance.mesh().triangles().iter().enumerate() {
+        let values = corners.map(|v| distance.at_vertex(v));
+        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (v.min(low), v.max(high)));
+        let first = levels.partition_point(|&level| level < low);
+        for &level in levels[first..].iter().take_while(|&&level| level < high) {
+            let crossing = |k: usize| {
+                let (a, b) = (values[k], values[(k + 1) % 3]);
+                let mut weights = [0.0; 3];
+                (weights[k], weights[(k + 1) % 3]) = ((level - b) / (a - b), (level - a) / (b - a));
+                ((a > level) != (b > level)).then_some(weights)
+            };
+            let mut ends = [0, 1, 2].into_iter().filter_map(crossing);
+            if let (Some(one), Some(other)) = (ends.next(), ends.next()) {
+                found.push((t as u32, [one, other]));
+            }
+        }
+    }
+    found
+}
+
+fn bench_rings(c: &mut Criterion) {
+    let mesh = plate(158, wavy);
+    let distance = ours(&mesh);
+    let highest = distance.at_vertices().iter().copied().fold(0.0, f64::max);
+    let levels: Vec<f64> = (0..).map(|k| (f64::from(k) + 0.5) * BEAD).take_while(|&level| level < highest).collect();
+    let sets = rings(&distance, &levels);
+    let off = |t: u32, at: [f64; 3], level: f64| (distance.at(t, at).distance - level).abs();
+    let points = sets.rings.iter().flat_map(|ring| ring.points.iter().map(|p| (p, levels[ring.level])));
+    let worst = points.map(|(p, level)| off(p.triangle, p.barycentric, level)).fold(0.0, f64::max);
+    let nearest = |d: f64| levels[((d / BEAD - 0.5).round().max(0.0) as usize).min(levels.len() - 1)];
+    let loose = segments(&distance, &levels);
+    let ends = loose.iter().flat_map(|&(t, ends)| ends.map(|at| (t, at)));
+    let theirs = ends.map(|(t, at)| off(t, at, nearest(distance.at(t, at).distance))).fold(0.0, f64::max);
+    eprintln!("rings: {} rings, {} bands, off by up to {worst:.1e} mm", sets.rings.len(), sets.bands.len());
+    eprintln!("rings: baseline {} segments, off by at least {theirs:.1e} mm", loose.len());
+    assert!(worst <= TOLERANCE);
+    let mut group = c.benchmark_group("rings");
+    group.sample_size(10);
+    group.bench_function("refined_and_nested", |b| b.iter(|| rings(black_box(&distance), &levels)));
+    group.bench_function("baseline_segments", |b| b.iter(|| segments(black_box(&distance), &levels)));
+    group.finish();
+}
+
+criterion_group!(benches, bench, bench_rings);
 criterion_main!(benches);

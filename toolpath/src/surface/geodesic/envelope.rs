@@ -69,8 +69,23 @@ impl Envelope {
         let windows = &mut self.edges[edge as usize];
         let first = windows.partition_point(|old| old.span[1] <= new.span[0]);
         let met = windows[first..].iter().take_while(|old| old.span[0] < new.span[1]).count();
+        let same = Same { touching: TOUCHING * length, slack: self.slack };
+        if met == 0 {
+            // Nothing is in the way, as for most windows.
+            if new.span[1] - new.span[0] <= narrow {
+                return false;
+            }
+            if first > 0 && same.wave(&windows[first - 1], &new) {
+                windows[first - 1].span[1] = new.span[1];
+            } else if first < windows.len() && same.wave(&new, &windows[first]) {
+                windows[first].span[0] = new.span[0];
+            } else {
+                windows.insert(first, new);
+            }
+            return true;
+        }
         self.scratch.clear();
-        let mut merged = Merged { windows: &mut self.scratch, narrow, touching: TOUCHING * length, slack: self.slack };
+        let mut merged = Merged { windows: &mut self.scratch, narrow, same };
         let around = [first.checked_sub(1), Some(first + met).filter(|&after| after < windows.len())];
         if let Some(before) = around[0] {
             merged.push(windows[before]);
@@ -109,12 +124,28 @@ impl Envelope {
     }
 }
 
+/// Whether windows that follow each other are parts of one.
+struct Same {
+    touching: f64,
+    slack: f64,
+}
+
+impl Same {
+    fn wave(&self, one: &Window, next: &Window) -> bool {
+        one.waiting
+            && next.waiting
+            && one.enters == next.enters
+            && next.enters != NONE
+            && next.span[0] - one.span[1] <= self.touching
+            && one.wave.agrees(&next.wave, next.span[1], self.slack)
+    }
+}
+
 /// Windows in order, those that are one put together.
 struct Merged<'a> {
     windows: &'a mut Vec<Window>,
     narrow: f64,
-    touching: f64,
-    slack: f64,
+    same: Same,
 }
 
 impl Merged<'_> {
@@ -124,16 +155,7 @@ impl Merged<'_> {
             return false;
         }
         match self.windows.last_mut() {
-            Some(last)
-                if last.waiting
-                    && window.waiting
-                    && last.enters == window.enters
-                    && window.enters != NONE
-                    && window.span[0] - last.span[1] <= self.touching
-                    && last.wave.agrees(&window.wave, window.span[1], self.slack) =>
-            {
-                last.span[1] = window.span[1];
-            }
+            Some(last) if self.same.wave(last, &window) => last.span[1] = window.span[1],
             _ => self.windows.push(window),
         }
         true
