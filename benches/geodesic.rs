@@ -3,11 +3,12 @@
 //! * `plane`: the plate lies in a plane, so the error is known: it is asserted, and printed for both.
 //! * `wavy`: hills and saddles of 9 mm on a plate of 100 mm.
 //!
-//! * `rings`: level sets of the distance, a bead of 0.8 mm apart, with their nesting. Beside them segments in each triangle of the
-//!   mesh as it is, linear between its corners, neither joined nor nested; how far off each is gets printed.
+//! * `rings`: level sets of the distance, a bead of 0.8 mm apart, with their nesting. Beside them segments in each
+//!   triangle of the mesh as it is, linear between its corners, neither joined nor nested; how far off each is gets
+//!   printed.
 //!
-//! The baseline for distances is what one writes without windows: shortest paths in a graph of points on the edges, here with three inner
-//! points on each edge. Its paths exist, so it must never be shorter, which is asserted.
+//! The baseline for distances is what one writes without windows: shortest paths in a graph of points on the edges,
+//! here with three inner points on each edge. Its paths exist, so it must never be shorter, which is asserted.
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -22,7 +23,8 @@ const SIDE: f64 = 100.0;
 /// Inner points on each edge of the baseline.
 const POINTS: usize = 3;
 
-/// A plate of `n` by `n` squares with a square hole in the middle; inner vertices are moved by up to a quarter of a square.
+/// A plate of `n` by `n` squares with a square hole in the middle; inner vertices are moved by up to a quarter of a
+/// square.
 fn plate(n: usize, height: impl Fn(f64, f64) -> f64) -> SurfaceMesh {
     let (from, to) = (3 * n / 8, 5 * n / 8);
     let in_hole = |i: usize, j: usize| (from..to).contains(&i) && (from..to).contains(&j);

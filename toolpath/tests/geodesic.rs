@@ -429,13 +429,17 @@ fn agrees_with_the_slow_search(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
     #[test]
-    fn boundary_distance_is_that_of_the_slow_search(seed in 0u64..1 << 40, height in 0.0..4.0f64, hole in any::<bool>()) {
+    fn boundary_distance_is_that_of_the_slow_search(
+        seed in 0u64..1 << 40, height in 0.0..4.0f64, hole in any::<bool>(),
+    ) {
         let mesh = rough(4, seed, height, |i, j| hole && i == 1 && j == 2);
         agrees_with_the_slow_search(&mesh, &boundary_edges(&mesh), &[], seed)?;
     }
 
     #[test]
-    fn distance_to_anything_is_that_of_the_slow_search(seed in 0u64..1 << 40, height in 0.0..4.0f64, count in 0usize..3) {
+    fn distance_to_anything_is_that_of_the_slow_search(
+        seed in 0u64..1 << 40, height in 0.0..4.0f64, count in 0usize..3,
+    ) {
         let mesh = rough(4, seed, height, |i, j| i == 2 && j == 1);
         let mut rng = rng(seed ^ 7);
         let mut side = || {
@@ -448,8 +452,44 @@ proptest! {
     }
 }
 
-/// A fine mesh: the slow search is out of reach, a graph with points on the edges is not. Its paths exist, so it is never
-/// shorter; with twice the points it comes nearer.
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+    /// On surfaces of any kind, stretched up to 100 to 1, where the slow search is out of reach: more triangles on the
+    /// same surface change nothing, no vertex is missed, and triangles agree with vertices.
+    #[test]
+    fn refining_changes_nothing(
+        seed in any::<u64>(), n in 3usize..16, height in 0.0..4.0f64,
+        stretch in prop::sample::select(vec![1.0, 0.01, 30.0]), jitter in prop::sample::select(vec![0.0, 0.3, 0.8]),
+        kind in 0..3, points in any::<bool>(),
+    ) {
+        let mut random = rng(seed);
+        let mesh = grid(n, seed, jitter, |i, j| i == n / 2 && j > n / 2 && j + 1 < n, |p| {
+            let z = match kind {
+                0 => random.random::<f64>() - 0.5,
+                1 => (0.6 * p.x).sin() * (0.5 * p.y).cos(),
+                _ => (2.0 * random.random::<f64>()).round(), // terraces: many ways of equal length
+            };
+            Point3::new(stretch * p.x, p.y, height * z)
+        });
+        let vertices = [seed as u32 % 7, mesh.vertices().len() as u32 - 1];
+        let fine = refined(&mesh);
+        let measure = |mesh| if points { to(mesh, &[], &vertices) } else { to_boundary(mesh) };
+        let (one, other) = (measure(&mesh), measure(&fine));
+        let bound = EXACT * size(&mesh);
+        for (triangle, corners) in mesh.triangles().iter().enumerate() {
+            for (k, &v) in corners.iter().enumerate() {
+                let mut corner = [0.0; 3];
+                corner[k] = 1.0;
+                let there = one.at(triangle as u32, corner).distance;
+                prop_assert!((there - one.at_vertex(v)).abs() <= bound, "triangle {}, vertex {}", triangle, v);
+                prop_assert!((other.at_vertex(v) - one.at_vertex(v)).abs() <= bound, "vertex {}", v);
+            }
+        }
+    }
+}
+
+/// A fine mesh: the slow search is out of reach, a graph with points on the edges is not. Its paths exist, so it is
+/// never shorter; with twice the points it comes nearer.
 #[test]
 fn bounded_by_graphs_with_points_on_edges() {
     let mesh = grid(

@@ -76,9 +76,12 @@ fn regions_are_numbered_by_their_first_triangle() {
 }
 
 proptest! {
-    /// Euler's formula: vertices - edges + triangles = 2 (regions) - rims, in the plane where no hole touches another rim.
+    /// Euler's formula: vertices - edges + triangles = 2 (regions) - rims, in the plane where no hole touches another
+    /// rim.
     #[test]
-    fn rims_and_regions_obey_euler(seed in any::<u64>(), holes in prop::collection::btree_set((0usize..3, 0usize..3), 0..6)) {
+    fn rims_and_regions_obey_euler(
+        seed in any::<u64>(), holes in prop::collection::btree_set((0usize..3, 0usize..3), 0..6),
+    ) {
         // Holes stand alone: each is one square, with squares between them.
         let hole = |i: usize, j: usize| i % 2 == 1 && j % 2 == 1 && holes.contains(&(i / 2, j / 2));
         let mesh = grid(7, seed, 0.5, hole, |p| Point3::new(p.x, p.y, 0.0));

@@ -1,9 +1,9 @@
 //! Geodesic distance the slow way: every straight line from every source, over every sequence of triangles.
 //!
-//! A shortest path goes straight from a source edge (at a right angle), or from a source vertex, to a vertex, and on from vertex
-//! to vertex. A straight part crosses no triangle twice. So all straight parts are found by following, from each edge
-//! and vertex, the lines that can still be straight through all sequences of different triangles; nothing is pruned.
-//! The rest is the shortest path in a graph of vertices.
+//! A shortest path goes straight from a source edge (at a right angle), or from a source vertex, to a vertex, and on
+//! from vertex to vertex. A straight part crosses no triangle twice. So all straight parts are found by following, from
+//! each edge and vertex, the lines that can still be straight through all sequences of different triangles; nothing is
+//! pruned. The rest is the shortest path in a graph of vertices.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_toolpath::nalgebra::{Point2, Vector2};
@@ -57,8 +57,8 @@ impl Search<'_> {
         }
     }
 
-    /// Lines that pass between two points (right and left) go on through an edge into the triangle ahead. Seen along the lines
-    /// the edge runs from `a` on the left (laid at `pa`) to `b` on the right.
+    /// Lines that pass between two points (right and left) go on through an edge into the triangle ahead. Seen along
+    /// the lines the edge runs from `a` on the left (laid at `pa`) to `b` on the right.
     fn follow(&mut self, [a, b]: [u32; 2], [pa, pb]: [Point2<f64>; 2], [right, left]: [Point2<f64>; 2]) {
         let Some((triangle, c)) = across(self.mesh, a, b) else { return };
         if self.used[triangle] {

@@ -4,9 +4,9 @@
 //! trimmed against each other whichever side they come from, since a path that is beaten to a point of an edge leads
 //! nowhere first. They are kept in the frame of the lower half-edge of the edge.
 //!
-//! Where a wave is split by a vertex with a full turn around it, its parts are one again behind it, and strips of collinear
-//! edges are one from the start. Parts that touch and agree to rounding become one window; without that a flat region would
-//! have a window for every edge of its boundary.
+//! Where a wave is split by a vertex with a full turn around it, its parts are one again behind it, and strips of
+//! collinear edges are one from the start. Parts that touch and agree to rounding become one window; without that a
+//! flat region would have a window for every edge of its boundary.
 
 use super::wave::{Wave, contest};
 use crate::surface::mesh::NONE;

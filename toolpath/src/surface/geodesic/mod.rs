@@ -1,10 +1,10 @@
 //! Exact geodesic distance on a triangle mesh to its boundary, or to any edges and vertices.
 //!
 //! Dai 2020, section 3.5.1, builds the boundary distance field by fast wavefront propagation (Xu, Wang, Liu, Liu, He,
-//! IEEE TVCG 21(7), 2015) after Mitchell, Mount, Papadimitriou (SIAM J. Comput. 16(4), 1987), with polylines as sources.
-//! So does this module. A shortest path on a mesh is straight over unfolded triangles and bends in few vertices only. A
-//! *window* is a stretch of an edge with all straight lines from one source that cross it. Sources are points
-//! (source vertices, and vertices where paths bend) and edges, which send out a *strip* of parallel lines.
+//! IEEE TVCG 21(7), 2015) after Mitchell, Mount, Papadimitriou (SIAM J. Comput. 16(4), 1987), with polylines as
+//! sources. So does this module. A shortest path on a mesh is straight over unfolded triangles and bends in few
+//! vertices only. A *window* is a stretch of an edge with all straight lines from one source that cross it. Sources are
+//! points (source vertices, and vertices where paths bend) and edges, which send out a *strip* of parallel lines.
 //! Windows are propagated over triangles, nearest first, and trimmed against each other on each edge.
 //!
 //! * `unfold`: triangles laid flat. `wave`: what a window sees. `envelope`: the windows of an edge.
@@ -32,8 +32,8 @@ use std::ops::ControlFlow;
 use unfold::Unfolding;
 use wavefront::{Settled, WaveFront};
 
-/// Differences of distances below this share of the mesh's diagonal do not count. It must exceed rounding, or equal paths
-/// would take turns in beating each other; what it costs in accuracy grows with the number of triangles crossed.
+/// Differences of distances below this share of the mesh's diagonal do not count. It must exceed rounding, or equal
+/// paths would take turns in beating each other; what it costs in accuracy grows with the number of triangles crossed.
 const SLACK: f64 = 1e-14;
 
 /// From where distances are measured.

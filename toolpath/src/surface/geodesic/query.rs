@@ -1,9 +1,9 @@
 //! Distances inside of triangles, exact as at the vertices.
 //!
-//! The shortest path to a point of a triangle starts in the triangle, or comes straight over one of its edges
-//! through a window there, or from one of its corners. So the distance is the least over these. Each candidate is the length
-//! of a path that exists: a line that misses its window is bent to the nearest end. So rounding at the ends of
-//! windows cannot open a gap.
+//! The shortest path to a point of a triangle starts in the triangle, or comes straight over one of its edges through a
+//! window there, or from one of its corners. So the distance is the least over these. Each candidate is the length of a
+//! path that exists: a line that misses its window is bent to the nearest end. So rounding at the ends of windows
+//! cannot open a gap.
 
 use super::SurfaceDistance;
 use super::envelope::Window;
@@ -75,8 +75,8 @@ impl SurfaceDistance<'_> {
         Nearest { distance, direction: direction.unwrap_or_default() }
     }
 
-    /// The distance on an edge of the mesh, as a share of its length from the tail of a half-edge. As [`Self::at`], but only the
-    /// windows next to the point need a look, since each is the first to arrive where it is.
+    /// The distance on an edge of the mesh, as a share of its length from the tail of a half-edge. As [`Self::at`], but
+    /// only the windows next to the point need a look, since each is the first to arrive where it is.
     pub(crate) fn along(&self, half_edge: u32, share: f64) -> f64 {
         if self.is_source[half_edge as usize] {
             return 0.0;

@@ -1,7 +1,7 @@
 //! A queue that is sorted up to the width of its buckets.
 //!
-//! The order of propagation decides about the work, not about the result, so rough order at constant cost wins over exact
-//! order at logarithmic cost (Xu et al. 2015, the "fast wavefront").
+//! The order of propagation decides about the work, not about the result, so rough order at constant cost wins over
+//! exact order at logarithmic cost (Xu et al. 2015, the "fast wavefront").
 
 /// Items by key, lowest bucket first, within a bucket in the order they came.
 #[derive(Debug)]

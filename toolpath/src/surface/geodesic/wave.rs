@@ -20,8 +20,8 @@ pub(super) struct Contest {
     pub count: usize,
 }
 
-/// A zero of the difference of two distances is good when the difference there is below this share of the distance: a few
-/// roundings. Closer is not to be had; at a much larger value the envelope would not be exact to rounding.
+/// A zero of the difference of two distances is good when the difference there is below this share of the distance: a
+/// few roundings. Closer is not to be had; at a much larger value the envelope would not be exact to rounding.
 const ZERO: f64 = 1e-15;
 /// Halvings after which a bracket of doubles cannot shrink any more.
 const HALVINGS: usize = 64;
@@ -75,7 +75,8 @@ impl Wave {
         }
     }
 
-    /// The wave as seen from an edge above, from `tail` on in the unit direction `u`, that the wave crosses from its left.
+    /// The wave as seen from an edge above, from `tail` on in the unit direction `u`, that the wave crosses from its
+    /// left.
     pub fn seen_from(&self, tail: [f64; 2], u: [f64; 2]) -> Wave {
         match *self {
             Wave::Point { x, depth, base } => {
@@ -117,7 +118,8 @@ impl Wave {
     }
 }
 
-/// Divides a stretch between a wave that is there and a challenger, who wins only where it is ahead by more than `slack`.
+/// Divides a stretch between a wave that is there and a challenger, who wins only where it is ahead by more than
+/// `slack`.
 pub(super) fn contest(challenger: &Wave, holder: &Wave, [from, to]: [f64; 2], slack: f64) -> Contest {
     let behind = |t: f64| challenger.at(t) - holder.at(t) + slack;
     let ends = [behind(from), behind(to)];

@@ -1,9 +1,10 @@
 //! The wave front: windows cross triangles, vertices with a shadow behind them send out point waves.
 //!
-//! A window that crosses a triangle lights a stretch of one or both of the other edges. Behind a vertex with more than a
-//! full turn around it (a saddle), or more than half a turn at the boundary, straight lines leave a gap: the vertex sends
-//! a point wave into it. Strips start from source edges. Where the surface turns by more than half a turn from one source
-//! edge to the next, as at a reflex corner, the vertex between them fills the gap; at convex ones strips overlap.
+//! A window that crosses a triangle lights a stretch of one or both of the other edges. Behind a vertex with more than
+//! a full turn around it (a saddle), or more than half a turn at the boundary, straight lines leave a gap: the vertex
+//! sends a point wave into it. Strips start from source edges. Where the surface turns by more than half a turn from
+//! one source edge to the next, as at a reflex corner, the vertex between them fills the gap; at convex ones strips
+//! overlap.
 
 use super::envelope::{Envelope, Window};
 use super::queue::BucketQueue;
@@ -14,15 +15,15 @@ use crate::surface::mesh::{NONE, SurfaceMesh, next, previous};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
 
-/// A gap between straight lines narrower than this (radians) is rounding of the angles around a vertex. Points in such a
-/// gap get the distance along a path that bends by as much, which is longer by a share of the square of it.
+/// A gap between straight lines narrower than this (radians) is rounding of the angles around a vertex. Points in such
+/// a gap get the distance along a path that bends by as much, which is longer by a share of the square of it.
 const LEAST_GAP: f64 = 1e-12;
-/// A vertex as near to the outermost ray of a window, as a sine, counts as seen, over the nearest end of the window. The
-/// distance is that of a path that exists, so a larger value costs time, not truth; below 1e-9 a vertex could
-/// fall between two windows.
+/// A vertex as near to the outermost ray of a window, as a sine, counts as seen, over the nearest end of the window.
+/// The distance is that of a path that exists, so a larger value costs time, not truth; below 1e-9 a vertex could fall
+/// between two windows.
 const SEEN: f64 = 1e-6;
-/// Width of a bucket of the queue, in mean edge lengths. Wider: windows are propagated that would have been beaten first;
-/// narrower: a half-edge is visited more often for fewer windows. Flat between 0.25 and 1.
+/// Width of a bucket of the queue, in mean edge lengths. Wider: windows are propagated that would have been beaten
+/// first; narrower: a half-edge is visited more often for fewer windows. Flat between 0.25 and 1.
 const BUCKET: f64 = 0.5;
 /// Queue items from here on are vertices; below they are half-edges.
 const VERTEX: u32 = 1 << 31;
@@ -181,8 +182,8 @@ impl<'m> WaveFront<'m> {
         }
     }
 
-    /// Gives the apex of a triangle the distance over a window of the edge below it, if it lies between the outermost rays
-    /// or almost.
+    /// Gives the apex of a triangle the distance over a window of the edge below it, if it lies between the outermost
+    /// rays or almost.
     fn see_apex(&mut self, crossing: &Crossing, [from, to]: [f64; 2], wave: &Wave, [past_first, past_last]: [f64; 2]) {
         let apex = crossing.apex;
         let almost = |past: f64, t: f64| {

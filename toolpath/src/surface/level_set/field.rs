@@ -2,8 +2,9 @@
 //!
 //! Over the triangles of the mesh the distance is not linear: it has a ridge along the medial axis, which runs through
 //! triangles (all of it may, where the region is one triangle wide). So edges are cut where the distance leaves the
-//! straight line between its ends, at the ridge if there is one, and triangles that hide a summit get a vertex on it. Then the
-//! linear field over the finer triangles follows the distance within the tolerance, and its level sets are exact polylines.
+//! straight line between its ends, at the ridge if there is one, and triangles that hide a summit get a vertex on it.
+//! Then the linear field over the finer triangles follows the distance within the tolerance, and its level sets are
+//! exact polylines.
 
 use super::{LevelSetError, SurfacePoint};
 use crate::Progress;
@@ -19,8 +20,8 @@ use std::ops::ControlFlow;
 const PROBES: [f64; 3] = [0.25, 0.5, 0.75];
 /// Edges are held to this share of the tolerance: the rest is for what the probes miss.
 const EDGE_SHARE: f64 = 0.5;
-/// A longer edge of the same triangle that is off by this share is cut first. Else, beside an edge that just passes, cuts run to and
-/// fro between two ridges that cross it, and come nearer to it without end.
+/// A longer edge of the same triangle that is off by this share is cut first. Else, beside an edge that just passes,
+/// cuts run to and fro between two ridges that cross it, and come nearer to it without end.
 const LONGER_SHARE: f64 = 0.25;
 /// A triangle lower than this share of the tolerance lies on its longest edge as far as the distance can tell.
 const FLAT: f64 = 0.25;
@@ -54,8 +55,8 @@ impl<'d> LevelField<'d> {
     /// Refines the mesh of a distance until the distance is linear over each triangle within a tolerance.
     ///
     /// # Arguments
-    /// * `tolerance`: in millimetres. The level sets run where the distance is that of the level within about this much. A
-    ///   hundredth of a bead is fine enough for paths.
+    /// * `tolerance`: in millimetres. The level sets run where the distance is that of the level within about this
+    ///   much. A hundredth of a bead is fine enough for paths.
     ///
     /// # Errors
     /// [`LevelSetError::Tolerance`], [`LevelSetError::TooFine`], [`LevelSetError::Cancelled`].
@@ -159,8 +160,8 @@ impl<'d> LevelField<'d> {
         (length.to_bits(), Reverse(h)) // bits of positive numbers are in the order of the numbers
     }
 
-    /// From an edge that is to be cut to a longer one beside it that is off too, and so on. The longest side of a flat triangle is
-    /// cut in any case, beside the cut that was asked for.
+    /// From an edge that is to be cut to a longer one beside it that is off too, and so on. The longest side of a flat
+    /// triangle is cut in any case, beside the cut that was asked for.
     fn longest_around(&self, h: u32, off: (Point3<f64>, f64)) -> (u32, (Point3<f64>, f64)) {
         let (mut longest, mut off) = (h, off);
         loop {
@@ -200,7 +201,8 @@ impl<'d> LevelField<'d> {
         self.distance.at(parent, self.barycentric(parent, point)).distance
     }
 
-    /// Where an edge is to be cut, if the distance along it is off the straight line by more than a share of the tolerance.
+    /// Where an edge is to be cut, if the distance along it is off the straight line by more than a share of the
+    /// tolerance.
     fn off_line(&self, h: u32, share: f64) -> Option<(Point3<f64>, f64)> {
         let [from, to] = [self.tail(h), self.head(h)];
         let [a, b] = [from, to].map(|v| self.points[v as usize]);

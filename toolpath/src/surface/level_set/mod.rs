@@ -2,13 +2,13 @@
 //!
 //! Zhao et al., "Connected Fermat spirals for layered fabrication", ACM TOG 35(4), 2016, section 4, fill a region along
 //! its offsets and join them by a tree; Dai 2020, section 3.5.1, does so with geodesic distance on a surface. There
-//! rings of neighbouring distances are matched by how near they are. Here nesting is read off the field: rings belong together
-//! when they bound one *band*, a connected part of the surface between two levels. Bands and rings form a graph: the
-//! Reeb graph of the distance, cut at the levels. For a region without holes it is a tree.
+//! rings of neighbouring distances are matched by how near they are. Here nesting is read off the field: rings belong
+//! together when they bound one *band*, a connected part of the surface between two levels. Bands and rings form a
+//! graph: the Reeb graph of the distance, cut at the levels. For a region without holes it is a tree.
 //!
 //! *Pockets* are the branches of the tree of regions above a level (the split tree), each from its summit down to the
-//! saddle where it joins a higher one. Lesser bumps than asked for are not told apart; on the medial axis the field is nearly
-//! level, and rounding makes many of them.
+//! saddle where it joins a higher one. Lesser bumps than asked for are not told apart; on the medial axis the field is
+//! nearly level, and rounding makes many of them.
 //!
 //! * `field`: the distance, refined until it is linear over triangles. `rings`: level sets. `bands`: what lies between.
 //! * `pockets`: summits and saddles.
@@ -37,7 +37,8 @@ pub struct SurfacePoint {
     pub position: Point3<f64>,
 }
 
-/// A connected part of a level set: a polyline on the surface, with a point where it crosses each edge of the refined mesh.
+/// A connected part of a level set: a polyline on the surface, with a point where it crosses each edge of the refined
+/// mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
     /// Number of the level.
@@ -45,8 +46,8 @@ pub struct Ring {
     /// Points in order, with greater distances on the left (seen from outside). Neighbours may coincide where the level
     /// runs through a vertex.
     pub points: Vec<SurfacePoint>,
-    /// Whether the last point is joined to the first. It is, for the distance to the whole boundary; other level sets may
-    /// end at the boundary.
+    /// Whether the last point is joined to the first. It is, for the distance to the whole boundary; other level sets
+    /// may end at the boundary.
     pub closed: bool,
     /// The band on its right, where the distance is less.
     pub below: u32,

@@ -1,8 +1,9 @@
 //! Pockets: the summits of a distance, and the saddles where they join.
 //!
-//! Vertices are visited from the highest down. Each starts a region of its own, or joins those of its higher neighbours:
-//! then it is a saddle, and all but the highest of their pockets end there. This is the split tree of the field, which is linear
-//! over triangles, so its summits and saddles are vertices; equal values are told apart by the numbers of the vertices.
+//! Vertices are visited from the highest down. Each starts a region of its own, or joins those of its higher
+//! neighbours: then it is a saddle, and all but the highest of their pockets end there. This is the split tree of the
+//! field, which is linear over triangles, so its summits and saddles are vertices; equal values are told apart by the
+//! numbers of the vertices.
 
 use super::SurfacePoint;
 use super::field::LevelField;
@@ -25,7 +26,8 @@ impl LevelField<'_> {
     /// The pockets that rise by at least `rise` above the saddle where they join, highest first.
     ///
     /// # Arguments
-    /// * `rise`: in millimetres; should exceed the tolerance of the field, or its errors make pockets along the medial axis.
+    /// * `rise`: in millimetres; should exceed the tolerance of the field, or its errors make pockets along the medial
+    ///   axis.
     ///
     /// # Cost
     /// `O(n log n)` for `n` vertices of the refined mesh.

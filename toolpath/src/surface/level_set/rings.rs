@@ -1,7 +1,7 @@
 //! Level sets of a field that is linear over triangles.
 //!
-//! A vertex whose value equals the level counts as below it. So each triangle is crossed by one segment or none, whatever the
-//! field does (plateaus included), and segments form closed rings, and chains that end at the boundary.
+//! A vertex whose value equals the level counts as below it. So each triangle is crossed by one segment or none,
+//! whatever the field does (plateaus included), and segments form closed rings, and chains that end at the boundary.
 
 use super::field::LevelField;
 use super::{Ring, SurfacePoint};
