@@ -1,0 +1,72 @@
+//! Denavit-Hartenberg tables in the standard (distal) convention: `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
+
+use super::{ArmError, Frames};
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// The table of an arm of the UR type, in millimetres and radians, column by column as the maker prints it.
+///
+/// Free to choose are `d`, `a[1]` and `a[2]`; `alpha` must be `[90, 0, 0, 90, -90, 0]` degrees and the other `a` zero,
+/// since that is what makes the closed form possible.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DhTable {
+    /// Offsets along the joint axes.
+    pub d: [f64; 6],
+    /// Lengths of the links.
+    pub a: [f64; 6],
+    /// Twists of the links.
+    pub alpha: [f64; 6],
+}
+
+impl DhTable {
+    /// The twists of every UR arm.
+    pub const UR_ALPHA: [f64; 6] = [FRAC_PI_2, 0.0, 0.0, FRAC_PI_2, -FRAC_PI_2, 0.0];
+
+    /// A table of the UR type with these offsets and these lengths of upper arm and forearm (UR prints them negative).
+    pub const fn ur(d: [f64; 6], upper_arm: f64, forearm: f64) -> Self {
+        DhTable { d, a: [0.0, upper_arm, forearm, 0.0, 0.0, 0.0], alpha: Self::UR_ALPHA }
+    }
+
+    pub(super) fn check(&self) -> Result<(), ArmError> {
+        let columns = [("d", &self.d), ("a", &self.a), ("alpha", &self.alpha)];
+        for (column, values) in columns {
+            if let Some(joint) = values.iter().position(|value| !value.is_finite()) {
+                return Err(ArmError::NotFinite { what: column, joint, value: values[joint] });
+            }
+        }
+        for joint in 0..6 {
+            let expected = Self::UR_ALPHA[joint];
+            // Pendants print pi/2 with a few digits; more than that is another arm.
+            if (self.alpha[joint] - expected).abs() > 1e-6 {
+                return Err(ArmError::NotUrType { column: "alpha", joint, value: self.alpha[joint], expected });
+            }
+            if ![1, 2].contains(&joint) && self.a[joint].abs() > 0.0 {
+                return Err(ArmError::NotUrType { column: "a", joint, value: self.a[joint], expected: 0.0 });
+            }
+        }
+        for joint in [1, 2] {
+            if self.a[joint].abs() < super::SHORTEST {
+                return Err(ArmError::NoLength { link: if joint == 1 { "upper arm" } else { "forearm" } });
+            }
+        }
+        Ok(())
+    }
+
+    /// Base and the frames after each joint.
+    pub(super) fn frames(&self, q: &[f64; 6]) -> Frames {
+        let mut frames = [(Matrix3::identity(), Vector3::zeros()); 7];
+        for k in 0..6 {
+            let (r, p) = frames[k];
+            let (sin, cos) = q[k].sin_cos();
+            let (x, y, z) = (r.column(0), r.column(1), r.column(2));
+            let (along, side) = (x * cos + y * sin, y * cos - x * sin);
+            let (cos, sin) = TWIST[k];
+            let turned = [along, side * cos + z * sin, z * cos - side * sin];
+            frames[k + 1] = (Matrix3::from_columns(&turned), p + z * self.d[k] + along * self.a[k]);
+        }
+        frames
+    }
+}
+
+/// Cosines and sines of the twists, exactly.
+const TWIST: [(f64, f64); 6] = [(0.0, 1.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 0.0)];

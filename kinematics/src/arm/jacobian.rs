@@ -1,0 +1,127 @@
+//! Velocities: the geometric Jacobian, its derivative along a motion, and how joints follow the turning tool.
+//!
+//! Rows 0 to 2 are the velocity of a point of the flange in mm/s, rows 3 to 5 the angular velocity in rad/s, both in the
+//! base frame; columns are the joints.
+//!
+//! A tool that prints round beads may turn about its axis (Dai, *Material Deposition in 3D Space*, TU Delft 2020,
+//! Eq. 4.3). In every cell that moves the flange rigidly about a line that stands still in the base, so
+//! the derivatives of the inverse with respect to the tool angle are those of a screw motion without pitch.
+
+use super::{Arm, Solver};
+use nalgebra::{Matrix6, Point3, UnitVector3, Vector3, Vector6};
+
+/// First and second derivatives of joints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// First.
+    pub first: [f64; 6],
+    /// Second.
+    pub second: [f64; 6],
+}
+
+/// The arm is singular where joints must turn this many times faster than the flange, for a flange moving a link's length
+/// a radian: derivatives beyond it have no digits left.
+const STEEPEST: f64 = 1e8;
+
+impl Arm {
+    /// Of each joint a point on its axis and the axis' direction (a positive turn by the right hand), in the base.
+    pub fn axes(&self, joints: &[f64; 6]) -> [(Point3<f64>, UnitVector3<f64>); 6] {
+        let inner = self.inner(joints);
+        let axes = match &self.solver {
+            Solver::Ur(arm) => arm.axes(&inner),
+            Solver::Ortho(arm) => arm.axes(&inner),
+        };
+        let mut signed = axes.map(|(at, along)| (Point3::from(at), UnitVector3::new_unchecked(along)));
+        for (axis, sign) in signed.iter_mut().zip(self.signs) {
+            axis.1 = UnitVector3::new_unchecked(axis.1.into_inner() * sign);
+        }
+        signed
+    }
+
+    /// The Jacobian of a point that is fixed to the flange, given in the flange frame (the origin, or the tip of a tool).
+    /// ```
+    /// use curvlay_kinematics::{Arm, nalgebra::Point3, robots};
+    /// // A UR3 stretched along -x: joint 1 moves the flange along -y by its distance from axis 1.
+    /// let j = Arm::new(&robots::UR3)?.jacobian(&[0.0; 6], &Point3::origin());
+    /// assert!((j[(1, 0)] + 456.9).abs() < 1e-9 && (j[(5, 0)] - 1.0).abs() < 1e-12);
+    /// # Ok::<(), curvlay_kinematics::ArmError>(())
+    /// ```
+    pub fn jacobian(&self, joints: &[f64; 6], flange_point: &Point3<f64>) -> Matrix6<f64> {
+        let point = self.forward(joints) * flange_point;
+        jacobian_of(&self.axes(joints), &point)
+    }
+
+    /// How the Jacobian of the same point changes when the joints move with `speeds`: its derivative by time.
+    pub fn jacobian_rate(&self, joints: &[f64; 6], speeds: &[f64; 6], flange_point: &Point3<f64>) -> Matrix6<f64> {
+        let point = self.forward(joints) * flange_point;
+        let axes = self.axes(joints);
+        let velocity_of_point = (jacobian_of(&axes, &point) * Vector6::from(*speeds)).fixed_rows::<3>(0).into_owned();
+        let mut rate = Matrix6::zeros();
+        for k in 0..6 {
+            let (at, along) = &axes[k];
+            // The axis is carried by the joints before it.
+            let (mut velocity, mut turning) = (Vector3::zeros(), Vector3::zeros());
+            for (joint, (pivot, axis)) in axes.iter().enumerate().take(k) {
+                velocity += axis.cross(&(at - pivot)) * speeds[joint];
+                turning += axis.into_inner() * speeds[joint];
+            }
+            let swing = turning.cross(along);
+            let linear = swing.cross(&(point - at)) + along.cross(&(velocity_of_point - velocity));
+            rate.fixed_view_mut::<3, 1>(0, k).copy_from(&linear);
+            rate.fixed_view_mut::<3, 1>(3, k).copy_from(&swing);
+        }
+        rate
+    }
+
+    /// Yoshikawa's measure `sqrt(det(J J^T))` at the flange, in mm^3: zero at a singularity, and large far from any.
+    ///
+    /// T. Yoshikawa, "Manipulability of robotic mechanisms", IJRR 4(2), 1985.
+    pub fn manipulability(&self, joints: &[f64; 6]) -> f64 {
+        self.jacobian(joints, &Point3::origin()).determinant().abs()
+    }
+
+    /// How the joints change while the flange turns about a line that stands still in the base: their first and second
+    /// derivatives by the angle (right hand along `direction`), on the branch of `joints`. `None` at a singularity.
+    ///
+    /// For the tool angle the line is the nozzle's axis: see [`Cell::tool_rates`](crate::Cell::tool_rates).
+    pub fn rates_about(
+        &self,
+        joints: &[f64; 6],
+        point: &Point3<f64>,
+        direction: &UnitVector3<f64>,
+    ) -> Option<Rates> {
+        let flange = Point3::from(self.forward(joints).translation.vector);
+        let velocity = direction.cross(&(flange - point));
+        let acceleration = direction.cross(&velocity);
+        // In units of the longest link, so that lengths and angles weigh alike.
+        let unit = 1.0 / match &self.solver {
+            Solver::Ur(arm) => arm.longest_link(),
+            Solver::Ortho(arm) => arm.longest_link(),
+        };
+        let scaled = |mut matrix: Matrix6<f64>| {
+            matrix.fixed_rows_mut::<3>(0).scale_mut(unit);
+            matrix
+        };
+        let stacked = |linear: Vector3<f64>, angular: Vector3<f64>| {
+            let linear = linear * unit;
+            Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+        };
+        let inverse = scaled(self.jacobian(joints, &Point3::origin())).try_inverse()?;
+        if !(inverse.amax() <= STEEPEST) {
+            return None;
+        }
+        let first: [f64; 6] = (inverse * stacked(velocity, direction.into_inner())).into();
+        let bent = scaled(self.jacobian_rate(joints, &first, &Point3::origin())) * Vector6::from(first);
+        let second = inverse * (stacked(acceleration, Vector3::zeros()) - bent);
+        Some(Rates { first, second: second.into() })
+    }
+}
+
+fn jacobian_of(axes: &[(Point3<f64>, UnitVector3<f64>); 6], point: &Point3<f64>) -> Matrix6<f64> {
+    let mut jacobian = Matrix6::zeros();
+    for (k, (at, along)) in axes.iter().enumerate() {
+        jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&along.cross(&(point - at)));
+        jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(along);
+    }
+    jacobian
+}

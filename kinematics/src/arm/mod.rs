@@ -1,0 +1,300 @@
+//! Arms of six joints: forward and inverse kinematics.
+//!
+//! Two families have a closed form here: arms of the UR type ([`DhTable`]) and ortho-parallel arms with a spherical wrist
+//! ([`OrthoLengths`]). An arm is made from an [`ArmModel`], which is plain numbers; [`robots`](crate::robots) has some.
+//!
+//! Joints are `[f64; 6]` in radians, poses are `base_flange` in millimetres. Nothing here allocates, and all results
+//! depend on the input alone.
+
+mod branches;
+mod continuing;
+mod dh;
+mod jacobian;
+mod ortho;
+mod planar;
+pub mod robots;
+mod ur;
+
+pub use branches::{Branch, Elbow, SAME, Shoulder, Solutions, Wrist};
+pub use dh::DhTable;
+pub use jacobian::Rates;
+pub use ortho::OrthoLengths;
+
+use crate::angle::wrapped;
+use crate::limits::{JointLimits, LimitError};
+use crate::pose::{parts, rotation};
+use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
+use ortho::OrthoArm;
+use ur::UrArm;
+
+/// Rotation and origin of base, links and flange.
+type Frames = [(Matrix3<f64>, Vector3<f64>); 7];
+
+/// Links shorter than this, in millimetres, make no triangle.
+const SHORTEST: f64 = 1e-3;
+
+/// The sine of joint 5 up to which the wrist counts as singular. Then any joint 4 meets the pose within this angle, a
+/// quarter of [`ANGLE_TOLERANCE`]; above it joints 4 and 6 are what the pose says, to about 1e-16 over the sine.
+const WRIST: f64 = 2.5e-10;
+
+/// Every solution meets its pose within this distance, in millimetres.
+pub const POSITION_TOLERANCE: f64 = 1e-6;
+
+/// Every solution meets its pose within this angle, in radians.
+pub const ANGLE_TOLERANCE: f64 = 1e-9;
+
+/// What distinguishes one arm from another of its family.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Geometry {
+    /// UR type, by its Denavit-Hartenberg table. Frames are those of the table.
+    Ur(DhTable),
+    /// Ortho-parallel with a spherical wrist. At zero all links are upright and all frames parallel to the base.
+    Ortho(OrthoLengths),
+}
+
+/// The numbers of an arm.
+///
+/// The geometry's joints are `signs * joints - offsets`, so that an arm keeps the zero and the sense its maker gave it.
+/// ```
+/// use curvlay_kinematics::{Arm, ArmModel, Geometry, JointLimits, OrthoLengths};
+/// let mine = ArmModel {
+///     geometry: Geometry::Ortho(OrthoLengths { a1: 100.0, a2: -135.0, b: 0.0, c1: 615.0, c2: 705.0, c3: 755.0, c4: 85.0 }),
+///     offsets: [0.0, 0.0, -std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0],
+///     signs: [1.0; 6],
+///     limits: JointLimits::NONE,
+/// };
+/// let arm = Arm::new(&mine)?;
+/// let joints = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+/// let found = arm.inverse(&arm.forward(&joints));
+/// assert_eq!(found.len(), 8);
+/// let again = found.get(arm.branch(&joints)).ok_or("lost")?;
+/// assert!((0..6).all(|k| (again[k] - joints[k]).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmModel {
+    /// Its lengths.
+    pub geometry: Geometry,
+    /// What the geometry's joints are short of the arm's own, in radians.
+    pub offsets: [f64; 6],
+    /// 1, or -1 where the arm's joint turns the other way.
+    pub signs: [f64; 6],
+    /// Its limits.
+    pub limits: JointLimits<6>,
+}
+
+/// Numbers that make no arm.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArmError {
+    /// An entry of a table or an offset is infinite or not a number.
+    #[error("`{what}` of joint {} is {value}, not a finite number", joint + 1)]
+    NotFinite {
+        /// `d`, `a`, `alpha` or `offsets`.
+        what: &'static str,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// A length is infinite or not a number.
+    #[error("the length `{what}` is {value}, not a finite number")]
+    LengthNotFinite {
+        /// Its name.
+        what: &'static str,
+        /// The length.
+        value: f64,
+    },
+    /// The table is not of the UR type, for which there is a closed form.
+    #[error("`{column}` of joint {} is {value}: an arm of the UR type has {expected} there", joint + 1)]
+    NotUrType {
+        /// `a` or `alpha`.
+        column: &'static str,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// The entry.
+        value: f64,
+        /// What must stand there.
+        expected: f64,
+    },
+    /// Upper arm or forearm has no length, so it reaches nothing.
+    #[error("the {link} has no length")]
+    NoLength {
+        /// Which one.
+        link: &'static str,
+    },
+    /// A sign is neither 1 nor -1.
+    #[error("the sign of joint {} is {value}, it must be 1 or -1", joint + 1)]
+    Sign {
+        /// The joint, counted from 0.
+        joint: usize,
+        /// The sign.
+        value: f64,
+    },
+    /// The limits cannot be.
+    #[error(transparent)]
+    Limits(#[from] LimitError),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Solver {
+    Ur(UrArm),
+    Ortho(OrthoArm),
+}
+
+/// An arm, ready to be asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arm {
+    solver: Solver,
+    offsets: [f64; 6],
+    signs: [f64; 6],
+    limits: JointLimits<6>,
+}
+
+impl Arm {
+    /// Checks the numbers of an arm.
+    ///
+    /// # Errors
+    /// [`ArmError`] names the number that cannot be.
+    pub fn new(model: &ArmModel) -> Result<Self, ArmError> {
+        let ArmModel { geometry, offsets, signs, limits } = *model;
+        for joint in 0..6 {
+            if !offsets[joint].is_finite() {
+                return Err(ArmError::NotFinite { what: "offsets", joint, value: offsets[joint] });
+            }
+            if (signs[joint].abs() - 1.0).abs() > 0.0 || signs[joint].is_nan() {
+                return Err(ArmError::Sign { joint, value: signs[joint] });
+            }
+        }
+        limits.check()?;
+        let solver = match geometry {
+            Geometry::Ur(table) => {
+                table.check()?;
+                Solver::Ur(UrArm::new(&table))
+            }
+            Geometry::Ortho(lengths) => {
+                lengths.check()?;
+                Solver::Ortho(OrthoArm::new(&lengths))
+            }
+        };
+        // Whole turns of an offset change nothing, and without them sums stay small.
+        Ok(Arm { solver, offsets: offsets.map(|offset| crate::angle::nearest_image(offset, 0.0)), signs, limits })
+    }
+
+    /// The limits of its joints.
+    pub fn limits(&self) -> &JointLimits<6> {
+        &self.limits
+    }
+
+    /// The pose of the flange, `base_flange`. Joints that are not finite give a pose that is not finite.
+    /// ```
+    /// use curvlay_kinematics::{Arm, robots};
+    /// // A UR5 at zero lies stretched along -x.
+    /// let flange = Arm::new(&robots::UR5)?.forward(&[0.0; 6]).translation.vector;
+    /// assert!((flange.x + 817.25).abs() < 1e-9 && (flange.z + 5.491).abs() < 1e-9);
+    /// # Ok::<(), curvlay_kinematics::ArmError>(())
+    /// ```
+    pub fn forward(&self, joints: &[f64; 6]) -> Isometry3<f64> {
+        let (r, p) = self.flange(&self.inner(joints));
+        isometry(&r, &p)
+    }
+
+    /// The poses of base, links and flange in the base; the last is [`Arm::forward`].
+    ///
+    /// Of a UR arm the frames of its table. Of an ortho-parallel arm: shoulder (on axis 1, at the height of axis 2), upper arm (at
+    /// axis 2), forearm (at axis 3), wrist centre before and after joint 5, flange; z runs along the link.
+    pub fn frames(&self, joints: &[f64; 6]) -> [Isometry3<f64>; 7] {
+        let inner = self.inner(joints);
+        let frames = match &self.solver {
+            Solver::Ur(arm) => arm.frames(&inner),
+            Solver::Ortho(arm) => arm.frames(&inner),
+        };
+        frames.map(|(r, p)| isometry(&r, &p))
+    }
+
+    /// The branch on which these joints lie. On a singularity, that with the lower slot.
+    pub fn branch(&self, joints: &[f64; 6]) -> Branch {
+        let inner = self.inner(joints);
+        match &self.solver {
+            Solver::Ur(arm) => arm.branch(&inner),
+            Solver::Ortho(arm) => arm.branch(&inner),
+        }
+    }
+
+    /// All branches that reach `base_flange`, joints in `(-pi, pi]`, whatever the limits.
+    ///
+    /// Each solution has been put through the forward kinematics and meets the pose within [`POSITION_TOLERANCE`] and
+    /// [`ANGLE_TOLERANCE`]. Solutions that lie within [`SAME`] of each other are given once, in the lower slot.
+    /// Where a joint is free (axes 4 and 6 in line; wrist centre on axis 1) it is put at zero:
+    /// [`Arm::continuing`] keeps it where it was.
+    ///
+    /// A pose out of reach has no solution; nor has one that is not finite or whose quaternion is not of length 1.
+    ///
+    /// # Cost
+    /// About a microsecond, no allocation.
+    pub fn inverse(&self, base_flange: &Isometry3<f64>) -> Solutions {
+        let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
+        let mut found = self.closed_form(&r, &p, &[0.0; 6]);
+        found.retain(|inner| self.meets(inner, &r, &p, 1.0));
+        self.outward(&mut found);
+        found
+    }
+
+    /// The same without the forward kinematics behind it: what the closed form says, for callers that check by themselves.
+    pub fn inverse_unchecked(&self, base_flange: &Isometry3<f64>) -> Solutions {
+        let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
+        let mut found = self.closed_form(&r, &p, &[0.0; 6]);
+        self.outward(&mut found);
+        found
+    }
+
+    /// Solutions in the geometry's joints, free joints at `free`, not yet brought into one turn.
+    fn closed_form(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &[f64; 6]) -> Solutions {
+        let mut found = Solutions::EMPTY;
+        let folded = match &self.solver {
+            Solver::Ur(arm) => arm.solve(r, p, free, &mut found),
+            Solver::Ortho(arm) => arm.solve(r, p, free, &mut found),
+        };
+        if folded {
+            found.merge();
+        }
+        found
+    }
+
+    /// From the geometry's joints to the arm's.
+    fn outward(&self, found: &mut Solutions) {
+        found.map(|inner| *inner = self.outer(inner));
+    }
+
+    /// From the geometry's joints to the arm's, in `(-pi, pi]`.
+    fn outer(&self, inner: &[f64; 6]) -> [f64; 6] {
+        [0, 1, 2, 3, 4, 5].map(|k| wrapped((inner[k] + self.offsets[k]) * self.signs[k]))
+    }
+
+    /// From the arm's joints to the geometry's.
+    fn inner(&self, joints: &[f64; 6]) -> [f64; 6] {
+        let mut inner = *joints;
+        (0..6).for_each(|k| inner[k] = joints[k] * self.signs[k] - self.offsets[k]);
+        inner
+    }
+
+    fn flange(&self, inner: &[f64; 6]) -> (Matrix3<f64>, Vector3<f64>) {
+        match &self.solver {
+            Solver::Ur(arm) => arm.forward(inner),
+            Solver::Ortho(arm) => arm.forward(inner),
+        }
+    }
+
+    /// Whether joints of the geometry meet the pose within this share of the tolerances.
+    fn meets(&self, inner: &[f64; 6], r: &Matrix3<f64>, p: &Vector3<f64>, share: f64) -> bool {
+        let (reached, at) = self.flange(inner);
+        // The Frobenius norm of a small rotation less the identity is sqrt(2) times its angle.
+        (at - p).norm_squared() <= (share * POSITION_TOLERANCE).powi(2)
+            && (reached - r).norm_squared() <= 2.0 * (share * ANGLE_TOLERANCE).powi(2)
+    }
+}
+
+fn isometry(r: &Matrix3<f64>, p: &Vector3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::from(*p), rotation(r))
+}

@@ -1,0 +1,179 @@
+//! Ortho-parallel arms with a spherical wrist in closed form: most industrial arms.
+//!
+//! M. Brandstoetter, A. Angerer, M. Hofbaur, "An analytical solution of the inverse kinematics problem of industrial
+//! serial manipulators with an ortho-parallel basis and a spherical wrist", Austrian Robotics Workshop 2014: the seven
+//! lengths `a1, a2, b, c1, c2, c3, c4` and their meaning. The solution here departs from it: joints 4 to 6 come
+//! from one column of the wrist's rotation and, given joint 4, from the axis of joint 5, so that their sum keeps all
+//! digits where axes 4 and 6 are nearly parallel.
+//!
+//! At zero all links stand upright. Then axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
+
+use super::branches::{Branch, Solutions, slot};
+use super::planar::{Turn, bend, lift, shoulder};
+use super::{ArmError, Frames, SHORTEST, WRIST};
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
+
+/// The lengths of an ortho-parallel arm, in millimetres, at the posture with all links upright.
+///
+/// These are the numbers that collections of robots print under the same names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrthoLengths {
+    /// Axis 2 in front of axis 1.
+    pub a1: f64,
+    /// Wrist centre in front of axis 3; negative on most arms.
+    pub a2: f64,
+    /// Wrist centre beside axis 1, along y.
+    pub b: f64,
+    /// Axis 2 above the floor.
+    pub c1: f64,
+    /// Axis 3 above axis 2.
+    pub c2: f64,
+    /// Wrist centre above axis 3.
+    pub c3: f64,
+    /// Flange above the wrist centre.
+    pub c4: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OrthoArm {
+    lengths: OrthoLengths,
+    /// From axis 3 to the wrist centre: the distance, and the cosine, sine and angle of its lean against the forearm.
+    forearm: f64,
+    lean: (f64, f64, f64),
+}
+
+impl OrthoLengths {
+    pub(super) fn check(&self) -> Result<(), ArmError> {
+        let OrthoLengths { a1, a2, b, c1, c2, c3, c4 } = *self;
+        let named = [("a1", a1), ("a2", a2), ("b", b), ("c1", c1), ("c2", c2), ("c3", c3), ("c4", c4)];
+        for (what, value) in named {
+            if !value.is_finite() {
+                return Err(ArmError::LengthNotFinite { what, value });
+            }
+        }
+        if c2.abs() < SHORTEST {
+            return Err(ArmError::NoLength { link: "upper arm" });
+        }
+        if a2.hypot(c3) < SHORTEST {
+            return Err(ArmError::NoLength { link: "forearm" });
+        }
+        Ok(())
+    }
+}
+
+impl OrthoArm {
+    pub fn new(lengths: &OrthoLengths) -> Self {
+        let forearm = lengths.a2.hypot(lengths.c3);
+        let lean = (lengths.c3 / forearm, lengths.a2 / forearm, lengths.a2.atan2(lengths.c3));
+        OrthoArm { lengths: *lengths, forearm, lean }
+    }
+
+    pub fn forward(&self, q: &[f64; 6]) -> (Matrix3<f64>, Vector3<f64>) {
+        let OrthoLengths { a1, a2, b, c1, c2, c3, c4 } = self.lengths;
+        let (s1, cos1) = q[0].sin_cos();
+        let (s2, cos2) = q[1].sin_cos();
+        let (s23, c23) = (q[1] + q[2]).sin_cos();
+        let (s4, cos4) = q[3].sin_cos();
+        let (s5, c5) = q[4].sin_cos();
+        let (s6, c6) = q[5].sin_cos();
+        let (along, up) = (a1 + c2 * s2 + a2 * c23 + c3 * s23, c1 + c2 * cos2 - a2 * s23 + c3 * c23);
+        let wrist = Vector3::new(along * cos1 - b * s1, along * s1 + b * cos1, up);
+        let x3 = Vector3::new(cos1 * c23, s1 * c23, -s23);
+        let y3 = Vector3::new(-s1, cos1, 0.0);
+        let z3 = Vector3::new(cos1 * s23, s1 * s23, c23);
+        let x4 = x3 * cos4 + y3 * s4;
+        let y4 = y3 * cos4 - x3 * s4;
+        let x5 = x4 * c5 - z3 * s5;
+        let z6 = x4 * s5 + z3 * c5;
+        (Matrix3::from_columns(&[x5 * c6 + y4 * s6, y4 * c6 - x5 * s6, z6]), wrist + z6 * c4)
+    }
+
+    pub fn longest_link(&self) -> f64 {
+        self.lengths.c2.abs().max(self.forearm)
+    }
+
+    /// Base; shoulder, where joint 2 turns; upper arm, at joint 2; forearm, at joint 3; wrist centre twice; flange.
+    pub fn frames(&self, q: &[f64; 6]) -> Frames {
+        let OrthoLengths { a1, a2, b, c1, c2, c3, c4 } = self.lengths;
+        let mut frames = [(Matrix3::identity(), Vector3::zeros()); 7];
+        let steps = [
+            (false, Vector3::new(0.0, 0.0, c1)),
+            (true, Vector3::new(a1, b, 0.0)),
+            (true, Vector3::new(0.0, 0.0, c2)),
+            (false, Vector3::new(a2, 0.0, c3)),
+            (true, Vector3::zeros()),
+            (false, Vector3::new(0.0, 0.0, c4)),
+        ];
+        for (k, (about_y, offset)) in steps.into_iter().enumerate() {
+            let (r, p) = frames[k];
+            let (sin, cos) = q[k].sin_cos();
+            let (x, y, z) = (r.column(0), r.column(1), r.column(2));
+            let turned = if about_y {
+                Matrix3::from_columns(&[x * cos - z * sin, y.into_owned(), z * cos + x * sin])
+            } else {
+                Matrix3::from_columns(&[x * cos + y * sin, y * cos - x * sin, z.into_owned()])
+            };
+            frames[k + 1] = (turned, p + r * offset);
+        }
+        frames
+    }
+
+    /// Axis of each joint: a point on it, and its direction.
+    pub fn axes(&self, q: &[f64; 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {
+        let frames = self.frames(q);
+        let columns = [2, 1, 1, 2, 1, 2];
+        [0, 1, 2, 3, 4, 5].map(|k| (frames[k + 1].1, frames[k + 1].0.column(columns[k]).into_owned()))
+    }
+
+    pub fn branch(&self, q: &[f64; 6]) -> Branch {
+        let OrthoLengths { a1, a2, c2, c3, .. } = self.lengths;
+        let (s23, c23) = (q[1] + q[2]).sin_cos();
+        let along = a1 + c2 * q[1].sin() + a2 * c23 + c3 * s23;
+        Branch::of(along < 0.0, (q[2] + self.lean.2).sin() * c2.signum() < 0.0, q[4].sin() < 0.0)
+    }
+
+    pub fn solve(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &[f64; 6], found: &mut Solutions) -> bool {
+        let OrthoLengths { a1, b, c1, c2, c4, .. } = self.lengths;
+        let (x6, y6, z6) = (r.column(0), r.column(1), r.column(2));
+        let wrist = p - z6 * c4;
+        // The arm's plane has the wrist at b along y, which is minus its normal.
+        let Some(shoulders) = shoulder(&wrist, -b, free[0]) else { return false };
+        let mut folded = shoulders[0].1.abs() <= FOLD * b.abs();
+        let up = wrist.z - c1;
+        for (side, (q1, reach)) in shoulders.into_iter().enumerate() {
+            let back = side == 1;
+            let along = reach - a1;
+            let Some((cos, sin)) = bend((along * along + up * up).sqrt(), c2, self.forearm) else { continue };
+            let between = sin.atan2(cos);
+            folded |= sin <= FOLD;
+            let y1 = [x6, y6, z6].map(|axis| axis.y * q1.cos - axis.x * q1.sin);
+            let x1 = [x6, y6, z6].map(|axis| axis.x * q1.cos + axis.y * q1.sin);
+            for down in [false, true] {
+                let sign = if down { -c2.signum() } else { c2.signum() };
+                // Angles of links are counted from upright: up takes the place of x, forward that of y.
+                let q2 = lift(up, along, c2, self.forearm, (cos, sign * sin), free[1]);
+                let q3 = sign * between - self.lean.2;
+                let (s, c) = (q2.sin * cos + q2.cos * sign * sin, q2.cos * cos - q2.sin * sign * sin);
+                let (s23, c23) = (s * self.lean.0 - c * self.lean.1, c * self.lean.0 + s * self.lean.1);
+                // The flange's axis in the frame of the forearm.
+                let (x, y, z) = (x1[2] * c23 - z6.z * s23, y1[2], x1[2] * s23 + z6.z * c23);
+                let s5 = (x * x + y * y).sqrt();
+                let (q4, q5) = if s5 > WRIST {
+                    (Turn { cos: x / s5, sin: y / s5, angle: y.atan2(x) }, s5.atan2(z))
+                } else {
+                    (Turn::of(free[3]), if z > 0.0 { 0.0 } else { PI })
+                };
+                // Axis 5 in the flange.
+                let axis5 = |k: usize, vertical: f64| y1[k] * q4.cos - (x1[k] * c23 - vertical * s23) * q4.sin;
+                let q6 = axis5(0, x6.z).atan2(axis5(1, y6.z));
+                found.put(slot(back, down, false), [q1.angle, q2.angle, q3, q4.angle, q5, q6]);
+                found.put(slot(back, down, true), [q1.angle, q2.angle, q3, q4.angle + PI, -q5, q6 + PI]);
+            }
+        }
+        folded
+    }
+}
+
+/// Below this sine two branches may have come together; above it they are surely apart.
+const FOLD: f64 = 1e-5;

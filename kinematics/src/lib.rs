@@ -1,0 +1,28 @@
+//! Kinematics of arms and cells for multi-axis additive manufacturing: in closed form, and right at every singularity.
+//!
+//! Lengths in millimetres, angles in radians, seconds. Poses are named by their frames: `base_flange` maps flange
+//! coordinates into the base. Joints are `[f64; 6]`.
+//!
+//! * [`Arm`]: forward and inverse kinematics of UR arms and ortho-parallel arms with a spherical wrist, all eight
+//!   branches in named slots, Jacobians, the solution that goes on from the last one. [`robots`] holds published numbers.
+//! * [`JointLimits`]: limits and whole turns.
+//! * [`Positioner`]: a table that tilts and turns.
+//! * [`Cell`], [`TableCell`]: who holds what; from a waypoint to configurations.
+//! * [`place_nozzle`]: where a nozzle should stand, by reachability.
+//! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
+
+mod angle;
+mod arm;
+mod limits;
+mod pose;
+mod positioner;
+
+pub use arm::robots;
+pub use arm::{
+    ANGLE_TOLERANCE, Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths, POSITION_TOLERANCE, Rates,
+    SAME, Shoulder, Solutions, Wrist,
+};
+pub use limits::{Images, JointLimits, LimitError};
+pub use nalgebra;
+pub use positioner::{Positioner, PositionerError, PositionerModel};
+pub use pose::{PoseError, pose_from_matrix};

@@ -1,0 +1,92 @@
+//! Poses from matrices, checked.
+
+use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+/// A matrix that is no pose.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// An entry is infinite or not a number.
+    #[error("row {row}, column {column} of the pose is {value}, not a finite number")]
+    NotFinite {
+        /// From 0.
+        row: usize,
+        /// From 0.
+        column: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// The upper left block does not keep lengths and angles, or it mirrors.
+    #[error("the pose is no rotation: R R^T differs from 1 by {off} (its determinant is {determinant})")]
+    NoRotation {
+        /// Largest entry of `R R^T - 1`.
+        off: f64,
+        /// Determinant of the block.
+        determinant: f64,
+    },
+    /// The last row is not `0 0 0 1`.
+    #[error("the last row of the pose must be 0 0 0 1")]
+    LastRow,
+}
+
+/// How far a rotation may be off, as entries of `R R^T - 1`: six digits are what files and pendants give.
+const ORTHOGONAL: f64 = 1e-5;
+
+/// The rigid motion that a homogeneous matrix describes (translation in millimetres).
+///
+/// A rotation written with six digits or more is taken for the rotation next to it.
+///
+/// # Errors
+/// [`PoseError`] for NaN, infinities, a block that is no rotation, and another last row than `0 0 0 1`.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::{PoseError, nalgebra::Matrix4, pose_from_matrix};
+/// let mut matrix = Matrix4::identity();
+/// matrix[(0, 3)] = 250.0;
+/// assert_eq!(pose_from_matrix(&matrix)?.translation.vector.x, 250.0);
+/// matrix[(2, 2)] = -1.0;
+/// assert!(matches!(pose_from_matrix(&matrix), Err(PoseError::NoRotation { .. })));
+/// # Ok::<(), PoseError>(())
+/// ```
+pub fn pose_from_matrix(matrix: &Matrix4<f64>) -> Result<Isometry3<f64>, PoseError> {
+    for row in 0..4 {
+        for column in 0..4 {
+            let value = matrix[(row, column)];
+            if !value.is_finite() {
+                return Err(PoseError::NotFinite { row, column, value });
+            }
+        }
+    }
+    if (0..4).any(|k| (matrix[(3, k)] - if k == 3 { 1.0 } else { 0.0 }).abs() > ORTHOGONAL) {
+        return Err(PoseError::LastRow);
+    }
+    let block: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into_owned();
+    let off = (block * block.transpose() - Matrix3::identity()).amax();
+    let determinant = block.determinant();
+    if off > ORTHOGONAL || determinant < 0.0 {
+        return Err(PoseError::NoRotation { off, determinant });
+    }
+    let translation: Vector3<f64> = matrix.fixed_view::<3, 1>(0, 3).into_owned();
+    Ok(Isometry3::from_parts(Translation3::from(translation), rotation(&block)))
+}
+
+/// The quaternion of a rotation matrix.
+pub(crate) fn rotation(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    // Renewed, so that rounding of a product does not stay in its length.
+    UnitQuaternion::new_normalize(
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*matrix)).into_inner(),
+    )
+}
+
+/// How far the length of a quaternion may be from 1.
+const UNIT: f64 = 1e-9;
+
+/// Rotation and translation of a pose; `None` when an entry is not finite or the quaternion has another length than 1.
+pub(crate) fn parts(pose: &Isometry3<f64>) -> Option<(Matrix3<f64>, Vector3<f64>)> {
+    let translation = pose.translation.vector;
+    let length = pose.rotation.as_ref().norm();
+    // NaN fails the comparison.
+    let sound = (length - 1.0).abs() <= UNIT && translation.iter().all(|x| x.is_finite());
+    sound.then(|| (pose.rotation.to_rotation_matrix().into_inner(), translation))
+}

@@ -1,0 +1,94 @@
+//! What several test files share: robots by name, reference rows, joints and poses to compare.
+#![allow(dead_code, clippy::unwrap_used)] // helpers of tests fail like tests, and no file uses all of them
+
+use curvlay_kinematics::nalgebra::{Isometry3, Matrix4};
+use curvlay_kinematics::{ANGLE_TOLERANCE, Arm, ArmModel, POSITION_TOLERANCE, pose_from_matrix, robots};
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
+
+pub const ROBOTS: [(&str, &ArmModel); 6] = [
+    ("UR3", &robots::UR3),
+    ("UR3e", &robots::UR3E),
+    ("UR5", &robots::UR5),
+    ("UR5e", &robots::UR5E),
+    ("IRB120-3_0.6", &robots::IRB120),
+    ("IRB1200-7_0.7", &robots::IRB1200),
+];
+
+pub fn arm(model: &ArmModel) -> Arm {
+    Arm::new(model).unwrap()
+}
+
+/// A file of the shared reference rows; without them the test says that it was skipped.
+pub fn reference(name: &str) -> Option<String> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/kinematics").join(name);
+    let text = std::fs::read_to_string(path).ok();
+    if text.is_none() {
+        println!("skipped: no shared reference rows `{name}`");
+    }
+    text
+}
+
+/// A row by the names of its columns.
+pub struct Row<'a>(BTreeMap<&'a str, &'a str>);
+
+impl Row<'_> {
+    pub fn text(&self, column: &str) -> &str {
+        self.0[column]
+    }
+
+    pub fn number(&self, column: &str) -> f64 {
+        self.0[column].parse().unwrap()
+    }
+
+    pub fn joints(&self) -> [f64; 6] {
+        ["q1", "q2", "q3", "q4", "q5", "q6"].map(|name| self.number(name))
+    }
+
+    /// The pose by its matrix, in millimetres.
+    pub fn pose(&self) -> Isometry3<f64> {
+        let mut matrix = Matrix4::identity();
+        for (i, p) in ["px", "py", "pz"].into_iter().enumerate() {
+            for k in 0..3 {
+                matrix[(i, k)] = self.number(&format!("r{}{}", i + 1, k + 1));
+            }
+            matrix[(i, 3)] = 1000.0 * self.number(p);
+        }
+        pose_from_matrix(&matrix).unwrap()
+    }
+}
+
+pub fn rows(text: &str) -> impl Iterator<Item = Row<'_>> {
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    lines.map(move |line| Row(header.iter().copied().zip(line.split(',')).collect()))
+}
+
+/// Largest difference of joints as directions.
+pub fn apart(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b - TAU * ((a - b) / TAU).round()).abs()).fold(0.0, f64::max)
+}
+
+/// Largest difference of joints as numbers.
+pub fn differ(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Distance in mm and angle in rad between two poses.
+pub fn miss(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
+    let turn = (a.rotation.inverse() * b.rotation).into_inner();
+    (
+        (a.translation.vector - b.translation.vector).norm(),
+        2.0 * turn.imag().norm().atan2(turn.w.abs()),
+    )
+}
+
+pub fn assert_meets(arm: &Arm, joints: &[f64; 6], pose: &Isometry3<f64>, what: &str) {
+    let (mm, rad) = miss(&arm.forward(joints), pose);
+    assert!(mm <= POSITION_TOLERANCE && rad <= ANGLE_TOLERANCE, "{what}: {mm:e} mm, {rad:e} rad at {joints:?}");
+}
+
+pub fn in_one_turn(joints: &[f64; 6]) -> bool {
+    joints.iter().all(|angle| -PI < *angle && *angle <= PI)
+}

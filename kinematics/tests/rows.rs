@@ -1,0 +1,145 @@
+//! Published robots against reference rows made with 50 digits: forward, inverse, completeness, continuing. Rows in metres.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+
+use common::{ROBOTS, Row, apart, arm, assert_meets, differ, in_one_turn, miss, reference, rows};
+use curvlay_kinematics::nalgebra::{Isometry3, Quaternion, UnitQuaternion};
+use curvlay_kinematics::{Branch, Positioner, robots};
+
+/// Below this distance from a singularity the joints of a row are not unique to the digits asked for.
+const UNIQUE: f64 = 1e-6;
+
+fn eps(row: &Row) -> Option<f64> {
+    let text = row.text("eps");
+    (!text.is_empty()).then(|| text.parse().unwrap())
+}
+
+/// All rows of all robots, with the arm's name in front.
+fn for_each_row(mut check: impl FnMut(&str, &curvlay_kinematics::Arm, &Row)) -> Option<()> {
+    for (name, model) in ROBOTS {
+        let text = reference(&format!("{name}.csv"))?;
+        let arm = arm(model);
+        rows(&text).for_each(|row| check(&format!("{name}, row {} ({})", row.text("id"), row.text("class")), &arm, &row));
+    }
+    Some(())
+}
+
+#[test]
+fn forward_gives_the_pose_of_every_row() {
+    let mut worst = (0.0f64, 0.0f64);
+    for_each_row(|what, arm, row| {
+        let (mm, rad) = miss(&arm.forward(&row.joints()), &row.pose());
+        assert!(mm < 1e-9 && rad < 1e-12, "{what}: {mm:e} {rad:e}");
+        let q = Quaternion::new(row.number("qw"), row.number("qx"), row.number("qy"), row.number("qz"));
+        let by_quaternion = Isometry3::from_parts(row.pose().translation, UnitQuaternion::new_normalize(q));
+        assert!(miss(&by_quaternion, &row.pose()).1 < 1e-14);
+        worst = (worst.0.max(mm), worst.1.max(rad));
+    });
+    println!("forward: {:e} mm, {:e} rad", worst.0, worst.1);
+}
+
+#[test]
+fn inverse_recovers_every_row() {
+    let (mut recovered, mut asked) = (0, 0);
+    for_each_row(|what, arm, row| {
+        let (pose, joints) = (row.pose(), row.joints());
+        let found = arm.inverse(&pose);
+        assert!(!found.is_empty(), "{what}: nothing");
+        for (branch, solution) in found.iter() {
+            assert_meets(arm, solution, &pose, what);
+            assert!(in_one_turn(solution), "{what}: {solution:?}");
+            let others = found.iter().filter(|(other, _)| *other != branch);
+            assert!(others.into_iter().all(|(_, other)| apart(other, solution) > 1e-6), "{what}: twins");
+        }
+        if eps(row).is_none_or(|eps| eps >= UNIQUE) {
+            asked += 1;
+            let nearest = found.iter().map(|(_, solution)| apart(solution, &joints)).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-6, "{what}: {nearest:e} from the nearest of {}", found.len());
+            recovered += 1;
+        }
+    });
+    println!("inverse: {recovered} of {asked} recovered");
+}
+
+#[test]
+fn continuing_from_a_row_stays_on_it() {
+    for_each_row(|what, arm, row| {
+        let (pose, joints) = (row.pose(), row.joints());
+        let next = arm.continuing(&pose, &joints).unwrap_or_else(|| panic!("{what}: nothing"));
+        assert!(differ(&next, &joints) < 1e-6, "{what}: {:e}", differ(&next, &joints));
+        assert_meets(arm, &next, &pose, what);
+    });
+}
+
+/// Moved by 1e-3 rad in each joint, in all 64 directions.
+#[test]
+fn continuing_from_beside_a_row_stays_beside_it() {
+    const STEP: f64 = 1e-3;
+    let mut farthest = 0.0f64;
+    for_each_row(|what, arm, row| {
+        let (pose, joints) = (row.pose(), row.joints());
+        for signs in 0..64 {
+            let mut beside = joints;
+            (0..6).for_each(|k| beside[k] += if signs >> k & 1 == 0 { STEP } else { -STEP });
+            let next = arm.continuing(&pose, &beside).unwrap_or_else(|| panic!("{what}: nothing"));
+            assert_meets(arm, &next, &pose, what);
+            assert!(arm.limits().contains(&next), "{what}: {next:?}");
+            // The row itself is a solution: the nearest one is no farther, except that a free joint is kept to the
+            // digit and its partner then makes good for both.
+            let far = differ(&next, &beside);
+            if far > 2.0*STEP { println!("{what} eps {} {far:e} {joints:?} {next:?}", row.text("eps")); }
+            farthest = farthest.max(far);
+        }
+    });
+    println!("continuing: at most {farthest:e} rad from the previous joints");
+}
+
+#[test]
+fn random_rows_have_exactly_the_branches_that_two_other_solvers_found() {
+    for (name, model) in ROBOTS {
+        let (Some(poses), Some(branches)) = (reference(&format!("{name}.csv")), reference(&format!("{name}_branches.csv")))
+        else {
+            return;
+        };
+        let arm = arm(model);
+        let theirs: Vec<Row> = rows(&branches).collect();
+        let mut count = 0;
+        for row in rows(&poses).filter(|row| row.text("class") == "random") {
+            let ours = arm.inverse(&row.pose());
+            let wanted: Vec<_> = theirs.iter().filter(|b| b.text("id") == row.text("id")).map(Row::joints).collect();
+            assert_eq!(ours.len(), wanted.len(), "{name}, row {}", row.text("id"));
+            for solution in &wanted {
+                let nearest = ours.iter().map(|(_, q)| apart(q, solution)).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 1e-6, "{name}, row {}: {nearest:e}", row.text("id"));
+            }
+            for (branch, solution) in ours.iter() {
+                assert_eq!(arm.branch(solution), branch, "{name}, row {}", row.text("id"));
+            }
+            count += wanted.len();
+        }
+        println!("{name}: {count} branches, none missing, none false");
+    }
+}
+
+#[test]
+fn the_slot_is_the_cfx_of_an_abb_arm() {
+    for (name, model) in ROBOTS.into_iter().filter(|(name, _)| name.starts_with("IRB")) {
+        let Some(text) = reference(&format!("{name}.csv")) else { return };
+        let arm = arm(model);
+        for row in rows(&text).filter(|row| eps(row).is_none_or(|eps| eps >= UNIQUE)) {
+            let cfx: usize = row.text("cfx").parse().unwrap();
+            assert_eq!(arm.branch(&row.joints()), Branch::ALL[cfx], "{name}, row {}", row.text("id"));
+        }
+    }
+}
+
+#[test]
+fn the_positioner_gives_the_pose_of_every_row() {
+    let Some(text) = reference("IRBP_A-250.csv") else { return };
+    let positioner = Positioner::new(&robots::IRBP_A250, &Isometry3::identity()).unwrap();
+    for row in rows(&text) {
+        let (mm, rad) = miss(&positioner.forward(&[row.number("q1"), row.number("q2")]), &row.pose());
+        assert!(mm < 1e-9 && rad < 1e-12, "row {}: {mm:e} {rad:e}", row.text("id"));
+    }
+}
