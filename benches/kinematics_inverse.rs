@@ -81,9 +81,7 @@ fn has(found: &[Joints], joints: &Joints) -> bool {
 }
 
 fn bench_inverse(c: &mut Criterion) {
-    for (name, model, baseline) in
-        [("ur5", &robots::UR5, None), ("irb120", &robots::IRB120, Some(baseline_irb120()))]
-    {
+    for (name, model, baseline) in [("ur5", &robots::UR5, None), ("irb120", &robots::IRB120, Some(baseline_irb120()))] {
         let arm = arm(model);
         let poses = poses(&arm, &random_joints(&arm));
         let branches: usize = poses.iter().map(|pose| arm.inverse(pose).len()).sum();
@@ -113,9 +111,7 @@ fn bench_inverse(c: &mut Criterion) {
 }
 
 fn bench_continuing(c: &mut Criterion) {
-    for (name, model, baseline) in
-        [("ur5", &robots::UR5, None), ("irb120", &robots::IRB120, Some(baseline_irb120()))]
-    {
+    for (name, model, baseline) in [("ur5", &robots::UR5, None), ("irb120", &robots::IRB120, Some(baseline_irb120()))] {
         let arm = arm(model);
         let joints = path(&arm);
         let poses = poses(&arm, &joints);

@@ -19,10 +19,10 @@ mod positioner;
 
 pub use arm::robots;
 pub use arm::{
-    ANGLE_TOLERANCE, Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths, POSITION_TOLERANCE, Rates,
-    SAME, Shoulder, Solutions, Wrist,
+    ANGLE_TOLERANCE, Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths, POSITION_TOLERANCE,
+    Rates, SAME, Shoulder, Solutions, Wrist,
 };
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
-pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use pose::{PoseError, pose_from_matrix};
+pub use positioner::{Positioner, PositionerError, PositionerModel};

@@ -81,8 +81,7 @@ impl<const N: usize> JointLimits<N> {
             if !(lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY) {
                 return Err(LimitError::Empty { joint, lower, upper });
             }
-            let bounds =
-                [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)];
+            let bounds = [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)];
             for (what, values) in bounds {
                 let value = values[joint];
                 if value.is_nan() || value <= 0.0 {
@@ -140,7 +139,7 @@ impl<const N: usize> JointLimits<N> {
     /// let joints = [0.5; 6];
     /// assert_eq!(robots::UR5.limits.images(&joints, &joints).count(), 64);
     /// assert_eq!(robots::UR3.limits.images(&joints, &joints).count(), 32); // joint 6 turns without end
-    /// assert_eq!(robots::IRB120.limits.images(&joints, &joints).count(), 2); // only joint 6 has room
+    /// assert_eq!(robots::IRB120.limits.images(&joints, &joints).count(), 3); // only joint 6 has room
     /// ```
     pub fn images(&self, joints: &[f64; N], reference: &[f64; N]) -> Images<N> {
         let mut images = Images { first: *joints, upper: *joints, next: None };

@@ -158,7 +158,7 @@ impl Positioner {
         let (to_tilt, to_turn) = (tilt.dot(&to), turn.dot(&from));
         let (a, b) = ((to_tilt - cos * to_turn) / square, (to_turn - cos * to_tilt) / square);
         let rest = (1.0 - a * a - b * b - 2.0 * a * b * cos) / square;
-        if !(rest >= -ROUNDING) {
+        if rest < -ROUNDING {
             return [None; 2];
         }
         let joints = |sign: f64| {

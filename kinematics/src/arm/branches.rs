@@ -95,8 +95,7 @@ impl Solutions {
 
     /// The joints of one branch, or `None` if it does not reach the pose.
     pub fn get(&self, branch: Branch) -> Option<&[f64; 6]> {
-        let slot = branch.slot();
-        self.has(slot).then(|| &self.joints[slot])
+        self.at(branch.slot())
     }
 
     /// How many branches reach the pose.
@@ -114,6 +113,10 @@ impl Solutions {
         (0..8).filter(|&slot| self.has(slot)).map(|slot| (Branch::ALL[slot], &self.joints[slot]))
     }
 
+    pub(super) fn at(&self, slot: usize) -> Option<&[f64; 6]> {
+        self.has(slot).then(|| &self.joints[slot])
+    }
+
     fn has(&self, slot: usize) -> bool {
         self.present >> slot & 1 != 0
     }
@@ -125,15 +128,6 @@ impl Solutions {
 
     pub(super) fn remove(&mut self, branch: Branch) {
         self.present &= !(1 << branch.slot());
-    }
-
-    /// Drops what `keep` refuses.
-    pub(super) fn retain(&mut self, keep: impl Fn(&[f64; 6]) -> bool) {
-        for slot in 0..8 {
-            if self.has(slot) && !keep(&self.joints[slot]) {
-                self.present &= !(1 << slot);
-            }
-        }
     }
 
     pub(super) fn map(&mut self, change: impl Fn(&mut [f64; 6])) {

@@ -7,7 +7,7 @@
 //! Eq. 4.3). In every cell that moves the flange rigidly about a line that stands still in the base, so
 //! the derivatives of the inverse with respect to the tool angle are those of a screw motion without pitch.
 
-use super::{Arm, Solver};
+use super::Arm;
 use nalgebra::{Matrix6, Point3, UnitVector3, Vector3, Vector6};
 
 /// First and second derivatives of joints.
@@ -26,11 +26,7 @@ const STEEPEST: f64 = 1e8;
 impl Arm {
     /// Of each joint a point on its axis and the axis' direction (a positive turn by the right hand), in the base.
     pub fn axes(&self, joints: &[f64; 6]) -> [(Point3<f64>, UnitVector3<f64>); 6] {
-        let inner = self.inner(joints);
-        let axes = match &self.solver {
-            Solver::Ur(arm) => arm.axes(&inner),
-            Solver::Ortho(arm) => arm.axes(&inner),
-        };
+        let axes = self.inner_axes(&self.inner(joints));
         let mut signed = axes.map(|(at, along)| (Point3::from(at), UnitVector3::new_unchecked(along)));
         for (axis, sign) in signed.iter_mut().zip(self.signs) {
             axis.1 = UnitVector3::new_unchecked(axis.1.into_inner() * sign);
@@ -84,20 +80,12 @@ impl Arm {
     /// derivatives by the angle (right hand along `direction`), on the branch of `joints`. `None` at a singularity.
     ///
     /// For the tool angle the line is the nozzle's axis: see [`Cell::tool_rates`](crate::Cell::tool_rates).
-    pub fn rates_about(
-        &self,
-        joints: &[f64; 6],
-        point: &Point3<f64>,
-        direction: &UnitVector3<f64>,
-    ) -> Option<Rates> {
+    pub fn rates_about(&self, joints: &[f64; 6], point: &Point3<f64>, direction: &UnitVector3<f64>) -> Option<Rates> {
         let flange = Point3::from(self.forward(joints).translation.vector);
         let velocity = direction.cross(&(flange - point));
         let acceleration = direction.cross(&velocity);
         // In units of the longest link, so that lengths and angles weigh alike.
-        let unit = 1.0 / match &self.solver {
-            Solver::Ur(arm) => arm.longest_link(),
-            Solver::Ortho(arm) => arm.longest_link(),
-        };
+        let unit = 1.0 / self.longest_link();
         let scaled = |mut matrix: Matrix6<f64>| {
             matrix.fixed_rows_mut::<3>(0).scale_mut(unit);
             matrix
@@ -107,7 +95,7 @@ impl Arm {
             Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
         };
         let inverse = scaled(self.jacobian(joints, &Point3::origin())).try_inverse()?;
-        if !(inverse.amax() <= STEEPEST) {
+        if inverse.iter().any(|entry| entry.is_nan() || entry.abs() > STEEPEST) {
             return None;
         }
         let first: [f64; 6] = (inverse * stacked(velocity, direction.into_inner())).into();

@@ -13,6 +13,7 @@ mod jacobian;
 mod ortho;
 mod planar;
 pub mod robots;
+mod slide;
 mod ur;
 
 pub use branches::{Branch, Elbow, SAME, Shoulder, Solutions, Wrist};
@@ -36,6 +37,9 @@ const SHORTEST: f64 = 1e-3;
 /// The sine of joint 5 up to which the wrist counts as singular. Then any joint 4 meets the pose within this angle, a
 /// quarter of [`ANGLE_TOLERANCE`]; above it joints 4 and 6 are what the pose says, to about 1e-16 over the sine.
 const WRIST: f64 = 2.5e-10;
+
+/// What sums of a few angles lose.
+const ROUNDING: f64 = 1e-13;
 
 /// Every solution meets its pose within this distance, in millimetres.
 pub const POSITION_TOLERANCE: f64 = 1e-6;
@@ -236,7 +240,10 @@ impl Arm {
     pub fn inverse(&self, base_flange: &Isometry3<f64>) -> Solutions {
         let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
         let mut found = self.closed_form(&r, &p, &[0.0; 6]);
-        found.retain(|inner| self.meets(inner, &r, &p, 1.0));
+        match &self.solver {
+            Solver::Ur(arm) => arm.verify(&r, &p, &mut found),
+            Solver::Ortho(arm) => arm.verify(&r, &p, &mut found),
+        }
         self.outward(&mut found);
         found
     }
@@ -279,20 +286,34 @@ impl Arm {
         inner
     }
 
+    /// Axes of the geometry's joints: a point and the direction of a positive turn.
+    fn inner_axes(&self, inner: &[f64; 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {
+        match &self.solver {
+            Solver::Ur(arm) => arm.axes(inner),
+            Solver::Ortho(arm) => arm.axes(inner),
+        }
+    }
+
+    fn longest_link(&self) -> f64 {
+        match &self.solver {
+            Solver::Ur(arm) => arm.longest_link(),
+            Solver::Ortho(arm) => arm.longest_link(),
+        }
+    }
+
     fn flange(&self, inner: &[f64; 6]) -> (Matrix3<f64>, Vector3<f64>) {
         match &self.solver {
             Solver::Ur(arm) => arm.forward(inner),
             Solver::Ortho(arm) => arm.forward(inner),
         }
     }
+}
 
-    /// Whether joints of the geometry meet the pose within this share of the tolerances.
-    fn meets(&self, inner: &[f64; 6], r: &Matrix3<f64>, p: &Vector3<f64>, share: f64) -> bool {
-        let (reached, at) = self.flange(inner);
-        // The Frobenius norm of a small rotation less the identity is sqrt(2) times its angle.
-        (at - p).norm_squared() <= (share * POSITION_TOLERANCE).powi(2)
-            && (reached - r).norm_squared() <= 2.0 * (share * ANGLE_TOLERANCE).powi(2)
-    }
+/// Whether a flange meets the pose within this share of the tolerances.
+fn meets((reached, at): &(Matrix3<f64>, Vector3<f64>), r: &Matrix3<f64>, p: &Vector3<f64>, share: f64) -> bool {
+    // The Frobenius norm of a small rotation less the identity is sqrt(2) times its angle.
+    (at - p).norm_squared() <= (share * POSITION_TOLERANCE).powi(2)
+        && (reached - r).norm_squared() <= 2.0 * (share * ANGLE_TOLERANCE).powi(2)
 }
 
 fn isometry(r: &Matrix3<f64>, p: &Vector3<f64>) -> Isometry3<f64> {

@@ -9,8 +9,10 @@
 //! At zero all links stand upright. Then axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
 
 use super::branches::{Branch, Solutions, slot};
-use super::planar::{Turn, bend, lift, shoulder};
-use super::{ArmError, Frames, SHORTEST, WRIST};
+use super::planar::{REACH, Turn, bend, lift, shoulder};
+use super::slide::Linkage;
+use super::{ArmError, Frames, ROUNDING, SHORTEST, WRIST, meets};
+use crate::angle::nearest_image;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -87,6 +89,51 @@ impl OrthoArm {
         let x5 = x4 * c5 - z3 * s5;
         let z6 = x4 * s5 + z3 * c5;
         (Matrix3::from_columns(&[x5 * c6 + y4 * s6, y4 * c6 - x5 * s6, z6]), wrist + z6 * c4)
+    }
+
+    /// Drops solutions that do not meet the pose. A flipped wrist differs from its twin by half turns of joints 4 and 6
+    /// and the sign of joint 5, which change the flange by rounding alone; so that is checked, and the twin's pose.
+    pub fn verify(&self, r: &Matrix3<f64>, p: &Vector3<f64>, found: &mut Solutions) {
+        for slot in [0, 2, 4, 6] {
+            let (twin, flipped) = (found.at(slot).copied(), found.at(slot + 1).copied());
+            let kept = twin.is_some_and(|q| meets(&self.forward(&q), r, p, 1.0));
+            let is_twin = |q: [f64; 6], f: [f64; 6]| {
+                let apart = [f[0] - q[0], f[1] - q[1], f[2] - q[2], f[3] - q[3] - PI, f[4] + q[4], f[5] - q[5] - PI];
+                apart.iter().all(|angle| angle.abs() <= ROUNDING)
+            };
+            let both = kept && twin.zip(flipped).is_some_and(|(q, f)| is_twin(q, f));
+            if !kept {
+                found.remove(Branch::ALL[slot]);
+            }
+            if !both && !flipped.is_some_and(|f| meets(&self.forward(&f), r, p, 1.0)) {
+                found.remove(Branch::ALL[slot + 1]);
+            }
+        }
+    }
+
+    /// With the wrist centre on axis 1, axes 1, 4, 5 and 6 meet there, and upper arm and forearm stand still: with the
+    /// elbow on the side nearer to where it was.
+    pub fn linkage(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6]) -> Option<Linkage> {
+        let OrthoLengths { a1, b, c1, c2, c4, .. } = self.lengths;
+        let wrist = p - r.column(2) * c4;
+        if wrist.xy().norm() > REACH || b.abs() > REACH {
+            return None;
+        }
+        let up = wrist.z - c1;
+        let bent = bend(a1.hypot(up), c2, self.forearm)?;
+        let mut start = *was;
+        let mut least = f64::INFINITY;
+        for sign in [1.0, -1.0] {
+            let lifted = lift(up, -a1, c2, self.forearm, (bent.0, sign * bent.1), was[1]).angle;
+            let joints = [lifted, sign * bent.1.atan2(bent.0) - self.lean.2];
+            let near = [nearest_image(joints[0], was[1]), nearest_image(joints[1], was[2])];
+            let far = (near[0] - was[1]).hypot(near[1] - was[2]);
+            if far < least {
+                (least, start[1], start[2]) = (far, near[0], near[1]);
+            }
+        }
+        let zero = [Vector3::zeros(); 3];
+        Some(Linkage { joints: [0, 3, 4, 5], start, turns: [Vector3::x(), Vector3::y(), Vector3::z()], shifts: zero })
     }
 
     pub fn longest_link(&self) -> f64 {

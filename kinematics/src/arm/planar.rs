@@ -8,6 +8,11 @@ use nalgebra::Vector3;
 /// A point this far out of reach is reached, in millimetres: rounding, and below what a pose is checked for.
 pub(super) const REACH: f64 = 1e-7;
 
+/// A point this little farther from axis 1 than the arm's plane, as a share of the distance, is where the two sides of the
+/// shoulder meet. Rounding would leave 1e-8 rad between them, and that hides a singular wrist; the share leaves
+/// joint 1 within 1e-7 rad.
+const FOLDED: f64 = 5e-15;
+
 /// Cosine, sine and angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
@@ -50,7 +55,8 @@ pub(super) fn shoulder(point: &Vector3<f64>, across: f64, free: f64) -> Option<[
     if !(distance - beyond >= -REACH && distance < f64::MAX) {
         return None;
     }
-    let along = ((distance - beyond).max(0.0) * (distance + beyond)).sqrt();
+    let spare = if distance - beyond > FOLDED * beyond { distance - beyond } else { 0.0 };
+    let along = (spare * (distance + beyond)).sqrt();
     let turn = |along: f64| (Turn::towards(along * x - across * y, along * y + across * x), along);
     Some([turn(along), turn(-along)])
 }

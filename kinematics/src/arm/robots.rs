@@ -66,22 +66,14 @@ pub const UR3E: ArmModel = ur(
 /// Universal Robots UR5 (series 3).
 ///
 /// Source: CB3 user manual, Table B.4; Universal_Robots_ROS2_Description, `config/ur5`.
-pub const UR5: ArmModel = ur(
-    [89.159, 0.0, 0.0, 109.15, 94.65, 82.3],
-    -425.0,
-    -392.25,
-    limits(TWO_TURNS.0, TWO_TURNS.1, [180.0; 6]),
-);
+pub const UR5: ArmModel =
+    ur([89.159, 0.0, 0.0, 109.15, 94.65, 82.3], -425.0, -392.25, limits(TWO_TURNS.0, TWO_TURNS.1, [180.0; 6]));
 
 /// Universal Robots UR5e.
 ///
 /// Source: as [`UR3E`], `config/ur5e`.
-pub const UR5E: ArmModel = ur(
-    [162.5, 0.0, 0.0, 133.3, 99.7, 99.6],
-    -425.0,
-    -392.2,
-    limits(TWO_TURNS.0, TWO_TURNS.1, [180.0; 6]),
-);
+pub const UR5E: ArmModel =
+    ur([162.5, 0.0, 0.0, 133.3, 99.7, 99.6], -425.0, -392.2, limits(TWO_TURNS.0, TWO_TURNS.1, [180.0; 6]));
 
 /// ABB IRB 120-3/0.6.
 ///

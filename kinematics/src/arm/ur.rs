@@ -8,7 +8,9 @@
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
 use super::planar::{Turn, bend, lift, shoulder};
-use super::{Frames, WRIST};
+use super::slide::Linkage;
+use super::{ANGLE_TOLERANCE, Frames, POSITION_TOLERANCE, ROUNDING, WRIST};
+use crate::angle::nearest_image;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -19,6 +21,13 @@ pub(super) struct UrArm {
     across: f64,
 }
 
+/// The plane in which upper arm and forearm move: its level direction, its normal, and axis 5 in it.
+struct Plane {
+    along: Vector3<f64>,
+    normal: Vector3<f64>,
+    axis5: Vector3<f64>,
+}
+
 impl UrArm {
     pub fn new(table: &DhTable) -> Self {
         UrArm { table: *table, across: table.d[1] + table.d[2] + table.d[3] }
@@ -26,22 +35,75 @@ impl UrArm {
 
     pub fn forward(&self, q: &[f64; 6]) -> (Matrix3<f64>, Vector3<f64>) {
         let (d, a) = (&self.table.d, &self.table.a);
-        let (s1, c1) = q[0].sin_cos();
         let (s2, c2) = q[1].sin_cos();
         let (s23, c23) = (q[1] + q[2]).sin_cos();
-        let (s234, c234) = (q[1] + q[2] + q[3]).sin_cos();
-        let (s5, c5) = q[4].sin_cos();
-        let (s6, c6) = q[5].sin_cos();
-        let x1 = Vector3::new(c1, s1, 0.0);
-        let n = Vector3::new(s1, -c1, 0.0);
-        let in_plane = |along: f64, up: f64| Vector3::new(along * x1.x, along * x1.y, up);
-        let z4 = in_plane(s234, -c234);
-        let x4 = in_plane(c234, s234);
-        let x5 = x4 * c5 + n * s5;
-        let z6 = n * c5 - x4 * s5;
-        let elbow = in_plane(a[1] * c2 + a[2] * c23, d[0] + a[1] * s2 + a[2] * s23);
-        let position = elbow + n * self.across + z4 * d[4] + z6 * d[5];
-        (Matrix3::from_columns(&[x5 * c6 - z4 * s6, -x5 * s6 - z4 * c6, z6]), position)
+        let (rotation, plane) = self.rotation(q[0], q[1] + q[2] + q[3], q[4], q[5]);
+        let along = a[1] * c2 + a[2] * c23;
+        let wrist = Vector3::new(along * plane.along.x, along * plane.along.y, d[0] + a[1] * s2 + a[2] * s23);
+        let position = wrist + plane.normal * self.across + plane.axis5 * d[4] + rotation.column(2) * d[5];
+        (rotation, position)
+    }
+
+    /// Drops solutions that do not meet the pose. As all forward kinematics, but what solutions share is computed once: joint 1
+    /// and the plane for each side of the shoulder, the wrist for each flip; the elbow's twins then differ in a
+    /// triangle only.
+    pub fn verify(&self, r: &Matrix3<f64>, p: &Vector3<f64>, found: &mut Solutions) {
+        let (d, a) = (&self.table.d, &self.table.a);
+        for (back, flip) in [(false, false), (false, true), (true, false), (true, true)] {
+            let twins = [slot(back, false, flip), slot(back, true, flip)];
+            let Some(shared) = twins.iter().find_map(|&slot| found.at(slot)).copied() else { continue };
+            let sum = shared[1] + shared[2] + shared[3];
+            let (rotation, plane) = self.rotation(shared[0], sum, shared[4], shared[5]);
+            let turned_right = (rotation - r).norm_squared() <= 2.0 * ANGLE_TOLERANCE * ANGLE_TOLERANCE;
+            // What upper arm and forearm have left to reach.
+            let rest = p - rotation.column(2) * d[5] - plane.axis5 * d[4] - plane.normal * self.across;
+            for slot in twins {
+                let Some(q) = found.at(slot) else { continue };
+                let (s2, c2) = q[1].sin_cos();
+                let (s23, c23) = (q[1] + q[2]).sin_cos();
+                let (along, up) = (a[1] * c2 + a[2] * c23, d[0] + a[1] * s2 + a[2] * s23);
+                let off = rest - Vector3::new(along * plane.along.x, along * plane.along.y, up);
+                let same_sum = (q[1] + q[2] + q[3] - sum).abs() <= ROUNDING;
+                if !(turned_right && same_sum && off.norm_squared() <= POSITION_TOLERANCE * POSITION_TOLERANCE) {
+                    found.remove(Branch::ALL[slot]);
+                }
+            }
+        }
+    }
+
+    /// The flange's rotation by joint 1, the sum of joints 2 to 4, joint 5 and joint 6, and the arm's plane.
+    fn rotation(&self, q1: f64, q234: f64, q5: f64, q6: f64) -> (Matrix3<f64>, Plane) {
+        let (s1, c1) = q1.sin_cos();
+        let (s234, c234) = q234.sin_cos();
+        let (s5, c5) = q5.sin_cos();
+        let (s6, c6) = q6.sin_cos();
+        let normal = Vector3::new(s1, -c1, 0.0);
+        let x4 = Vector3::new(c234 * c1, c234 * s1, s234);
+        let z4 = Vector3::new(s234 * c1, s234 * s1, -c234);
+        let x5 = x4 * c5 + normal * s5;
+        let z6 = normal * c5 - x4 * s5;
+        let plane = Plane { along: Vector3::new(c1, s1, 0.0), normal, axis5: z4 };
+        (Matrix3::from_columns(&[x5 * c6 - z4 * s6, -x5 * s6 - z4 * c6, z6]), plane)
+    }
+
+    /// With axis 6 parallel to axes 2, 3 and 4 these four move in the arm's plane. Joints 1 and 5 stay where the pose
+    /// has them, on the side nearer to where they were.
+    pub fn linkage(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6]) -> Option<Linkage> {
+        let crossing = p - r.column(2) * self.table.d[5];
+        let sides = shoulder(&crossing, self.across, was[0])?;
+        let side = |k: usize| nearest_image(sides[k].0.angle, was[0]);
+        let nearer = usize::from((side(1) - was[0]).abs() < (side(0) - was[0]).abs());
+        let turned = sides[nearer].0;
+        let normal = Vector3::new(turned.sin, -turned.cos, 0.0);
+        let along = r.column(2).dot(&normal);
+        if r.column(2).cross(&normal).norm() > WRIST {
+            return None;
+        }
+        let mut start = *was;
+        (start[0], start[4]) = (side(nearer), nearest_image(if along > 0.0 { 0.0 } else { PI }, was[4]));
+        let zero = Vector3::zeros();
+        let level = Vector3::new(turned.cos, turned.sin, 0.0);
+        Some(Linkage { joints: [1, 2, 3, 5], start, turns: [normal, zero, zero], shifts: [zero, level, Vector3::z()] })
     }
 
     pub fn longest_link(&self) -> f64 {

@@ -78,10 +78,7 @@ pub fn differ(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 /// Distance in mm and angle in rad between two poses.
 pub fn miss(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
     let turn = (a.rotation.inverse() * b.rotation).into_inner();
-    (
-        (a.translation.vector - b.translation.vector).norm(),
-        2.0 * turn.imag().norm().atan2(turn.w.abs()),
-    )
+    ((a.translation.vector - b.translation.vector).norm(), 2.0 * turn.imag().norm().atan2(turn.w.abs()))
 }
 
 pub fn assert_meets(arm: &Arm, joints: &[f64; 6], pose: &Isometry3<f64>, what: &str) {
