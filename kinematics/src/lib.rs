@@ -8,21 +8,34 @@
 //! * [`JointLimits`]: limits and whole turns.
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Cell`], [`TableCell`]: who holds what; from a waypoint to configurations.
-//! * [`place_nozzle`]: where a nozzle should stand, by reachability.
+//! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
 
 mod angle;
 mod arm;
+mod calibration;
+mod cell;
 mod limits;
+mod placement;
 mod pose;
 mod positioner;
+mod progress;
 
 pub use arm::robots;
 pub use arm::{
     ANGLE_TOLERANCE, Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths, POSITION_TOLERANCE,
     Rates, SAME, Shoulder, Solutions, Wrist,
 };
+pub use calibration::{Calibration, CalibrationError, Undetermined, calibrate_tip};
+pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, nozzle_frame};
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
+pub use placement::{Placement, PlacementError, ReachOptions, fullest_box, reachable_points};
 pub use pose::{PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
+pub use progress::Progress;
+
+/// The snippet of the README, compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
