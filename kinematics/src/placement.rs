@@ -30,14 +30,12 @@ pub struct ReachOptions {
     /// A frame counts if its z axis rises at least this steeply: the sine of its angle over the horizon. 0 drops those
     /// that face down; -1 keeps all.
     pub least_rise: f64,
-    /// A frame counts if it lies at least this high, in millimetres: the height of the floor.
-    pub least_height: f64,
 }
 
 impl Default for ReachOptions {
-    /// 20,000 samples, frames that do not face down, at any height.
+    /// 20,000 samples, frames that do not face down.
     fn default() -> Self {
-        ReachOptions { samples: 20_000, least_rise: 0.0, least_height: f64::NEG_INFINITY }
+        ReachOptions { samples: 20_000, least_rise: 0.0 }
     }
 }
 
@@ -48,12 +46,9 @@ pub enum PlacementError {
     /// The frame on the flange is not finite, or its quaternion has another length than 1.
     #[error("the frame on the flange is no pose: its entries must be finite and its quaternion of length 1")]
     Frame,
-    /// An option is not a number.
-    #[error("the option `{option}` is not a number")]
-    Option {
-        /// Its name.
-        option: &'static str,
-    },
+    /// The least rise is not a number.
+    #[error("the least rise is not a number")]
+    LeastRise,
     /// A point is not finite.
     #[error("point {index} is not finite")]
     Point {
@@ -93,10 +88,13 @@ pub struct Placement {
 
 /// Where the arm brings the frame `flange_frame` (the part on the flange, or the nozzle): its origins in the base.
 ///
-/// The postures are the first points of a Halton sequence over the limits; of a joint that turns farther than once, over one turn.
+/// The postures are the first points of a Halton sequence over the limits; of a joint that turns farther than once, over
+/// one turn. `keep` sees the joints and the frame in the base and says whether the frame counts: what lies below the
+/// floor, behind a wall or within the arm itself is for it to drop. (Evenly spread joints crowd about axis 1, so without
+/// such a rule the nozzle ends up there.)
 ///
 /// # Errors
-/// [`PlacementError::Frame`] and [`PlacementError::Option`].
+/// [`PlacementError::Frame`] and [`PlacementError::LeastRise`].
 ///
 /// # Cost
 /// A fifth of a microsecond a sample, and the points.
@@ -106,7 +104,7 @@ pub struct Placement {
 /// use curvlay_kinematics::nalgebra::Isometry3;
 /// use curvlay_kinematics::{Arm, ReachOptions, reachable_points, robots};
 /// let options = ReachOptions { samples: 1000, ..ReachOptions::default() };
-/// let points = reachable_points(&Arm::new(&robots::UR3)?, &Isometry3::identity(), &options)?;
+/// let points = reachable_points(&Arm::new(&robots::UR3)?, &Isometry3::identity(), &options, |_, _| true)?;
 /// assert!((400..600).contains(&points.len())); // half of them face down
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -114,32 +112,31 @@ pub fn reachable_points(
     arm: &Arm,
     flange_frame: &Isometry3<f64>,
     options: &ReachOptions,
+    keep: impl Fn(&[f64; 6], &Isometry3<f64>) -> bool,
 ) -> Result<Vec<Point3<f64>>, PlacementError> {
     if parts(flange_frame).is_none() {
         return Err(PlacementError::Frame);
     }
-    for (option, value) in [("least_rise", options.least_rise), ("least_height", options.least_height)] {
-        if value.is_nan() {
-            return Err(PlacementError::Option { option });
-        }
+    if options.least_rise.is_nan() {
+        return Err(PlacementError::LeastRise);
     }
     let limits = arm.limits();
     let ranges: [(f64, f64); 6] = std::array::from_fn(|k| {
         let (lower, upper) = (limits.lower[k], limits.upper[k]);
         if upper - lower <= 2.0 * PI { (lower, upper) } else { (-PI, PI) }
     });
-    let posture = |sample: usize| {
-        std::array::from_fn(|k| {
+    let mut points = Vec::new();
+    for sample in 1..=options.samples {
+        let joints = std::array::from_fn(|k| {
             let (lower, upper) = ranges[k];
-            lower + (upper - lower) * halton(sample + 1, BASES[k])
-        })
-    };
-    let frames = (0..options.samples).map(|sample| arm.forward(&posture(sample)) * flange_frame);
-    let reached = frames.filter(|frame| {
-        let rise = (frame.rotation * Vector3::z()).z;
-        rise >= options.least_rise && frame.translation.vector.z >= options.least_height
-    });
-    Ok(reached.map(|frame| Point3::from(frame.translation.vector)).collect())
+            lower + (upper - lower) * halton(sample, BASES[k])
+        });
+        let frame = arm.forward(&joints) * flange_frame;
+        if (frame.rotation * Vector3::z()).z >= options.least_rise && keep(&joints, &frame) {
+            points.push(Point3::from(frame.translation.vector));
+        }
+    }
+    Ok(points)
 }
 
 /// The first primes, one a joint.

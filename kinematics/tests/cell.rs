@@ -183,7 +183,6 @@ fn the_wrist_stays_when_the_table_tilts_with_the_waypoint() {
     assert_eq!(cell.rates(&[7.0, 0.0], &[0.1; 6]), None);
 }
 
-/// The free tool angle is worth it: hardly any single angle has all branches, and all thirty together have many.
 #[test]
 fn thirty_angles_give_what_each_angle_gives() {
     let cell = ur3_cell(robots::UR3.limits);

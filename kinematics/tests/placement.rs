@@ -65,7 +65,8 @@ proptest! {
 fn random_clouds_have_no_fuller_box() {
     // A Halton cloud of an arm, as in use; 60 points can be tried out.
     let options = ReachOptions { samples: 120, ..ReachOptions::default() };
-    let points = reachable_points(&arm(&robots::UR3), &Isometry3::translation(0.0, 0.0, 45.0), &options).unwrap();
+    let frame = Isometry3::translation(0.0, 0.0, 45.0);
+    let points = reachable_points(&arm(&robots::UR3), &frame, &options, |_, _| true).unwrap();
     for edge in [50.0, 150.0, 300.0] {
         let best = fullest_box(&points, [edge; 3], &|_| Continue(())).unwrap();
         assert_eq!(best.frames, slow_most(&points, [edge; 3]), "{edge}");
@@ -76,24 +77,24 @@ fn random_clouds_have_no_fuller_box() {
 fn the_reach_is_even_within_the_rules_and_always_the_same() {
     let frame = Isometry3::translation(0.0, 0.0, 45.0);
     let arm = arm(&robots::IRB120);
-    let options = ReachOptions { samples: 4000, least_rise: 0.5, least_height: 100.0 };
-    let points = reachable_points(&arm, &frame, &options).unwrap();
-    assert_eq!(points, reachable_points(&arm, &frame, &options).unwrap());
-    assert!(
-        points
-            .iter()
-            .all(|point| point.z >= 100.0 && (point - Point3::new(0.0, 0.0, 290.0)).norm() < 270.0 + 310.0 + 117.0)
-    );
+    let options = ReachOptions { samples: 4000, least_rise: 0.5 };
+    let high = |joints: &[f64; 6], frame: &Isometry3<f64>| {
+        assert!(arm.limits().contains(joints));
+        frame.translation.vector.z >= 100.0
+    };
+    let points = reachable_points(&arm, &frame, &options, high).unwrap();
+    assert_eq!(points, reachable_points(&arm, &frame, &options, high).unwrap());
+    let shoulder = Point3::new(0.0, 0.0, 290.0);
+    assert!(points.iter().all(|point| point.z >= 100.0 && (point - shoulder).norm() < 270.0 + 310.0 + 117.0));
     // More samples begin with the same ones.
-    let fewer = reachable_points(&arm, &frame, &ReachOptions { samples: 1000, ..options }).unwrap();
+    let fewer = reachable_points(&arm, &frame, &ReachOptions { samples: 1000, ..options }, high).unwrap();
     assert_eq!(points[..fewer.len()], fewer[..]);
-    // Of all frames those that rise by 30 degrees or more are a quarter or so; joint 1 is spread evenly.
-    let all =
-        reachable_points(&arm, &frame, &ReachOptions { samples: 4000, least_rise: -1.0, ..ReachOptions::default() })
-            .unwrap();
+    // Joint 1 is spread evenly.
+    let all = ReachOptions { samples: 4000, least_rise: -1.0 };
+    let all = reachable_points(&arm, &frame, &all, |_, _| true).unwrap();
     assert_eq!(all.len(), 4000);
-    let right = all.iter().filter(|point| point.y > 0.0).count();
-    assert!((1900..2100).contains(&right), "{right}");
+    let left = all.iter().filter(|point| point.y > 0.0).count();
+    assert!((1900..2100).contains(&left), "{left}");
 }
 
 #[test]
@@ -111,12 +112,10 @@ fn placements_that_cannot_be_are_named() {
     assert_eq!(fullest_box(&one, [0.0; 3], &go).map(|best| best.frames), Ok(1));
     let arm = arm(&robots::UR3);
     let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
-    assert_eq!(reachable_points(&arm, &nowhere, &ReachOptions::default()), Err(PlacementError::Frame));
+    let any = |_: &[f64; 6], _: &Isometry3<f64>| true;
+    assert_eq!(reachable_points(&arm, &nowhere, &ReachOptions::default(), any), Err(PlacementError::Frame));
     let options = ReachOptions { least_rise: f64::NAN, ..ReachOptions::default() };
-    assert_eq!(
-        reachable_points(&arm, &Isometry3::identity(), &options),
-        Err(PlacementError::Option { option: "least_rise" })
-    );
+    assert_eq!(reachable_points(&arm, &Isometry3::identity(), &options, any), Err(PlacementError::LeastRise));
 }
 
 /// A flange pose in which the tip touches the mark.

@@ -1,0 +1,67 @@
+//! Pictures of a reach: the frames as small crystals, the box, and the arm in it.
+
+use super::reaching::{Reached, is_in_box};
+use curvlay_examples::render::{Camera, INK, Rgb, Scene, ramp};
+use curvlay_kinematics::Arm;
+use curvlay_kinematics::nalgebra::{Point3, Vector3};
+
+/// Pixels of each picture.
+const PICTURE: [u32; 2] = [620, 560];
+/// Half the width of a crystal, as a share of the reach.
+const CRYSTAL: f64 = 0.008;
+/// Half the width of the edges of the box and of the arm's bones.
+const EDGE: f64 = 0.005;
+const BONE: f64 = 0.02;
+/// Frames in the box, and the box.
+const IN_BOX: Rgb = [232, 98, 20];
+
+/// The side from which a reach is seen; what is nearer to the viewer than the nozzle is left out.
+pub fn picture(reached: &Reached, toward: Vector3<f64>, box_mm: f64) -> Vec<u8> {
+    let mut scene = Scene::new(Camera::from_direction(toward));
+    let size = reached.points.iter().map(|point| point.coords.norm()).fold(1.0, f64::max);
+    let centre = reached.placement.centre;
+    let top = reached.points.iter().map(|point| point.z).fold(1.0, f64::max);
+    for point in &reached.points {
+        let inside = is_in_box(point, &reached.placement, box_mm);
+        if inside || (point - centre).dot(&toward) <= 0.0 {
+            let colour = if inside { IN_BOX } else { ramp(point.z / top) };
+            let halves = [0, 1, 2].map(|axis| Vector3::ith(axis, CRYSTAL * size));
+            scene.triangles(crystal(point, &halves).map(|triangle| (triangle, colour)));
+        }
+    }
+    let corner = |k: usize| {
+        let sides = [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { -0.5 * box_mm } else { 0.5 * box_mm });
+        centre + Vector3::from(sides)
+    };
+    for k in 0..8usize {
+        for axis in (0..3).filter(|axis| k >> axis & 1 == 0) {
+            bar(&mut scene, corner(k), corner(k | 1 << axis), EDGE * size, IN_BOX);
+        }
+    }
+    if let (Ok(arm), Some(posture)) = (Arm::new(reached.name.model()), &reached.posture) {
+        let frames = arm.frames(posture).map(|frame| Point3::from(frame.translation.vector));
+        frames.windows(2).for_each(|ends| bar(&mut scene, ends[0], ends[1], BONE * size, INK));
+    }
+    let [width, height] = PICTURE;
+    scene.draw(width, height).to_png()
+}
+
+/// The eight faces between the ends of three axes.
+fn crystal(middle: &Point3<f64>, halves: &[Vector3<f64>; 3]) -> [[Point3<f64>; 3]; 8] {
+    std::array::from_fn(|k| {
+        [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { middle + halves[axis] } else { middle - halves[axis] })
+    })
+}
+
+/// A bar between two points: a crystal drawn out would taper, so four faces.
+fn bar(scene: &mut Scene, from: Point3<f64>, to: Point3<f64>, half: f64, colour: Rgb) {
+    let Some(along) = (to - from).try_normalize(1e-9) else { return };
+    let across = if along.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
+    let u = along.cross(&across).normalize() * half;
+    let v = along.cross(&u);
+    let sides = [u + v, v - u, -u - v, u - v];
+    for (k, &a) in sides.iter().enumerate() {
+        let b = sides[(k + 1) % 4];
+        scene.triangles([([from + a, from + b, to + b], colour), ([from + a, to + b, to + a], colour)]);
+    }
+}

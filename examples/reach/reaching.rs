@@ -1,0 +1,159 @@
+//! Sampling, placing, and what the placed nozzle is worth.
+
+use super::Args;
+use clap::ValueEnum;
+use curvlay_examples::args::Failure;
+use curvlay_examples::bars::Bars;
+use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
+use curvlay_kinematics::{
+    Arm, ArmModel, Cell, POSITION_TOLERANCE, Placement, ReachOptions, Waypoint, fullest_box, nozzle_frame,
+    reachable_points, robots,
+};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// An arm as it is typed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ArmName {
+    Ur3,
+    Ur3e,
+    Ur5,
+    Ur5e,
+    Irb120,
+    Irb1200,
+}
+
+impl ArmName {
+    pub fn model(self) -> &'static ArmModel {
+        match self {
+            ArmName::Ur3 => &robots::UR3,
+            ArmName::Ur3e => &robots::UR3E,
+            ArmName::Ur5 => &robots::UR5,
+            ArmName::Ur5e => &robots::UR5E,
+            ArmName::Irb120 => &robots::IRB120,
+            ArmName::Irb1200 => &robots::IRB1200,
+        }
+    }
+
+    /// As its maker writes it.
+    pub fn title(self) -> &'static str {
+        match self {
+            ArmName::Ur3 => "UR3",
+            ArmName::Ur3e => "UR3e",
+            ArmName::Ur5 => "UR5",
+            ArmName::Ur5e => "UR5e",
+            ArmName::Irb120 => "IRB 120-3/0.6",
+            ArmName::Irb1200 => "IRB 1200-7/0.7",
+        }
+    }
+}
+
+/// Tool angles tried at each waypoint: the dissertation's number (section 3.5.3).
+const TOOL_ANGLES: usize = 30;
+
+/// Waypoints along an edge of the part that is tried out: it fills half the box.
+const ALONG: usize = 5;
+
+/// What an arm reaches, and its nozzle.
+pub struct Reached {
+    pub name: ArmName,
+    pub points: Vec<Point3<f64>>,
+    pub placement: Placement,
+    /// Waypoints of an upright part, and how many of them the arm brings under the nozzle.
+    pub waypoints: usize,
+    pub waypoints_reached: usize,
+    /// The arm at the first of them that it reaches.
+    pub posture: Option<[f64; 6]>,
+    /// Configurations at these, and the largest distance between nozzle and waypoint.
+    pub configurations: usize,
+    pub worst_mm: f64,
+    /// Frames in the box, counted anew.
+    pub recounted: usize,
+    pub time: Duration,
+}
+
+impl Reached {
+    /// Whether our checks hold: the count of the box, and Eq. 2.3 at every configuration.
+    pub fn is_ok(&self) -> bool {
+        self.recounted == self.placement.frames && self.worst_mm <= 2.0 * POSITION_TOLERANCE
+    }
+}
+
+/// Whether a point lies in the box around the nozzle; the box was moved to its middle, so its faces are blurred by rounding.
+pub fn is_in_box(point: &Point3<f64>, placement: &Placement, edge: f64) -> bool {
+    (0..3).all(|axis| (point[axis] - placement.centre[axis]).abs() <= 0.5 * edge + 1e-9)
+}
+
+/// All arms, on the threads that are asked for.
+pub fn run(args: &Args, bars: &Bars) -> Result<Vec<Reached>, Failure> {
+    let names = ArmName::value_variants();
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let total = names.len() as u64;
+    let work = || {
+        let mut own = Vec::new();
+        while let Some(&name) = names.get(next.fetch_add(1, Ordering::Relaxed)) {
+            own.push((name as usize, reach(name, args)));
+            bars.update("arms", done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
+        }
+        own
+    };
+    bars.update("arms", 0, total);
+    let mut all: Vec<(usize, Result<Reached, Failure>)> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..args.common.threads.min(names.len())).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().expect("no arm panics")).collect()
+    });
+    all.sort_by_key(|&(place, _)| place);
+    all.into_iter().map(|(_, reached)| reached).collect()
+}
+
+fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
+    let start = Instant::now();
+    let arm = Arm::new(name.model())?;
+    let flange_part = Isometry3::translation(0.0, 0.0, args.platform_mm);
+    let options = ReachOptions { samples: args.samples as usize, ..ReachOptions::default() };
+    // The arm stands on the floor, and the nozzle in front of it.
+    let usable = |_: &[f64; 6], frame: &Isometry3<f64>| {
+        let at = frame.translation.vector;
+        at.z >= 0.0 && at.x >= args.front_mm
+    };
+    let points = reachable_points(&arm, &flange_part, &options, usable)?;
+    let placement = fullest_box(&points, [args.box_mm; 3], &|_| ControlFlow::Continue(()))?;
+    let time = start.elapsed();
+
+    let nozzle = nozzle_frame(&placement.centre, &-Vector3::z_axis());
+    let cell = Cell::part_in_hand(arm, flange_part, nozzle)?;
+    let (mut waypoints_reached, mut configurations, mut worst_mm) = (0, 0, 0.0f64);
+    let mut posture = None;
+    let waypoints = part(0.5 * args.box_mm);
+    for waypoint in &waypoints {
+        let before = configurations;
+        for found in cell.configurations(waypoint, TOOL_ANGLES) {
+            let frames = cell.frames(&found.joints, waypoint, found.tool_angle);
+            let apart = frames.deposition.translation.vector - frames.nozzle.translation.vector;
+            worst_mm = worst_mm.max(apart.norm());
+            configurations += 1;
+            posture.get_or_insert(found.joints);
+        }
+        waypoints_reached += usize::from(configurations > before);
+    }
+    let recounted = points.iter().filter(|point| is_in_box(point, &placement, args.box_mm)).count();
+    let waypoints = waypoints.len();
+    Ok(Reached { name, points, placement, waypoints, waypoints_reached, posture, configurations, worst_mm, recounted, time })
+}
+
+/// A cube that stands on the platform and grows upwards.
+fn part(edge: f64) -> Vec<Waypoint> {
+    let step = |k: usize| edge * k as f64 / (ALONG - 1) as f64;
+    let mut waypoints = Vec::with_capacity(ALONG.pow(3));
+    for z in 0..ALONG {
+        for y in 0..ALONG {
+            for x in 0..ALONG {
+                let position = Point3::new(step(x) - 0.5 * edge, step(y) - 0.5 * edge, step(z));
+                waypoints.push(Waypoint { position, axis: Vector3::z_axis() });
+            }
+        }
+    }
+    waypoints
+}
