@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 /// The nearest whole number, without a branch and without a call: adding this makes the sum's last digit a one.
-fn whole(value: f64) -> f64 {
+pub(crate) fn whole(value: f64) -> f64 {
     const ONES: f64 = 1.5 * (1u64 << 52) as f64;
     debug_assert!(value.abs() < ONES / 4.0, "{value}");
     (value + ONES) - ONES

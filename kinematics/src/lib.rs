@@ -20,6 +20,7 @@ mod placement;
 mod pose;
 mod positioner;
 mod progress;
+mod trig;
 
 pub use arm::robots;
 pub use arm::{

@@ -3,21 +3,24 @@
 //! Where a joint is free (wrist: axes 4 and 6 in line; shoulder: wrist centre on axis 1) the closed form takes it from
 //! the previous joints: joint 1 at the shoulder; at the wrist joint 4 of an ortho-parallel arm and joint 6 of a UR arm. So
 //! an arm that passes straight through the singularity does not turn that joint, as it does not before and after.
-//! But the others have to follow, and near a second singularity they would have to run: then the nearest of all
-//! postures is taken ([`slide`](super::slide)).
+//! But the others have to follow, and near a second singularity they would have to run, or rounding decides where they are:
+//! then the posture next to the previous joints is taken ([`follow`](super::follow)).
 //!
 //! Hardly off a singularity the pose says little about the free joint: joints that still meet the pose are kept.
 
-use super::{Arm, Branch, Solutions, meets};
+use super::planar::Free;
+use super::{Arm, Branch, NEAR_WRIST, Solutions, WRIST, meets};
 use crate::angle::nearest_image;
 use crate::pose::parts;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Matrix3, Vector3};
+use std::f64::consts::PI;
 
 /// Previous joints that meet the pose a tenth as closely as a solution must are the solution.
 const KEPT: f64 = 0.1;
 
-/// A free joint is kept unless the arm then moves this many times as far as it must.
-const RUN: f64 = 4.0;
+/// A free joint is kept unless the arm then moves this many times as far as it must. In regular postures joints move up
+/// to about this much farther than the flange (in radians, and in longest links).
+const RUN: f64 = 3.0;
 
 /// The square of the distance in joint space.
 fn square(a: &[f64; 6], b: &[f64; 6]) -> f64 {
@@ -28,11 +31,12 @@ impl Arm {
     /// The solution within the limits that is nearest to `previous` (least sum of squared differences, whole turns
     /// counted), or `None` if there is none, or an argument is not finite.
     ///
-    /// At a singularity the free joint stays where it was and the others follow, unless they would then have to move more than
-    /// four times as far as they must: the nearest posture of all is taken then. Ties go to the lower slot.
+    /// At a singularity the free joint stays where it was and the others follow, unless the arm would then move more than
+    /// three times as far as it must: a posture next to `previous` that meets the pose is taken then. Ties go to the
+    /// lower slot.
     ///
     /// # Cost
-    /// About a microsecond, no allocation.
+    /// About a microsecond, beside a singularity up to ten; no allocation.
     ///
     /// # Example
     /// ```
@@ -50,36 +54,61 @@ impl Arm {
             return None;
         }
         let was = self.inner(previous);
-        if self.limits.contains(previous) && meets(&self.flange(&was), &r, &p, KEPT) {
+        let flange = self.flange(&was);
+        if self.limits.contains(previous) && meets(&flange, &r, &p, KEPT) {
             return Some(*previous);
         }
-        let mut found = self.closed_form(&r, &p, &was.map(|angle| nearest_image(angle, 0.0)));
-        let mut nearest = None;
-        while let Some((branch, joints)) = self.nearest_of(&found, previous) {
-            if meets(&self.flange(&self.inner(&joints)), &r, &p, 1.0) {
-                nearest = Some(joints);
-                break;
-            }
-            found.remove(branch);
+        let joints = was.map(|angle| nearest_image(angle, 0.0));
+        let exact = self.closed_form(&r, &p, &Free { joints, wrist: WRIST });
+        let near_wrist = |(_, inner): (Branch, &[f64; 6])| inner[4].abs().min(PI - inner[4].abs()) <= NEAR_WRIST;
+        let ask_loosely = exact.iter().any(near_wrist);
+        let mut kept = self.nearest_of(exact, previous, &r, &p);
+        if ask_loosely {
+            let loose = self.closed_form(&r, &p, &Free { joints, wrist: NEAR_WRIST });
+            let loose = self.nearest_of(loose, previous, &r, &p);
+            let nearer = |a: &[f64; 6], b: &[f64; 6]| square(a, previous).total_cmp(&square(b, previous));
+            kept = kept.into_iter().chain(loose).min_by(nearer);
         }
-        let slid = self.slide(&r, &p, &was).and_then(|inner| self.limits.nearest_image(&self.outer(&inner), previous));
-        match (nearest, slid) {
-            (Some(kept), Some(slid)) if square(&kept, previous) <= RUN * RUN * square(&slid, previous) => Some(kept),
-            (kept, slid) => slid.or(kept),
+        // In a regular posture joints move about as far as the flange. If that is so, nothing was lost.
+        let must = self.short_of(&r, &p, &flange).norm_squared();
+        if kept.is_some_and(|joints| square(&joints, previous) <= RUN * RUN * must) {
+            return kept;
+        }
+        let followed = self.follow(&r, &p, &was).and_then(|inner| {
+            let joints = self.limits.nearest_image(&self.outer(&inner), previous)?;
+            meets(&self.flange(&self.inner(&joints)), &r, &p, 1.0).then_some(joints)
+        });
+        match (kept, followed) {
+            (Some(kept), Some(followed)) if square(&kept, previous) <= RUN * RUN * square(&followed, previous) => {
+                Some(kept)
+            }
+            (kept, followed) => followed.or(kept),
         }
     }
 
-    /// Of solutions in the geometry's joints, the one with the image nearest to `previous`, and that image.
-    fn nearest_of(&self, found: &Solutions, previous: &[f64; 6]) -> Option<(Branch, [f64; 6])> {
-        let mut nearest = None;
-        let mut least = f64::INFINITY;
-        for (branch, inner) in found.iter() {
-            let Some(image) = self.limits.nearest_image(&self.outer(inner), previous) else { continue };
-            let far = square(&image, previous);
-            if far < least {
-                (nearest, least) = (Some((branch, image)), far);
+    /// Of solutions in the geometry's joints that meet the pose, the image within the limits nearest to `previous`.
+    fn nearest_of(
+        &self,
+        mut found: Solutions,
+        previous: &[f64; 6],
+        r: &Matrix3<f64>,
+        p: &Vector3<f64>,
+    ) -> Option<[f64; 6]> {
+        loop {
+            let mut nearest = None;
+            let mut least = f64::INFINITY;
+            for (branch, inner) in found.iter() {
+                let Some(image) = self.limits.nearest_image(&self.outer(inner), previous) else { continue };
+                let far = square(&image, previous);
+                if far < least {
+                    (nearest, least) = (Some((branch, image)), far);
+                }
             }
+            let (branch, joints) = nearest?;
+            if meets(&self.flange(&self.inner(&joints)), r, p, 1.0) {
+                return Some(joints);
+            }
+            found.remove(branch);
         }
-        nearest
     }
 }

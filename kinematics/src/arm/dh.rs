@@ -1,6 +1,7 @@
 //! Denavit-Hartenberg tables in the standard (distal) convention: `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
 
 use super::{ArmError, Frames};
+use crate::trig::sin_cos;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -57,7 +58,7 @@ impl DhTable {
         let mut frames = [(Matrix3::identity(), Vector3::zeros()); 7];
         for k in 0..6 {
             let (r, p) = frames[k];
-            let (sin, cos) = q[k].sin_cos();
+            let (sin, cos) = sin_cos(q[k]);
             let (x, y, z) = (r.column(0), r.column(1), r.column(2));
             let (along, side) = (x * cos + y * sin, y * cos - x * sin);
             let (cos, sin) = TWIST[k];

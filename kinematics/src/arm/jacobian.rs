@@ -44,14 +44,15 @@ impl Arm {
     /// ```
     pub fn jacobian(&self, joints: &[f64; 6], flange_point: &Point3<f64>) -> Matrix6<f64> {
         let point = self.forward(joints) * flange_point;
-        jacobian_of(&self.axes(joints), &point)
+        jacobian_of(&plain(&self.axes(joints)), &point.coords)
     }
 
     /// How the Jacobian of the same point changes when the joints move with `speeds`: its derivative by time.
     pub fn jacobian_rate(&self, joints: &[f64; 6], speeds: &[f64; 6], flange_point: &Point3<f64>) -> Matrix6<f64> {
         let point = self.forward(joints) * flange_point;
         let axes = self.axes(joints);
-        let velocity_of_point = (jacobian_of(&axes, &point) * Vector6::from(*speeds)).fixed_rows::<3>(0).into_owned();
+        let velocity_of_point =
+            (jacobian_of(&plain(&axes), &point.coords) * Vector6::from(*speeds)).fixed_rows::<3>(0).into_owned();
         let mut rate = Matrix6::zeros();
         for k in 0..6 {
             let (at, along) = &axes[k];
@@ -105,7 +106,12 @@ impl Arm {
     }
 }
 
-fn jacobian_of(axes: &[(Point3<f64>, UnitVector3<f64>); 6], point: &Point3<f64>) -> Matrix6<f64> {
+fn plain(axes: &[(Point3<f64>, UnitVector3<f64>); 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {
+    axes.map(|(at, along)| (at.coords, along.into_inner()))
+}
+
+/// The Jacobian of a point for axes given by a point and a direction.
+pub(super) fn jacobian_of(axes: &[(Vector3<f64>, Vector3<f64>); 6], point: &Vector3<f64>) -> Matrix6<f64> {
     let mut jacobian = Matrix6::zeros();
     for (k, (at, along)) in axes.iter().enumerate() {
         jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&along.cross(&(point - at)));

@@ -9,11 +9,11 @@
 mod branches;
 mod continuing;
 mod dh;
+mod follow;
 mod jacobian;
 mod ortho;
 mod planar;
 pub mod robots;
-mod slide;
 mod ur;
 
 pub use branches::{Branch, Elbow, SAME, Shoulder, Solutions, Wrist};
@@ -26,6 +26,7 @@ use crate::limits::{JointLimits, LimitError};
 use crate::pose::{parts, rotation};
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use ortho::OrthoArm;
+use planar::Free;
 use ur::UrArm;
 
 /// Rotation and origin of base, links and flange.
@@ -37,6 +38,10 @@ const SHORTEST: f64 = 1e-3;
 /// The sine of joint 5 up to which the wrist counts as singular. Then any joint 4 meets the pose within this angle, a
 /// quarter of [`ANGLE_TOLERANCE`]; above it joints 4 and 6 are what the pose says, to about 1e-16 over the sine.
 const WRIST: f64 = 2.5e-10;
+
+/// The sine of joint 5 up to which [`Arm::continuing`] tries whether the wrist may count as singular: near another
+/// singularity joints 4 and 6 come out of the rounding of joints 1 to 3.
+const NEAR_WRIST: f64 = 1e-6;
 
 /// What sums of a few angles lose.
 const ROUNDING: f64 = 1e-13;
@@ -239,7 +244,7 @@ impl Arm {
     /// About a microsecond, no allocation.
     pub fn inverse(&self, base_flange: &Isometry3<f64>) -> Solutions {
         let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
-        let mut found = self.closed_form(&r, &p, &[0.0; 6]);
+        let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST });
         match &self.solver {
             Solver::Ur(arm) => arm.verify(&r, &p, &mut found),
             Solver::Ortho(arm) => arm.verify(&r, &p, &mut found),
@@ -251,13 +256,13 @@ impl Arm {
     /// The same without the forward kinematics behind it: what the closed form says, for callers that check by themselves.
     pub fn inverse_unchecked(&self, base_flange: &Isometry3<f64>) -> Solutions {
         let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
-        let mut found = self.closed_form(&r, &p, &[0.0; 6]);
+        let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST });
         self.outward(&mut found);
         found
     }
 
     /// Solutions in the geometry's joints, free joints at `free`, not yet brought into one turn.
-    fn closed_form(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &[f64; 6]) -> Solutions {
+    fn closed_form(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &Free) -> Solutions {
         let mut found = Solutions::EMPTY;
         let folded = match &self.solver {
             Solver::Ur(arm) => arm.solve(r, p, free, &mut found),

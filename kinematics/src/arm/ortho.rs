@@ -9,10 +9,9 @@
 //! At zero all links stand upright. Then axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
 
 use super::branches::{Branch, Solutions, slot};
-use super::planar::{REACH, Turn, bend, lift, shoulder};
-use super::slide::Linkage;
-use super::{ArmError, Frames, ROUNDING, SHORTEST, WRIST, meets};
-use crate::angle::nearest_image;
+use super::planar::{Free, aim, bend, lift, shoulder};
+use super::{ArmError, Frames, ROUNDING, SHORTEST, meets};
+use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -73,12 +72,12 @@ impl OrthoArm {
 
     pub fn forward(&self, q: &[f64; 6]) -> (Matrix3<f64>, Vector3<f64>) {
         let OrthoLengths { a1, a2, b, c1, c2, c3, c4 } = self.lengths;
-        let (s1, cos1) = q[0].sin_cos();
-        let (s2, cos2) = q[1].sin_cos();
-        let (s23, c23) = (q[1] + q[2]).sin_cos();
-        let (s4, cos4) = q[3].sin_cos();
-        let (s5, c5) = q[4].sin_cos();
-        let (s6, c6) = q[5].sin_cos();
+        let (s1, cos1) = sin_cos(q[0]);
+        let (s2, cos2) = sin_cos(q[1]);
+        let (s23, c23) = sin_cos(q[1] + q[2]);
+        let (s4, cos4) = sin_cos(q[3]);
+        let (s5, c5) = sin_cos(q[4]);
+        let (s6, c6) = sin_cos(q[5]);
         let (along, up) = (a1 + c2 * s2 + a2 * c23 + c3 * s23, c1 + c2 * cos2 - a2 * s23 + c3 * c23);
         let wrist = Vector3::new(along * cos1 - b * s1, along * s1 + b * cos1, up);
         let x3 = Vector3::new(cos1 * c23, s1 * c23, -s23);
@@ -111,31 +110,6 @@ impl OrthoArm {
         }
     }
 
-    /// With the wrist centre on axis 1, axes 1, 4, 5 and 6 meet there, and upper arm and forearm stand still: with the
-    /// elbow on the side nearer to where it was.
-    pub fn linkage(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6]) -> Option<Linkage> {
-        let OrthoLengths { a1, b, c1, c2, c4, .. } = self.lengths;
-        let wrist = p - r.column(2) * c4;
-        if wrist.xy().norm() > REACH || b.abs() > REACH {
-            return None;
-        }
-        let up = wrist.z - c1;
-        let bent = bend(a1.hypot(up), c2, self.forearm)?;
-        let mut start = *was;
-        let mut least = f64::INFINITY;
-        for sign in [1.0, -1.0] {
-            let lifted = lift(up, -a1, c2, self.forearm, (bent.0, sign * bent.1), was[1]).angle;
-            let joints = [lifted, sign * bent.1.atan2(bent.0) - self.lean.2];
-            let near = [nearest_image(joints[0], was[1]), nearest_image(joints[1], was[2])];
-            let far = (near[0] - was[1]).hypot(near[1] - was[2]);
-            if far < least {
-                (least, start[1], start[2]) = (far, near[0], near[1]);
-            }
-        }
-        let zero = [Vector3::zeros(); 3];
-        Some(Linkage { joints: [0, 3, 4, 5], start, turns: [Vector3::x(), Vector3::y(), Vector3::z()], shifts: zero })
-    }
-
     pub fn longest_link(&self) -> f64 {
         self.lengths.c2.abs().max(self.forearm)
     }
@@ -154,7 +128,7 @@ impl OrthoArm {
         ];
         for (k, (about_y, offset)) in steps.into_iter().enumerate() {
             let (r, p) = frames[k];
-            let (sin, cos) = q[k].sin_cos();
+            let (sin, cos) = sin_cos(q[k]);
             let (x, y, z) = (r.column(0), r.column(1), r.column(2));
             let turned = if about_y {
                 Matrix3::from_columns(&[x * cos - z * sin, y.into_owned(), z * cos + x * sin])
@@ -175,45 +149,40 @@ impl OrthoArm {
 
     pub fn branch(&self, q: &[f64; 6]) -> Branch {
         let OrthoLengths { a1, a2, c2, c3, .. } = self.lengths;
-        let (s23, c23) = (q[1] + q[2]).sin_cos();
+        let (s23, c23) = sin_cos(q[1] + q[2]);
         let along = a1 + c2 * q[1].sin() + a2 * c23 + c3 * s23;
         Branch::of(along < 0.0, (q[2] + self.lean.2).sin() * c2.signum() < 0.0, q[4].sin() < 0.0)
     }
 
-    pub fn solve(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &[f64; 6], found: &mut Solutions) -> bool {
+    pub fn solve(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &Free, found: &mut Solutions) -> bool {
         let OrthoLengths { a1, b, c1, c2, c4, .. } = self.lengths;
         let (x6, y6, z6) = (r.column(0), r.column(1), r.column(2));
         let wrist = p - z6 * c4;
         // The arm's plane has the wrist at b along y, which is minus its normal.
-        let Some(shoulders) = shoulder(&wrist, -b, free[0]) else { return false };
+        let Some(shoulders) = shoulder(&wrist, -b, free.joints[0]) else { return false };
         let mut folded = shoulders[0].1.abs() <= FOLD * b.abs();
         let up = wrist.z - c1;
         for (side, (q1, reach)) in shoulders.into_iter().enumerate() {
             let back = side == 1;
             let along = reach - a1;
             let Some((cos, sin)) = bend((along * along + up * up).sqrt(), c2, self.forearm) else { continue };
-            let between = sin.atan2(cos);
+            let between = atan2(sin, cos);
             folded |= sin <= FOLD;
             let y1 = [x6, y6, z6].map(|axis| axis.y * q1.cos - axis.x * q1.sin);
             let x1 = [x6, y6, z6].map(|axis| axis.x * q1.cos + axis.y * q1.sin);
             for down in [false, true] {
                 let sign = if down { -c2.signum() } else { c2.signum() };
                 // Angles of links are counted from upright: up takes the place of x, forward that of y.
-                let q2 = lift(up, along, c2, self.forearm, (cos, sign * sin), free[1]);
+                let q2 = lift(up, along, c2, self.forearm, (cos, sign * sin), free.joints[1]);
                 let q3 = sign * between - self.lean.2;
                 let (s, c) = (q2.sin * cos + q2.cos * sign * sin, q2.cos * cos - q2.sin * sign * sin);
                 let (s23, c23) = (s * self.lean.0 - c * self.lean.1, c * self.lean.0 + s * self.lean.1);
                 // The flange's axis in the frame of the forearm.
                 let (x, y, z) = (x1[2] * c23 - z6.z * s23, y1[2], x1[2] * s23 + z6.z * c23);
-                let s5 = (x * x + y * y).sqrt();
-                let (q4, q5) = if s5 > WRIST {
-                    (Turn { cos: x / s5, sin: y / s5, angle: y.atan2(x) }, s5.atan2(z))
-                } else {
-                    (Turn::of(free[3]), if z > 0.0 { 0.0 } else { PI })
-                };
+                let (q4, q5) = aim(x, y, z, free.joints[3], free.wrist);
                 // Axis 5 in the flange.
                 let axis5 = |k: usize, vertical: f64| y1[k] * q4.cos - (x1[k] * c23 - vertical * s23) * q4.sin;
-                let q6 = axis5(0, x6.z).atan2(axis5(1, y6.z));
+                let q6 = atan2(axis5(0, x6.z), axis5(1, y6.z));
                 found.put(slot(back, down, false), [q1.angle, q2.angle, q3, q4.angle, q5, q6]);
                 found.put(slot(back, down, true), [q1.angle, q2.angle, q3, q4.angle + PI, -q5, q6 + PI]);
             }

@@ -1,17 +1,28 @@
-//! The two steps that all our arms share: the turn of joint 1, and the triangle of upper arm and forearm.
+//! The steps that all our arms share: the turn of joint 1, the triangle of upper arm and forearm, and joint 5 with the
+//! joint that aims it.
 //!
-//! Both have two solutions that come together at a singularity. Differences of squares are factorised, so that their
+//! Each has two solutions that come together at a singularity. Differences of squares are factorised, so that their
 //! roots keep all digits there.
 
+use crate::trig::{atan2, sin_cos};
 use nalgebra::Vector3;
 
 /// A point this far out of reach is reached, in millimetres: rounding, and below what a pose is checked for.
 pub(super) const REACH: f64 = 1e-7;
 
-/// A point this little farther from axis 1 than the arm's plane, as a share of the distance, is where the two sides of the
-/// shoulder meet. Rounding would leave 1e-8 rad between them, and that hides a singular wrist; the share leaves
-/// joint 1 within 1e-7 rad.
-const FOLDED: f64 = 5e-15;
+/// Where two solutions meet the square root of a difference is taken, and rounding of the difference would leave 5e-8 rad
+/// between them: enough to hide a singular wrist. So a difference below this share of the whole, a few units in the last
+/// place, is zero. That moves joints by 2e-7 rad at most, and no point by as much as rounding does.
+const FOLDED: f64 = 2e-15;
+
+/// What the pose leaves open.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Free {
+    /// Where a free joint is put.
+    pub joints: [f64; 6],
+    /// The sine of joint 5 up to which the joint that aims it is free.
+    pub wrist: f64,
+}
 
 /// Cosine, sine and angle.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +34,7 @@ pub(super) struct Turn {
 
 impl Turn {
     pub fn of(angle: f64) -> Turn {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = sin_cos(angle);
         Turn { cos, sin, angle }
     }
 
@@ -34,7 +45,7 @@ impl Turn {
 
     fn towards(cos: f64, sin: f64) -> Turn {
         let length = (cos * cos + sin * sin).sqrt();
-        Turn { cos: cos / length, sin: sin / length, angle: sin.atan2(cos) }
+        Turn { cos: cos / length, sin: sin / length, angle: atan2(sin, cos) }
     }
 }
 
@@ -68,7 +79,8 @@ pub(super) fn bend(distance: f64, first: f64, second: f64) -> Option<(f64, f64)>
     if !(distance <= outer + REACH && distance >= inner - REACH) {
         return None;
     }
-    let square = (outer - distance).max(0.0) * (outer + distance) * (distance - inner).max(0.0) * (distance + inner);
+    let spare = |difference: f64| if difference > FOLDED * outer { difference } else { 0.0 };
+    let square = spare(outer - distance) * (outer + distance) * spare(distance - inner) * (distance + inner);
     let product = 2.0 * first * second;
     let cos = (distance * distance - first * first - second * second) / product;
     Some((cos.clamp(-1.0, 1.0), square.sqrt() / product.abs()))
@@ -82,4 +94,16 @@ pub(super) fn lift(x: f64, y: f64, first: f64, second: f64, (cos, sin): (f64, f6
         return Turn::of(free);
     }
     Turn::towards(x * near + y * off, y * near - x * off)
+}
+
+/// The axis of the flange, `(x, y, z)` before the joint that aims it and joint 5 have turned: that joint, and joint 5 not
+/// negative. Along z, any aim will do: `free`, or the opposite, and joint 5 as near as it comes.
+pub(super) fn aim(x: f64, y: f64, z: f64, free: f64, singular: f64) -> (Turn, f64) {
+    let sine = (x * x + y * y).sqrt();
+    if sine > singular {
+        return (Turn { cos: x / sine, sin: y / sine, angle: atan2(y, x) }, atan2(sine, z));
+    }
+    let turn = Turn::of(free);
+    let along = x * turn.cos + y * turn.sin;
+    if along < 0.0 { (turn.opposite(), atan2(-along, z)) } else { (turn, atan2(along, z)) }
 }

@@ -7,10 +7,9 @@
 
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
-use super::planar::{Turn, bend, lift, shoulder};
-use super::slide::Linkage;
-use super::{ANGLE_TOLERANCE, Frames, POSITION_TOLERANCE, ROUNDING, WRIST};
-use crate::angle::nearest_image;
+use super::planar::{Free, aim, bend, lift, shoulder};
+use super::{ANGLE_TOLERANCE, Frames, POSITION_TOLERANCE, ROUNDING};
+use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -35,8 +34,8 @@ impl UrArm {
 
     pub fn forward(&self, q: &[f64; 6]) -> (Matrix3<f64>, Vector3<f64>) {
         let (d, a) = (&self.table.d, &self.table.a);
-        let (s2, c2) = q[1].sin_cos();
-        let (s23, c23) = (q[1] + q[2]).sin_cos();
+        let (s2, c2) = sin_cos(q[1]);
+        let (s23, c23) = sin_cos(q[1] + q[2]);
         let (rotation, plane) = self.rotation(q[0], q[1] + q[2] + q[3], q[4], q[5]);
         let along = a[1] * c2 + a[2] * c23;
         let wrist = Vector3::new(along * plane.along.x, along * plane.along.y, d[0] + a[1] * s2 + a[2] * s23);
@@ -59,8 +58,8 @@ impl UrArm {
             let rest = p - rotation.column(2) * d[5] - plane.axis5 * d[4] - plane.normal * self.across;
             for slot in twins {
                 let Some(q) = found.at(slot) else { continue };
-                let (s2, c2) = q[1].sin_cos();
-                let (s23, c23) = (q[1] + q[2]).sin_cos();
+                let (s2, c2) = sin_cos(q[1]);
+                let (s23, c23) = sin_cos(q[1] + q[2]);
                 let (along, up) = (a[1] * c2 + a[2] * c23, d[0] + a[1] * s2 + a[2] * s23);
                 let off = rest - Vector3::new(along * plane.along.x, along * plane.along.y, up);
                 let same_sum = (q[1] + q[2] + q[3] - sum).abs() <= ROUNDING;
@@ -73,10 +72,10 @@ impl UrArm {
 
     /// The flange's rotation by joint 1, the sum of joints 2 to 4, joint 5 and joint 6, and the arm's plane.
     fn rotation(&self, q1: f64, q234: f64, q5: f64, q6: f64) -> (Matrix3<f64>, Plane) {
-        let (s1, c1) = q1.sin_cos();
-        let (s234, c234) = q234.sin_cos();
-        let (s5, c5) = q5.sin_cos();
-        let (s6, c6) = q6.sin_cos();
+        let (s1, c1) = sin_cos(q1);
+        let (s234, c234) = sin_cos(q234);
+        let (s5, c5) = sin_cos(q5);
+        let (s6, c6) = sin_cos(q6);
         let normal = Vector3::new(s1, -c1, 0.0);
         let x4 = Vector3::new(c234 * c1, c234 * s1, s234);
         let z4 = Vector3::new(s234 * c1, s234 * s1, -c234);
@@ -84,26 +83,6 @@ impl UrArm {
         let z6 = normal * c5 - x4 * s5;
         let plane = Plane { along: Vector3::new(c1, s1, 0.0), normal, axis5: z4 };
         (Matrix3::from_columns(&[x5 * c6 - z4 * s6, -x5 * s6 - z4 * c6, z6]), plane)
-    }
-
-    /// With axis 6 parallel to axes 2, 3 and 4 these four move in the arm's plane. Joints 1 and 5 stay where the pose
-    /// has them, on the side nearer to where they were.
-    pub fn linkage(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6]) -> Option<Linkage> {
-        let crossing = p - r.column(2) * self.table.d[5];
-        let sides = shoulder(&crossing, self.across, was[0])?;
-        let side = |k: usize| nearest_image(sides[k].0.angle, was[0]);
-        let nearer = usize::from((side(1) - was[0]).abs() < (side(0) - was[0]).abs());
-        let turned = sides[nearer].0;
-        let normal = Vector3::new(turned.sin, -turned.cos, 0.0);
-        let along = r.column(2).dot(&normal);
-        if r.column(2).cross(&normal).norm() > WRIST {
-            return None;
-        }
-        let mut start = *was;
-        (start[0], start[4]) = (side(nearer), nearest_image(if along > 0.0 { 0.0 } else { PI }, was[4]));
-        let zero = Vector3::zeros();
-        let level = Vector3::new(turned.cos, turned.sin, 0.0);
-        Some(Linkage { joints: [1, 2, 3, 5], start, turns: [normal, zero, zero], shifts: [zero, level, Vector3::z()] })
     }
 
     pub fn longest_link(&self) -> f64 {
@@ -126,35 +105,29 @@ impl UrArm {
         Branch::of(along * a[1].signum() < 0.0, a[2] * q[2].sin() > 0.0, q[4].sin() < 0.0)
     }
 
-    pub fn solve(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &[f64; 6], found: &mut Solutions) -> bool {
+    pub fn solve(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &Free, found: &mut Solutions) -> bool {
         let (d, a) = (&self.table.d, &self.table.a);
         let (x6, y6, z6) = (r.column(0), r.column(1), r.column(2));
         let crossing = p - z6 * d[5];
-        let Some(shoulders) = shoulder(&crossing, self.across, free[0]) else { return false };
+        let Some(shoulders) = shoulder(&crossing, self.across, free.joints[0]) else { return false };
         let mut folded = shoulders[0].1.abs() <= FOLD * self.across.abs();
         let up = crossing.z - d[0];
         for (turned, along) in shoulders {
             let back = (along < 0.0) != (a[1] < 0.0);
             let q1 = turned;
             let v = [x6, y6, z6].map(|axis| q1.sin * axis.x - q1.cos * axis.y);
-            let s5 = (v[0] * v[0] + v[1] * v[1]).sqrt();
-            let (q5, q6) = if s5 > WRIST {
-                let q6 = Turn { cos: v[0] / s5, sin: -v[1] / s5, angle: (-v[1]).atan2(v[0]) };
-                (s5.atan2(v[2]), q6)
-            } else {
-                (if v[2] > 0.0 { 0.0 } else { PI }, Turn::of(free[5]))
-            };
+            let (q6, q5) = aim(v[0], -v[1], v[2], free.joints[5], free.wrist);
             let z4 = -(x6 * q6.sin + y6 * q6.cos);
             let (s234, c234) = (z4.x * q1.cos + z4.y * q1.sin, -z4.z);
-            let q234 = s234.atan2(c234);
+            let q234 = atan2(s234, c234);
             for (flip, sense, half_turn) in [(false, 1.0, 0.0), (true, -1.0, PI)] {
                 let (x, y) = (along - sense * d[4] * s234, up + sense * d[4] * c234);
                 let Some((cos, sin)) = bend((x * x + y * y).sqrt(), a[1], a[2]) else { continue };
-                let q3 = sin.atan2(cos);
+                let q3 = atan2(sin, cos);
                 folded |= sin <= FOLD;
                 for down in [false, true] {
                     let sign = if down { a[2].signum() } else { -a[2].signum() };
-                    let q2 = lift(x, y, a[1], a[2], (cos, sign * sin), free[1]);
+                    let q2 = lift(x, y, a[1], a[2], (cos, sign * sin), free.joints[1]);
                     let q4 = q234 + half_turn - q2.angle - sign * q3;
                     let joints = [q1.angle, q2.angle, sign * q3, q4, sense * q5, q6.angle + half_turn];
                     found.put(slot(back, down, flip), joints);

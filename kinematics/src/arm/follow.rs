@@ -1,0 +1,62 @@
+//! The posture next to given joints where the closed form has lost them.
+//!
+//! On a singularity a pose leaves a joint free, and beside one, and all the more where two meet, what it says of some joints is
+//! less than rounding. Then the closed form is right about the pose, but its joints may be far from where the arm is,
+//! with a posture near by that is as right. Damped least squares find it: K. Levenberg, Quarterly of Applied Mathematics 2,
+//! 1944, with the damping in proportion to the squared error (N. Yamashita, M. Fukushima, "On the rate of convergence of
+//! the Levenberg-Marquardt method", 2001), which converges where the Jacobian has lost rank, too.
+//! Each step is the shortest one for what it gains, so the arm ends hardly farther than it must.
+
+use super::Arm;
+use super::jacobian::jacobian_of;
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+
+/// Steps. Three or four are enough beside a singularity; more are for the rare case of several.
+const STEPS: usize = 40;
+
+/// An error below this will do, a twentieth of what a solution may have: in radians, and in longest links. To ask for more
+/// would send the arm far along directions in which it hardly shows.
+const MET: f64 = 5e-11;
+
+/// An error above this is no small step: farther away the nearest posture is a matter of branches.
+const SMALL: f64 = 0.1;
+
+/// Least damping, for the same reason; it also keeps the normal equations solvable in double precision.
+const FLOOR: f64 = 1e-12;
+
+impl Arm {
+    /// From joints of the geometry to some near by that meet the pose, as well as they do after some steps.
+    pub(super) fn follow(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6]) -> Option<[f64; 6]> {
+        let unit = 1.0 / self.longest_link();
+        let mut q = *was;
+        for _ in 0..STEPS {
+            let flange = self.flange(&q);
+            let error = self.short_of(r, p, &flange);
+            let square = error.norm_squared();
+            if square.is_nan() || square > SMALL * SMALL {
+                return None;
+            }
+            if square <= MET * MET {
+                break;
+            }
+            let mut slopes = jacobian_of(&self.inner_axes(&q), &flange.1);
+            slopes.fixed_rows_mut::<3>(0).scale_mut(unit);
+            let damped = slopes * slopes.transpose() + Matrix6::identity() * square.max(FLOOR);
+            let step = slopes.transpose() * damped.cholesky()?.solve(&error);
+            (0..6).for_each(|k| q[k] += step[k]);
+        }
+        Some(q)
+    }
+
+    /// How far a flange is from the pose: shift in longest links, and turn in radians, for small turns.
+    pub(super) fn short_of(
+        &self,
+        r: &Matrix3<f64>,
+        p: &Vector3<f64>,
+        (rotation, position): &(Matrix3<f64>, Vector3<f64>),
+    ) -> Vector6<f64> {
+        let shift = (p - position) / self.longest_link();
+        let turn = (0..3).map(|k| rotation.column(k).cross(&r.column(k))).sum::<Vector3<f64>>() * 0.5;
+        Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
+    }
+}
