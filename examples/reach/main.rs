@@ -1,4 +1,5 @@
-//! Where a fixed nozzle should stand: what each arm reaches with the part in its hand, and the box with the most of it.
+//! Where a fixed nozzle should stand: what each arm reaches with the part in its hand, and the box with the most of
+//! it.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.3.1.
 //! ```sh

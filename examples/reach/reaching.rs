@@ -81,7 +81,8 @@ impl Reached {
     }
 }
 
-/// Whether a point lies in the box around the nozzle; the box was moved to its middle, so its faces are blurred by rounding.
+/// Whether a point lies in the box around the nozzle; the box was moved to its middle, so its faces are blurred by
+/// rounding.
 pub fn is_in_box(point: &Point3<f64>, placement: &Placement, edge: f64) -> bool {
     (0..3).all(|axis| (point[axis] - placement.centre[axis]).abs() <= 0.5 * edge + 1e-9)
 }
@@ -140,7 +141,18 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
     }
     let recounted = points.iter().filter(|point| is_in_box(point, &placement, args.box_mm)).count();
     let waypoints = waypoints.len();
-    Ok(Reached { name, points, placement, waypoints, waypoints_reached, posture, configurations, worst_mm, recounted, time })
+    Ok(Reached {
+        name,
+        points,
+        placement,
+        waypoints,
+        waypoints_reached,
+        posture,
+        configurations,
+        worst_mm,
+        recounted,
+        time,
+    })
 }
 
 /// A cube that stands on the platform and grows upwards.

@@ -1,10 +1,10 @@
 //! Where a tip is: least squares over poses in which it touches one point.
 //!
-//! The tip of a nozzle on the flange is brought to the same mark in different orientations; or, with a fixed nozzle, a pin on the
-//! flange is brought to the nozzle's tip. Either way `R_i tip + p_i = mark` for each pose `(R_i, p_i)` of the flange: three
-//! equations for six unknowns, the tip in the flange and the mark in the base. The mark is eliminated by subtracting means,
-//! and three normal equations remain. (C. Dai, dissertation, TU Delft 2020, appendix on calibration, uses the "touching
-//! point" method as well.)
+//! The tip of a nozzle on the flange is brought to the same mark in different orientations; or, with a fixed nozzle,
+//! a pin on the flange is brought to the nozzle's tip. Either way `R_i tip + p_i = mark` for each pose `(R_i, p_i)`
+//! of the flange: three equations for six unknowns, the tip in the flange and the mark in the base. The mark is
+//! eliminated by subtracting means, and three normal equations remain. (C. Dai, dissertation, TU Delft 2020, appendix
+//! on calibration, uses the "touching point" method as well.)
 //!
 //! Poses that turn about one direction only say nothing of where along it the tip is. The eigenvalues of the normal
 //! equations tell: they are mean squares of how far a unit of tip moves over the poses.
@@ -23,8 +23,8 @@ pub struct Calibration {
     pub residuals: Vec<f64>,
     /// Root of the mean square of the residuals.
     pub rms: f64,
-    /// How much an error of touching grows in the tip, along the worst direction: 1 is as good as it gets; with poses turned by 0.1 rad
-    /// it is about 10.
+    /// How much an error of touching grows in the tip, along the worst direction: 1 is as good as it gets; with poses
+    /// turned by 0.1 rad it is about 10.
     pub amplification: f64,
     /// Set when the poses do not determine the tip along some direction of the flange; see there.
     pub warning: Option<Undetermined>,
@@ -33,8 +33,8 @@ pub struct Calibration {
 /// The poses leave the tip open: touch in more orientations, turned about other axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Undetermined {
-    /// The direction in the flange frame along which the poses say least. The tip given is, along this direction, that nearest to
-    /// the flange's origin.
+    /// The direction in the flange frame along which the poses say least. The tip given is, along this direction,
+    /// that nearest to the flange's origin.
     pub direction: UnitVector3<f64>,
     /// How many independent directions are open: 1, 2 or 3.
     pub directions: usize,
@@ -61,8 +61,8 @@ pub enum CalibrationError {
 /// The amplification from which a direction counts as open: an error of 0.1 mm in touching would be 10 mm in the tip.
 const OPEN: f64 = 100.0;
 
-/// Finds the tip on the flange and the mark in the base from poses of the flange, `base_flange`, in which the tip touches
-/// the mark.
+/// Finds the tip on the flange and the mark in the base from poses of the flange, `base_flange`, in which the tip
+/// touches the mark.
 ///
 /// # Errors
 /// [`CalibrationError`] for fewer than two poses, and for a pose that is none. Poses that do not determine the tip are

@@ -1,17 +1,17 @@
 //! Cells: an arm, a part and a nozzle, and which of the two the arm holds.
 //!
-//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.5, Fig. 2.7, Eq. 2.3
-//! `T_E^B T_P^E T_O^P = T_N^B`, and section 4.3.1 (the free turn about the tool axis, Eq. 4.3).
-//! Symbols: `T_E^B` is `base_flange` here, `T_P^E` is `flange_part`, `T_O^P` comes from a [`Waypoint`] and the tool angle,
-//! `T_N^B` is `base_nozzle`.
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.5, Fig. 2.7, Eq. 2.3 `T_E^B
+//! T_P^E T_O^P = T_N^B`, and section 4.3.1 (the free turn about the tool axis, Eq. 4.3). Symbols: `T_E^B` is
+//! `base_flange` here, `T_P^E` is `flange_part`, `T_O^P` comes from a [`Waypoint`] and the tool angle, `T_N^B` is
+//! `base_nozzle`.
 //!
-//! The nozzle frame N has its origin at the tip; its z axis runs from the tip up into the nozzle, against the flow, so that it
-//! coincides with the deposition frame O, whose z axis is the direction in which material grows. The tool angle turns
-//! O about z. At angle 0, O is the part frame turned by the shortest way that takes z to the waypoint's axis (about x
-//! where the axis is -z).
+//! The nozzle frame N has its origin at the tip; its z axis runs from the tip up into the nozzle, against the flow,
+//! so that it coincides with the deposition frame O, whose z axis is the direction in which material grows. The tool
+//! angle turns O about z. At angle 0, O is the part frame turned by the shortest way that takes z to the waypoint's
+//! axis (about x where the axis is -z).
 //!
-//! Departs from the dissertation: the nozzle may be in the hand and the part on its stand as well, and the stand may be the
-//! table of a [`Positioner`].
+//! Departs from the dissertation: the nozzle may be in the hand and the part on its stand as well, and the stand may
+//! be the table of a [`Positioner`].
 
 use crate::arm::{Arm, Branch, Rates, Solutions};
 use crate::pose::parts;
@@ -208,8 +208,8 @@ impl Cell {
     /// order of the angles and then of the branches' slots.
     ///
     /// Each branch with an image within the limits comes once, with the image nearest to the middle of the limits (to
-    /// zero where a joint turns without end); [`JointLimits::images`](crate::JointLimits::images) gives the others. A waypoint that is not finite
-    /// has none.
+    /// zero where a joint turns without end); [`JointLimits::images`](crate::JointLimits::images) gives the others. A
+    /// waypoint that is not finite has none.
     ///
     /// # Cost
     /// About two microseconds an angle, no allocation.
@@ -230,8 +230,8 @@ impl Cell {
         })
     }
 
-    /// How the joints change with the tool angle while the waypoint stays: first and second derivatives on the branch of `joints`.
-    /// `None` at a singularity.
+    /// How the joints change with the tool angle while the waypoint stays: first and second derivatives on the branch
+    /// of `joints`. `None` at a singularity.
     pub fn tool_rates(&self, joints: &[f64; 6]) -> Option<Rates> {
         let (nozzle, sense) = match self.held {
             // The part turns under the nozzle, so it turns the other way.
@@ -313,8 +313,8 @@ impl TableCell {
         self.positioner.limits().contains(table).then_some(Cell { base_other, ..self.cell })
     }
 
-    /// Joints of the table at which the direction of growth points in this direction of the base: the axis of the waypoint
-    /// where the table carries the part, else the axis of the nozzle. As [`Positioner::aligning`].
+    /// Joints of the table at which the direction of growth points in this direction of the base: the axis of the
+    /// waypoint where the table carries the part, else the axis of the nozzle. As [`Positioner::aligning`].
     pub fn aligning(
         &self,
         waypoint: &Waypoint,
@@ -328,8 +328,8 @@ impl TableCell {
         self.positioner.aligning(&(self.cell.base_other.rotation * growth), base_direction, reference)
     }
 
-    /// How the arm's joints follow the tool angle, the tilt and the turn, each alone, while the waypoint stays: first and second
-    /// derivatives. `None` at a singularity, or with the table beyond its limits.
+    /// How the arm's joints follow the tool angle, the tilt and the turn, each alone, while the waypoint stays: first
+    /// and second derivatives. `None` at a singularity, or with the table beyond its limits.
     pub fn rates(&self, table: &[f64; 2], joints: &[f64; 6]) -> Option<[Rates; 3]> {
         let [tilt, turn] = self.positioner.axes(table);
         let follow = |(point, axis): (Point3<f64>, UnitVector3<f64>)| self.cell.arm.rates_about(joints, &point, &axis);

@@ -4,7 +4,8 @@
 //! coordinates into the base. Joints are `[f64; 6]`.
 //!
 //! * [`Arm`]: forward and inverse kinematics of UR arms and ortho-parallel arms with a spherical wrist, all eight
-//!   branches in named slots, Jacobians, the solution that goes on from the last one. [`robots`] holds published numbers.
+//!   branches in named slots, Jacobians, the solution that goes on from the last one. [`robots`] holds published
+//!   numbers.
 //! * [`JointLimits`]: limits and whole turns.
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Cell`], [`TableCell`]: who holds what; from a waypoint to configurations.

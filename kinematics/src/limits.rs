@@ -100,7 +100,8 @@ impl<const N: usize> JointLimits<N> {
     /// The image of `joints` within the limits that is nearest to `reference`, joint by joint; `None` when a joint has
     /// none, or is not finite.
     ///
-    /// A joint up to 1e-10 rad beyond its stop is put on the stop, so what comes out is within the limits to the last bit.
+    /// A joint up to 1e-10 rad beyond its stop is put on the stop, so what comes out is within the limits to the last
+    /// bit.
     /// ```
     /// use curvlay_kinematics::robots;
     /// use std::f64::consts::TAU;

@@ -4,14 +4,15 @@
 //! frames that face down, and put the nozzle at the middle of the box with the most frames. Symbols: the
 //! box `B` is `envelope` here.
 //!
-//! Departs from the dissertation: the samples are the points of a Halton sequence (J. H. Halton, "On the efficiency of certain
-//! quasi-random sequences of points", Numerische Mathematik 2, 1960) instead of random ones, so they are even and always the
-//! same. And the search is exact: over all boxes of this size, wherever they are, none contains more frames.
+//! Departs from the dissertation: the samples are the points of a Halton sequence (J. H. Halton, "On the efficiency
+//! of certain quasi-random sequences of points", Numerische Mathematik 2, 1960) instead of random ones, so they are
+//! even and always the same. And the search is exact: over all boxes of this size, wherever they are, none contains
+//! more frames.
 //!
 //! A best box can be moved until its lower faces touch points. So its corner is one of `n^3`, an index along each
-//! axis. For a range of indices along x, the points between the range's first and last box make a problem in the plane
-//! with at least as many points, which a sweep along y over a segment tree along z solves. Best first: ranges are halved
-//! in the order of these bounds, and the first range of one index that comes up is the optimum.
+//! axis. For a range of indices along x, the points between the range's first and last box make a problem in the
+//! plane with at least as many points, which a sweep along y over a segment tree along z solves. Best first: ranges
+//! are halved in the order of these bounds, and the first range of one index that comes up is the optimum.
 
 use crate::arm::Arm;
 use crate::pose::parts;
@@ -88,10 +89,10 @@ pub struct Placement {
 
 /// Where the arm brings the frame `flange_frame` (the part on the flange, or the nozzle): its origins in the base.
 ///
-/// The postures are the first points of a Halton sequence over the limits; of a joint that turns farther than once, over
-/// one turn. `keep` sees the joints and the frame in the base and says whether the frame counts: what lies below the
-/// floor, behind a wall or within the arm itself is for it to drop. (Evenly spread joints crowd about axis 1, so without
-/// such a rule the nozzle ends up there.)
+/// The postures are the first points of a Halton sequence over the limits; of a joint that turns farther than once,
+/// over one turn. `keep` sees the joints and the frame in the base and says whether the frame counts: what lies below
+/// the floor, behind a wall or within the arm itself is for it to drop. (Evenly spread joints crowd about axis 1, so
+/// without such a rule the nozzle ends up there.)
 ///
 /// # Errors
 /// [`PlacementError::Frame`] and [`PlacementError::LeastRise`].
@@ -155,8 +156,8 @@ fn halton(mut index: usize, base: usize) -> f64 {
 
 /// The box with these edges, parallel to the axes, that contains the most points, faces included.
 ///
-/// No box anywhere contains more. Of boxes with as many, that whose lower corner comes first in x is taken; it is moved so that
-/// its points lie in its middle.
+/// No box anywhere contains more. Of boxes with as many, that whose lower corner comes first in x is taken; it is
+/// moved so that its points lie in its middle.
 ///
 /// # Errors
 /// [`PlacementError`], `Stopped` when `progress` breaks.
@@ -273,8 +274,8 @@ impl Search {
         Err(PlacementError::NoPoints)
     }
 
-    /// The most points in a box whose x begins at one of these points and goes on to the end of the last one's box, and
-    /// where its y and z begin. Exact for a single index, a bound for more.
+    /// The most points in a box whose x begins at one of these points and goes on to the end of the last one's box,
+    /// and where its y and z begin. Exact for a single index, a bound for more.
     fn sweep(&mut self, (begin, end): (usize, usize)) -> (u32, [f64; 2]) {
         let last = self.points[end - 1].x + self.envelope[0];
         let after = begin + self.points[begin..].partition_point(|point| point.x <= last);

@@ -1,7 +1,7 @@
 //! A positioner: a table that tilts about one axis and turns about a second one that the first carries.
 //!
-//! Two joints bring a direction on the table into a wanted direction. That is the second of the three problems of P. Kahan and
-//! B. Paden (B. Paden, *Kinematics and control of robot manipulators*, PhD thesis, Berkeley 1986): both
+//! Two joints bring a direction on the table into a wanted direction. That is the second of the three problems of P.
+//! Kahan and B. Paden (B. Paden, *Kinematics and control of robot manipulators*, PhD thesis, Berkeley 1986): both
 //! solutions in closed form.
 
 use crate::limits::{JointLimits, LimitError};
@@ -127,9 +127,9 @@ impl Positioner {
         [self.tilt, (carried * self.turn.0, carried.rotation * self.turn.1)]
     }
 
-    /// Tilt and turn that bring a direction on the table into a direction in the base: none, one or two, each the image
-    /// within the limits nearest to `reference`. A joint that makes no difference (the direction lies along its axis)
-    /// stays at its reference. The first is nearer to `reference` than the second, or as near.
+    /// Tilt and turn that bring a direction on the table into a direction in the base: none, one or two, each the
+    /// image within the limits nearest to `reference`. A joint that makes no difference (the direction lies along its
+    /// axis) stays at its reference. The first is nearer to `reference` than the second, or as near.
     /// ```
     /// use curvlay_kinematics::{Positioner, nalgebra::{Isometry3, Vector3}, robots};
     /// let table = Positioner::new(&robots::IRBP_A250, &Isometry3::identity())?;

@@ -1,11 +1,11 @@
 //! Sine, cosine and the angle of a point, inline and without branches on the value.
 //!
-//! The inverse of an arm is two dozen angles and its check as many sines; calls to the system's library were two thirds of its
-//! time. And a library differs from system to system in the last digit, these functions do not.
+//! The inverse of an arm is two dozen angles and its check as many sines; calls to the system's library were two
+//! thirds of its time. And a library differs from system to system in the last digit, these functions do not.
 //!
-//! Both are power series on a short interval: the sine and cosine on an eighth of a turn after the nearest quarter turn is
-//! taken off in two parts; the arc tangent on a 32nd of a turn after the nearest eighth of pi is taken off by the
-//! tangent of a difference. The error is below 4e-16, measured against the standard library in the tests below.
+//! Both are power series on a short interval: the sine and cosine on an eighth of a turn after the nearest quarter
+//! turn is taken off in two parts; the arc tangent on a 32nd of a turn after the nearest eighth of pi is taken off by
+//! the tangent of a difference. The error is below 4e-16, measured against the standard library in the tests below.
 
 use crate::angle::whole;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, PI};

@@ -84,19 +84,27 @@ proptest! {
     }
 
     #[test]
-    fn a_configuration_is_found_again_from_its_own_waypoint(cell in any_cell(), joints in prop::array::uniform6(-1.5..1.5f64)) {
+    fn a_configuration_is_found_again_from_its_own_waypoint(
+        cell in any_cell(),
+        joints in prop::array::uniform6(-1.5..1.5f64),
+    ) {
         let on_part = cell.nozzle_on_part(&joints);
         let axis = UnitVector3::new_normalize(on_part.rotation * Vector3::z());
         let waypoint = Waypoint { position: Point3::from(on_part.translation.vector), axis };
         let turn = (waypoint.frame(0.0).rotation.inverse() * on_part.rotation).scaled_axis().z;
         prop_assume!(cell.arm().manipulability(&joints) > 1e4);
         let flange = cell.flange(&waypoint, turn);
-        let nearest = cell.arm().inverse(&flange).iter().map(|(_, q)| common::apart(q, &joints)).fold(f64::INFINITY, f64::min);
+        let found = cell.arm().inverse(&flange);
+        let nearest = found.iter().map(|(_, q)| common::apart(q, &joints)).fold(f64::INFINITY, f64::min);
         prop_assert!(nearest < 1e-6, "{nearest:e}");
     }
 
     #[test]
-    fn tool_rates_are_what_differences_say(kind in 0..3u32, waypoint in waypoint(), table in prop::array::uniform2(-0.5..0.5f64)) {
+    fn tool_rates_are_what_differences_say(
+        kind in 0..3u32,
+        waypoint in waypoint(),
+        table in prop::array::uniform2(-0.5..0.5f64),
+    ) {
         const STEP: f64 = 1e-4;
         let eight = table_cell(kind == 1, JointLimits::NONE);
         let cell = if kind == 0 { ur3_cell(JointLimits::NONE) } else { eight.at(&table).unwrap() };
@@ -128,7 +136,11 @@ proptest! {
     }
 
     #[test]
-    fn the_table_aligns_what_it_can(from in direction(), to in direction(), reference in prop::array::uniform2(-3.0..3.0f64)) {
+    fn the_table_aligns_what_it_can(
+        from in direction(),
+        to in direction(),
+        reference in prop::array::uniform2(-3.0..3.0f64),
+    ) {
         let table = positioner();
         let both = table.aligning(&from, &to, &reference);
         for joints in both.iter().flatten() {

@@ -20,7 +20,11 @@ fn limits() -> impl Strategy<Value = JointLimits<2>> {
 
 proptest! {
     #[test]
-    fn images_are_those_that_counting_finds(limits in limits(), joints in prop::array::uniform2(-PI..PI), from in prop::array::uniform2(-30.0..30.0)) {
+    fn images_are_those_that_counting_finds(
+        limits in limits(),
+        joints in prop::array::uniform2(-PI..PI),
+        from in prop::array::uniform2(-30.0..30.0),
+    ) {
         let [a, b] = [0, 1].map(|k| images_of(joints[k], limits.lower[k], limits.upper[k]));
         let wanted: Vec<[f64; 2]> = b.iter().flat_map(|&b| a.iter().map(move |&a| [a, b])).collect();
         let found: Vec<[f64; 2]> = limits.images(&joints, &from).collect();

@@ -1,4 +1,5 @@
-//! The box with the most points, against trying all boxes; the reach, against its own rules; tips, against made-up ones.
+//! The box with the most points, against trying all boxes; the reach, against its own rules; tips, against made-up
+//! ones.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod common;
@@ -49,7 +50,11 @@ proptest! {
     }
 
     #[test]
-    fn a_tip_is_found(tip in prop::array::uniform3(-200.0..200.0f64), mark in prop::array::uniform3(-500.0..500.0f64), turns in prop::collection::vec(prop::array::uniform3(-1.5..1.5f64), 3..8)) {
+    fn a_tip_is_found(
+        tip in prop::array::uniform3(-200.0..200.0f64),
+        mark in prop::array::uniform3(-500.0..500.0f64),
+        turns in prop::collection::vec(prop::array::uniform3(-1.5..1.5f64), 3..8),
+    ) {
         let (tip, mark) = (Point3::from(tip), Point3::from(mark));
         let poses: Vec<Isometry3<f64>> = turns.iter().map(|turn| touching(&tip, &mark, *turn)).collect();
         let found = calibrate_tip(&poses).unwrap();

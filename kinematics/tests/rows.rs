@@ -1,4 +1,5 @@
-//! Published robots against reference rows made with 50 digits: forward, inverse, completeness, continuing. Rows in metres.
+//! Published robots against reference rows made with 50 digits: forward, inverse, completeness, continuing. Rows in
+//! metres.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod common;

@@ -1,7 +1,7 @@
 //! The eight branches of the inverse, by name, in eight fixed slots.
 //!
-//! Each of the three letters changes at one singularity and nowhere else, so a motion that meets no singularity stays on
-//! its branch. The slot is `4 shoulder + 2 elbow + wrist`: for an ABB arm this is its RAPID `cfx`.
+//! Each of the three letters changes at one singularity and nowhere else, so a motion that meets no singularity stays
+//! on its branch. The slot is `4 shoulder + 2 elbow + wrist`: for an ABB arm this is its RAPID `cfx`.
 
 use crate::angle::apart;
 
@@ -86,8 +86,9 @@ pub struct Solutions {
     present: u8,
 }
 
-/// Solutions that lie closer than this in every joint are one, in radians. Two branches come together at a stretched elbow
-/// and where the shoulder folds; below this distance the pose does not tell them apart (the square of it shows).
+/// Solutions that lie closer than this in every joint are one, in radians. Two branches come together at a stretched
+/// elbow and where the shoulder folds; below this distance the pose does not tell them apart (the square of it
+/// shows).
 pub const SAME: f64 = 1e-6;
 
 impl Solutions {

@@ -1,10 +1,10 @@
 //! The solution that goes on from where the arm is.
 //!
-//! Where a joint is free (wrist: axes 4 and 6 in line; shoulder: wrist centre on axis 1) the closed form takes it from
-//! the previous joints: joint 1 at the shoulder; at the wrist joint 4 of an ortho-parallel arm and joint 6 of a UR arm. So
-//! an arm that passes straight through the singularity does not turn that joint, as it does not before and after.
-//! But the others have to follow, and near a second singularity they would have to run, or rounding decides where they are:
-//! then the posture next to the previous joints is taken ([`follow`](super::follow)).
+//! Where a joint is free (wrist: axes 4 and 6 in line; shoulder: wrist centre on axis 1) the closed form takes it
+//! from the previous joints: joint 1 at the shoulder; at the wrist joint 4 of an ortho-parallel arm and joint 6 of a
+//! UR arm. So an arm that passes straight through the singularity does not turn that joint, as it does not before and
+//! after. But the others have to follow, and near a second singularity they would have to run, or rounding decides
+//! where they are: then the posture next to the previous joints is taken ([`follow`](super::follow)).
 //!
 //! Hardly off a singularity the pose says little about the free joint: joints that still meet the pose are kept.
 
@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 /// Previous joints that meet the pose a tenth as closely as a solution must are the solution.
 const KEPT: f64 = 0.1;
 
-/// A free joint is kept unless the arm then moves this many times as far as it must. In regular postures joints move up
-/// to about this much farther than the flange (in radians, and in longest links).
+/// A free joint is kept unless the arm then moves this many times as far as it must. In regular postures joints move
+/// up to about this much farther than the flange (in radians, and in longest links).
 const RUN: f64 = 3.0;
 
 /// The square of the distance in joint space.
@@ -31,9 +31,9 @@ impl Arm {
     /// The solution within the limits that is nearest to `previous` (least sum of squared differences, whole turns
     /// counted), or `None` if there is none, or an argument is not finite.
     ///
-    /// At a singularity the free joint stays where it was and the others follow, unless the arm would then move more than
-    /// three times as far as it must: a posture next to `previous` that meets the pose is taken then. Ties go to the
-    /// lower slot.
+    /// At a singularity the free joint stays where it was and the others follow, unless the arm would then move more
+    /// than three times as far as it must: a posture next to `previous` that meets the pose is taken then. Ties go to
+    /// the lower slot.
     ///
     /// # Cost
     /// About a microsecond, beside a singularity up to ten; no allocation.

@@ -1,11 +1,11 @@
 //! The posture next to given joints where the closed form has lost them.
 //!
-//! On a singularity a pose leaves a joint free, and beside one, and all the more where two meet, what it says of some joints is
-//! less than rounding. Then the closed form is right about the pose, but its joints may be far from where the arm is,
-//! with a posture near by that is as right. Damped least squares find it: K. Levenberg, Quarterly of Applied Mathematics 2,
-//! 1944, with the damping in proportion to the squared error (N. Yamashita, M. Fukushima, "On the rate of convergence of
-//! the Levenberg-Marquardt method", 2001), which converges where the Jacobian has lost rank, too.
-//! Each step is the shortest one for what it gains, so the arm ends hardly farther than it must.
+//! On a singularity a pose leaves a joint free, and beside one, and all the more where two meet, what it says of some
+//! joints is less than rounding. Then the closed form is right about the pose, but its joints may be far from where
+//! the arm is, with a posture near by that is as right. Damped least squares find it: K. Levenberg, Quarterly of
+//! Applied Mathematics 2, 1944, with the damping in proportion to the squared error (N. Yamashita, M. Fukushima, "On
+//! the rate of convergence of the Levenberg-Marquardt method", 2001), which converges where the Jacobian has lost
+//! rank, too. Each step is the shortest one for what it gains, so the arm ends hardly farther than it must.
 
 use super::Arm;
 use super::jacobian::jacobian_of;
@@ -14,8 +14,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 /// Steps. Three or four are enough beside a singularity; more are for the rare case of several.
 const STEPS: usize = 40;
 
-/// An error below this will do, a twentieth of what a solution may have: in radians, and in longest links. To ask for more
-/// would send the arm far along directions in which it hardly shows.
+/// An error below this will do, a twentieth of what a solution may have: in radians, and in longest links. To ask for
+/// more would send the arm far along directions in which it hardly shows.
 const MET: f64 = 5e-11;
 
 /// An error above this is no small step: farther away the nearest posture is a matter of branches.

@@ -1,7 +1,7 @@
 //! Velocities: the geometric Jacobian, its derivative along a motion, and how joints follow the turning tool.
 //!
-//! Rows 0 to 2 are the velocity of a point of the flange in mm/s, rows 3 to 5 the angular velocity in rad/s, both in the
-//! base frame; columns are the joints.
+//! Rows 0 to 2 are the velocity of a point of the flange in mm/s, rows 3 to 5 the angular velocity in rad/s, both in
+//! the base frame; columns are the joints.
 //!
 //! A tool that prints round beads may turn about its axis (Dai, *Material Deposition in 3D Space*, TU Delft 2020,
 //! Eq. 4.3). In every cell that moves the flange rigidly about a line that stands still in the base, so
@@ -19,8 +19,8 @@ pub struct Rates {
     pub second: [f64; 6],
 }
 
-/// The arm is singular where joints must turn this many times faster than the flange, for a flange moving a link's length
-/// a radian: derivatives beyond it have no digits left.
+/// The arm is singular where joints must turn this many times faster than the flange, for a flange moving a link's
+/// length a radian: derivatives beyond it have no digits left.
 const STEEPEST: f64 = 1e8;
 
 impl Arm {
@@ -34,7 +34,8 @@ impl Arm {
         signed
     }
 
-    /// The Jacobian of a point that is fixed to the flange, given in the flange frame (the origin, or the tip of a tool).
+    /// The Jacobian of a point that is fixed to the flange, given in the flange frame (the origin, or the tip of a
+    /// tool).
     /// ```
     /// use curvlay_kinematics::{Arm, nalgebra::Point3, robots};
     /// // A UR3 stretched along -x: joint 1 moves the flange along -y by its distance from axis 1.

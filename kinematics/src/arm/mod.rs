@@ -1,7 +1,8 @@
 //! Arms of six joints: forward and inverse kinematics.
 //!
-//! Two families have a closed form here: arms of the UR type ([`DhTable`]) and ortho-parallel arms with a spherical wrist
-//! ([`OrthoLengths`]). An arm is made from an [`ArmModel`], which is plain numbers; [`robots`](crate::robots) has some.
+//! Two families have a closed form here: arms of the UR type ([`DhTable`]) and ortho-parallel arms with a spherical
+//! wrist ([`OrthoLengths`]). An arm is made from an [`ArmModel`], which is plain numbers; [`robots`](crate::robots)
+//! has some.
 //!
 //! Joints are `[f64; 6]` in radians, poses are `base_flange` in millimetres. Nothing here allocates, and all results
 //! depend on the input alone.
@@ -64,11 +65,13 @@ pub enum Geometry {
 
 /// The numbers of an arm.
 ///
-/// The geometry's joints are `signs * joints - offsets`, so that an arm keeps the zero and the sense its maker gave it.
+/// The geometry's joints are `signs * joints - offsets`, so that an arm keeps the zero and the sense its maker gave
+/// it.
 /// ```
 /// use curvlay_kinematics::{Arm, ArmModel, Geometry, JointLimits, OrthoLengths};
+/// let lengths = OrthoLengths { a1: 100.0, a2: -135.0, b: 0.0, c1: 615.0, c2: 705.0, c3: 755.0, c4: 85.0 };
 /// let mine = ArmModel {
-///     geometry: Geometry::Ortho(OrthoLengths { a1: 100.0, a2: -135.0, b: 0.0, c1: 615.0, c2: 705.0, c3: 755.0, c4: 85.0 }),
+///     geometry: Geometry::Ortho(lengths),
 ///     offsets: [0.0, 0.0, -std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0],
 ///     signs: [1.0; 6],
 ///     limits: JointLimits::NONE,
@@ -211,8 +214,9 @@ impl Arm {
 
     /// The poses of base, links and flange in the base; the last is [`Arm::forward`].
     ///
-    /// Of a UR arm the frames of its table. Of an ortho-parallel arm: shoulder (on axis 1, at the height of axis 2), upper arm (at
-    /// axis 2), forearm (at axis 3), wrist centre before and after joint 5, flange; z runs along the link.
+    /// Of a UR arm the frames of its table. Of an ortho-parallel arm: shoulder (on axis 1, at the height of axis 2),
+    /// upper arm (at axis 2), forearm (at axis 3), wrist centre before and after joint 5, flange; z runs along the
+    /// link.
     pub fn frames(&self, joints: &[f64; 6]) -> [Isometry3<f64>; 7] {
         let inner = self.inner(joints);
         let frames = match &self.solver {
@@ -253,7 +257,8 @@ impl Arm {
         found
     }
 
-    /// The same without the forward kinematics behind it: what the closed form says, for callers that check by themselves.
+    /// The same without the forward kinematics behind it: what the closed form says, for callers that check by
+    /// themselves.
     pub fn inverse_unchecked(&self, base_flange: &Isometry3<f64>) -> Solutions {
         let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
         let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST });

@@ -90,8 +90,8 @@ impl OrthoArm {
         (Matrix3::from_columns(&[x5 * c6 + y4 * s6, y4 * c6 - x5 * s6, z6]), wrist + z6 * c4)
     }
 
-    /// Drops solutions that do not meet the pose. A flipped wrist differs from its twin by half turns of joints 4 and 6
-    /// and the sign of joint 5, which change the flange by rounding alone; so that is checked, and the twin's pose.
+    /// Drops solutions that do not meet the pose. A flipped wrist differs from its twin by half turns of joints 4 and
+    /// 6 and the sign of joint 5, which change the flange by rounding alone; so that is checked, and the twin's pose.
     pub fn verify(&self, r: &Matrix3<f64>, p: &Vector3<f64>, found: &mut Solutions) {
         for slot in [0, 2, 4, 6] {
             let (twin, flipped) = (found.at(slot).copied(), found.at(slot + 1).copied());

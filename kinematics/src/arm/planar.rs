@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 /// A point this far out of reach is reached, in millimetres: rounding, and below what a pose is checked for.
 pub(super) const REACH: f64 = 1e-7;
 
-/// Where two solutions meet the square root of a difference is taken, and rounding of the difference would leave 5e-8 rad
-/// between them: enough to hide a singular wrist. So a difference below this share of the whole, a few units in the last
-/// place, is zero. That moves joints by 2e-7 rad at most, and no point by as much as rounding does.
+/// Where two solutions meet the square root of a difference is taken, and rounding of the difference would leave 5e-8
+/// rad between them: enough to hide a singular wrist. So a difference below this share of the whole, a few units in
+/// the last place, is zero. That moves joints by 2e-7 rad at most, and no point by as much as rounding does.
 const FOLDED: f64 = 2e-15;
 
 /// What the pose leaves open.
@@ -49,8 +49,9 @@ impl Turn {
     }
 }
 
-/// Joint 1 turns the arm's plane, which passes axis 1 at the distance `across`, through the point. The plane's normal is
-/// `(sin, -cos)`; the point's coordinate along `(cos, sin)` comes with each turn, first the one that is not negative.
+/// Joint 1 turns the arm's plane, which passes axis 1 at the distance `across`, through the point. The plane's normal
+/// is `(sin, -cos)`; the point's coordinate along `(cos, sin)` comes with each turn, first the one that is not
+/// negative.
 ///
 /// On axis 1, with no distance, any turn will do: `free` is taken, and the opposite.
 pub(super) fn shoulder(point: &Vector3<f64>, across: f64, free: f64) -> Option<[(Turn, f64); 2]> {
@@ -72,8 +73,8 @@ pub(super) fn shoulder(point: &Vector3<f64>, across: f64, free: f64) -> Option<[
     Some([turn(along), turn(-along)])
 }
 
-/// The angle between the two links that reach a point at `distance`: cosine and sine, the sine not negative. Links may have
-/// any sign.
+/// The angle between the two links that reach a point at `distance`: cosine and sine, the sine not negative. Links
+/// may have any sign.
 pub(super) fn bend(distance: f64, first: f64, second: f64) -> Option<(f64, f64)> {
     let (outer, inner) = (first.abs() + second.abs(), (first.abs() - second.abs()).abs());
     if !(distance <= outer + REACH && distance >= inner - REACH) {
@@ -96,8 +97,8 @@ pub(super) fn lift(x: f64, y: f64, first: f64, second: f64, (cos, sin): (f64, f6
     Turn::towards(x * near + y * off, y * near - x * off)
 }
 
-/// The axis of the flange, `(x, y, z)` before the joint that aims it and joint 5 have turned: that joint, and joint 5 not
-/// negative. Along z, any aim will do: `free`, or the opposite, and joint 5 as near as it comes.
+/// The axis of the flange, `(x, y, z)` before the joint that aims it and joint 5 have turned: that joint, and joint 5
+/// not negative. Along z, any aim will do: `free`, or the opposite, and joint 5 as near as it comes.
 pub(super) fn aim(x: f64, y: f64, z: f64, free: f64, singular: f64) -> (Turn, f64) {
     let sine = (x * x + y * y).sqrt();
     if sine > singular {

@@ -1,8 +1,8 @@
 //! Robots by their published numbers.
 //!
-//! Lengths and limits are the makers' as named at each constant; nobody publishes accelerations and jerks, so those are
-//! infinite. Frames: of a UR arm frame 0 is the controller's base and frame 6 its flange (ROS `base_link` is this base turned by
-//! pi about z); of an ABB arm the base frame at the floor, and `tool0`, z along axis 6.
+//! Lengths and limits are the makers' as named at each constant; nobody publishes accelerations and jerks, so those
+//! are infinite. Frames: of a UR arm frame 0 is the controller's base and frame 6 its flange (ROS `base_link` is this
+//! base turned by pi about z); of an ABB arm the base frame at the floor, and `tool0`, z along axis 6.
 
 use super::dh::DhTable;
 use super::ortho::OrthoLengths;
@@ -77,8 +77,8 @@ pub const UR5E: ArmModel =
 
 /// ABB IRB 120-3/0.6.
 ///
-/// Source: ROS-Industrial `abb_irb120_support`, `irb120_3_58` (limits from ABB's data sheet ROB0149EN_D, 2012); lengths
-/// agree with B. Brooks, ME thesis, Massey University 2016, Table 3-1.
+/// Source: ROS-Industrial `abb_irb120_support`, `irb120_3_58` (limits from ABB's data sheet ROB0149EN_D, 2012);
+/// lengths agree with B. Brooks, ME thesis, Massey University 2016, Table 3-1.
 pub const IRB120: ArmModel = abb(
     OrthoLengths { a1: 0.0, a2: -70.0, b: 0.0, c1: 290.0, c2: 270.0, c3: 302.0, c4: 72.0 },
     limits(

@@ -1,9 +1,10 @@
-//! Arms of the UR type in closed form: axes 2, 3 and 4 parallel, axes 1 and 2, 4 and 5, 5 and 6 crossing at right angles.
+//! Arms of the UR type in closed form: axes 2, 3 and 4 parallel, axes 1 and 2, 4 and 5, 5 and 6 crossing at right
+//! angles.
 //!
-//! Derived from the table `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)` with `alpha = 90, 0, 0, 90, -90, 0` degrees. The
-//! normal of the arm's plane is `n = (sin q1, -cos q1, 0)`; the point where axes 5 and 6 cross lies at `d2 + d3 + d4` along
-//! it, which gives joint 1. In the flange frame `n` is `(s5 c6, -s5 s6, c5)`, which gives joints 5 and 6 to all digits
-//! even where `s5` is small; axis 5 then gives `q2 + q3 + q4`, and upper arm and forearm make a triangle.
+//! Derived from the table `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)` with `alpha = 90, 0, 0, 90, -90, 0` degrees.
+//! The normal of the arm's plane is `n = (sin q1, -cos q1, 0)`; the point where axes 5 and 6 cross lies at `d2 + d3 +
+//! d4` along it, which gives joint 1. In the flange frame `n` is `(s5 c6, -s5 s6, c5)`, which gives joints 5 and 6 to
+//! all digits even where `s5` is small; axis 5 then gives `q2 + q3 + q4`, and upper arm and forearm make a triangle.
 
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
@@ -43,9 +44,9 @@ impl UrArm {
         (rotation, position)
     }
 
-    /// Drops solutions that do not meet the pose. As all forward kinematics, but what solutions share is computed once: joint 1
-    /// and the plane for each side of the shoulder, the wrist for each flip; the elbow's twins then differ in a
-    /// triangle only.
+    /// Drops solutions that do not meet the pose. As all forward kinematics, but what solutions share is computed
+    /// once: joint 1 and the plane for each side of the shoulder, the wrist for each flip; the elbow's twins then
+    /// differ in a triangle only.
     pub fn verify(&self, r: &Matrix3<f64>, p: &Vector3<f64>, found: &mut Solutions) {
         let (d, a) = (&self.table.d, &self.table.a);
         for (back, flip) in [(false, false), (false, true), (true, false), (true, true)] {
@@ -112,9 +113,9 @@ impl UrArm {
         let Some(shoulders) = shoulder(&crossing, self.across, free.joints[0]) else { return false };
         let mut folded = shoulders[0].1.abs() <= FOLD * self.across.abs();
         let up = crossing.z - d[0];
-        for (turned, along) in shoulders {
-            let back = (along < 0.0) != (a[1] < 0.0);
-            let q1 = turned;
+        for (side, (q1, along)) in shoulders.into_iter().enumerate() {
+            // The first is that with the crossing on the side of x; the links of a UR arm point the other way at zero.
+            let back = (side == 1) != (a[1] < 0.0);
             let v = [x6, y6, z6].map(|axis| q1.sin * axis.x - q1.cos * axis.y);
             let (q6, q5) = aim(v[0], -v[1], v[2], free.joints[5], free.wrist);
             let z4 = -(x6 * q6.sin + y6 * q6.cos);
