@@ -3,6 +3,8 @@
 //! * `inverse_*`: `checked` puts each solution through the forward kinematics, `unchecked` does not. The baseline,
 //!   rs-opw-kinematics, checks; it knows no arms of the UR type.
 //! * `continuing_*`: along a path of small steps, the solution that goes on from the last one.
+//!
+//! Beside criterion's estimates the least time of 200 runs is printed: on a machine that others share it varies least.
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -16,6 +18,7 @@ use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
+use std::time::Instant;
 
 const POSES: usize = 1_000;
 /// Largest step of a joint along the path, in radians.
@@ -80,31 +83,41 @@ fn has(found: &[Joints], joints: &Joints) -> bool {
     found.iter().any(|other| (0..6).all(|k| ((other[k] - joints[k]) / 2.0).sin().abs() < 1e-6))
 }
 
+/// Prints the least time a pose takes.
+fn least(name: &str, mut run: impl FnMut()) {
+    let mut least = f64::INFINITY;
+    for _ in 0..200 {
+        let start = Instant::now();
+        run();
+        least = least.min(start.elapsed().as_secs_f64());
+    }
+    eprintln!("{name}: at least {:.2} us a pose", 1e6 * least / POSES as f64);
+}
+
 fn bench_inverse(c: &mut Criterion) {
     for (name, model, baseline) in [("ur5", &robots::UR5, None), ("irb120", &robots::IRB120, Some(baseline_irb120()))] {
         let arm = arm(model);
         let poses = poses(&arm, &random_joints(&arm));
         let branches: usize = poses.iter().map(|pose| arm.inverse(pose).len()).sum();
         assert_eq!(branches, poses.iter().map(|pose| arm.inverse_unchecked(pose).len()).sum::<usize>());
+        let checked = || poses.iter().map(|pose| arm.inverse(black_box(pose)).len()).sum::<usize>();
+        let unchecked = || poses.iter().map(|pose| arm.inverse_unchecked(black_box(pose)).len()).sum::<usize>();
+        least(&format!("inverse_{name}/checked"), || _ = black_box(checked()));
+        least(&format!("inverse_{name}/unchecked"), || _ = black_box(unchecked()));
         let mut group = c.benchmark_group(format!("inverse_{name}"));
         group.throughput(Throughput::Elements(POSES as u64));
-        group.bench_function("checked", |b| {
-            b.iter(|| poses.iter().map(|pose| arm.inverse(black_box(pose)).len()).sum::<usize>())
-        });
-        group.bench_function("unchecked", |b| {
-            b.iter(|| poses.iter().map(|pose| arm.inverse_unchecked(black_box(pose)).len()).sum::<usize>())
-        });
+        group.bench_function("checked", |b| b.iter(checked));
+        group.bench_function("unchecked", |b| b.iter(unchecked));
         if let Some(baseline) = baseline {
             let theirs = in_metres(&poses);
             for (pose, ours) in theirs.iter().zip(&poses) {
                 let found = baseline.inverse(pose);
                 assert!(arm.inverse(ours).iter().all(|(_, joints)| has(&found, joints)));
             }
-            let count: usize = theirs.iter().map(|pose| baseline.inverse(pose).len()).sum();
-            eprintln!("inverse_{name}: {branches} branches, rs-opw-kinematics {count}");
-            group.bench_function("baseline_rs_opw", |b| {
-                b.iter(|| theirs.iter().map(|pose| baseline.inverse(black_box(pose)).len()).sum::<usize>())
-            });
+            let solve = || theirs.iter().map(|pose| baseline.inverse(black_box(pose)).len()).sum::<usize>();
+            eprintln!("inverse_{name}: {branches} branches, rs-opw-kinematics {}", solve());
+            least(&format!("inverse_{name}/baseline_rs_opw"), || _ = black_box(solve()));
+            group.bench_function("baseline_rs_opw", |b| b.iter(solve));
         }
         group.finish();
     }
@@ -121,6 +134,7 @@ fn bench_continuing(c: &mut Criterion) {
         let start = joints[0];
         let apart = |a: &Joints, b: &Joints| (0..6).all(|k| (a[k] - b[k]).abs() < 1e-6);
         assert!(apart(&ours(start), &joints[POSES - 1]));
+        least(&format!("continuing_{name}/nearest"), || _ = black_box(ours(start)));
         let mut group = c.benchmark_group(format!("continuing_{name}"));
         group.throughput(Throughput::Elements(POSES as u64));
         group.bench_function("nearest", |b| b.iter(|| ours(start)));
@@ -130,6 +144,7 @@ fn bench_continuing(c: &mut Criterion) {
                 theirs.iter().fold(start, |last, pose| baseline.inverse_continuing(black_box(pose), &last)[0])
             };
             assert!(apart(&follow(start), &joints[POSES - 1]));
+            least(&format!("continuing_{name}/baseline_rs_opw"), || _ = black_box(follow(start)));
             group.bench_function("baseline_rs_opw", |b| b.iter(|| follow(start)));
         }
         group.finish();
