@@ -60,6 +60,9 @@ pub enum LimitError {
 /// than rounding, and less than shows in a pose (1e-7 mm at a metre).
 const ON_STOP: f64 = 1e-10;
 
+/// A limit beyond this, in radians, is none.
+const ENDLESS: f64 = 1e6;
+
 impl<const N: usize> JointLimits<N> {
     /// No limits at all.
     pub const NONE: Self = JointLimits {
@@ -133,8 +136,8 @@ impl<const N: usize> JointLimits<N> {
         (lower - ON_STOP <= turned && turned <= upper + ON_STOP).then(|| turned.max(lower).min(upper))
     }
 
-    /// All images of `joints` within the limits, the first joint changing fastest. Of a joint without end, only the
-    /// image nearest to `reference`: it has infinitely many.
+    /// All images of `joints` within the limits, the first joint changing fastest. Of a joint without end (a
+    /// limit beyond 1e6 rad), only the image nearest to `reference`.
     /// ```
     /// use curvlay_kinematics::robots;
     /// let joints = [0.5; 6];
@@ -146,11 +149,11 @@ impl<const N: usize> JointLimits<N> {
         let mut images = Images { first: *joints, upper: *joints, next: None };
         for k in 0..N {
             let (lower, upper) = (self.lower[k], self.upper[k]);
-            let endless = lower.is_infinite() || upper.is_infinite();
+            let endless = lower < -ENDLESS || upper > ENDLESS;
             let towards = if endless { reference[k] } else { lower };
             let Some(first) = self.image_of_joint(k, joints[k], towards) else { return images };
             images.first[k] = first;
-            images.upper[k] = if endless { first } else { upper };
+            images.upper[k] = if endless { f64::NEG_INFINITY } else { upper };
         }
         images.next = Some(([0; N], images.first));
         images
@@ -161,7 +164,7 @@ impl<const N: usize> JointLimits<N> {
 #[derive(Clone, Debug)]
 pub struct Images<const N: usize> {
     first: [f64; N],
-    /// Greatest angles.
+    /// Greatest angles; minus infinity where the first image is the only one.
     upper: [f64; N],
     /// Turns above the first image, and the angles.
     next: Option<([u32; N], [f64; N])>,

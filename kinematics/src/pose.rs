@@ -64,7 +64,8 @@ pub fn pose_from_matrix(matrix: &Matrix4<f64>) -> Result<Isometry3<f64>, PoseErr
     let block: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into_owned();
     let off = (block * block.transpose() - Matrix3::identity()).amax();
     let determinant = block.determinant();
-    if off > ORTHOGONAL || determinant < 0.0 {
+    // Entries of a rotation are at most 1; very large ones would overflow what is compared here.
+    if block.amax() > 2.0 || off > ORTHOGONAL || determinant < 0.0 {
         return Err(PoseError::NoRotation { off, determinant });
     }
     let translation: Vector3<f64> = matrix.fixed_view::<3, 1>(0, 3).into_owned();

@@ -172,6 +172,8 @@ proptest! {
         let rates = arm.rates_about(&joints, &point, &axis).unwrap();
         let (Some(before), Some(after)) = (turned(-STEP), turned(STEP)) else { return Ok(()) };
         let steep = rates.first.iter().chain(&rates.second).fold(1.0f64, |steep, rate| steep.max(rate.abs()));
+        // Differences mean nothing where the step is as long as the way to the end of reach.
+        prop_assume!(steep < 300.0);
         for k in 0..6 {
             let first = (after[k] - before[k]) / (2.0 * STEP);
             let second = (after[k] - 2.0 * joints[k] + before[k]) / (STEP * STEP);

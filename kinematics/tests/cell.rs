@@ -275,6 +275,7 @@ fn matrices_that_are_no_poses_are_named() {
     assert!(matches!(with(0, 3, f64::INFINITY), Err(PoseError::NotFinite { row: 0, column: 3, .. })));
     assert!(matches!(with(0, 1, 0.1), Err(PoseError::NoRotation { .. })));
     assert!(matches!(with(0, 0, -1.0), Err(PoseError::NoRotation { .. })));
+    assert!(matches!(with(0, 1, 1e200), Err(PoseError::NoRotation { .. })));
     assert_eq!(with(3, 3, 2.0), Err(PoseError::LastRow));
     assert_eq!(with(2, 3, 7.0).unwrap(), Isometry3::translation(0.0, 0.0, 7.0));
 }

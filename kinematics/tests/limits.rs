@@ -62,6 +62,15 @@ fn an_endless_joint_has_the_image_next_to_the_reference() {
 }
 
 #[test]
+fn limits_of_any_size_end() {
+    let wide = JointLimits { lower: [-1e300, 5.0], upper: [1e300, 1e17], ..JointLimits::NONE };
+    assert_eq!(wide.check(), Ok(()));
+    assert_eq!(wide.images(&[1.0; 2], &[9.0; 2]).count(), 1);
+    let far = JointLimits { lower: [1e300], upper: [1e300], ..JointLimits::NONE };
+    assert!(far.images(&[1.0], &[0.0]).count() <= 1);
+}
+
+#[test]
 fn angles_that_are_no_numbers_have_no_image() {
     for angle in [f64::NAN, f64::INFINITY] {
         assert_eq!(JointLimits::NONE.nearest_image(&[angle], &[0.0]), None);
