@@ -33,8 +33,8 @@ pub struct Calibration {
 /// The poses leave the tip open: touch in more orientations, turned about other axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Undetermined {
-    /// The direction in the flange frame along which the poses say least. The tip given is, along this direction,
-    /// that nearest to the flange's origin.
+    /// The direction in the flange frame along which the poses say least. Along open directions the tip is given where
+    /// it is nearest to the flange's origin, and what little the poses say there stays in the residuals.
     pub direction: UnitVector3<f64>,
     /// How many independent directions are open: 1, 2 or 3.
     pub directions: usize,
