@@ -1,11 +1,12 @@
-//! Stage `field`: cells, governing field, growth, audit.
+//! Stage `field`: cells, growth, audit. A field that an earlier run has saved takes the place of the growth.
 
 use crate::{Args, failure};
 use curvlay_examples::args::{Failure, Part, Prevention as PreventionArg, Strategy};
 use curvlay_examples::bars::Bars;
+use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, GrowthOptions, LayerQuality, Neighbours, Platform, Prevention, Rules, UnbuildOptions,
-    audit, grow, layer_quality, peel, unbuild,
+    AuditReport, Cells, Growth, GrowthOptions, GrowthStatistics, LayerQuality, MissedCell, MissedReason, Neighbours,
+    Platform, Prevention, Rules, UnbuildOptions, audit, grow, layer_quality, peel, unbuild,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -25,7 +26,10 @@ pub struct FieldRun {
     pub thin: ThinFeatures,
     pub solid: Voxelisation,
     pub platform: Platform,
+    pub rules: Rules,
     pub growth: Growth,
+    /// The strategy that the order is by.
+    pub strategy: &'static str,
     pub audit: AuditReport,
     pub quality: LayerQuality,
     pub times: Times,
@@ -55,19 +59,19 @@ pub struct Times {
 }
 
 /// Runs `work` and says how long it took.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     (work(), start.elapsed())
 }
 
-pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
+pub fn run(args: &Args, part: &Part, saved: Option<&SavedField>, bars: &Bars) -> Result<FieldRun, Failure> {
     let start = Instant::now();
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| failure(format!("{}: {error}", part.name)))?;
 
-    let resolution =
-        args.voxel.cell.map_or(Resolution::Count(args.voxel.voxels.unwrap_or(DEFAULT_CELLS)), Resolution::Cell);
+    let wanted = Resolution::Count(args.voxel.voxels.unwrap_or(DEFAULT_CELLS));
+    let resolution = saved.map(|saved| saved.cell_mm).or(args.voxel.cell).map_or(wanted, Resolution::Cell);
     let options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) = timed(|| {
         voxelise(vertices, triangles, &options, &|p| {
@@ -85,6 +89,9 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
         ControlFlow::Continue(())
     };
     let cells = Cells::new(solid.grid.dims(), solid.grid.rows()).map_err(failure)?;
+    if saved.is_some_and(|saved| saved.field.dims() != cells.dims() || saved.rows != cells.rows()) {
+        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
+    }
     let rules = Rules { eps: args.grow.eps, ..Rules::default() };
     let radius = args.grow.platform_diameter_mm / 2.0 / solid.grid.cell_mm();
     let platform = Platform::under(&cells, radius).map_err(|_| {
@@ -95,23 +102,12 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
             solid.grid.cell_mm()
         ))
     })?;
-    let grow_start = Instant::now();
-    let (governor, peel_time) = match args.grow.strategy {
-        Strategy::Governed => {
-            let (field, time) = timed(|| peel(&cells, &platform, &rules, &progress));
-            (Some(field.map_err(failure)?), time)
-        }
-        _ => (None, Duration::ZERO),
-    };
-    let growth = match args.grow.strategy {
-        Strategy::Unbuild => unbuild(&cells, &platform, &rules, &UnbuildOptions::default(), &progress),
-        _ => {
-            let options = GrowthOptions { prevention: prevention(args), ..GrowthOptions::default() };
-            grow(&cells, &platform, &rules, &options, governor.as_ref(), &progress)
-        }
-    };
-    let growth = growth.map_err(failure)?;
-    let grow_time = grow_start.elapsed();
+    let grower = Grower { args, cells: &cells, platform: &platform, rules: &rules, progress: &progress };
+    let (grown, grow_time) = timed(|| match saved {
+        Some(saved) => Ok(Grown { growth: taken_up(&cells, saved), by: "saved", peel: Duration::ZERO }),
+        None => grower.grow(args.grow.strategy),
+    });
+    let Grown { growth, by, peel: peel_time } = grown?;
     let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
     let (audit, audit_time) = timed(|| audit(&cells, &platform, &rules, &growth.order, &missed, &progress));
     let audit = audit.map_err(failure)?;
@@ -125,15 +121,73 @@ pub fn run(args: &Args, part: &Part, bars: &Bars) -> Result<FieldRun, Failure> {
     };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
     let findings = findings(&mesh, &thin, &solid);
-    Ok(FieldRun { mesh, thin, solid, platform, growth, audit, quality, times, findings })
+    Ok(FieldRun { mesh, thin, solid, platform, rules, growth, strategy: by, audit, quality, times, findings })
 }
 
-/// The prevention that a strategy stands for.
-pub fn prevention(args: &Args) -> Prevention {
-    match (args.grow.strategy, args.grow.prevention) {
-        (Strategy::Greedy | Strategy::Unbuild, _) => Prevention::None,
-        (Strategy::Incremental, _) | (Strategy::Governed, PreventionArg::Incremental) => Prevention::Incremental,
-        (Strategy::Adaptive, _) | (Strategy::Governed, PreventionArg::Adaptive) => Prevention::Adaptive,
+/// The order that a saved field stands for.
+fn taken_up(cells: &Cells, saved: &SavedField) -> Growth {
+    let without = cells.iter().filter(|&cell| saved.field.value(cell).is_none());
+    let missed = without.map(|cell| MissedCell { cell, reason: MissedReason::SupportMissed }).collect();
+    Growth { order: saved.field.rounded(), missed, statistics: GrowthStatistics::default() }
+}
+
+/// Grows by any strategy.
+struct Grower<'a> {
+    args: &'a Args,
+    cells: &'a Cells<'a>,
+    platform: &'a Platform,
+    rules: &'a Rules,
+    progress: &'a (dyn Fn(curvlay_layers::Progress) -> ControlFlow<()> + Sync),
+}
+
+/// An order, the strategy that it is by, and how long peeling took.
+struct Grown {
+    growth: Growth,
+    by: &'static str,
+    peel: Duration,
+}
+
+impl Grower<'_> {
+    fn grow(&self, strategy: Strategy) -> Result<Grown, Failure> {
+        let Grower { cells, platform, rules, progress, .. } = *self;
+        match strategy {
+            Strategy::Best => {
+                let incremental = self.grow(Strategy::Incremental)?;
+                if incremental.growth.missed.is_empty() {
+                    return Ok(incremental);
+                }
+                let unbuilt = self.grow(Strategy::Unbuild)?;
+                let fewer = unbuilt.growth.missed.len() < incremental.growth.missed.len();
+                Ok(if fewer { unbuilt } else { incremental })
+            }
+            Strategy::Greedy => self.with("greedy", Prevention::None),
+            Strategy::Incremental => self.with("incremental", Prevention::Incremental),
+            Strategy::Adaptive => self.with("adaptive", Prevention::Adaptive),
+            Strategy::Governed => {
+                let (field, peel) = timed(|| peel(cells, platform, rules, progress));
+                let options = GrowthOptions { prevention: governed_prevention(self.args), ..GrowthOptions::default() };
+                let growth = grow(cells, platform, rules, &options, Some(&field.map_err(failure)?), progress);
+                Ok(Grown { growth: growth.map_err(failure)?, by: "governed", peel })
+            }
+            Strategy::Unbuild => {
+                let growth = unbuild(cells, platform, rules, &UnbuildOptions::default(), progress);
+                Ok(Grown { growth: growth.map_err(failure)?, by: "unbuild", peel: Duration::ZERO })
+            }
+        }
+    }
+
+    fn with(&self, by: &'static str, prevention: Prevention) -> Result<Grown, Failure> {
+        let options = GrowthOptions { prevention, ..GrowthOptions::default() };
+        let growth = grow(self.cells, self.platform, self.rules, &options, None, self.progress);
+        Ok(Grown { growth: growth.map_err(failure)?, by, peel: Duration::ZERO })
+    }
+}
+
+/// How the governed strategy keeps cells from being shadowed.
+fn governed_prevention(args: &Args) -> Prevention {
+    match args.grow.prevention {
+        PreventionArg::Incremental => Prevention::Incremental,
+        PreventionArg::Adaptive => Prevention::Adaptive,
     }
 }
 

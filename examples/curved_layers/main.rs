@@ -1,4 +1,4 @@
-//! From a mesh to the order in which its cells are built, without support and without collision.
+//! From a mesh to curved layers that need no support and cannot collide: the order of its cells, and working surfaces.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 3.
 //! ```sh
@@ -8,11 +8,17 @@
 
 mod field;
 mod outputs;
+mod pictures;
+mod products;
+mod surfaces;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, GrowArgs, MeshArgs, Outcome, VoxelArgs, run_with_args, warn};
+use curvlay_examples::args::{
+    Common, Failure, GrowArgs, MeshArgs, Outcome, VoxelArgs, above_zero, run_with_args, warn,
+};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::shapes::jug;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Curved layers for a part, after Dai (2020), chapter 3: needs no support, cannot collide, and is audited.
@@ -26,8 +32,14 @@ struct Args {
     #[command(flatten)]
     grow: GrowArgs,
     /// The last stage to run
-    #[arg(long, default_value = "field")]
+    #[arg(long, default_value = "surfaces")]
     stage: Stage,
+    /// Distance of the layers in millimetres [default: the edge of a cell]
+    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    layer_height: Option<f64>,
+    /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell"])]
+    resume: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -37,6 +49,8 @@ struct Args {
 enum Stage {
     /// The growing field: which cell belongs to which layer.
     Field,
+    /// The working surfaces: even layers, contoured and trimmed to the mesh.
+    Surfaces,
 }
 
 fn main() -> ExitCode {
@@ -45,10 +59,15 @@ fn main() -> ExitCode {
         let bars = Bars::new(args.common.quiet);
         let part = args.mesh.load("jug (made in code)", jug)?;
         part.warning.iter().for_each(warn);
-        let run = field::run(&args, &part, &bars)?;
+        let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
+        let run = field::run(&args, &part, saved.as_ref(), &bars)?;
+        let surfaces = match args.stage {
+            Stage::Field => None,
+            Stage::Surfaces => Some(surfaces::run(&args, &part, &run, saved, &bars)?),
+        };
         bars.finish();
         run.findings.iter().for_each(warn);
-        outputs::write(&args, &part, &run, &folder)?;
+        outputs::write(&args, &part, &run, surfaces.as_ref(), &folder)?;
         Ok(if run.audit.is_ok() { Outcome::Done } else { Outcome::CheckFailed })
     })
 }

@@ -126,7 +126,7 @@ pub struct GrowArgs {
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
     pub platform_diameter_mm: f64,
     /// How the next layer is chosen
-    #[arg(long, default_value = "unbuild")]
+    #[arg(long, default_value = "best")]
     pub strategy: Strategy,
     /// How the governed strategy keeps cells from being shadowed
     #[arg(long, default_value = "adaptive")]
@@ -136,6 +136,8 @@ pub struct GrowArgs {
 /// How the next layer is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Strategy {
+    /// Incremental, and un-built where that misses cells: the order that misses fewer, incremental if both miss as many.
+    Best,
     /// All cells that can be built now.
     Greedy,
     /// Cell by cell, unless it shadows others.

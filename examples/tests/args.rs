@@ -32,7 +32,7 @@ fn everything_has_a_default() {
     assert_eq!((args.mesh.mesh, args.mesh.unit, args.mesh.scale, args.mesh.up), (None, Unit::Mm, 1.0, Up::Z));
     assert_eq!((args.voxels.voxels, args.voxels.cell), (None, None));
     assert_eq!((args.grow.eps, args.grow.platform_diameter_mm), (1.0, 127.5));
-    assert_eq!((args.grow.strategy, args.grow.prevention), (Strategy::Unbuild, Prevention::Adaptive));
+    assert_eq!((args.grow.strategy, args.grow.prevention), (Strategy::Best, Prevention::Adaptive));
     assert!(args.common.threads >= 1 && !args.common.quiet && args.common.out.is_none());
 }
 

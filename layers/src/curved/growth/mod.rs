@@ -114,7 +114,7 @@ pub struct GrowthStatistics {
 }
 
 /// An order of cells, and what it leaves out.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Growth {
     /// The layers.
     pub order: LayerOrder,
