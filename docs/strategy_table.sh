@@ -19,7 +19,7 @@ for eps in "$@"; do
   for mesh in "$folder"/*.stl; do
     printf '| %s |' "$(basename "$mesh" .stl)"
     for strategy in $strategies; do
-      if "${CARGO_TARGET_DIR:-target}/release/examples/curved_layers" --quiet --mesh "$mesh" \
+      if "${CARGO_TARGET_DIR:-target}/release/examples/curved_layers" --quiet --stage field --mesh "$mesh" \
         --voxels "${VOXELS:-100000}" --threads 1 --eps "$eps" --strategy "$strategy" --out "$out" >/dev/null; then
         printf ' %s / %s / %.1f %% / %.2f |' "$(figure missed_cells)" "$(figure layers)" \
           "$(figure small_patch_share | awk '{ print 100 * $1 }')" "$(figure grow_s)"

@@ -64,7 +64,14 @@ pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (work(), start.elapsed())
 }
 
-pub fn run(args: &Args, part: &Part, saved: Option<&SavedField>, bars: &Bars) -> Result<FieldRun, Failure> {
+/// Runs the stage by one strategy, or with a field that was `saved`.
+pub fn run(
+    args: &Args,
+    part: &Part,
+    strategy: Strategy,
+    saved: Option<&SavedField>,
+    bars: &Bars,
+) -> Result<FieldRun, Failure> {
     let start = Instant::now();
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
@@ -105,7 +112,7 @@ pub fn run(args: &Args, part: &Part, saved: Option<&SavedField>, bars: &Bars) ->
     let grower = Grower { args, cells: &cells, platform: &platform, rules: &rules, progress: &progress };
     let (grown, grow_time) = timed(|| match saved {
         Some(saved) => Ok(Grown { growth: taken_up(&cells, saved), by: "saved", peel: Duration::ZERO }),
-        None => grower.grow(args.grow.strategy),
+        None => grower.grow(strategy),
     });
     let Grown { growth, by, peel: peel_time } = grown?;
     let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
@@ -151,17 +158,8 @@ impl Grower<'_> {
     fn grow(&self, strategy: Strategy) -> Result<Grown, Failure> {
         let Grower { cells, platform, rules, progress, .. } = *self;
         match strategy {
-            Strategy::Best => {
-                let incremental = self.grow(Strategy::Incremental)?;
-                if incremental.growth.missed.is_empty() {
-                    return Ok(incremental);
-                }
-                let unbuilt = self.grow(Strategy::Unbuild)?;
-                let fewer = unbuilt.growth.missed.len() < incremental.growth.missed.len();
-                Ok(if fewer { unbuilt } else { incremental })
-            }
             Strategy::Greedy => self.with("greedy", Prevention::None),
-            Strategy::Incremental => self.with("incremental", Prevention::Incremental),
+            Strategy::Best | Strategy::Incremental => self.with("incremental", Prevention::Incremental),
             Strategy::Adaptive => self.with("adaptive", Prevention::Adaptive),
             Strategy::Governed => {
                 let (field, peel) = timed(|| peel(cells, platform, rules, progress));

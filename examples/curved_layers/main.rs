@@ -14,12 +14,15 @@ mod surfaces;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{
-    Common, Failure, GrowArgs, MeshArgs, Outcome, VoxelArgs, above_zero, run_with_args, warn,
+    Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, run_with_args, warn,
 };
 use curvlay_examples::bars::Bars;
 use curvlay_examples::shapes::jug;
+use curvlay_layers::curved::surface::SavedField;
+use field::FieldRun;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use surfaces::SurfacesRun;
 
 /// Curved layers for a part, after Dai (2020), chapter 3: needs no support, cannot collide, and is audited.
 #[derive(Parser, Clone, Debug)]
@@ -60,16 +63,41 @@ fn main() -> ExitCode {
         let part = args.mesh.load("jug (made in code)", jug)?;
         part.warning.iter().for_each(warn);
         let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
-        let run = field::run(&args, &part, saved.as_ref(), &bars)?;
-        let surfaces = match args.stage {
-            Stage::Field => None,
-            Stage::Surfaces => Some(surfaces::run(&args, &part, &run, saved, &bars)?),
-        };
+        let (run, surfaces) = work(&args, &part, saved, &bars)?;
         bars.finish();
         run.findings.iter().for_each(warn);
         outputs::write(&args, &part, &run, surfaces.as_ref(), &folder)?;
         Ok(if run.audit.is_ok() { Outcome::Done } else { Outcome::CheckFailed })
     })
+}
+
+/// What came of the stages.
+type Results = (FieldRun, Option<SurfacesRun>);
+
+/// Runs the stages: by the best strategy for the part, the one that was asked for, or with a saved field.
+fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
+    let stages = |strategy: Strategy, saved: Option<SavedField>| -> Result<Results, Failure> {
+        let run = field::run(args, part, strategy, saved.as_ref(), bars)?;
+        let surfaces = match args.stage {
+            Stage::Field => None,
+            Stage::Surfaces => Some(surfaces::run(args, part, &run, saved, bars)?),
+        };
+        Ok((run, surfaces))
+    };
+    if saved.is_some() || args.grow.strategy != Strategy::Best {
+        return stages(args.grow.strategy, saved);
+    }
+    let incremental = stages(Strategy::Incremental, None)?;
+    if incremental.0.growth.missed.is_empty() {
+        return Ok(incremental);
+    }
+    let unbuilt = stages(Strategy::Unbuild, None)?;
+    // Missed cells are not the only loss: where a side of the part has to wait, surfaces end.
+    let is_better = match (&incremental.1, &unbuilt.1) {
+        (Some(incremental), Some(unbuilt)) => unbuilt.spacing.volume_mm3 > incremental.spacing.volume_mm3,
+        _ => unbuilt.0.growth.missed.len() < incremental.0.growth.missed.len(),
+    };
+    Ok(if is_better { unbuilt } else { incremental })
 }
 
 /// Any error as one line.

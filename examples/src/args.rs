@@ -136,7 +136,7 @@ pub struct GrowArgs {
 /// How the next layer is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Strategy {
-    /// Incremental, and un-built where that misses cells: the order that misses fewer, incremental if both miss as many.
+    /// Incremental; where that misses cells, un-built as well: what fills more of the part.
     Best,
     /// All cells that can be built now.
     Greedy,
