@@ -9,6 +9,7 @@
 //! * [`JointLimits`]: limits and whole turns.
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Cell`], [`TableCell`]: who holds what; from a waypoint to configurations.
+//! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
 
@@ -21,6 +22,7 @@ mod placement;
 mod pose;
 mod positioner;
 mod progress;
+pub mod scene;
 mod trig;
 
 pub use arm::robots;

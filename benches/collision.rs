@@ -1,0 +1,260 @@
+//! The collision scene: a UR3 with an extruder over a part of 20,000 triangles on a desk, at 500 random postures.
+//!
+//! * `boolean`: whether anything touches. The baseline asks parry, pair by pair of bodies, for the same pairs: its mesh
+//!   has parry's own tree, its hulls parry's polyhedra.
+//! * `distance`: the nearest two bodies, with points. Baseline: the same with parry's closest points.
+//! * `sweep`: whether a motion of a few degrees is free, as a proof. Baseline: 50 boolean checks along it, no proof.
+//! * `layer`: the part grows by a layer of cells. Baseline: a new scene.
+//!
+//! Answers are compared before they are timed.
+#![allow(missing_docs)] // of what criterion's macros make
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_kinematics::nalgebra::{Isometry3, Point3};
+use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, links};
+use curvlay_kinematics::{Arm, robots};
+use parry3d_f64::math::{Pose, Rot3, Vector};
+use parry3d_f64::query::{self, ClosestPoints};
+use parry3d_f64::shape::{Capsule, ConvexPolyhedron, SharedShape, TriMesh};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::{PI, TAU};
+use std::hint::black_box;
+use std::time::Instant;
+
+const POSTURES: usize = 500;
+/// Around and along the part; twice their product is the number of triangles.
+const AROUND: u32 = 200;
+const ALONG: u32 = 50;
+
+/// A fluted vase, 120 mm high.
+fn vase() -> Shape {
+    let point = |k: u32| {
+        let (turn, up) = (TAU * f64::from(k % AROUND) / f64::from(AROUND), f64::from(k / AROUND) / f64::from(ALONG));
+        let radius = 40.0 + 8.0 * (9.0 * turn + 2.0 * up).cos() + 12.0 * (PI * up).sin();
+        Point3::new(radius * turn.cos(), radius * turn.sin(), 120.0 * up)
+    };
+    let corner = |around: u32, along: u32| around % AROUND + AROUND * along;
+    let quad = |k: u32| {
+        let (i, j) = (k % AROUND, k / AROUND);
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles = (0..AROUND * ALONG).flat_map(quad).collect();
+    Shape::Mesh { points: (0..AROUND * (ALONG + 1)).map(point).collect(), triangles }
+}
+
+fn bodies(part: Shape) -> Vec<Body> {
+    let at = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
+    let nozzle = Shape::Capsule { from: Point3::new(0.0, 0.0, 4.0), to: Point3::new(0.0, 0.0, 90.0), radius: 4.0 };
+    let extruder = Shape::block(Point3::new(-25.0, -30.0, 0.0), Point3::new(25.0, 30.0, 50.0));
+    let desk = Shape::block(Point3::new(-600.0, -600.0, -30.0), Point3::new(600.0, 600.0, 0.0));
+    let stands = Isometry3::translation(-280.0, -110.0, 0.5);
+    vec![
+        at("nozzle", Mount::Link(6), Isometry3::identity(), nozzle),
+        at("extruder", Mount::Link(6), Isometry3::identity(), extruder),
+        at("desk", Mount::Base, Isometry3::identity(), desk),
+        at("part", Mount::Base, stands, part),
+    ]
+}
+
+fn scene(part: Shape) -> Scene {
+    let arm = Arm::new(&robots::UR3).expect("published numbers");
+    let model = SceneModel { links: links(&robots::UR3), bodies: bodies(part), ..SceneModel::of(arm) };
+    Scene::new(model).expect("a sound scene")
+}
+
+/// The same bodies and pairs for parry alone.
+struct Baseline {
+    arm: Arm,
+    bodies: Vec<(Mount, Pose, SharedShape)>,
+    pairs: Vec<[usize; 2]>,
+}
+
+fn pose(iso: &Isometry3<f64>) -> Pose {
+    let (t, q) = (iso.translation.vector, iso.rotation);
+    Pose::from_parts(Vector::new(t.x, t.y, t.z), Rot3::from_xyzw(q.i, q.j, q.k, q.w))
+}
+
+impl Baseline {
+    fn new(scene: &Scene) -> Self {
+        let plain = |p: &Point3<f64>| Vector::new(p.x, p.y, p.z);
+        let shape = |shape: &Shape| match shape {
+            Shape::Capsule { from, to, radius } => SharedShape::new(Capsule::new(plain(from), plain(to), *radius)),
+            Shape::Hull { points, .. } => {
+                let points: Vec<Vector> = points.iter().map(plain).collect();
+                SharedShape::new(ConvexPolyhedron::from_convex_hull(&points).expect("a hull"))
+            }
+            Shape::Mesh { points, triangles } => {
+                SharedShape::new(TriMesh::new(points.iter().map(plain).collect(), triangles.clone()).expect("a mesh"))
+            }
+            Shape::Cells { .. } => unreachable!("parry is asked about triangles here"),
+        };
+        let all: Vec<Body> = links(&robots::UR3).into_iter().chain(bodies(vase())).collect();
+        let index = |name: &str| all.iter().position(|body| body.name == name).expect("a body");
+        Baseline {
+            arm: Arm::new(&robots::UR3).expect("published numbers"),
+            pairs: scene.pairs().map(|pair| pair.map(index)).collect(),
+            bodies: all.iter().map(|body| (body.mount, pose(&body.mount_body), shape(&body.shape))).collect(),
+        }
+    }
+
+    fn poses(&self, posture: &Posture) -> Vec<Pose> {
+        let frames = self.arm.frames(&posture.joints).map(|frame| pose(&frame));
+        let place = |mount: &Mount| if let Mount::Link(link) = mount { frames[*link] } else { frames[0] };
+        self.bodies.iter().map(|(mount, body, _)| place(mount) * *body).collect()
+    }
+
+    fn touching(&self, posture: &Posture) -> bool {
+        let poses = self.poses(posture);
+        self.pairs.iter().any(|&[a, b]| {
+            let (first, second) = (&*self.bodies[a].2, &*self.bodies[b].2);
+            query::intersection_test(&poses[a], first, &poses[b], second).expect("known shapes").intersecting
+        })
+    }
+
+    fn distance(&self, posture: &Posture) -> f64 {
+        let poses = self.poses(posture);
+        let mut least = f64::INFINITY;
+        for &[a, b] in &self.pairs {
+            let (first, second) = (&*self.bodies[a].2, &*self.bodies[b].2);
+            match query::closest_points(&poses[a], first, &poses[b], second, least).expect("known shapes") {
+                ClosestPoints::Intersecting => return 0.0,
+                ClosestPoints::WithinMargin(p, q) => least = least.min((q - p).length()),
+                ClosestPoints::Disjoint => {}
+            }
+        }
+        least
+    }
+}
+
+/// Postures with the flange over the desk, as a printing arm has them.
+fn postures() -> Vec<Posture> {
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let arm = Arm::new(&robots::UR3).expect("published numbers");
+    let mut found = vec![];
+    while found.len() < POSTURES {
+        let joints = [0; 6].map(|_| random.random_range(-PI..PI));
+        let flange = arm.forward(&joints);
+        let down = (flange.rotation * nalgebra::Vector3::z()).z < -0.5;
+        if down && flange.translation.vector.z > 120.0 {
+            found.push(joints.into());
+        }
+    }
+    found
+}
+
+/// Prints the median time of one of `count` questions over 51 runs.
+fn median(name: &str, count: usize, mut run: impl FnMut()) {
+    let mut times: Vec<f64> = (0..51)
+        .map(|_| {
+            let start = Instant::now();
+            run();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    eprintln!("{name}: median {:.2} us", 1e6 * times[25] / count as f64);
+}
+
+fn bench(c: &mut Criterion) {
+    let scene = scene(vase());
+    let baseline = Baseline::new(&scene);
+    let all = postures();
+    let touches = |posture: &Posture| scene.touching(posture).expect("angles").is_some();
+    let distance = |posture: &Posture| scene.nearest(posture).expect("angles").map_or(f64::INFINITY, |n| n.distance);
+    let mut differing = 0;
+    for posture in &all {
+        let (ours, theirs) = (distance(posture), baseline.distance(posture));
+        assert_eq!(touches(posture), ours <= 0.0);
+        differing += usize::from((ours - theirs).abs() > 1e-5 || touches(posture) != baseline.touching(posture));
+    }
+    let free: Vec<Posture> = all.iter().filter(|posture| !touches(posture)).copied().collect();
+    eprintln!(
+        "{} pairs; {} of {POSTURES} postures are free; answers differ at {differing}",
+        scene.pairs().count(),
+        free.len()
+    );
+
+    for (name, some) in [("all", &all), ("free", &free)] {
+        median(&format!("boolean_{name}/scene"), some.len(), || some.iter().for_each(|p| _ = black_box(touches(p))));
+        let theirs = || some.iter().for_each(|p| _ = black_box(baseline.touching(p)));
+        median(&format!("boolean_{name}/baseline_parry"), some.len(), theirs);
+    }
+    median("distance_free/scene", free.len(), || free.iter().for_each(|p| _ = black_box(distance(p))));
+    median("distance_free/baseline_parry", free.len(), || {
+        free.iter().for_each(|p| _ = black_box(baseline.distance(p)))
+    });
+
+    let mut group = c.benchmark_group("collision");
+    group.sample_size(20).throughput(Throughput::Elements(free.len() as u64));
+    group.bench_function("boolean", |b| b.iter(|| free.iter().filter(|p| touches(p)).count()));
+    group.bench_function("boolean_baseline_parry", |b| b.iter(|| free.iter().filter(|p| baseline.touching(p)).count()));
+    group.bench_function("distance", |b| b.iter(|| free.iter().map(&distance).sum::<f64>()));
+    group.bench_function("distance_baseline_parry", |b| {
+        b.iter(|| free.iter().map(|p| baseline.distance(p)).sum::<f64>())
+    });
+
+    let step = |p: &Posture| Posture { joints: p.joints.map(|angle| angle + 0.05), ..*p };
+    let sweep = |p: &Posture| scene.sweep(p, &step(p), 0.5).expect("angles") == Sweep::Free;
+    let sampled = |p: &Posture| {
+        let at = |k: usize| Posture { joints: p.joints.map(|angle| angle + 0.001 * k as f64), ..*p };
+        (0..=50).all(|k| !touches(&at(k)))
+    };
+    // What is proven free has no sample that touches.
+    assert!(free.iter().all(|p| !sweep(p) || sampled(p)));
+    eprintln!("{} of {} short motions are free", free.iter().filter(|p| sweep(p)).count(), free.len());
+    median("sweep/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep(p))));
+    median("sweep/baseline_50_samples", free.len(), || free.iter().for_each(|p| _ = black_box(sampled(p))));
+    group.bench_function("sweep", |b| b.iter(|| free.iter().filter(|p| sweep(p)).count()));
+    group.bench_function("sweep_baseline_50_samples", |b| b.iter(|| free.iter().filter(|p| sampled(p)).count()));
+    group.finish();
+}
+
+/// A disc of cells in a grid of 200 x 200 x 200: 31,000 cells a layer.
+fn layer(z: usize) -> Vec<u64> {
+    let mut rows = vec![0u64; 4 * 200 * 200];
+    for (y, x) in (0..200).flat_map(|y| (0..200usize).map(move |x| (y, x))) {
+        if (x as f64 - 99.5).hypot(y as f64 - 99.5) < 99.0 {
+            rows[4 * (y + 200 * z) + x / 64] |= 1 << (x % 64);
+        }
+    }
+    rows
+}
+
+fn growing(c: &mut Criterion) {
+    let cells = |rows: Vec<u64>| Shape::Cells { dims: [200; 3], rows, cell: 0.6 };
+    let mut built = vec![0u64; 4 * 200 * 200];
+    let mut before = scene(cells(built.clone()));
+    for z in 0..100 {
+        let next = layer(z);
+        built.iter_mut().zip(&next).for_each(|(all, new)| *all |= new);
+        before.add_cells("part", &next).expect("rows of the grid");
+    }
+    let next = layer(100);
+    built.iter_mut().zip(&next).for_each(|(all, new)| *all |= new);
+    let mut after = before.clone();
+    after.add_cells("part", &next).expect("rows of the grid");
+    let anew = scene(cells(built.clone()));
+    for posture in postures() {
+        assert_eq!(after.touching(&posture), anew.touching(&posture));
+    }
+    let all = postures();
+    let touches = |posture: &Posture| anew.touching(posture).expect("angles").is_some();
+    let free: Vec<Posture> = all.iter().filter(|posture| !touches(posture)).copied().collect();
+    median("boolean_free_3M_cells/scene", free.len(), || free.iter().for_each(|p| _ = black_box(touches(p))));
+    let mut group = c.benchmark_group("layer");
+    group.sample_size(10);
+    group.bench_function("add_cells", |b| {
+        b.iter_batched_ref(
+            || before.clone(),
+            |scene| scene.add_cells("part", black_box(&next)),
+            criterion::BatchSize::LargeInput,
+        )
+    });
+    group.bench_function("baseline_new_scene", |b| b.iter(|| scene(cells(black_box(&built).clone()))));
+    group.finish();
+}
+
+criterion_group!(benches, bench, growing);
+criterion_main!(benches);

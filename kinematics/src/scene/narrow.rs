@@ -1,0 +1,96 @@
+//! Two convex bodies, each the hull of a few points: are they farther apart than that, and where are they nearest?
+//!
+//! E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the distance between complex objects in
+//! three-dimensional space", IEEE J. Robotics and Automation 4(2), 1988, as parry implements it. The iteration may
+//! end early or stall, so its word is not taken: "apart" is said only when all points of one body lie beyond all
+//! points of the other along one direction, which is checked from the points. That check is the proof; the iteration
+//! merely finds the direction.
+
+use nalgebra::{Point3, Vector3};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
+use parry3d_f64::shape::SupportMap;
+
+/// The hull of points that are in the common frame already, whatever pose comes with them.
+struct Placed<'a>(&'a [Point3<f64>]);
+
+impl SupportMap for Placed<'_> {
+    #[inline]
+    fn local_support_point(&self, dir: Vector) -> Vector {
+        let mut best = &self.0[0];
+        let mut height = f64::NEG_INFINITY;
+        for point in self.0 {
+            let here = point.x * dir.x + point.y * dir.y + point.z * dir.z;
+            if here > height {
+                (best, height) = (point, here);
+            }
+        }
+        Vector::new(best.x, best.y, best.z)
+    }
+
+    #[inline]
+    fn support_point(&self, _: &Pose, dir: Vector) -> Vector {
+        self.local_support_point(dir)
+    }
+}
+
+fn ours(v: Vector) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
+}
+
+/// The gap along a direction of length 1 between all of `a` and all of `b`: a lower bound of their distance.
+fn gap(a: &[Point3<f64>], b: &[Point3<f64>], direction: &Vector3<f64>) -> f64 {
+    let above = b.iter().map(|p| direction.dot(&p.coords)).fold(f64::INFINITY, f64::min);
+    let below = a.iter().map(|p| direction.dot(&p.coords)).fold(f64::NEG_INFINITY, f64::max);
+    above - below
+}
+
+fn run(a: &[Point3<f64>], b: &[Point3<f64>], enough: f64) -> GJKResult {
+    let (a, b) = (Placed(a), Placed(b));
+    let (first, second) = (a.0[0] - b.0[0], a.0[a.0.len() - 1] - b.0[b.0.len() - 1]);
+    let towards = first + second;
+    let start = Vector::new(-towards.x, -towards.y, -towards.z).try_normalize().unwrap_or(Vector::X);
+    let mut simplex = VoronoiSimplex::new();
+    simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, &a, &b, start));
+    closest_points(&Pose::IDENTITY, &a, &b, enough, true, &mut simplex)
+}
+
+/// Coordinates that come through poses are rounded by less than this, in millimetres.
+const ROUNDING: f64 = 1e-8;
+
+/// Whether the hulls of `a` and `b` are proven to be farther apart than `threshold`.
+pub(super) fn apart(a: &[Point3<f64>], b: &[Point3<f64>], threshold: f64) -> bool {
+    let direction = match run(a, b, threshold) {
+        GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => ours(direction),
+        GJKResult::ClosestPoints(p, q, _) => ours(q - p),
+        GJKResult::Intersection => return false,
+    };
+    direction.try_normalize(f64::MIN_POSITIVE).is_some_and(|direction| gap(a, b, &direction) > threshold + ROUNDING)
+}
+
+/// The nearest points of the hulls of `a` and `b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Nearest {
+    /// Surely not nearer than the bound that was asked for.
+    Beyond,
+    At(Point3<f64>, Point3<f64>),
+    Overlap,
+}
+
+/// The nearest points when they are nearer than `bound`.
+pub(super) fn nearest(a: &[Point3<f64>], b: &[Point3<f64>], bound: f64) -> Nearest {
+    match run(a, b, bound) {
+        GJKResult::ClosestPoints(p, q, _) => Nearest::At(ours(p).into(), ours(q).into()),
+        GJKResult::Intersection => Nearest::Overlap,
+        GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => {
+            if gap(a, b, &ours(direction)) >= bound {
+                return Nearest::Beyond;
+            }
+            // It stalled: without a bound it either ends or gives its last points, which is what there is.
+            match run(a, b, f64::INFINITY) {
+                GJKResult::ClosestPoints(p, q, _) => Nearest::At(ours(p).into(), ours(q).into()),
+                _ => Nearest::Overlap,
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Boolean check and distance at one posture.
+
+use super::body::Mount;
+use super::piece::Piece;
+use super::search::{Found, Meeting};
+use super::{Scene, chain};
+use nalgebra::{Isometry3, Point3};
+
+/// Joints of the arm, and of the positioner where there is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Posture {
+    /// The arm's joints.
+    pub joints: [f64; 6],
+    /// Tilt and turn; of no account without a positioner.
+    pub table: [f64; 2],
+}
+
+impl From<[f64; 6]> for Posture {
+    fn from(joints: [f64; 6]) -> Self {
+        Posture { joints, table: [0.0; 2] }
+    }
+}
+
+/// A posture that is none.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PostureError {
+    /// A joint is infinite, not a number, or so many turns away that its angle has no digits left.
+    #[error("{} {} is {value}: it must be an angle of less than 1e6 rad", if *table { "axis of the table" } else { "joint" }, joint + 1)]
+    Joint {
+        /// Whether it is one of the table.
+        table: bool,
+        /// Which one, counted from 0.
+        joint: usize,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// Two bodies and the points at which they are nearest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest<'a> {
+    /// Their names.
+    pub bodies: [&'a str; 2],
+    /// Their distance in millimetres; 0 when they touch or overlap. The margin is not subtracted.
+    pub distance: f64,
+    /// The points on their surfaces, in the base; none when they touch or overlap.
+    pub points: Option<[Point3<f64>; 2]>,
+}
+
+/// Joints beyond this are refused.
+const MOST: f64 = 1e6;
+
+impl Posture {
+    pub(super) fn check(&self, with_table: bool) -> Result<(), PostureError> {
+        let wild = |angles: &[f64]| angles.iter().position(|angle| angle.is_nan() || angle.abs() >= MOST);
+        if let Some(joint) = wild(&self.joints) {
+            return Err(PostureError::Joint { table: false, joint, value: self.joints[joint] });
+        }
+        match wild(&self.table) {
+            Some(joint) if with_table => Err(PostureError::Joint { table: true, joint, value: self.table[joint] }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Where all pieces are at a posture, in the order of bodies and pieces.
+pub(super) struct Poses {
+    /// The first piece of each body.
+    first: Vec<usize>,
+    poses: Vec<Isometry3<f64>>,
+    centers: Vec<Point3<f64>>,
+}
+
+impl Scene {
+    /// Two bodies that touch, or are no farther apart than the margin; `None` when all pairs are proven apart. Which of
+    /// several is given depends on the order of the bodies alone.
+    ///
+    /// # Errors
+    /// [`PostureError`] names the joint that is no angle. Limits of joints are not looked at.
+    ///
+    /// # Cost
+    /// `O(log n)` for a part of `n` triangles or cells when nothing is near; one list is allocated.
+    pub fn touching(&self, posture: &Posture) -> Result<Option<[&str; 2]>, PostureError> {
+        posture.check(self.positioner.is_some())?;
+        let poses = self.poses(posture);
+        let touch = self.pairs.iter().find(|pair| !self.pair_apart(&poses, pair, self.margin));
+        Ok(touch.map(|pair| self.names_of(pair)))
+    }
+
+    /// The nearest two bodies of the pairs that are compared; `None` when there is no pair.
+    ///
+    /// # Errors
+    /// [`PostureError`] names the joint that is no angle.
+    pub fn nearest(&self, posture: &Posture) -> Result<Option<Nearest<'_>>, PostureError> {
+        posture.check(self.positioner.is_some())?;
+        let poses = self.poses(posture);
+        let mut order: Vec<(f64, usize)> =
+            self.pairs.iter().enumerate().map(|(k, pair)| (self.least_gap(&poses, pair), k)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut best: Option<Nearest<'_>> = None;
+        for (gap, k) in order {
+            let known = best.map_or(f64::INFINITY, |best| best.distance);
+            if gap >= known || known <= 0.0 {
+                break;
+            }
+            if let Some(Found { distance, points }) = self.pair_nearest(&poses, &self.pairs[k], known) {
+                best = Some(Nearest { bodies: self.names_of(&self.pairs[k]), distance, points });
+            }
+        }
+        Ok(best)
+    }
+
+    pub(super) fn poses(&self, posture: &Posture) -> Poses {
+        let frames = self.arm.frames(&posture.joints);
+        let [tilt, turn] = posture.table;
+        let on_table = |joints| self.positioner.as_ref().map_or(Isometry3::identity(), |p| p.forward(joints));
+        let tables = [on_table(&[tilt, 0.0]), on_table(&[tilt, turn])];
+        let count = self.bodies.len();
+        let mut all = Poses {
+            first: Vec::with_capacity(count),
+            poses: Vec::with_capacity(count + 8),
+            centers: Vec::with_capacity(count + 8),
+        };
+        for placed in &self.bodies {
+            all.first.push(all.poses.len());
+            let frame = match placed.body.mount {
+                Mount::Base => &frames[0],
+                Mount::Link(link) => &frames[link],
+                Mount::Tilt => &tables[0],
+                Mount::Table => &tables[1],
+            };
+            for piece in &placed.pieces {
+                let pose = frame * piece.mount_piece;
+                all.centers.push(pose * piece.center);
+                all.poses.push(pose);
+            }
+        }
+        all
+    }
+
+    /// The pieces of two bodies, each with its place in the list.
+    fn meetings<'a>(&'a self, poses: &'a Poses, [a, b]: &[usize; 2]) -> impl Iterator<Item = [(usize, &'a Piece); 2]> {
+        let numbered = |body: usize| (poses.first[body]..).zip(&self.bodies[body].pieces);
+        let b = *b;
+        numbered(*a).flat_map(move |first| numbered(b).map(move |second| [first, second]))
+    }
+
+    pub(super) fn pair_apart(&self, poses: &Poses, pair: &[usize; 2], threshold: f64) -> bool {
+        self.meetings(poses, pair).all(|[(i, a), (j, b)]| {
+            poses.gap_of_balls((i, a), (j, b)) > threshold || poses.meeting((i, a), (j, b)).apart(threshold)
+        })
+    }
+
+    fn least_gap(&self, poses: &Poses, pair: &[usize; 2]) -> f64 {
+        let gap = |[a, b]: [(usize, &Piece); 2]| poses.gap_of_balls(a, b);
+        self.meetings(poses, pair).map(gap).fold(f64::INFINITY, f64::min)
+    }
+
+    fn pair_nearest(&self, poses: &Poses, pair: &[usize; 2], known: f64) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        for [(i, a), (j, b)] in self.meetings(poses, pair) {
+            let known = best.map_or(known, |best| best.distance);
+            if let Some(mut found) = poses.meeting((i, a), (j, b)).nearest(known) {
+                found.points = found.points.map(|points| points.map(|point| poses.poses[i] * point));
+                best = Some(found);
+            }
+        }
+        best
+    }
+}
+
+impl Poses {
+    /// A lower bound of the distance of two pieces, from the balls around them.
+    fn gap_of_balls(&self, (i, a): (usize, &Piece), (j, b): (usize, &Piece)) -> f64 {
+        let balls = a.reach + b.reach + a.radius + b.radius + chain::ROUNDING;
+        (self.centers[i] - self.centers[j]).norm() - balls
+    }
+
+    fn meeting<'a>(&self, (i, a): (usize, &'a Piece), (j, b): (usize, &'a Piece)) -> Meeting<'a> {
+        Meeting::new(a, b, self.poses[i].inv_mul(&self.poses[j]))
+    }
+}
