@@ -3,12 +3,18 @@
 //! * [`SurfaceMesh`]: the mesh, checked at the door.
 //! * [`SurfaceDistance`]: the exact geodesic distance to the boundary, or to any edges and vertices.
 //! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part.
+//! * [`path_statistics`]: what beads along any curves cover, leave bare, cover twice and spill; by a raster that knows
+//!   nothing of how the curves were made.
 
 mod geodesic;
 mod level_set;
 mod mesh;
+mod statistics;
 mod union;
 
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
+pub use statistics::{
+    BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
+};
