@@ -12,6 +12,7 @@
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
+//! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
 
 mod angle;
 mod arm;
@@ -21,6 +22,7 @@ mod limits;
 mod placement;
 mod pose;
 mod positioner;
+pub mod program;
 mod progress;
 pub mod scene;
 mod trig;

@@ -1,0 +1,273 @@
+//! CSV: every step with every bit, for other programs.
+//!
+//! A line a step under the header below. `kind` is `line`, `swing`, `joints`, `servo`, `on` or `off`; a cell that the
+//! kind does not need is empty; `zone_mm` is `stop` or a radius. Millimetres, radians, seconds, each number with the
+//! digits that bring the same double back.
+
+use super::check::Checker;
+use super::tokens::Tokens;
+use super::{ConfData, Goal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use std::io::{BufRead, Write};
+
+const HEADER: &str = "kind,x_mm,y_mm,z_mm,qw,qx,qy,qz,cf1,cf4,cf6,cfx,j1,j2,j3,j4,j5,j6,tilt,turn,mm_s,rad_s,zone_mm,\
+                      seconds";
+const COLUMNS: usize = 24;
+/// First columns of groups.
+const POSE: usize = 1;
+const CONF: usize = 8;
+const JOINTS: usize = 12;
+const TABLE: usize = 18;
+const SPEED: usize = 20;
+const ZONE: usize = 22;
+const SECONDS: usize = 23;
+
+/// Text that is collected before it goes out.
+const CHUNK: usize = 32 * 1024;
+
+/// How far the length of a quaternion may be from 1.
+const UNIT: f64 = 1e-9;
+
+/// Writes a program as CSV.
+///
+/// # Errors
+/// [`WriteError`] names the step that cannot be.
+///
+/// # Cost
+/// Constant memory; about two microseconds a step, for every digit counts.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::program::*;
+/// let to = Move { goal: Goal::Joints([0.1; 6]), table: None, speed: Speed::default(), zone: Zone::Stop };
+/// let steps = [Step::Move(to), Step::Extruder(true)];
+/// let mut csv = Vec::new();
+/// write_csv(steps, &ProgramLimits::default(), &mut csv)?;
+/// let again: Vec<Step> = CsvReader::new(csv.as_slice())?.collect::<Result<_, _>>()?;
+/// assert_eq!(again, steps);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_csv(
+    steps: impl IntoIterator<Item = Step>,
+    limits: &ProgramLimits,
+    mut out: impl Write,
+) -> Result<(), WriteError> {
+    let failed = |source| WriteError::Io { file: "the CSV".to_owned(), source };
+    let mut checker = Checker::new(limits);
+    let mut text = Vec::from(HEADER);
+    text.push(b'\n');
+    for step in steps {
+        checker.check(&step)?;
+        write_step(&mut text, &step).map_err(failed)?;
+        if text.len() > CHUNK {
+            out.write_all(&text).map_err(failed)?;
+            text.clear();
+        }
+    }
+    checker.finish()?;
+    out.write_all(&text).and_then(|()| out.flush()).map_err(failed)
+}
+
+fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
+    let numbers = |text: &mut Vec<u8>, values: &[f64]| values.iter().try_for_each(|value| write!(text, ",{value}"));
+    let empty = |text: &mut Vec<u8>, cells: usize| text.extend(std::iter::repeat_n(b',', cells));
+    match step {
+        Step::Move(to) => {
+            let (word, target, joints) = match &to.goal {
+                Goal::Line(target) => ("line", Some(target), None),
+                Goal::Swing(target) => ("swing", Some(target), None),
+                Goal::Joints(joints) => ("joints", None, Some(joints)),
+            };
+            text.extend_from_slice(word.as_bytes());
+            match target {
+                Some(Target { pose, conf }) => {
+                    let (at, q) = (pose.translation.vector, pose.rotation);
+                    numbers(text, &[at.x, at.y, at.z, q.w, q.i, q.j, q.k])?;
+                    write!(text, ",{},{},{},{}", conf.cf1, conf.cf4, conf.cf6, conf.cfx)?;
+                }
+                None => empty(text, JOINTS - POSE),
+            }
+            match joints {
+                Some(joints) => numbers(text, joints)?,
+                None => empty(text, TABLE - JOINTS),
+            }
+            match to.table {
+                Some(table) => numbers(text, &table)?,
+                None => empty(text, SPEED - TABLE),
+            }
+            numbers(text, &[to.speed.mm_s, to.speed.rad_s])?;
+            match to.zone {
+                Zone::Stop => text.extend_from_slice(b",stop"),
+                Zone::Blend(radius) => numbers(text, &[radius])?,
+            }
+            empty(text, 1);
+        }
+        Step::Servo { joints, seconds } => {
+            text.extend_from_slice(b"servo");
+            empty(text, JOINTS - POSE);
+            numbers(text, joints)?;
+            empty(text, SECONDS - TABLE);
+            numbers(text, &[*seconds])?;
+        }
+        Step::Extruder(on) => {
+            text.extend_from_slice(if *on { b"on" } else { b"off" });
+            empty(text, COLUMNS - 1);
+        }
+    }
+    text.push(b'\n');
+    Ok(())
+}
+
+/// The steps of a CSV, one after the other, in constant memory. Ends after the first error.
+#[derive(Debug)]
+pub struct CsvReader<R> {
+    lines: Tokens<R>,
+    over: bool,
+    /// Ends of the cells of a line.
+    ends: [usize; COLUMNS],
+}
+
+impl<R: BufRead> CsvReader<R> {
+    /// Reads the header.
+    ///
+    /// # Errors
+    /// [`ReadError`] when it is another one.
+    pub fn new(reader: R) -> Result<Self, ReadError> {
+        let mut lines = Tokens::new(reader, 0);
+        let any = lines.next_line()?;
+        if !any || lines.line().trim_ascii_end() != HEADER.as_bytes() {
+            return Err(unexpected(&lines, 0, "the header of a program", lines.line()));
+        }
+        Ok(CsvReader { lines, over: false, ends: [0; COLUMNS] })
+    }
+
+    fn step(&mut self) -> Result<Option<Step>, ReadError> {
+        if !self.lines.next_line()? {
+            return Ok(None);
+        }
+        let line = self.lines.line().trim_ascii_end();
+        let mut cells = 0;
+        for (at, _) in line.iter().enumerate().filter(|(_, byte)| **byte == b',').chain([(line.len(), &b',')]) {
+            if cells == COLUMNS {
+                return Err(unexpected(&self.lines, at, "24 cells and no more", b","));
+            }
+            self.ends[cells] = at;
+            cells += 1;
+        }
+        if cells < COLUMNS {
+            return Err(unexpected(&self.lines, line.len(), "24 cells", b"the end of the line"));
+        }
+        let kind = self.cell(0);
+        let target: fn(Target) -> Goal = match kind {
+            b"line" => Goal::Line,
+            b"swing" => Goal::Swing,
+            b"joints" => {
+                self.blank(POSE..JOINTS)?;
+                let goal = Goal::Joints(self.numbers(JOINTS)?);
+                return self.rest(goal).map(Some);
+            }
+            b"servo" => {
+                self.blank(POSE..JOINTS)?;
+                self.blank(TABLE..SECONDS)?;
+                let seconds = self.positive(SECONDS, "a time")?;
+                return Ok(Some(Step::Servo { joints: self.numbers(JOINTS)?, seconds }));
+            }
+            b"on" | b"off" => {
+                self.blank(POSE..COLUMNS)?;
+                return Ok(Some(Step::Extruder(kind == b"on")));
+            }
+            other => return Err(unexpected(&self.lines, 0, "line, swing, joints, servo, on or off", other)),
+        };
+        let [x, y, z, w, i, j, k] = self.numbers::<7>(POSE)?;
+        let quaternion = Quaternion::new(w, i, j, k);
+        let length = quaternion.norm();
+        if (length - 1.0).abs() > UNIT {
+            return Err(self.wrong(POSE + 3, "the length of a rotation's quaternion", length));
+        }
+        // As it is: to bring its length nearer to 1 would change its bits.
+        let pose = Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::new_unchecked(quaternion));
+        let mut conf = [0; 4];
+        for (k, entry) in conf.iter_mut().enumerate() {
+            let text = self.cell(CONF + k);
+            let whole = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
+            *entry = whole.ok_or_else(|| unexpected(&self.lines, self.start(CONF + k), "a whole number", text))?;
+        }
+        let [cf1, cf4, cf6, cfx] = conf;
+        self.blank(JOINTS..TABLE)?;
+        self.rest(target(Target { pose, conf: ConfData { cf1, cf4, cf6, cfx } })).map(Some)
+    }
+
+    /// Table, speed and zone.
+    fn rest(&self, goal: Goal) -> Result<Step, ReadError> {
+        let still = self.cell(TABLE).is_empty() && self.cell(TABLE + 1).is_empty();
+        let table = if still { None } else { Some(self.numbers(TABLE)?) };
+        let speed =
+            Speed { mm_s: self.positive(SPEED, "a speed")?, rad_s: self.positive(SPEED + 1, "a speed of turning")? };
+        let zone = match self.cell(ZONE) {
+            b"stop" => Zone::Stop,
+            _ => Zone::Blend(self.positive(ZONE, "a radius")?),
+        };
+        self.blank(SECONDS..COLUMNS)?;
+        Ok(Step::Move(Move { goal, table, speed, zone }))
+    }
+
+    fn start(&self, column: usize) -> usize {
+        if column == 0 { 0 } else { self.ends[column - 1] + 1 }
+    }
+
+    fn cell(&self, column: usize) -> &[u8] {
+        self.lines.line()[self.start(column)..self.ends[column]].trim_ascii()
+    }
+
+    fn blank(&self, columns: std::ops::Range<usize>) -> Result<(), ReadError> {
+        match columns.into_iter().find(|&column| !self.cell(column).is_empty()) {
+            None => Ok(()),
+            Some(column) => Err(unexpected(&self.lines, self.start(column), "an empty cell", self.cell(column))),
+        }
+    }
+
+    fn number(&self, column: usize) -> Result<f64, ReadError> {
+        let text = self.cell(column);
+        let value = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
+        value
+            .filter(|value: &f64| value.is_finite())
+            .ok_or_else(|| unexpected(&self.lines, self.start(column), "a finite number", text))
+    }
+
+    fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], ReadError> {
+        let mut values = [0.0; N];
+        for (k, value) in values.iter_mut().enumerate() {
+            *value = self.number(first + k)?;
+        }
+        Ok(values)
+    }
+
+    fn positive(&self, column: usize, what: &'static str) -> Result<f64, ReadError> {
+        let value = self.number(column)?;
+        if value > 0.0 { Ok(value) } else { Err(self.wrong(column, what, value)) }
+    }
+
+    fn wrong(&self, column: usize, what: &'static str, value: f64) -> ReadError {
+        let (line, _) = self.lines.place();
+        ReadError::Number { line, column: self.start(column) as u64 + 1, what, value }
+    }
+}
+
+fn unexpected<R: BufRead>(lines: &Tokens<R>, at: usize, expected: &'static str, found: &[u8]) -> ReadError {
+    let (line, _) = lines.place();
+    let found = format!("`{}`", String::from_utf8_lossy(&found[..found.len().min(40)]));
+    ReadError::Unexpected { line, column: at as u64 + 1, expected, found }
+}
+
+impl<R: BufRead> Iterator for CsvReader<R> {
+    type Item = Result<Step, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.over {
+            return None;
+        }
+        let step = self.step().transpose();
+        self.over = !matches!(step, Some(Ok(_)));
+        step
+    }
+}

@@ -1,0 +1,64 @@
+//! From a point on a dome in the robot's hand to the robtarget that brings it under a fixed nozzle.
+//!
+//! B. Brooks, *3D printing a transposed design on a domed platform using an articulated robot and pellet-based
+//! extrusion* (ME thesis, Massey University 2016), section 4.15, Eq. 4-5 to 4-7 and the matrix `R`. Symbols: `proj X`
+//! and `pt.Z` are `radius` and `height` here, `theta` is the arc tangent of `slope`, `phi` is `turn`.
+//!
+//! The thesis leaves the sign of the turn in the plane to its figure; here it makes the tangent level. Its plane is
+//! the robot's YZ plane, radius along -y: so does the turn in the plane agree with `R = Rx(theta) Rz(phi)`, and every
+//! point comes to stand at the contact, with the tangent level (the tests check both).
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// The numbers of Brooks' rig, in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DomeRig {
+    /// Height of the dome's top over the platform's origin, which is where the nozzle touches. 150 in the thesis.
+    pub top: f64,
+    /// Height of the end effector in the same frame. -40 in the thesis.
+    pub effector: f64,
+    /// The robot's home, to which all is added. (0, -165, 674) in the thesis.
+    pub home: Point3<f64>,
+}
+
+impl DomeRig {
+    /// The rig of the thesis.
+    pub const BROOKS: DomeRig = DomeRig { top: 150.0, effector: -40.0, home: Point3::new(0.0, -165.0, 674.0) };
+
+    /// The end effector in the plane of the dome's profile, `[x, z]`, for the point of the profile at `radius` and
+    /// `height` where it has this slope.
+    /// ```
+    /// use curvlay_kinematics::program::DomeRig;
+    /// // At the top nothing turns, and the effector stays where it is.
+    /// assert_eq!(DomeRig::BROOKS.in_plane(0.0, 150.0, 0.0), [0.0, -40.0]);
+    /// ```
+    pub fn in_plane(&self, radius: f64, height: f64, slope: f64) -> [f64; 2] {
+        // Moved so that the point is at the top, then turned about the top by -theta.
+        let (across, along) = (-radius, self.effector - height);
+        let cos = 1.0 / 1f64.hypot(slope);
+        let sin = slope * cos;
+        [across * cos + along * sin, self.top - across * sin + along * cos]
+    }
+
+    /// The end effector in the robot's base, with the platform turned by `turn` about its axis. Numbers that are not
+    /// finite give a pose that is not finite.
+    pub fn target(&self, radius: f64, height: f64, slope: f64, turn: f64) -> Isometry3<f64> {
+        let [x, z] = self.in_plane(radius, height, slope);
+        let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), slope.atan());
+        let rotation = tilt * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        Isometry3::from_parts(Translation3::new(self.home.x, self.home.y - x, self.home.z + z), rotation)
+    }
+
+    /// The same for a point of the platform's frame: the turn brings it into the plane. On the axis nothing turns.
+    pub fn target_of(&self, point: &Point3<f64>, slope: f64) -> Isometry3<f64> {
+        let radius = point.x.hypot(point.y);
+        let turn = if radius > 0.0 { -FRAC_PI_2 - point.y.atan2(point.x) } else { 0.0 };
+        self.target(radius, point.z, slope, turn)
+    }
+
+    /// Where the nozzle touches, in the robot's base.
+    pub fn contact(&self) -> Point3<f64> {
+        self.home + Vector3::z() * self.top
+    }
+}

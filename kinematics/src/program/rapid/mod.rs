@@ -1,0 +1,122 @@
+//! RAPID, for ABB controllers: part modules with the moves, and a main that loads them in turn.
+//!
+//! Every move is one line; robtargets, jointtargets, speeddata and zones that RAPID has no name for stand inside it.
+//! Positions are written to 1e-4 mm, quaternions to 1e-8, angles to 1e-6 degrees: about what the controller's own
+//! numbers hold.
+//!
+//! Each part module ends with the tool at rest, for a module must not be unloaded while its last corner is still to be
+//! rounded. Modules therefore end, where they can, at a stop with the extruder off.
+
+mod read;
+mod write;
+
+pub use read::{RapidMain, RapidPart, RapidProgram, read_rapid};
+pub use write::{RapidWritten, write_rapid};
+
+use super::ProgramLimits;
+use nalgebra::{Isometry3, Point3};
+use std::f64::consts::PI;
+
+/// RAPID's `tooldata`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RapidTool {
+    /// Its name. `tool0`, the flange, is not declared.
+    pub name: String,
+    /// Whether the robot holds it; otherwise it stands in the world.
+    pub in_hand: bool,
+    /// Its tip: `flange_tool` in the hand, else `world_tool`.
+    pub frame: Isometry3<f64>,
+    /// Mass of what the robot holds, in kg. The controller wants more than zero.
+    pub mass_kg: f64,
+    /// Its centre of mass in the flange frame, in mm.
+    pub centre: Point3<f64>,
+}
+
+/// RAPID's `wobjdata`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RapidWorkObject {
+    /// Its name. `wobj0`, the world, is not declared.
+    pub name: String,
+    /// Whether the robot holds it.
+    pub in_hand: bool,
+    /// Its frame (RAPID's user frame): `flange_work` in the hand, else `world_work`.
+    pub frame: Isometry3<f64>,
+}
+
+/// How a program is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RapidOptions {
+    /// Name of the main module; part modules are `NAME_001` and so on. At most 24 characters.
+    pub name: String,
+    /// The tool.
+    pub tool: RapidTool,
+    /// The work object.
+    pub work_object: RapidWorkObject,
+    /// The digital output of the extruder.
+    pub signal: String,
+    /// Where the controller finds the modules. Default `HOME:`.
+    pub folder: String,
+    /// Most moves in a module. Default 5000, about half a megabyte: Brooks' 180,000 lines were too many.
+    pub moves_per_module: u32,
+    /// What the controller takes.
+    pub limits: ProgramLimits,
+}
+
+impl Default for RapidOptions {
+    /// `tool0`, `wobj0`, the signal `doExtruder`, the name `curvlay`.
+    fn default() -> Self {
+        let tool = RapidTool {
+            name: TOOL0.to_owned(),
+            in_hand: true,
+            frame: Isometry3::identity(),
+            mass_kg: 1.0,
+            centre: Point3::new(0.0, 0.0, 1.0),
+        };
+        let work_object = RapidWorkObject { name: WOBJ0.to_owned(), in_hand: false, frame: Isometry3::identity() };
+        RapidOptions {
+            name: "curvlay".to_owned(),
+            tool,
+            work_object,
+            signal: "doExtruder".to_owned(),
+            folder: "HOME:".to_owned(),
+            moves_per_module: 5000,
+            limits: ProgramLimits::default(),
+        }
+    }
+}
+
+const TOOL0: &str = "tool0";
+const WOBJ0: &str = "wobj0";
+
+/// Digits behind the point.
+const MM: usize = 4;
+const QUATERNION: usize = 8;
+const DEGREES: usize = 6;
+
+/// RAPID's word for "no axis there".
+const NO_AXIS: f64 = 9e9;
+
+/// The zones that RAPID has names for: radii in mm of tool and of turning (also of the external axes), and degrees.
+const ZONES: [(&str, [f64; 3]); 14] = [
+    ("z0", [0.3, 0.3, 0.03]),
+    ("z1", [1.0, 1.0, 0.1]),
+    ("z5", [5.0, 8.0, 0.8]),
+    ("z10", [10.0, 15.0, 1.5]),
+    ("z15", [15.0, 23.0, 2.3]),
+    ("z20", [20.0, 30.0, 3.0]),
+    ("z30", [30.0, 45.0, 4.5]),
+    ("z40", [40.0, 60.0, 6.0]),
+    ("z50", [50.0, 75.0, 7.5]),
+    ("z60", [60.0, 90.0, 9.0]),
+    ("z80", [80.0, 120.0, 12.0]),
+    ("z100", [100.0, 150.0, 15.0]),
+    ("z150", [150.0, 225.0, 23.0]),
+    ("z200", [200.0, 300.0, 30.0]),
+];
+
+/// The speeds that RAPID has names for, mm/s; they turn the tool at 500 degrees a second.
+const SPEEDS: [u32; 25] = [
+    5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800, 1000, 1500, 2000, 2500, 3000, 4000, 5000,
+    6000, 7000,
+];
+const NAMED_TURN_RAD_S: f64 = 500.0 * PI / 180.0;
