@@ -13,6 +13,7 @@
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
+//! * [`stewart`]: Stewart platforms, both ways.
 
 mod angle;
 mod arm;
@@ -25,6 +26,7 @@ mod positioner;
 pub mod program;
 mod progress;
 pub mod scene;
+pub mod stewart;
 mod trig;
 
 pub use arm::robots;

@@ -88,6 +88,37 @@ pub(super) enum Token {
     End,
 }
 
+/// A number at the head of a line in plain decimals, with its length: an exact whole number over an exact power of
+/// ten, so the quotient is the double next to what is written. `None` when there is none, or it is written otherwise.
+fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
+    const POWERS: [f64; 16] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let negative = text.first() == Some(&b'-');
+    let mut at = usize::from(negative);
+    let (mut whole, mut digits, mut decimals, mut point) = (0u64, 0, 0, false);
+    while let Some(&byte) = text.get(at) {
+        match byte {
+            b'0'..=b'9' => {
+                whole = whole * 10 + u64::from(byte - b'0');
+                digits += 1;
+                decimals += usize::from(point);
+                // Fifteen digits are below 2^53.
+                if digits > 15 {
+                    return None;
+                }
+            }
+            b'.' if !point => point = true,
+            b'.' | b'_' | b'a'..=b'z' | b'A'..=b'Z' => return None,
+            _ => break,
+        }
+        at += 1;
+    }
+    if digits == 0 {
+        return None;
+    }
+    let value = whole as f64 / POWERS[decimals];
+    Some((if negative { -value } else { value }, at))
+}
+
 /// Tokens of a file in which comments run from one character to the end of the line.
 #[derive(Debug)]
 pub(super) struct Tokens<R> {
@@ -263,8 +294,15 @@ impl<R: BufRead> Tokens<R> {
     }
 
     /// Each of these marks.
+    #[inline]
     pub fn marks(&mut self, marks: &'static str) -> Result<(), ReadError> {
         for &mark in marks.as_bytes() {
+            // Most stand right here.
+            if self.peeked.is_none() && self.line.get(self.at) == Some(&mark) {
+                self.start = self.at;
+                self.at += 1;
+                continue;
+            }
             let token = self.next()?;
             if token != Token::Mark(mark) {
                 return Err(self.unexpected(marks, token));
@@ -273,7 +311,15 @@ impl<R: BufRead> Tokens<R> {
         Ok(())
     }
 
+    #[inline]
     pub fn number(&mut self) -> Result<f64, ReadError> {
+        if self.peeked.is_none()
+            && let Some((value, length)) = plain_number(&self.line[self.at..])
+        {
+            self.start = self.at;
+            self.at += length;
+            return Ok(value);
+        }
         match self.next()? {
             Token::Number(value) => Ok(value),
             other => Err(self.unexpected("a number", other)),
@@ -317,5 +363,21 @@ impl<R: BufRead> Tokens<R> {
             return Ok(UnitQuaternion::new_normalize(quaternion));
         }
         Err(self.wrong("the length of a rotation's quaternion", length))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain_number;
+
+    #[test]
+    fn plain_numbers_are_those_of_the_standard_library() {
+        for text in ["0", "-0", "1.5", "-12.0625", ".5", "5.", "0.000000001", "123456789012345", "-99999.999999999"] {
+            let (value, length) = plain_number(format!("{text},").as_bytes()).unwrap();
+            assert_eq!((value.to_bits(), length), (text.parse::<f64>().unwrap().to_bits(), text.len()), "{text}");
+        }
+        for text in ["", "-", ".", "1e5", "1.2.3", "9E9", "1234567890123456", "x", "--1", "1_0"] {
+            assert_eq!(plain_number(text.as_bytes()), None, "{text}");
+        }
     }
 }
