@@ -84,7 +84,7 @@ pub(super) struct State {
 
 /// Residuals of the squares with the equations for the next step.
 struct Linear {
-    rows: [[f64; 7]; 6],
+    rows: [[f64; 8]; 6],
     /// Sum of the squared residuals.
     sum: f64,
 }
@@ -145,14 +145,14 @@ impl Stewart {
     #[inline]
     fn linear(&self, legs: &[f64; 6], state: &State) -> Linear {
         let r: Matrix3<f64> = state.q.to_rotation_matrix().into_inner();
-        let mut linear = Linear { rows: [[0.0; 7]; 6], sum: 0.0 };
+        let mut linear = Linear { rows: [[0.0; 8]; 6], sum: 0.0 };
         for (k, length) in legs.iter().enumerate() {
             let arm = r * self.platform[k];
             let leg = arm + state.t - self.base[k];
             let turn = arm.cross(&leg);
             // Half of the equation on both sides.
             let off = 0.5 * (leg.norm_squared() - length * length);
-            linear.rows[k] = [leg.x, leg.y, leg.z, turn.x, turn.y, turn.z, -off];
+            linear.rows[k] = [leg.x, leg.y, leg.z, turn.x, turn.y, turn.z, -off, 0.0];
             linear.sum += off * off;
         }
         linear
@@ -246,8 +246,8 @@ fn moved(state: &State, v: &Vector3<f64>, w: &Vector3<f64>) -> State {
     State { q: UnitQuaternion::new_normalize(half * state.q.into_inner()), t: state.t + v }
 }
 
-/// Solves six equations whose right sides stand in the last column; `None` when they are singular.
-fn eliminate(mut rows: [[f64; 7]; 6]) -> Option<[f64; 6]> {
+/// Solves six equations whose right sides stand in the seventh column (the eighth is empty); `None` when they are singular.
+fn eliminate(mut rows: [[f64; 8]; 6]) -> Option<[f64; 6]> {
     let largest = rows.iter().flat_map(|row| &row[..6]).fold(0.0, |a: f64, x| a.max(x.abs()));
     for k in 0..6 {
         let mut pivot = k;
@@ -265,8 +265,9 @@ fn eliminate(mut rows: [[f64; 7]; 6]) -> Option<[f64; 6]> {
         let inverse = 1.0 / top[k];
         for row in rows.iter_mut().skip(k + 1) {
             let factor = row[k] * inverse;
-            for column in k + 1..7 {
-                row[column] -= factor * top[column];
+            // All eight, for the processor takes several at once; those before are not read any more.
+            for (entry, above) in row.iter_mut().zip(&top) {
+                *entry -= factor * above;
             }
         }
     }

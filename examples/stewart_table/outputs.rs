@@ -1,0 +1,150 @@
+//! What the example leaves behind: the table on stdout, `summary.json`, `legs.csv` and `report.html`.
+
+use super::Args;
+use super::table::{Printed, machine};
+use curvlay_examples::args::Failure;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::render::{Camera, INK, MISSED, Rgb, Scene, ramp};
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
+use std::io::{self, Write};
+use std::time::Duration;
+
+/// Pixels of each picture.
+const PICTURE: [u32; 2] = [620, 560];
+const BASE: Rgb = [150, 158, 168];
+const PLATE: Rgb = [205, 210, 216];
+const NOZZLE: Rgb = [232, 98, 20];
+
+pub fn write(args: &Args, printed: &Printed, folder: &OutputFolder, time: Duration) -> Result<(), Failure> {
+    folder.write_with("legs.csv", |out| write_legs(printed, out))?;
+    folder.write("report.html", report(args, printed).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, printed, time)?.write(folder)?;
+    Ok(())
+}
+
+/// A line for each waypoint.
+fn write_legs(printed: &Printed, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "x_mm,y_mm,z_mm,nx,ny,nz,l1_mm,l2_mm,l3_mm,l4_mm,l5_mm,l6_mm,singularity,reached")?;
+    for pose in &printed.poses {
+        let (at, n, l) = (pose.waypoint.position, pose.waypoint.axis, pose.legs);
+        write!(out, "{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}", at.x, at.y, at.z, n.x, n.y, n.z)?;
+        write!(out, ",{:.4},{:.4},{:.4},{:.4},{:.4},{:.4}", l[0], l[1], l[2], l[3], l[4], l[5])?;
+        writeln!(out, ",{:.6},{}", pose.singularity, u8::from(pose.fault.is_none()))?;
+    }
+    Ok(())
+}
+
+pub fn table(printed: &Printed) -> Table {
+    let mut table = Table::new(["", "this run"]);
+    table
+        .row(["waypoints".to_owned(), printed.poses.len().to_string()])
+        .row(["unreachable".to_owned(), printed.unreachable.to_string()])
+        .row(["shortest leg mm".to_owned(), format!("{:.2}", printed.min_leg_mm)])
+        .row(["longest leg mm".to_owned(), format!("{:.2}", printed.max_leg_mm)])
+        .row(["largest step of a leg mm".to_owned(), format!("{:.3}", printed.largest_step_mm)])
+        .row(["least singularity measure".to_owned(), format!("{:.4}", printed.min_singularity)])
+        .row(["legs found again to mm".to_owned(), format!("{:.1e}", printed.worst_leg_mm)])
+        .row(["time s".to_owned(), format!("{:.3}", printed.time.as_secs_f64())]);
+    table
+}
+
+fn summary(args: &Args, printed: &Printed, time: Duration) -> Result<Summary, Failure> {
+    let failed = printed.failed_checks();
+    let file =
+        args.waypoints.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    let mut summary = Summary::new();
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("layer", file.unwrap_or_else(|| "dome".to_owned()))?
+        .set("radius_mm", args.radius_mm)?
+        .set("rise_mm", args.rise_mm)?
+        .set("spacing_mm", args.spacing_mm)?
+        .set("nozzle_mm", args.nozzle_mm)?
+        .set("threads", args.common.threads)?
+        .set("waypoints", printed.poses.len())?
+        .set("unreachable", printed.unreachable)?
+        .set("min_leg_mm", printed.min_leg_mm)?
+        .set("max_leg_mm", printed.max_leg_mm)?
+        .set("min_singularity", printed.min_singularity)?
+        .set("largest_step_mm", printed.largest_step_mm)?
+        .set("worst_leg_mm", printed.worst_leg_mm)?
+        .set("worst_tip_mm", printed.worst_tip_mm)?
+        .set("lost", printed.lost)?
+        .set("check_ok", failed.is_empty())?
+        .set("checks_failed", failed.join(", "))?
+        .set_seconds("table_s", printed.time)?
+        .set_seconds("total_s", time)?;
+    Ok(summary)
+}
+
+fn report(args: &Args, printed: &Printed) -> Report {
+    let mut report = Report::new("A curved layer on a Stewart platform");
+    report.paragraph(&format!(
+        "The platform carries the part; the nozzle hangs {} mm above the base and stands still. At each waypoint the \
+         direction of growth is upright. The singularity measure is the change of the legs, in mm, when the platform \
+         moves by 1 mm in the worst way: 0 where the legs do not hold it.",
+        args.nozzle_mm
+    ));
+    if let Some((index, fault)) =
+        printed.poses.iter().enumerate().find_map(|(index, pose)| pose.fault.map(|fault| (index, fault)))
+    {
+        report.notice(&format!("{} waypoints cannot be reached; number {index}: {fault}", printed.unreachable));
+    }
+    report.table("This run", &table(printed)).paragraph(
+        "The layer was followed a second time by the legs alone, each pose found from the one before, as a control \
+         would; legs do not look out for one another here.",
+    );
+    if let (Some(first), Some(last)) = (printed.poses.first(), printed.poses.last()) {
+        let toward = Vector3::new(0.55, -1.0, 0.45);
+        let (begin, end) =
+            (picture(printed, &first.base_platform, toward), picture(printed, &last.base_platform, toward));
+        report.pictures(&[("at the first waypoint", &begin), ("at the last waypoint", &end)]);
+    }
+    report
+}
+
+/// The machine at a pose, with the layer on it.
+fn picture(printed: &Printed, base_platform: &Isometry3<f64>, toward: Vector3<f64>) -> Vec<u8> {
+    let mut scene = Scene::new(Camera::from_direction(toward));
+    let model = machine();
+    let base = model.base.map(Point3::from);
+    let platform = model.platform.map(|joint| base_platform * Point3::from(joint));
+    for k in 0..6 {
+        let next = (k + 1) % 6;
+        bar(&mut scene, base[k], base[next], 5.0, BASE);
+        bar(&mut scene, platform[k], platform[next], 3.0, INK);
+        bar(&mut scene, base[k], platform[k], 4.0, INK);
+        let middle = base_platform * Point3::origin();
+        scene.triangles([([middle, platform[k], platform[next]], PLATE)]);
+    }
+    let rest = (printed.poses.len() / 3000).max(1);
+    let shown: Vec<_> = printed.poses.iter().step_by(rest).collect();
+    for (k, pair) in shown.windows(2).enumerate() {
+        let ends = [pair[0], pair[1]].map(|pose| base_platform * pose.waypoint.position);
+        let share = k as f64 / shown.len() as f64;
+        bar(&mut scene, ends[0], ends[1], 0.6, if pair[1].fault.is_some() { MISSED } else { ramp(share) });
+    }
+    if let Some(pose) = printed.poses.first() {
+        let tip = pose.base_platform * pose.waypoint.position;
+        bar(&mut scene, tip, tip + Vector3::z() * 60.0, 2.5, NOZZLE);
+    }
+    let [width, height] = PICTURE;
+    scene.draw(width, height).to_png()
+}
+
+/// A bar between two points, of four faces.
+fn bar(scene: &mut Scene, from: Point3<f64>, to: Point3<f64>, half: f64, colour: Rgb) {
+    let Some(along) = (to - from).try_normalize(1e-9) else { return };
+    let across = if along.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
+    let u = along.cross(&across).normalize() * half;
+    let v = along.cross(&u);
+    let sides = [u + v, v - u, -u - v, u - v];
+    for (k, &a) in sides.iter().enumerate() {
+        let b = sides[(k + 1) % 4];
+        scene.triangles([([from + a, from + b, to + b], colour), ([from + a, to + b, to + a], colour)]);
+    }
+}
