@@ -212,10 +212,11 @@ proptest! {
         let mut stopped = 0;
         for (before, after) in steps.iter().zip(&again) {
             let mut before = *before;
-            if let (Step::Move(a), Step::Move(b)) = (&mut before, after) {
-                if a.zone != Zone::Stop && b.zone == Zone::Stop {
-                    (a.zone, stopped) = (Zone::Stop, stopped + 1);
-                }
+            if let (Step::Move(a), Step::Move(b)) = (&mut before, after)
+                && a.zone != Zone::Stop
+                && b.zone == Zone::Stop
+            {
+                (a.zone, stopped) = (Zone::Stop, stopped + 1);
             }
             prop_assert!(came_back(&before, after, &digits, false), "{before:?}\n{after:?}");
         }
