@@ -1,7 +1,7 @@
 //! Tool paths for multi-axis additive manufacturing.
 //!
 //! * [`surface`]: paths on curved layers, given as triangle meshes: the exact geodesic distance to the
-//!   boundary, its level sets and how they nest.
+//!   boundary, its level sets and how they nest, and one continuous curve a region that follows them.
 
 mod progress;
 pub mod surface;

@@ -2,13 +2,15 @@
 //!
 //! * [`SurfaceMesh`]: the mesh, checked at the door.
 //! * [`SurfaceDistance`]: the exact geodesic distance to the boundary, or to any edges and vertices.
-//! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part.
 //! * [`path_statistics`]: what beads along any curves cover, leave bare, cover twice and spill; by a raster that knows
 //!   nothing of how the curves were made.
+//! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part; and paths along them
+//!   that fill the surface with beads ([`LevelField::paths`]).
 
 mod geodesic;
 mod level_set;
 mod mesh;
+mod paths;
 mod statistics;
 mod union;
 
@@ -18,3 +20,4 @@ pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };
+pub use paths::{LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason};

@@ -42,9 +42,9 @@ struct LongestFirst(BinaryHeap<(u64, Reverse<u32>)>);
 #[derive(Clone, Debug)]
 pub struct LevelField<'d> {
     distance: &'d SurfaceDistance<'d>,
-    pub(super) points: Vec<Point3<f64>>,
-    pub(super) values: Vec<f64>,
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(in crate::surface) points: Vec<Point3<f64>>,
+    pub(in crate::surface) values: Vec<f64>,
+    pub(in crate::surface) triangles: Vec<[u32; 3]>,
     /// The triangle of the mesh of which each is a part.
     parents: Vec<u32>,
     twins: Vec<u32>,
@@ -85,22 +85,27 @@ impl<'d> LevelField<'d> {
         Ok(field)
     }
 
+    /// The distance.
+    pub fn distance(&self) -> &'d SurfaceDistance<'d> {
+        self.distance
+    }
+
     /// Triangles of the refined mesh.
     pub fn triangles(&self) -> usize {
         self.triangles.len()
     }
 
     /// A point of one of the refined triangles.
-    pub(super) fn surface_point(&self, triangle: u32, position: Point3<f64>) -> SurfacePoint {
+    pub(in crate::surface) fn surface_point(&self, triangle: u32, position: Point3<f64>) -> SurfacePoint {
         let triangle = self.parents[triangle as usize];
         SurfacePoint { triangle, barycentric: self.barycentric(triangle, position), position }
     }
 
-    pub(super) fn tail(&self, half_edge: u32) -> u32 {
+    pub(in crate::surface) fn tail(&self, half_edge: u32) -> u32 {
         self.triangles[half_edge as usize / 3][half_edge as usize % 3]
     }
 
-    pub(super) fn head(&self, half_edge: u32) -> u32 {
+    pub(in crate::surface) fn head(&self, half_edge: u32) -> u32 {
         self.tail(next(half_edge))
     }
 
@@ -108,7 +113,7 @@ impl<'d> LevelField<'d> {
         Some(self.twins[half_edge as usize]).filter(|&twin| twin != NONE)
     }
 
-    pub(super) fn half_edges(&self) -> u32 {
+    pub(in crate::surface) fn half_edges(&self) -> u32 {
         self.twins.len() as u32
     }
 

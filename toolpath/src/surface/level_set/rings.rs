@@ -53,3 +53,10 @@ fn crossing(field: &LevelField, half_edge: u32, value: f64) -> SurfacePoint {
     let position = top.0 + (bottom.0 - top.0) * ((top.1 - value) / (top.1 - bottom.1)).clamp(0.0, 1.0);
     field.surface_point(half_edge / 3, position)
 }
+
+impl LevelField<'_> {
+    /// A triangle of the refined mesh that each ring at a distance crosses, in the order of the rings.
+    pub(in crate::surface) fn triangles_of_rings(&self, value: f64) -> Vec<u32> {
+        trace(self, 0, value).into_iter().map(|traced| traced.triangle).collect()
+    }
+}

@@ -1,0 +1,277 @@
+//! Paths that fill a curved layer with beads.
+//!
+//! Zhao et al., "Connected Fermat spirals for layered fabrication", ACM TOG 35(4), 2016, fill a plane region along its
+//! offsets with one continuous curve; Dai 2020, section 3.5.1, does so on a surface with geodesic distance. So does
+//! [`Pattern::Spirals`]. The other patterns stand beside it for comparison.
+//!
+//! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
+//! * `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves.
+//!
+//! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
+//! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the exact
+//! distance on it proves that it crosses no ring. Curves are not smoothed: away from bridges, every point is on a level.
+
+mod chains;
+mod curve;
+mod narrow;
+mod plan;
+mod spirals;
+
+use super::level_set::{LevelField, LevelSetError, SurfacePoint};
+use curve::Loop;
+
+/// More levels than this are refused: the bead is then no bead but a slip of the unit.
+const MOST_LEVELS: usize = 100_000;
+/// Points of a path nearer together than this share of a bead are thinned out.
+const THIN: f64 = 0.02;
+/// The same for single beads, which follow edges of the mesh.
+const SINGLE_THIN: f64 = 0.25;
+
+/// How a region is filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Pattern {
+    /// One continuous curve for each region, from the boundary inward and back out.
+    #[default]
+    Spirals,
+    /// Closed curves along the boundary, one inside the other, not connected.
+    Rings,
+}
+
+/// How paths are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathOptions {
+    /// Width of a bead, in millimetres: 0.8 by default.
+    pub bead: f64,
+    /// The pattern.
+    pub pattern: Pattern,
+}
+
+impl Default for PathOptions {
+    fn default() -> Self {
+        PathOptions { bead: 0.8, pattern: Pattern::default() }
+    }
+}
+
+/// A point of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Where it is on the surface.
+    pub at: SurfacePoint,
+    /// Width of the bead here, in millimetres.
+    pub width: f64,
+}
+
+/// A continuous curve on the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfacePath {
+    /// Points in order, along which material is laid without a break.
+    pub points: Vec<PathPoint>,
+    /// Whether the last point is joined to the first.
+    pub closed: bool,
+    /// The region that it fills.
+    pub region: u32,
+}
+
+impl SurfacePath {
+    /// Length of the curve, in millimetres.
+    pub fn length(&self) -> f64 {
+        let step = |a: &PathPoint, b: &PathPoint| (b.at.position - a.at.position).norm();
+        let steps = self.points.windows(2).map(|pair| step(&pair[0], &pair[1])).sum::<f64>();
+        match (self.closed, self.points.first(), self.points.last()) {
+            (true, Some(first), Some(last)) => steps + step(last, first),
+            _ => steps,
+        }
+    }
+}
+
+/// Why a part of the surface stays without a bead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UnfilledReason {
+    /// There is no room for a bead: it is narrower than half a bead everywhere, or shorter than a bead.
+    Narrow,
+    /// It has no boundary to measure from.
+    NoBoundary,
+}
+
+/// A connected part of the surface that stays without a bead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unfilled {
+    /// A point of it: the middle of the triangle that is farthest from the boundary.
+    pub at: SurfacePoint,
+    /// Its area in mm^2.
+    pub area: f64,
+    /// Why.
+    pub reason: UnfilledReason,
+}
+
+/// The paths of a layer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayerPaths {
+    /// All curves, region by region.
+    pub paths: Vec<SurfacePath>,
+    /// Connected regions: parts of the surface at least half a bead from the boundary (necks narrower than a bead do not
+    /// connect), then parts narrower than a bead that a single bead fills.
+    pub regions: usize,
+    /// What is left out.
+    pub unfilled: Vec<Unfilled>,
+}
+
+/// Why there are no paths.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathError {
+    /// The bead is not a positive number.
+    #[error("a bead of {bead} mm, it must be positive")]
+    Bead {
+        /// The width that was asked for.
+        bead: f64,
+    },
+    /// The region is very many beads wide; check the unit.
+    #[error("a bead of {bead} mm in a region that reaches {reach} mm inward: more than 100000 beads")]
+    BeadTooSmall {
+        /// The width that was asked for.
+        bead: f64,
+        /// The greatest distance from the boundary.
+        reach: f64,
+    },
+    /// The distance is not that to the whole boundary.
+    #[error("a level set ends at the boundary: paths need the distance to the whole boundary")]
+    NotToBoundary,
+    /// The level sets cannot be made.
+    #[error(transparent)]
+    Levels(#[from] LevelSetError),
+}
+
+impl LevelField<'_> {
+    /// Paths that fill the surface with beads of even width.
+    ///
+    /// Beads run along the level sets half a bead from the boundary and at every bead from there. With
+    /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
+    /// Where rings nowhere run side by side (rare: very small rings in narrow places) a region gets more than one;
+    /// compare the number of paths with `regions`.
+    ///
+    /// # Errors
+    /// [`PathError`].
+    ///
+    /// # Cost
+    /// That of the level sets, and for each ring some hundreds of passes over its points.
+    ///
+    /// # Example
+    /// ```
+    /// # use curvlay_toolpath::nalgebra::Point3;
+    /// use curvlay_toolpath::surface::{LevelField, PathOptions, SurfaceDistance, SurfaceMesh};
+    /// # use std::ops::ControlFlow;
+    /// // A square of 16 mm and beads of 1 mm.
+    /// let corners = [[0.0, 0.0], [16.0, 0.0], [16.0, 16.0], [0.0, 16.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    /// let square = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?;
+    /// let distance = SurfaceDistance::to_boundary(&square, &|_| ControlFlow::Continue(()))?;
+    /// let field = LevelField::new(&distance, 0.01, &|_| ControlFlow::Continue(()))?;
+    /// let filled = field.paths(&PathOptions { bead: 1.0, ..PathOptions::default() })?;
+    /// assert_eq!((filled.paths.len(), filled.regions), (1, 1));
+    /// // As long as 256 mm^2 need, but for gaps along the diagonals.
+    /// assert!((filled.paths[0].length() - 256.0).abs() < 8.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn paths(&self, options: &PathOptions) -> Result<LayerPaths, PathError> {
+        let bead = options.bead;
+        if !(bead > 0.0 && bead.is_finite()) {
+            return Err(PathError::Bead { bead });
+        }
+        let levels = self.levels(bead)?;
+        let sets = self.level_sets(&levels)?;
+        if sets.rings.iter().any(|ring| !ring.closed) {
+            return Err(PathError::NotToBoundary);
+        }
+        // A shorter ring would be a blot.
+        let loop_of = |ring| Loop::new(ring).filter(|on| on.length() >= bead);
+        let loops: Vec<Option<Loop>> = sets.rings.iter().map(loop_of).collect();
+        let chains = chains::chains(&sets, &loops, bead);
+        let mesh = self.distance().mesh();
+        let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
+        let mut found = LayerPaths { regions, ..LayerPaths::default() };
+        let path = |points: &[SurfacePoint], region: u32, closed: bool| {
+            let points = thinned(points, THIN * bead).into_iter().map(|at| PathPoint { at, width: bead }).collect();
+            SurfacePath { points, closed, region }
+        };
+        match options.pattern {
+            Pattern::Spirals => {
+                let rings =
+                    spirals::Rings { distance: self.distance(), sets: &sets, levels: &levels, loops: &loops, bead };
+                let curves = spirals::connect(&rings, &chains).curves(mesh, &loops);
+                found.paths = curves.iter().map(|(points, region)| path(points, *region, false)).collect();
+            }
+            Pattern::Rings => {
+                let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r, chain.region)));
+                let points =
+                    |(r, region): (u32, u32)| loops[r as usize].as_ref().map(|on| path(on.points(), region, true));
+                found.paths = rings.filter_map(points).collect();
+            }
+        }
+        found.paths.sort_by_key(|path| path.region);
+        let on_boundary = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
+        let is_ring: Vec<bool> = on_boundary.map(|(_, on)| on.is_some()).collect();
+        for points in narrow::single_beads(self, bead, &is_ring) {
+            let points =
+                thinned(&points, SINGLE_THIN * bead).into_iter().map(|at| PathPoint { at, width: bead }).collect();
+            found.paths.push(SurfacePath { points, closed: false, region: found.regions as u32 });
+            found.regions += 1;
+        }
+        found.unfilled = self.unfilled(&found.paths);
+        Ok(found)
+    }
+
+    /// Half a bead, and every bead from there.
+    fn levels(&self, bead: f64) -> Result<Vec<f64>, PathError> {
+        let reach = self.values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+        if reach / bead > MOST_LEVELS as f64 {
+            return Err(PathError::BeadTooSmall { bead, reach });
+        }
+        Ok((0..).map(|k| (f64::from(k) + 0.5) * bead).take_while(|&level| level < reach).collect())
+    }
+
+    /// Connected parts of the mesh without a path.
+    fn unfilled(&self, paths: &[SurfacePath]) -> Vec<Unfilled> {
+        let mesh = self.distance().mesh();
+        let parts = mesh.regions();
+        let mut filled = vec![false; parts.count];
+        let all = paths.iter().flat_map(|path| &path.points);
+        all.for_each(|point| filled[parts.of_triangle[point.at.triangle as usize] as usize] = true);
+        let mut found: Vec<Option<(Unfilled, f64)>> = vec![None; parts.count];
+        for (triangle, corners) in (0..).zip(mesh.triangles()) {
+            let part = parts.of_triangle[triangle as usize] as usize;
+            if filled[part] {
+                continue;
+            }
+            let [a, b, c] = corners.map(|v| mesh.vertices()[v as usize]);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let third = [1.0 / 3.0; 3];
+            let reach = self.distance().at(triangle, third).distance;
+            let middle = SurfacePoint { triangle, barycentric: third, position: mesh.point(triangle, third) };
+            let reason = if reach.is_finite() { UnfilledReason::Narrow } else { UnfilledReason::NoBoundary };
+            let (unfilled, farthest) = found[part].get_or_insert((Unfilled { at: middle, area: 0.0, reason }, reach));
+            unfilled.area += area;
+            if reach > *farthest {
+                (unfilled.at, *farthest) = (middle, reach);
+            }
+        }
+        found.into_iter().flatten().map(|(unfilled, _)| unfilled).collect()
+    }
+}
+
+/// Points without those nearer than `least` to the one kept before; the first and the last stay.
+fn thinned(points: &[SurfacePoint], least: f64) -> Vec<SurfacePoint> {
+    let mut kept: Vec<SurfacePoint> = Vec::with_capacity(points.len());
+    for (k, point) in points.iter().enumerate() {
+        let near = kept.last().is_some_and(|last| (last.position - point.position).norm() < least);
+        if near && k + 1 < points.len() {
+            continue;
+        }
+        if near && kept.len() > 1 {
+            kept.pop();
+        }
+        kept.push(*point);
+    }
+    kept
+}

@@ -1,0 +1,169 @@
+//! Single beads for what is narrower than a bead.
+//!
+//! Where the surface is less than a bead wide there is no level set half a bead from the boundary. A single bead runs
+//! there along the medial axis: the refined mesh has edges along it, and a path along edges that avoids low distances
+//! keeps to them. The bead is that of the longest way found: from the summit to the farthest place, and from there to
+//! the farthest again. This takes in regions as a whole, and tails and necks of wider ones from where these are covered.
+
+use crate::surface::level_set::{LevelField, SurfacePoint};
+use crate::surface::mesh::previous;
+use crate::surface::union::root;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Least width for a single bead, in beads: below, more than half of it would lie outside.
+const LEAST: f64 = 0.5;
+/// How far from the level set half a bead from the boundary its bead reaches, and a little room to the next, in beads.
+const COVERED: f64 = 0.75;
+/// Least length of a single bead, in beads.
+const SHORTEST: f64 = 1.0;
+/// How strongly paths avoid places off the medial axis: the power of the distance that a step costs.
+const POWER: i32 = 3;
+
+/// Shortest paths: for each vertex what it costs, how long the path is, and the vertex before.
+type Reached = Vec<Option<(f64, f64, u32)>>;
+
+/// Curves for single beads.
+///
+/// `is_ring` says for each level set half a bead from the boundary, in order, whether a bead runs along it.
+pub(super) fn single_beads(field: &LevelField, bead: f64, is_ring: &[bool]) -> Vec<Vec<SurfacePoint>> {
+    let graph = Graph::new(field);
+    // What lies inside of rings is covered, and what is near.
+    let level = 0.5 * bead;
+    let mut parents: Vec<u32> = (0..field.values.len() as u32).collect();
+    for h in 0..field.half_edges() {
+        let ends = [field.tail(h), field.head(h)];
+        if ends.iter().all(|&v| field.values[v as usize] > level) {
+            let [a, b] = ends.map(|v| root(&mut parents, v));
+            parents[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut inside = vec![false; field.values.len()];
+    for (triangle, _) in field.triangles_of_rings(level).into_iter().zip(is_ring).filter(|(_, is_ring)| **is_ring) {
+        let corners = field.triangles[triangle as usize].iter();
+        corners
+            .filter(|&&v| field.values[v as usize] > level)
+            .for_each(|&v| inside[root(&mut parents, v) as usize] = true);
+    }
+    let all = 0..field.values.len() as u32;
+    let seeds: Vec<u32> =
+        all.clone().filter(|&v| field.values[v as usize] > level && inside[root(&mut parents, v) as usize]).collect();
+    let near = graph.reach(&seeds, |_| true, |length, _| length, COVERED * bead);
+    let mut open: Vec<bool> = all
+        .clone()
+        .map(|v| {
+            let value = field.values[v as usize];
+            value.is_finite() && value >= 0.5 * LEAST * bead && near[v as usize].is_none()
+        })
+        .collect();
+    let mut found = Vec::new();
+    for v in all {
+        if !open[v as usize] {
+            continue;
+        }
+        let part: Vec<u32> = graph.part(v, &open);
+        found.extend(graph.longest(&part, &open).filter(|(_, length)| *length >= SHORTEST * bead).map(|(way, _)| way));
+        part.iter().for_each(|&v| open[v as usize] = false);
+    }
+    let point = |v: u32| field.surface_point(graph.out_of(v)[0] / 3, field.points[v as usize]);
+    found.into_iter().map(|way| way.into_iter().map(point).collect()).collect()
+}
+
+/// Vertices and edges of the refined mesh.
+struct Graph<'a> {
+    field: &'a LevelField<'a>,
+    /// Half-edges out of each vertex.
+    half_edges: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+impl<'a> Graph<'a> {
+    fn new(field: &'a LevelField) -> Self {
+        let mut starts = vec![0; field.values.len() + 1];
+        (0..field.half_edges()).for_each(|h| starts[field.tail(h) as usize + 1] += 1);
+        (1..starts.len()).for_each(|v| starts[v] += starts[v - 1]);
+        let (mut filled, mut half_edges) = (starts.clone(), vec![0; field.half_edges() as usize]);
+        for h in 0..field.half_edges() {
+            let at = &mut filled[field.tail(h) as usize];
+            half_edges[*at as usize] = h;
+            *at += 1;
+        }
+        Graph { field, half_edges, starts }
+    }
+
+    fn out_of(&self, v: u32) -> &[u32] {
+        let [from, to] = [0, 1].map(|k| self.starts[v as usize + k] as usize);
+        &self.half_edges[from..to]
+    }
+
+    /// Neighbours, those inside twice.
+    fn around(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
+        self.out_of(v).iter().flat_map(|&h| [self.field.head(h), self.field.tail(previous(h))])
+    }
+
+    /// Dijkstra's algorithm. The cost of a step depends on its length and the mean distance on it.
+    fn reach(&self, from: &[u32], open: impl Fn(u32) -> bool, cost: impl Fn(f64, f64) -> f64, most: f64) -> Reached {
+        let mut reached: Reached = vec![None; self.field.values.len()];
+        let mut queue = BinaryHeap::new();
+        for &v in from {
+            reached[v as usize] = Some((0.0, 0.0, v));
+            queue.push((Reverse(0u64), v));
+        }
+        // Bits of positive numbers are in the order of the numbers.
+        while let Some((Reverse(bits), v)) = queue.pop() {
+            let Some((here, length, _)) = reached[v as usize].filter(|(here, ..)| here.to_bits() == bits) else {
+                continue;
+            };
+            for other in self.around(v).filter(|&other| open(other)) {
+                let [p, q] = [v, other].map(|v| self.field.points[v as usize]);
+                let mean = 0.5 * (self.field.values[v as usize] + self.field.values[other as usize]);
+                let step = (q - p).norm();
+                let there = here + cost(step, mean);
+                if there <= most && reached[other as usize].is_none_or(|(known, ..)| there < known) {
+                    reached[other as usize] = Some((there, length + step, v));
+                    queue.push((Reverse(there.to_bits()), other));
+                }
+            }
+        }
+        reached
+    }
+
+    /// The open vertices that are connected with one of them.
+    fn part(&self, v: u32, open: &[bool]) -> Vec<u32> {
+        let mut part = vec![v];
+        let mut seen = std::collections::BTreeSet::from([v]);
+        let mut k = 0;
+        while k < part.len() {
+            for other in self.around(part[k]) {
+                if open[other as usize] && seen.insert(other) {
+                    part.push(other);
+                }
+            }
+            k += 1;
+        }
+        part
+    }
+
+    /// A long way through a part, and its length.
+    fn longest(&self, part: &[u32], open: &[bool]) -> Option<(Vec<u32>, f64)> {
+        let value = |v: u32| self.field.values[v as usize];
+        let summit = part.iter().copied().max_by(|&a, &b| value(a).total_cmp(&value(b)).then(b.cmp(&a)))?;
+        let high = value(summit);
+        let far = |from: u32| {
+            let cost = |length: f64, mean: f64| length * (high / mean).powi(POWER);
+            let reached = self.reach(&[from], |v| open[v as usize], cost, f64::INFINITY);
+            let length = |v: u32| reached[v as usize].map_or(0.0, |(_, length, _)| length);
+            let end = part.iter().copied().max_by(|&a, &b| length(a).total_cmp(&length(b)).then(b.cmp(&a)));
+            (end.unwrap_or(from), end.map_or(0.0, length), reached)
+        };
+        let (one, ..) = far(summit);
+        let (other, length, reached) = far(one);
+        let mut way = vec![other];
+        let mut at = other;
+        while at != one {
+            at = reached[at as usize]?.2;
+            way.push(at);
+        }
+        Some((way, length))
+    }
+}

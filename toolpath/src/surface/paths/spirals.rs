@@ -1,0 +1,362 @@
+//! Connected Fermat spirals: the rings of each chain cut open and led into each other.
+//!
+//! The rings of a chain from its door inward are 1 to n; 0 is the parent, if it has one. Along a line across all of them
+//! (each point of a ring lies straight above one of the ring below, so there are such lines) each ring is opened over a
+//! window from `L` by the middle `G` to `R`:
+//!
+//! ```text
+//!   0 ======= L                      |  ==========      the parent
+//!                 \                  |
+//!   1 ======= L      G             . R ===========      the door
+//!                \       \
+//!   2 ======= L      G       R ===================
+//!                \       \
+//!   3 ======= L      G       R ===================
+//! ```
+//! Each `L` of a ring i runs by the `G` of the next ring to the `R` of the one after. So two arms wind inward, each
+//! over every other ring, in even spacing: a Fermat spiral. Its arms are joined around the last ring; on the outside they
+//! lead into the parent, at places next to each other, or are entry and exit of the region.
+//!
+//! A bridge is made of points between matching places of two rings, brought down to the surface. It counts only if the
+//! exact distance there lies between the levels of these rings: then it crosses no ring, whatever the surface does. And
+//! it must keep away from other bridges in the same band. Places are tried with wide windows first, those where the
+//! rings run side by side best. Where no line crosses all rings, a chain is joined to itself half way in; where no bridge
+//! is found for a single ring, it becomes a curve of its own.
+
+use super::chains::{Beside, Chain};
+use super::curve::{Loop, locate};
+use super::plan::{End, Plan, Side};
+use crate::surface::geodesic::SurfaceDistance;
+use crate::surface::level_set::{LevelSets, SurfacePoint};
+use nalgebra::Point3;
+
+/// Half of a window, in beads, widest first. The wider, the more even the spacing: bridges are `sin(atan(1 / h)) h` beads
+/// apart: 0.95, 0.89, 0.71, 0.45, 0.24. And the less they turn.
+const WINDOWS: [f64; 5] = [3.0, 2.0, 1.0, 0.5, 0.25];
+/// Least width of a half window that is tried on small rings, as a share of their length; a window takes two of them
+/// and a margin.
+const SHARE: f64 = 1.0 / 6.0;
+/// How far matching places may lie apart, in beads. One where rings run side by side; more at corners.
+const APART: f64 = 1.6;
+/// Places that are tried: most on a ring, and most that get a close look.
+const PLACES: usize = 256;
+const CLOSE_LOOKS: usize = 48;
+/// How much of its way between two levels a point of a bridge must have made, as a share of what it should.
+const ON_THE_WAY: f64 = 0.25;
+/// How far bridges keep apart, as a share of a bead or half window. Made as intended they are at least 0.4 apart.
+const CLEAR: f64 = 0.3;
+/// How far a bridge may be from straight, in beads: sheets that bend more sharply have no place for it.
+const BEND: f64 = 0.3;
+/// Points of a bridge for each bead of length.
+const STEPS: f64 = 8.0;
+
+/// The rings that the spirals of a layer are made of.
+pub(super) struct Rings<'a> {
+    pub distance: &'a SurfaceDistance<'a>,
+    pub sets: &'a LevelSets,
+    pub levels: &'a [f64],
+    pub loops: &'a [Option<Loop>],
+    pub bead: f64,
+}
+
+/// Spirals for all chains.
+pub(super) fn connect(rings: &Rings, chains: &[Chain]) -> Plan {
+    let taken = vec![Vec::new(); rings.sets.bands.len()];
+    let mut weaver = Weaver { rings, plan: Plan::new(rings.loops.len()), taken };
+    // Children first: they have less choice.
+    for chain in chains.iter().rev() {
+        weaver.join(&chain.rings, &chain.parents, chain);
+    }
+    weaver.plan
+}
+
+/// A ring and the place of the line on it.
+#[derive(Clone, Copy)]
+struct Rung<'a> {
+    on: &'a Loop,
+    ring: u32,
+    level: f64,
+    place: f64,
+    /// Half of its window, negative where directions are turned round.
+    half: f64,
+}
+
+impl Rung<'_> {
+    fn at(&self, share: f64) -> f64 {
+        self.place + share * self.half
+    }
+
+    fn side(&self, positive: bool) -> Side {
+        if positive == (self.half > 0.0) { Side::To } else { Side::From }
+    }
+
+    /// From where to where a cut goes along the ring.
+    fn cut(&self, shares: [f64; 2]) -> [f64; 2] {
+        let [a, b] = shares.map(|share| self.at(share));
+        [a.min(b), a.max(b)]
+    }
+}
+
+/// A bridge by stations: the number of its lower rung, how far along the windows, and how far up to the next rung.
+type Stations = Vec<(usize, f64, f64)>;
+
+struct Weaver<'a> {
+    rings: &'a Rings<'a>,
+    plan: Plan,
+    /// Points of bridges in each band.
+    taken: Vec<Vec<Point3<f64>>>,
+}
+
+impl<'a> Weaver<'a> {
+    /// Joins rings of a chain to one of their parents, or makes a curve of its own of them if there is none. Where no
+    /// line crosses all of them, the inner half is joined to the outer half at another place.
+    fn join(&mut self, rings: &[u32], parents: &[(u32, Beside)], chain: &Chain) {
+        let joined = match (parents, rings) {
+            ([], [_]) => false,
+            ([], _) => self.weave(rings, chain, None),
+            _ => parents.iter().any(|&(parent, beside)| {
+                let mut all = vec![parent];
+                all.extend(rings);
+                self.weave(&all, chain, Some(beside))
+            }),
+        };
+        match rings {
+            _ if joined => {}
+            [ring] => self.open(*ring, chain),
+            _ => {
+                let (outer, inner) = rings.split_at(rings.len() / 2);
+                let beside = if chain.rises { Beside::Above } else { Beside::Below };
+                let last: Vec<(u32, Beside)> = outer.last().map(|&ring| (ring, beside)).into_iter().collect();
+                self.join(inner, &last, chain);
+                self.join(outer, parents, chain);
+            }
+        }
+    }
+
+    /// A single ring, opened in the middle of its longest arc.
+    fn open(&mut self, ring: u32, chain: &Chain) {
+        let Some(on) = &self.rings.loops[ring as usize] else { return };
+        let (from, length) = self.plan.longest_arc(on, ring);
+        let (middle, half) = (from + length / 2.0, (self.rings.bead / 2.0).min(length * SHARE));
+        let cut = self.plan.cut(ring, middle - half, middle + half);
+        self.plan.start((cut, Side::To), chain.region);
+    }
+
+    /// Finds places for the windows of rings, the first of which is the parent if `beside` is given, and cuts and
+    /// bridges them. Says whether that was possible.
+    fn weave(&mut self, rings: &[u32], chain: &Chain, beside: Option<Beside>) -> bool {
+        let lines = self.lines(rings, chain, beside);
+        for window in WINDOWS {
+            let mut rated: Vec<(f64, Vec<Rung>)> = lines
+                .iter()
+                .map(|places| self.rungs(rings, places, window * self.rings.bead, beside))
+                .filter_map(|rungs| self.rate(&rungs).map(|rate| (rate, rungs)))
+                .collect();
+            rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (_, rungs) in rated.iter_mut().take(CLOSE_LOOKS) {
+                for _way_round in 0..2 {
+                    let bridges = self.stations(rungs, beside.is_some());
+                    if let Some(points) = self.lay(rungs, &bridges) {
+                        self.commit(rungs, chain, beside.is_some(), points);
+                        return true;
+                    }
+                    rungs.iter_mut().for_each(|rung| rung.half = -rung.half);
+                }
+            }
+        }
+        false
+    }
+
+    /// Lines across all rings: a place on each.
+    fn lines(&self, rings: &[u32], chain: &Chain, beside: Option<Beside>) -> Vec<Vec<f64>> {
+        let loops: Option<Vec<&Loop>> = rings.iter().map(|&r| self.rings.loops[r as usize].as_ref()).collect();
+        let Some(loops) = loops else { return Vec::new() };
+        // Lines lead down, where they are sure to arrive.
+        let first = match beside {
+            _ if chain.rises => rings.len() - 1,
+            Some(Beside::Across) => 1,
+            _ => 0,
+        };
+        let length = loops[first].length();
+        let count = ((2.0 * length / self.rings.bead).ceil() as usize).clamp(8, PLACES);
+        let line = |k: usize| {
+            let mut places = vec![0.0; rings.len()];
+            places[first] = length * k as f64 / count as f64;
+            for k in (0..first).rev() {
+                places[k] = loops[k].nearest(loops[k + 1].position(places[k + 1])).0;
+            }
+            for k in first + 1..rings.len() {
+                let (place, distance) = loops[k].nearest(loops[k - 1].position(places[k - 1]));
+                // Past the end of what they have side by side.
+                if distance > APART * self.rings.bead {
+                    return None;
+                }
+                places[k] = place;
+            }
+            Some(places)
+        };
+        (0..count).filter_map(line).collect()
+    }
+
+    fn rungs(&self, rings: &[u32], places: &[f64], half: f64, beside: Option<Beside>) -> Vec<Rung<'a>> {
+        let rung = |(k, (&ring, &place)): (usize, (&u32, &f64))| {
+            let on = self.rings.loops[ring as usize].as_ref()?;
+            let half = half.min(on.length() * SHARE);
+            // Rings have what is higher on their left: across a ridge they run in opposite directions.
+            let half = if k == 0 && beside == Some(Beside::Across) { -half } else { half };
+            let level = self.rings.levels[self.rings.sets.rings[ring as usize].level];
+            Some(Rung { on, ring, level, place, half })
+        };
+        rings.iter().zip(places).enumerate().filter_map(rung).collect()
+    }
+
+    /// How far matching places lie apart at most, in beads; none if too far, or where a ring is cut already.
+    fn rate(&self, rungs: &[Rung]) -> Option<f64> {
+        let free = |rung: &Rung| {
+            let margin = (0.5 * self.rings.bead).min(rung.on.length() / 20.0);
+            let [from, to] = rung.cut([-1.0, 1.0]);
+            self.plan.is_free(rung.on, rung.ring, from - margin, to + margin)
+        };
+        if !rungs.iter().all(free) {
+            return None;
+        }
+        let mut rate: f64 = 0.0;
+        for pair in rungs.windows(2) {
+            // Across a ridge rings may be up to two beads apart.
+            let scale = if self.across(pair) { 2.0 } else { 1.0 } * self.rings.bead;
+            for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                let [one, other] = [0, 1].map(|k| pair[k].on.position(pair[k].at(share)));
+                rate = rate.max((one - other).norm() / scale);
+            }
+        }
+        (rate <= APART).then_some(rate)
+    }
+
+    fn across(&self, pair: &[Rung]) -> bool {
+        let [one, other] = [0, 1].map(|k| self.rings.sets.rings[pair[k].ring as usize].level);
+        one == other
+    }
+
+    /// The bridges of a chain, in a fixed order: entry or exit, arms, the turn inside.
+    fn stations(&self, rungs: &[Rung], parented: bool) -> Vec<Stations> {
+        let half = rungs.iter().map(|rung| rung.half.abs()).fold(0.0, f64::max);
+        let steps = (STEPS * half.hypot(self.rings.bead) / self.rings.bead).ceil().max(4.0) as usize;
+        let shares = || (0..=steps).map(|k| k as f64 / steps as f64);
+        let falling = |k: usize| shares().map(move |t| (k, t - 1.0, t));
+        let rising = |k: usize| shares().map(move |t| (k, t, t));
+        let last = rungs.len() - 1;
+        let mut bridges: Vec<Stations> = Vec::new();
+        match parented {
+            // From the door half way along, then straight to the parent.
+            true => {
+                bridges.push(shares().map(|u| (0, 0.5_f64.max(1.0 - u), 1.0 - u)).collect());
+            }
+            false => bridges.push(rising(0).collect()),
+        }
+        bridges.extend((0..last - 1).map(|k| falling(k).chain(rising(k + 1)).collect()));
+        bridges.push(shares().map(|t| (last - 1, (t - 1.0).min(-0.5), t)).collect());
+        bridges
+    }
+
+    /// Points of bridges; none if one of them leaves its band or comes too near to another.
+    fn lay(&self, rungs: &[Rung], bridges: &[Stations]) -> Option<Vec<Vec<SurfacePoint>>> {
+        let mut laid: Vec<Vec<SurfacePoint>> = Vec::with_capacity(bridges.len());
+        let mut in_band: Vec<Vec<(usize, Point3<f64>)>> = vec![Vec::new(); rungs.len() - 1];
+        for (number, stations) in bridges.iter().enumerate() {
+            let mut points = Vec::with_capacity(stations.len());
+            for &(k, share, t) in stations {
+                let point = self.station(&rungs[k..k + 2], share, t)?;
+                in_band[k].push((number, point.position));
+                points.push(point);
+            }
+            laid.push(points);
+        }
+        for (k, points) in in_band.iter().enumerate() {
+            let half = rungs[k].half.abs().min(rungs[k + 1].half.abs());
+            let clear = CLEAR * half.min(self.rings.bead);
+            let taken = self.band(&rungs[k..k + 2]).map_or(&[][..], |band| &self.taken[band]);
+            for (n, (number, p)) in points.iter().enumerate() {
+                let near = |q: &Point3<f64>| (p - q).norm() < clear;
+                if points[..n].iter().any(|(other, q)| other != number && near(q)) || taken.iter().any(near) {
+                    return None;
+                }
+            }
+        }
+        Some(laid)
+    }
+
+    /// The band between two rungs.
+    fn band(&self, pair: &[Rung]) -> Option<usize> {
+        let [one, other] = [0, 1].map(|k| &self.rings.sets.rings[pair[k].ring as usize]);
+        let bands = [one.above, one.below];
+        bands.into_iter().find(|&band| band == other.above || band == other.below).map(|band| band as usize)
+    }
+
+    fn station(&self, pair: &[Rung], share: f64, t: f64) -> Option<SurfacePoint> {
+        let mesh = self.rings.distance.mesh();
+        let places = [0, 1].map(|k| pair[k].at(share));
+        if t <= 0.0 || t >= 1.0 {
+            let k = usize::from(t >= 1.0);
+            return Some(pair[k].on.at(mesh, places[k]));
+        }
+        let [from, to] = [0, 1].map(|k| pair[k].on.position(places[k]));
+        let wanted = from + (to - from) * t;
+        let near = usize::from(t > 0.5);
+        let point = locate(mesh, pair[near].on.triangle(places[near]), wanted);
+        if (point.position - wanted).norm() > BEND * self.rings.bead {
+            return None;
+        }
+        let distance = self.rings.distance.at(point.triangle, point.barycentric).distance;
+        let way = ON_THE_WAY * t.min(1.0 - t);
+        let [low, high] = [pair[0].level.min(pair[1].level), pair[0].level.max(pair[1].level)];
+        let inside = match self.across(pair) {
+            true => low + way * (to - from).norm() < distance,
+            false => low + way * (high - low) < distance && distance < high - way * (high - low),
+        };
+        inside.then_some(point)
+    }
+
+    fn commit(&mut self, rungs: &[Rung], chain: &Chain, parented: bool, mut laid: Vec<Vec<SurfacePoint>>) {
+        let mesh = self.rings.distance.mesh();
+        let last = rungs.len() - 1;
+        for (k, pair) in rungs.windows(2).enumerate() {
+            let Some(band) = self.band(pair) else { continue };
+            // All bridges that pass between these two: those that start one or two rungs before.
+            let bridges = laid.iter().enumerate().filter(|(n, _)| {
+                let first = n.saturating_sub(1).min(last - 1);
+                (first..=first + 1).contains(&k)
+            });
+            self.taken[band].extend(bridges.flat_map(|(_, points)| points.iter().map(|p| p.position)));
+        }
+        let mut cuts: Vec<usize> = Vec::with_capacity(rungs.len());
+        for (k, rung) in rungs.iter().enumerate() {
+            let shares = match k {
+                0 => [-1.0, 0.5],
+                _ if k == last => [-0.5, 1.0],
+                _ => [-1.0, 1.0],
+            };
+            let [from, to] = rung.cut(shares);
+            cuts.push(self.plan.cut(rung.ring, from, to));
+        }
+        let left = |k: usize| -> Option<End> { Some((cuts[k], rungs[k].side(false))) };
+        let right = |k: usize| -> Option<End> { Some((cuts[k], rungs[k].side(true))) };
+        let inside = laid.pop().unwrap_or_default();
+        let mut laid = laid.into_iter();
+        let outside = laid.next().unwrap_or_default();
+        if parented {
+            self.plan.bridge(outside, [right(1), right(0)]);
+        } else {
+            // The exit goes on along the door for a little, as the first arm leaves it.
+            let steps = STEPS as usize;
+            let along = (1..=steps).rev().map(|k| rungs[0].at(-0.25 * k as f64 / steps as f64));
+            let mut points: Vec<SurfacePoint> = along.map(|place| rungs[0].on.at(mesh, place)).collect();
+            points.extend(outside);
+            self.plan.bridge(points, [None, right(1)]);
+            self.plan.start((cuts[0], rungs[0].side(true)), chain.region);
+        }
+        for (k, points) in laid.enumerate() {
+            self.plan.bridge(points, [left(k), right(k + 2)]);
+        }
+        self.plan.bridge(inside, [left(last - 1), left(last)]);
+    }
+}
