@@ -7,13 +7,18 @@
 //!   triangle of the mesh as it is, linear between its corners, neither joined nor nested; how far off each is gets
 //!   printed.
 //!
+//! * `paths`: connected Fermat spirals on the wavy plate from its refined distance. Beside them the same rings, not
+//!   connected: one jump a ring. Curves and jumps are printed.
+//!
 //! The baseline for distances is what one writes without windows: shortest paths in a graph of points on the edges,
 //! here with three inner points on each edge. Its paths exist, so it must never be shorter, which is asserted.
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{LevelField, LevelSets, SurfaceDistance, SurfaceMesh};
+use curvlay_toolpath::surface::{
+    LayerPaths, LevelField, LevelSets, PathOptions, Pattern, SurfaceDistance, SurfaceMesh, SurfacePath,
+};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::hint::black_box;
@@ -224,5 +229,29 @@ fn bench_rings(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, bench, bench_rings);
+fn bench_paths(c: &mut Criterion) {
+    let mesh = plate(158, wavy);
+    let distance = ours(&mesh);
+    let field = LevelField::new(&distance, TOLERANCE, &|_| ControlFlow::Continue(())).expect("a sound tolerance");
+    let paths = |pattern: Pattern| {
+        let mut options = PathOptions::default();
+        (options.bead, options.pattern) = (BEAD, pattern);
+        field.paths(&options).expect("a sound bead")
+    };
+    let (spirals, rings) = (paths(Pattern::Spirals), paths(Pattern::Rings));
+    let length = |of: &LayerPaths| of.paths.iter().map(SurfacePath::length).sum::<f64>();
+    for (name, of) in [("spirals", &spirals), ("rings", &rings)] {
+        eprintln!("paths: {name} {} curves, {} regions, {:.0} mm", of.paths.len(), of.regions, length(of));
+    }
+    // The plate is one region with a hole; bridges replace what they cut.
+    assert_eq!((spirals.paths.len(), spirals.regions), (1, 1));
+    assert!((length(&spirals) / length(&rings) - 1.0).abs() < 0.02);
+    let mut group = c.benchmark_group("paths");
+    group.sample_size(10);
+    group.bench_function("spirals", |b| b.iter(|| paths(black_box(Pattern::Spirals))));
+    group.bench_function("baseline_rings", |b| b.iter(|| paths(black_box(Pattern::Rings))));
+    group.finish();
+}
+
+criterion_group!(benches, bench, bench_rings, bench_paths);
 criterion_main!(benches);
