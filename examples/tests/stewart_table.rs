@@ -46,7 +46,8 @@ fn the_dome_is_printed() {
         csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
     // The area over the square of the spacing.
     let figure = |key: &str| summary[key].as_f64().unwrap();
-    assert!(rows.len() as f64 == figure("waypoints") && (rows.len() as f64 - 1257.0).abs() < 60.0, "{}", rows.len());
+    assert_eq!(rows.len(), figure("waypoints").round() as usize);
+    assert!(rows.len().abs_diff(1257) < 60, "{}", rows.len());
     let legs = || rows.iter().flat_map(|row| row[6..12].to_vec());
     assert!((legs().fold(f64::INFINITY, f64::min) - figure("min_leg_mm")).abs() < 1e-3);
     assert!((legs().fold(0.0, f64::max) - figure("max_leg_mm")).abs() < 1e-3);
