@@ -3,10 +3,14 @@
 //! Lengths in millimetres, angles in radians, seconds. Joints are `[f64; N]`; the robot is a small trait of this
 //! crate's own, so any arm will do.
 
+mod bounds;
 mod progress;
+mod robot;
 
+pub use bounds::Bounds;
 pub use nalgebra;
 pub use progress::Progress;
+pub use robot::{FreeRange, Posture, Robot};
 
 /// The snippet of the README, compiled and run with the examples of the documentation.
 #[cfg(doctest)]
