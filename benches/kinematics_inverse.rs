@@ -8,6 +8,7 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_benches::least_seconds;
 use curvlay_kinematics::nalgebra::Isometry3;
 use curvlay_kinematics::{Arm, ArmModel, robots};
 use rand::{RngExt, SeedableRng};
@@ -18,7 +19,6 @@ use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
-use std::time::Instant;
 
 const POSES: usize = 1_000;
 /// Largest step of a joint along the path, in radians.
@@ -84,14 +84,8 @@ fn has(found: &[Joints], joints: &Joints) -> bool {
 }
 
 /// Prints the least time a pose takes.
-fn least(name: &str, mut run: impl FnMut()) {
-    let mut least = f64::INFINITY;
-    for _ in 0..200 {
-        let start = Instant::now();
-        run();
-        least = least.min(start.elapsed().as_secs_f64());
-    }
-    eprintln!("{name}: at least {:.2} us a pose", 1e6 * least / POSES as f64);
+fn least(name: &str, run: impl FnMut()) {
+    eprintln!("{name}: at least {:.2} us a pose", 1e6 * least_seconds(200, run) / POSES as f64);
 }
 
 fn bench_inverse(c: &mut Criterion) {

@@ -8,11 +8,11 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_benches::least_seconds;
 use curvlay_kinematics::nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use curvlay_kinematics::program::*;
 use std::hint::black_box;
 use std::io::{self, Write};
-use std::time::Instant;
 
 const TARGETS: usize = 100_000;
 
@@ -103,12 +103,7 @@ fn bench_programs(c: &mut Criterion) {
     let mut group = c.benchmark_group("programs");
     group.throughput(Throughput::Elements(TARGETS as u64)).sample_size(10);
     let mut bench = |name: &str, run: &dyn Fn() -> f64| {
-        let time = |_| {
-            let start = Instant::now();
-            black_box(run());
-            start.elapsed().as_secs_f64()
-        };
-        eprintln!("{name}: at least {:.3} s", (0..10).map(time).fold(f64::INFINITY, f64::min));
+        eprintln!("{name}: at least {:.3} s", least_seconds(10, || _ = black_box(run())));
         group.bench_function(name, |b| b.iter(run));
     };
     bench("write_rapid", &|| rapid(black_box(&steps)).len() as f64);

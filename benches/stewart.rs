@@ -7,13 +7,13 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_benches::least_seconds;
 use curvlay_kinematics::nalgebra::{DMatrix, DVector, Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use curvlay_kinematics::stewart::{Stewart, StewartModel};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
 use std::hint::black_box;
-use std::time::Instant;
 
 const POSES: usize = 1_000;
 const RESIDUAL_MM: f64 = 1e-9;
@@ -58,16 +58,6 @@ fn baseline(model: &StewartModel, legs: &[f64; 6], near: &Isometry3<f64>) -> Opt
     None
 }
 
-fn least(name: &str, run: &dyn Fn() -> f64) {
-    let time = |_| {
-        let start = Instant::now();
-        black_box(run());
-        start.elapsed().as_secs_f64()
-    };
-    let least = (0..200).map(time).fold(f64::INFINITY, f64::min);
-    eprintln!("{name}: at least {:.2} us a pose", 1e6 * least / POSES as f64);
-}
-
 fn bench_stewart(c: &mut Criterion) {
     let model = StewartModel::hexagon(325.0, PI / 12.0, 125.0, PI / 4.0);
     let table = Stewart::new(&model).expect("sound numbers");
@@ -96,7 +86,8 @@ fn bench_stewart(c: &mut Criterion) {
     let runs: [(&str, &dyn Fn() -> f64); 4] =
         [("pose_near", &ours), ("baseline_newton_lu", &theirs), ("legs", &lengths), ("singularity", &measure)];
     for (name, run) in runs {
-        least(name, run);
+        let least = least_seconds(200, || _ = black_box(run()));
+        eprintln!("{name}: at least {:.2} us a pose", 1e6 * least / POSES as f64);
         group.bench_function(name, |b| b.iter(run));
     }
     group.finish();

@@ -1,6 +1,17 @@
-//! Inputs that the benches share.
+//! What the benches share: inputs, and a stopwatch.
 
 use curvlay_voxel::VoxelGrid;
+use std::time::Instant;
+
+/// The least time of so many runs, in seconds: on a machine that others share it varies least.
+pub fn least_seconds(runs: u32, mut run: impl FnMut()) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    (0..runs).map(time).fold(f64::INFINITY, f64::min)
+}
 
 /// A hollow ball on a stem, with an arm that hangs down beside it, in a cube of `side` cells.
 ///
