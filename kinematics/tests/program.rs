@@ -475,6 +475,15 @@ fn steps_that_cannot_be_are_named() {
     assert!(matches!(rapid(&[stop], options), WriteError::Option { what: "moves_per_module", .. }));
     let options = UrScriptOptions { gain: f64::NAN, ..UrScriptOptions::default() };
     assert!(matches!(to_script(&[stop], &options), Err(WriteError::Option { what: "gain", .. })));
+    for axis in 0..3 {
+        let mut far = Vector3::zeros();
+        far[axis] = f64::NAN;
+        let centre = RapidOptions { tool: RapidTool { centre: far.into(), ..rig().tool }, ..rig() };
+        assert!(matches!(rapid(&[stop], centre), WriteError::Option { what: "tool.centre", .. }), "{axis}");
+        let frame = Isometry3::from_parts(far.into(), UnitQuaternion::identity());
+        let tool = RapidOptions { tool: RapidTool { frame, ..rig().tool }, ..rig() };
+        assert!(matches!(rapid(&[stop], tool), WriteError::Option { what: "tool.frame", .. }), "{axis}");
+    }
     let full = write_rapid([stop], &RapidOptions::default(), |_| -> io::Result<io::Sink> {
         Err(io::Error::new(io::ErrorKind::StorageFull, "full"))
     });
