@@ -91,8 +91,7 @@ impl Results {
 
     /// All is well when all figures agree and all audits pass.
     pub fn outcome(&self) -> Outcome {
-        let well = self.disagreeing().next().is_none() && self.failed_audits().is_empty();
-        if well { Outcome::Done } else { Outcome::CheckFailed }
+        Outcome::of(self.disagreeing().next().is_none() && self.failed_audits().is_empty())
     }
 }
 

@@ -67,7 +67,7 @@ fn main() -> ExitCode {
         bars.finish();
         run.findings.iter().for_each(warn);
         outputs::write(&args, &part, &run, surfaces.as_ref(), &folder)?;
-        Ok(if run.audit.is_ok() { Outcome::Done } else { Outcome::CheckFailed })
+        Ok(Outcome::of(run.audit.is_ok()))
     })
 }
 

@@ -35,12 +35,14 @@ pub fn picture(reached: &Reached, toward: Vector3<f64>, box_mm: f64) -> Vec<u8> 
     };
     for k in 0..8usize {
         for axis in (0..3).filter(|axis| k >> axis & 1 == 0) {
-            bar(&mut scene, corner(k), corner(k | 1 << axis), EDGE * size, IN_BOX);
+            scene.bar(corner(k), corner(k | 1 << axis), EDGE * size, IN_BOX);
         }
     }
     if let (Ok(arm), Some(posture)) = (Arm::new(reached.name.model()), &reached.posture) {
         let frames = arm.frames(posture).map(|frame| Point3::from(frame.translation.vector));
-        frames.windows(2).for_each(|ends| bar(&mut scene, ends[0], ends[1], BONE * size, INK));
+        for ends in frames.windows(2) {
+            scene.bar(ends[0], ends[1], BONE * size, INK);
+        }
     }
     let [width, height] = PICTURE;
     scene.draw(width, height).to_png()
@@ -51,17 +53,4 @@ fn crystal(middle: &Point3<f64>, halves: &[Vector3<f64>; 3]) -> [[Point3<f64>; 3
     std::array::from_fn(|k| {
         [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { middle + halves[axis] } else { middle - halves[axis] })
     })
-}
-
-/// A bar between two points: a crystal drawn out would taper, so four faces.
-fn bar(scene: &mut Scene, from: Point3<f64>, to: Point3<f64>, half: f64, colour: Rgb) {
-    let Some(along) = (to - from).try_normalize(1e-9) else { return };
-    let across = if along.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
-    let u = along.cross(&across).normalize() * half;
-    let v = along.cross(&u);
-    let sides = [u + v, v - u, -u - v, u - v];
-    for (k, &a) in sides.iter().enumerate() {
-        let b = sides[(k + 1) % 4];
-        scene.triangles([([from + a, from + b, to + b], colour), ([from + a, to + b, to + a], colour)]);
-    }
 }

@@ -57,6 +57,6 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Reac
     let reached = reaching::run(args, bars)?;
     bars.finish();
     outputs::write(args, &reached, folder, start.elapsed())?;
-    let well = reached.iter().all(Reached::is_ok);
-    Ok((reached, if well { Outcome::Done } else { Outcome::CheckFailed }))
+    let outcome = Outcome::of(reached.iter().all(Reached::is_ok));
+    Ok((reached, outcome))
 }

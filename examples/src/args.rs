@@ -207,6 +207,13 @@ pub enum Outcome {
     CheckFailed,
 }
 
+impl Outcome {
+    /// Done, if our checks hold.
+    pub fn of(well: bool) -> Self {
+        if well { Outcome::Done } else { Outcome::CheckFailed }
+    }
+}
+
 /// Input or output that cannot be used, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure(String);

@@ -54,13 +54,14 @@ pub fn read(path: &Path) -> Result<Vec<Waypoint>, Failure> {
         if text.is_empty() || head {
             continue;
         }
-        let values: Vec<f64> = text.split(',').filter_map(|cell| cell.trim().parse().ok()).collect();
-        let (6, 6, true) = (values.len(), text.split(',').count(), values.iter().all(|x: &f64| x.abs() <= 1e6)) else {
+        let within = |cell: &str| cell.trim().parse().ok().filter(|x: &f64| x.abs() <= 1e6);
+        let values: Option<Vec<f64>> = text.split(',').map(within).collect();
+        let Some(&[x, y, z, nx, ny, nz]) = values.as_deref() else {
             return Err(failed(&format!("line {number} must be six numbers `x,y,z,nx,ny,nz` within 1e6")));
         };
-        let axis = UnitVector3::try_new(Vector3::new(values[3], values[4], values[5]), 1e-9);
+        let axis = UnitVector3::try_new(Vector3::new(nx, ny, nz), 1e-9);
         let axis = axis.ok_or_else(|| failed(&format!("the direction in line {number} has no length")))?;
-        waypoints.push(Waypoint { position: Point3::new(values[0], values[1], values[2]), axis });
+        waypoints.push(Waypoint { position: Point3::new(x, y, z), axis });
     }
     if waypoints.is_empty() { Err(failed(&"there are no waypoints in it")) } else { Ok(waypoints) }
 }

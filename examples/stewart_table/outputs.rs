@@ -115,9 +115,9 @@ fn picture(printed: &Printed, base_platform: &Isometry3<f64>, toward: Vector3<f6
     let platform = model.platform.map(|joint| base_platform * Point3::from(joint));
     for k in 0..6 {
         let next = (k + 1) % 6;
-        bar(&mut scene, base[k], base[next], 5.0, BASE);
-        bar(&mut scene, platform[k], platform[next], 3.0, INK);
-        bar(&mut scene, base[k], platform[k], 4.0, INK);
+        scene.bar(base[k], base[next], 5.0, BASE);
+        scene.bar(platform[k], platform[next], 3.0, INK);
+        scene.bar(base[k], platform[k], 4.0, INK);
         let middle = base_platform * Point3::origin();
         scene.triangles([([middle, platform[k], platform[next]], PLATE)]);
     }
@@ -126,25 +126,12 @@ fn picture(printed: &Printed, base_platform: &Isometry3<f64>, toward: Vector3<f6
     for (k, pair) in shown.windows(2).enumerate() {
         let ends = [pair[0], pair[1]].map(|pose| base_platform * pose.waypoint.position);
         let share = k as f64 / shown.len() as f64;
-        bar(&mut scene, ends[0], ends[1], 0.6, if pair[1].fault.is_some() { MISSED } else { ramp(share) });
+        scene.bar(ends[0], ends[1], 0.6, if pair[1].fault.is_some() { MISSED } else { ramp(share) });
     }
     if let Some(pose) = printed.poses.first() {
         let tip = pose.base_platform * pose.waypoint.position;
-        bar(&mut scene, tip, tip + Vector3::z() * 60.0, 2.5, NOZZLE);
+        scene.bar(tip, tip + Vector3::z() * 60.0, 2.5, NOZZLE);
     }
     let [width, height] = PICTURE;
     scene.draw(width, height).to_png()
-}
-
-/// A bar between two points, of four faces.
-fn bar(scene: &mut Scene, from: Point3<f64>, to: Point3<f64>, half: f64, colour: Rgb) {
-    let Some(along) = (to - from).try_normalize(1e-9) else { return };
-    let across = if along.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
-    let u = along.cross(&across).normalize() * half;
-    let v = along.cross(&u);
-    let sides = [u + v, v - u, -u - v, u - v];
-    for (k, &a) in sides.iter().enumerate() {
-        let b = sides[(k + 1) % 4];
-        scene.triangles([([from + a, from + b, to + b], colour), ([from + a, to + b, to + a], colour)]);
-    }
 }

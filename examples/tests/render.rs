@@ -157,6 +157,26 @@ fn meshes_and_triangles_are_drawn_from_both_sides() {
 }
 
 #[test]
+fn bars_are_as_thick_from_every_side() {
+    let (from, to) = (Point3::new(0.0, 0.0, -3.0), Point3::new(0.0, 0.0, 3.0));
+    for (x, y) in [(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)] {
+        let mut scene = Scene::new(Camera::from_direction(Vector3::new(x, y, 0.0)));
+        let image = scene.bar(from, to, 0.5, [200, 100, 50]).draw(100, 100);
+        // Six times as long as it is thick: 92 pixels and a sixth of them.
+        let thick = (0..100).filter(|&x| image.get(x, 30) != Some(WHITE)).count();
+        let long = (0..100).filter(|&y| image.get(50, y) != Some(WHITE)).count();
+        assert!(thick.abs_diff(15) <= 1 && long.abs_diff(92) <= 1, "{thick} {long}");
+        assert!(looks_like(image.get(50, 30).unwrap(), [200, 100, 50]));
+    }
+    // Lying bars have a width as well; a bar from a point to itself is none.
+    let mut scene = Scene::new(Camera::from_direction(Vector3::z()));
+    let lying = scene.bar(Point3::new(-3.0, 0.0, 0.0), Point3::new(3.0, 0.0, 0.0), 0.5, MISSED).draw(100, 100);
+    assert!((0..100).filter(|&y| lying.get(30, y) != Some(WHITE)).count().abs_diff(15) <= 1);
+    let mut scene = Scene::new(Camera::default());
+    assert_eq!(scene.bar(from, from, 0.5, MISSED).draw(9, 9), Image::new(9, 9, WHITE));
+}
+
+#[test]
 fn the_platform_is_under_the_part() {
     let square = [[-4.0, -4.0], [5.0, -4.0], [5.0, 5.0], [-4.0, 5.0]];
     let rows = full([1, 1, 1]);

@@ -1,6 +1,6 @@
 //! Pictures without a graphics card: a z-buffer renderer to PNG.
 //!
-//! [`Scene`] takes cells, meshes and a platform and draws them from one side, in parallel projection; [`draw_cut`]
+//! [`Scene`] takes cells, meshes, bars and a platform and draws them from one side, in parallel projection; [`draw_cut`]
 //! shows the layers on a plane through the part; [`Image::with_legend`] says which colour is which layer.
 //! The same input gives the same bytes: one thread, no time, no chance.
 

@@ -141,6 +141,20 @@ impl Scene {
         self
     }
 
+    /// Adds a bar between two points, open at its ends: four faces, each `2 half` wide. None when the points are one.
+    pub fn bar(&mut self, from: Point3<f64>, to: Point3<f64>, half: f64, colour: Rgb) -> &mut Self {
+        let Some(along) = (to - from).try_normalize(1e-9) else { return self };
+        let across = if along.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
+        let u = along.cross(&across).normalize() * half;
+        let v = along.cross(&u);
+        let sides = [u + v, v - u, -u - v, u - v];
+        for (k, &a) in sides.iter().enumerate() {
+            let b = sides[(k + 1) % 4];
+            self.triangles([([from + a, from + b, to + b], colour), ([from + a, to + b, to + a], colour)]);
+        }
+        self
+    }
+
     /// Adds a triangle whose colours are final.
     pub(super) fn facet(&mut self, corners: [Point3<f64>; 3], colours: [[f32; 3]; 3]) {
         self.facets.push(Facet { corners: corners.map(|p| p.coords.map(|c| c as f32).into()), colours });
