@@ -8,8 +8,7 @@
 
 mod field;
 mod outputs;
-mod pictures;
-mod products;
+mod paths;
 mod surfaces;
 
 use clap::{Parser, ValueEnum};
@@ -20,6 +19,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::shapes::jug;
 use curvlay_layers::curved::surface::SavedField;
 use field::FieldRun;
+use paths::PathsRun;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use surfaces::SurfacesRun;
@@ -35,11 +35,14 @@ struct Args {
     #[command(flatten)]
     grow: GrowArgs,
     /// The last stage to run
-    #[arg(long, default_value = "surfaces")]
+    #[arg(long, default_value = "paths")]
     stage: Stage,
     /// Distance of the layers in millimetres [default: the edge of a cell]
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     layer_height: Option<f64>,
+    /// Width of a bead in millimetres [default: the distance of the layers]
+    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    bead: Option<f64>,
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell"])]
     resume: Option<PathBuf>,
@@ -48,12 +51,14 @@ struct Args {
 }
 
 /// How far to go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 enum Stage {
     /// The growing field: which cell belongs to which layer.
     Field,
     /// The working surfaces: even layers, contoured and trimmed to the mesh.
     Surfaces,
+    /// Tool paths: continuous curves that fill the surfaces.
+    Paths,
 }
 
 fn main() -> ExitCode {
@@ -63,35 +68,51 @@ fn main() -> ExitCode {
         let part = args.mesh.load("jug (made in code)", jug)?;
         part.warning.iter().for_each(warn);
         let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
-        let (run, surfaces) = work(&args, &part, saved, &bars)?;
+        let results = work(&args, &part, saved, &bars)?;
         bars.finish();
-        run.findings.iter().for_each(warn);
-        outputs::write(&args, &part, &run, surfaces.as_ref(), &folder)?;
-        Ok(Outcome::of(run.audit.is_ok()))
+        results.field.findings.iter().for_each(warn);
+        outputs::write(&args, &part, &results, &folder)?;
+        Ok(Outcome::of(results.field.audit.is_ok()))
     })
 }
 
 /// What came of the stages.
-type Results = (FieldRun, Option<SurfacesRun>);
+struct Results {
+    field: FieldRun,
+    surfaces: Option<SurfacesRun>,
+    paths: Option<PathsRun>,
+}
 
-/// Runs the stages: by the best strategy for the part, the one that was asked for, or with a saved field.
+/// Runs the stages.
 fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
-    let stages = |strategy: Strategy, saved: Option<SavedField>| -> Result<Results, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)?;
+    pool.install(|| {
+        let (field, surfaces) = layers(args, part, saved, bars)?;
+        let filled = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths);
+        let paths = filled.map(|surfaces| paths::run(args, surfaces, bars)).transpose()?;
+        Ok(Results { field, surfaces, paths })
+    })
+}
+
+/// The order of the cells and its surfaces.
+type Layers = (FieldRun, Option<SurfacesRun>);
+
+/// Layers by the best strategy for the part, by the one that was asked for, or with a saved field.
+fn layers(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Layers, Failure> {
+    let by = |strategy: Strategy, saved: Option<SavedField>| -> Result<Layers, Failure> {
         let run = field::run(args, part, strategy, saved.as_ref(), bars)?;
-        let surfaces = match args.stage {
-            Stage::Field => None,
-            Stage::Surfaces => Some(surfaces::run(args, part, &run, saved, bars)?),
-        };
+        let wanted = args.stage >= Stage::Surfaces;
+        let surfaces = wanted.then(|| surfaces::run(args, part, &run, saved, bars)).transpose()?;
         Ok((run, surfaces))
     };
     if saved.is_some() || args.grow.strategy != Strategy::Best {
-        return stages(args.grow.strategy, saved);
+        return by(args.grow.strategy, saved);
     }
-    let incremental = stages(Strategy::Incremental, None)?;
+    let incremental = by(Strategy::Incremental, None)?;
     if incremental.0.growth.missed.is_empty() {
         return Ok(incremental);
     }
-    let unbuilt = stages(Strategy::Unbuild, None)?;
+    let unbuilt = by(Strategy::Unbuild, None)?;
     // Missed cells are not the only loss: where a side of the part has to wait, surfaces end.
     let is_better = match (&incremental.1, &unbuilt.1) {
         (Some(incremental), Some(unbuilt)) => unbuilt.spacing.volume_mm3 > incremental.spacing.volume_mm3,

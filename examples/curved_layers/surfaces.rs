@@ -27,7 +27,7 @@ pub struct SurfacesRun {
     /// How it came about.
     pub method: String,
     /// Pairs of neighbours whose layers lie far apart, since one had to wait.
-    pub jumps: usize,
+    pub waits: usize,
     pub height_mm: f64,
     /// The surfaces, trimmed to the mesh, first to last; some may be empty.
     pub sheets: Vec<TrimmedSheet>,
@@ -84,18 +84,8 @@ pub fn load(path: &Path, part: &Part) -> Result<SavedField, Failure> {
     Ok(saved)
 }
 
+/// Makes the surfaces, of a saved field if there is one.
 pub fn run(
-    args: &Args,
-    part: &Part,
-    run: &FieldRun,
-    saved: Option<SavedField>,
-    bars: &Bars,
-) -> Result<SurfacesRun, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)?;
-    pool.install(|| run_here(args, part, run, saved, bars))
-}
-
-fn run_here(
     args: &Args,
     part: &Part,
     run: &FieldRun,
@@ -106,7 +96,7 @@ fn run_here(
     let cells = Cells::new(grid.dims(), grid.rows()).map_err(failure)?;
     let missed: Vec<u32> = run.growth.missed.iter().map(|missed| missed.cell).collect();
     let mut times = Times::default();
-    let (field, method, jumps) = match saved {
+    let (field, method, waits) = match saved {
         Some(saved) => (saved.field, "saved".to_owned(), 0),
         None => {
             let progress = |p: curvlay_layers::Progress| {
@@ -148,7 +138,7 @@ fn run_here(
     Ok(SurfacesRun {
         field,
         method,
-        jumps,
+        waits,
         height_mm,
         sheets,
         spacing,

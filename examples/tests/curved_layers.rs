@@ -71,7 +71,8 @@ fn every_strategy_writes_the_same_kind_of_results() {
     fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [4.0, 6.0, 20.0]], [[4.0, 0.0, 14.0], [20.0, 6.0, 20.0]]])).unwrap();
     for strategy in ["best", "greedy", "incremental", "adaptive", "governed", "unbuild"] {
         let out = scratch.path(strategy);
-        let output = run(&["--mesh", &mesh, "--cell", "1", "--strategy", strategy, "--out", &out, "--threads", "1"]);
+        let common = ["--mesh", &mesh, "--cell", "1", "--stage", "surfaces", "--out", &out, "--threads", "1"];
+        let output = run(&[&common[..], &["--strategy", strategy]].concat());
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         let summary = summary(&out);
         assert_eq!(summary["cells"], 4 * 6 * 20 + 16 * 6 * 6, "{strategy}");
@@ -141,6 +142,35 @@ fn surfaces_end_on_the_mesh_and_fill_it() {
         assert!(status == 1 && line.contains("layer height"), "{status} {line}");
     }
     assert!(!Path::new(&third).exists());
+}
+
+/// A tower of which every layer is a rectangle with a square hole: one curve a layer fills it.
+#[test]
+fn a_curve_fills_each_layer() {
+    let scratch = Scratch::new("paths");
+    let mesh = scratch.path("frame.stl");
+    let bars = [
+        [[0.0, 0.0, 0.0], [20.0, 5.0, 4.0]],
+        [[0.0, 5.0, 0.0], [5.0, 10.0, 4.0]],
+        [[15.0, 5.0, 0.0], [20.0, 10.0, 4.0]],
+        [[0.0, 10.0, 0.0], [20.0, 15.0, 4.0]],
+    ];
+    fs::write(&mesh, boxes(&bars)).unwrap();
+    let out = scratch.path("out");
+    let output = run(&["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--quiet", "--out", &out]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    let figure = |key: &str| figures[key].as_f64().unwrap();
+    assert_eq!((figure("bead_mm"), figure("curves"), figure("regions")), (0.5, 4.0, 4.0));
+    assert_eq!((figure("jumps"), figure("self_crossings")), (3.0, 0.0));
+    // 250 mm2 a layer.
+    assert!((figure("path_mm") * 0.5 / 1000.0 - 1.0).abs() < 0.02, "{}", figure("path_mm"));
+    assert!(figure("covered_fraction") > 0.97 && figure("spill_fraction") < 0.01);
+    let lines = fs::read_to_string(Path::new(&out).join("paths.obj")).unwrap();
+    let count = |start: &str| lines.lines().filter(|line| line.starts_with(start)).count();
+    assert_eq!((count("g layer_"), count("l ")), (4, 4));
+    let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 10 + 3 + 1 + 3 + 1);
 }
 
 #[test]

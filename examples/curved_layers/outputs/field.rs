@@ -1,8 +1,8 @@
-//! What the example leaves behind: the table on stdout, `summary.json`, `field.csv` and `report.html`.
+//! Of the field: `field.csv`, figures, pictures of the cells, and the paper's figures to compare with.
 
+use super::seconds;
 use crate::field::FieldRun;
-use crate::surfaces::SurfacesRun;
-use crate::{Args, failure, pictures, products};
+use crate::{Args, failure};
 use curvlay_examples::args::{Failure, Part, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
@@ -26,22 +26,15 @@ const PAPER: [(&str, u32, f64, u32); 6] = [
     ("Fertility", 77_064, 232.76, 511),
 ];
 
-pub fn write(
-    args: &Args,
-    part: &Part,
-    run: &FieldRun,
-    surfaces: Option<&SurfacesRun>,
-    folder: &OutputFolder,
-) -> Result<(), Failure> {
-    let grid = &run.solid.grid;
-    let field = run.growth.order.field(grid.dims().iter().map(|&d| d as usize).product());
+pub fn products(run: &FieldRun, folder: &OutputFolder) -> Result<(), Failure> {
+    let field = numbers(run);
     folder.write_with("field.csv", |out| write_field(run, &field, out))?;
-    surfaces.map(|surfaces| products::write(surfaces, folder)).transpose()?;
-    folder.write("report.html", report(args, part, run, surfaces, &field)?.to_html())?;
-    // The summary comes last: where it is, all is there.
-    summary(args, part, run, surfaces)?.write(folder)?;
-    figures(args, part, run, surfaces).print().map_err(failure)?;
     Ok(())
+}
+
+/// The layer of every cell of the grid.
+fn numbers(run: &FieldRun) -> Vec<u32> {
+    run.growth.order.field(run.solid.grid.dims().iter().map(|&d| d as usize).product())
 }
 
 /// A line for each cell: its place in the grid, the centre in millimetres, and its layer (0: missed).
@@ -61,10 +54,9 @@ fn missed(run: &FieldRun, is: impl Fn(MissedReason) -> bool) -> usize {
     run.growth.missed.iter().filter(|missed| is(missed.reason)).count()
 }
 
-fn summary(args: &Args, part: &Part, run: &FieldRun, surfaces: Option<&SurfacesRun>) -> Result<Summary, Failure> {
+pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
     let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
     let [nx, ny, nz] = grid.dims();
-    let mut summary = Summary::new();
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("mesh", part.name.as_str())?
@@ -100,48 +92,12 @@ fn summary(args: &Args, part: &Part, run: &FieldRun, surfaces: Option<&SurfacesR
         .set("audit_ok", run.audit.is_ok())?
         .set("small_patch_share", run.quality.small_patch_share)?
         .set("patches_per_layer", run.quality.patches_per_layer)?;
-    if let Some(run) = surfaces {
-        add_surfaces(run, &mut summary)?;
-    }
-    Ok(summary)
-}
-
-fn add_surfaces(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> {
-    let (spacing, boundary, times) = (&run.spacing, &run.boundary, &run.times);
-    summary
-        .set("layer_height_mm", run.height_mm)?
-        .set("even_method", run.method.as_str())?
-        .set("jumps", run.jumps)?
-        .set_seconds("surfaces_s", times.even + times.contour)?
-        .set_seconds("even_s", times.even)?
-        .set_seconds("contour_s", times.contour)?
-        .set_seconds("trim_s", times.trim)?
-        .set_seconds("spacing_s", times.spacing)?
-        .set("surfaces", run.sheets.len())?
-        .set("surface_triangles", run.triangles())?
-        .set("boundary_error_mm", boundary.error_mm)?
-        .set("boundary_at_missed_mm", boundary.at_missed_mm)?
-        .set("boundary_at_waits_mm", boundary.at_waits_mm)?
-        .set("boundary_at_holes_mm", boundary.at_holes_mm)?
-        .set("slivers", run.sheets.iter().map(|sheet| sheet.slivers).sum::<usize>())?
-        .set("layer_volume_mm3", spacing.volume_mm3)?
-        .set("missed_volume_mm3", run.missed_mm3)?
-        .set("spacing_mean_mm", spacing.mean_mm)?
-        .set("spacing_std_mm", spacing.std_mm)?
-        .set("spacing_p05_mm", spacing.p05_mm)?
-        .set("spacing_p95_mm", spacing.p95_mm)?
-        .set("plain_spacing_mean_mm", run.plain_spacing.mean_mm)?
-        .set("plain_spacing_std_mm", run.plain_spacing.std_mm)?
-        .set("squeezed_share", spacing.squeezed_share)?;
     Ok(())
 }
 
-/// The table that stdout and the report show.
-fn figures(args: &Args, part: &Part, run: &FieldRun, surfaces: Option<&SurfacesRun>) -> Table {
+pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
     let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
     let [nx, ny, nz] = grid.dims();
-    let seconds = |time: std::time::Duration| format!("{:.3} s", time.as_secs_f64());
-    let mut table = Table::new(["", ""]);
     table
         .row(["part".to_owned(), format!("{}, {} triangles", part.name, part.mesh.triangles.len())])
         .row(["cells".to_owned(), format!("{} of {:.4} mm, grid {nx} x {ny} x {nz}", grid.count(), grid.cell_mm())])
@@ -166,38 +122,12 @@ fn figures(args: &Args, part: &Part, run: &FieldRun, surfaces: Option<&SurfacesR
         .row(["grow".to_owned(), format!("{}, peeling {}", seconds(times.grow), seconds(times.peel))])
         .row(["audit time".to_owned(), seconds(times.audit)])
         .row(["field in all".to_owned(), seconds(times.total)]);
-    if let Some(run) = surfaces {
-        let (spacing, plain, boundary) = (&run.spacing, &run.plain_spacing, &run.boundary);
-        let spread = |std: f64, mean: f64| format!("{mean:.4} mm, deviation {std:.4} mm");
-        table
-            .row(["surfaces".to_owned(), format!("{}, {} triangles", run.sheets.len(), run.triangles())])
-            .row(["layer height".to_owned(), format!("{:.4} mm", run.height_mm)])
-            .row(["even layers by".to_owned(), format!("{}; {} jumps", run.method, run.jumps)])
-            .row(["spacing".to_owned(), spread(spacing.std_mm, spacing.mean_mm)])
-            .row(["of hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)])
-            .row(["off the mesh".to_owned(), format!("{:.1e} mm at most", boundary.error_mm)])
-            .row([
-                "ends inside".to_owned(),
-                format!("{:.1} mm at missed cells, {:.1} mm at waits", boundary.at_missed_mm, boundary.at_waits_mm),
-            ])
-            .row(["layer volume".to_owned(), format!("{:.1} mm3", spacing.volume_mm3)])
-            .row(["even layers".to_owned(), seconds(run.times.even)])
-            .row(["contouring".to_owned(), seconds(run.times.contour)])
-            .row(["trimming".to_owned(), seconds(run.times.trim)])
-            .row(["measuring".to_owned(), seconds(run.times.spacing)]);
-    }
-    table
 }
 
-fn report(
-    args: &Args,
-    part: &Part,
-    run: &FieldRun,
-    surfaces: Option<&SurfacesRun>,
-    field: &[u32],
-) -> Result<Report, Failure> {
-    let grid = &run.solid.grid;
-    let layered = LayeredCells::new(grid.dims(), grid.rows(), field).map_err(failure)?;
+/// The first chapter: what it is about, all figures, and the field.
+pub fn report(run: &FieldRun, figures: &Table, report: &mut Report) -> Result<(), Failure> {
+    let (grid, field) = (&run.solid.grid, numbers(run));
+    let layered = LayeredCells::new(grid.dims(), grid.rows(), &field).map_err(failure)?;
     let (layers, missed) = (run.growth.order.len() as u32, run.growth.missed.len());
     let [width, height] = PICTURE;
     let view = |toward: Vector3<f64>| {
@@ -207,7 +137,6 @@ fn report(
         scene.draw(width, height).with_legend(layers, missed).to_png()
     };
     let cut = |plane: Plane| draw_cut(&layered, plane, width, height).with_legend(layers, missed).to_png();
-    let mut report = Report::new(&format!("Curved layers: {}", part.name));
     report.paragraph(
         "In which order the cells of the part can be built: every cell has support in an earlier layer, and none lies \
          inside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches it.",
@@ -217,7 +146,7 @@ fn report(
         report.notice(&format!("The audit failed: {}", run.audit));
     }
     report
-        .table("This run", &figures(args, part, run, surfaces))
+        .table("This run", figures)
         .heading("The part, coloured by layer")
         .pictures(&[
             ("from the front", &view(Vector3::new(0.6, -1.0, 0.45))),
@@ -228,22 +157,11 @@ fn report(
             ("across x", &cut(Plane::middle_x(grid.dims()))),
             ("across y", &cut(Plane::middle_y(grid.dims()))),
         ]);
-    if let Some(surfaces) = surfaces {
-        let put = |report: &mut Report, pictures: Vec<pictures::Picture>| {
-            let borrowed: Vec<_> = pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();
-            report.pictures(&borrowed);
-        };
-        put(report.heading("The part while it is built"), pictures::frames(run, surfaces));
-        put(report.heading("Single surfaces"), pictures::singles(run, surfaces));
-        put(report.heading("How far apart the surfaces lie"), vec![pictures::histogram(surfaces)]);
-    }
-    report
-        .heading("For comparison")
-        .table("Dai 2020, Table 3.1, on a Xeon E5 1630, and this run", &comparison(part, run));
-    Ok(report)
+    Ok(())
 }
 
-fn comparison(part: &Part, run: &FieldRun) -> Table {
+/// The last chapter: this run beside the paper's.
+pub fn comparison(part: &Part, run: &FieldRun, report: &mut Report) {
     let mut table = Table::new(["model", "voxels", "decomposition", "missed"]);
     for (model, voxels, time_s, missed) in PAPER {
         table.row([model.to_owned(), voxels.to_string(), format!("{time_s:.2} s"), missed.to_string()]);
@@ -254,5 +172,5 @@ fn comparison(part: &Part, run: &FieldRun) -> Table {
         format!("{:.2} s", run.times.grow.as_secs_f64()),
         run.growth.missed.len().to_string(),
     ]);
-    table
+    report.heading("For comparison").table("Dai 2020, Table 3.1, on a Xeon E5 1630, and this run", &table);
 }

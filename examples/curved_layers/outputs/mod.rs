@@ -1,0 +1,62 @@
+//! What the example leaves behind: the products of each stage, `report.html`, `summary.json`, the table on stdout.
+//!
+//! One module a stage, each with its products, its figures (`summary`, `rows`) and its chapter of the report.
+
+mod field;
+mod paths;
+mod pictures;
+mod surfaces;
+
+use crate::{Args, Results, failure};
+use curvlay_examples::args::{Failure, Part};
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use std::time::Duration;
+
+/// A picture and the line under it.
+type Picture = (String, Vec<u8>);
+
+pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<(), Failure> {
+    let Results { field: run, surfaces, paths } = results;
+    let mut summary = Summary::new();
+    let mut table = Table::new(["", ""]);
+
+    field::products(run, folder)?;
+    field::summary(args, part, run, &mut summary)?;
+    field::rows(args, part, run, &mut table);
+    if let Some(run) = surfaces {
+        surfaces::products(run, folder)?;
+        surfaces::summary(run, &mut summary)?;
+        surfaces::rows(run, &mut table);
+    }
+    if let Some(run) = paths {
+        paths::products(run, folder)?;
+        paths::summary(run, &mut summary)?;
+        paths::rows(run, &mut table);
+    }
+
+    let mut report = Report::new(&format!("Curved layers: {}", part.name));
+    field::report(run, &table, &mut report)?;
+    if let Some(surfaces) = surfaces {
+        surfaces::report(run, surfaces, &mut report);
+        if let Some(paths) = paths {
+            paths::report(surfaces, paths, &mut report);
+        }
+    }
+    field::comparison(part, run, &mut report);
+    folder.write("report.html", report.to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary.write(folder)?;
+    table.print().map_err(failure)
+}
+
+fn seconds(time: Duration) -> String {
+    format!("{:.3} s", time.as_secs_f64())
+}
+
+fn put(report: &mut Report, pictures: &[Picture]) {
+    let borrowed: Vec<_> = pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();
+    report.pictures(&borrowed);
+}

@@ -1,0 +1,87 @@
+//! Of the paths: their lines as OBJ, figures and pictures.
+
+use super::{Picture, pictures, put, seconds};
+use crate::paths::PathsRun;
+use crate::surfaces::SurfacesRun;
+use curvlay_examples::args::Failure;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use std::io::{self, Write};
+
+pub fn products(run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
+    folder.write_with("paths.obj", |out| write_obj(run, out))?;
+    Ok(())
+}
+
+/// A group a layer, a line a curve.
+fn write_obj(run: &PathsRun, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "# tool paths, in millimetres, beads of {} mm; a group a layer, a line a curve", run.bead_mm)?;
+    let mut first = 1;
+    for (number, layer) in (1..).zip(&run.layers) {
+        writeln!(out, "g layer_{number}")?;
+        for curve in layer.iter().flat_map(|layer| layer.curves()) {
+            for point in &curve {
+                writeln!(out, "v {:.6} {:.6} {:.6}", point.x, point.y, point.z)?;
+            }
+            write!(out, "l")?;
+            (first..first + curve.len()).try_for_each(|vertex| write!(out, " {vertex}"))?;
+            writeln!(out)?;
+            first += curve.len();
+        }
+    }
+    Ok(())
+}
+
+pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
+    let (totals, times) = (&run.totals, &run.times);
+    summary
+        .set("bead_mm", run.bead_mm)?
+        .set_seconds("geodesic_s", times.geodesic)?
+        .set_seconds("paths_s", times.paths)?
+        .set_seconds("statistics_s", times.statistics)?
+        .set_seconds("paths_wall_s", times.wall)?
+        .set("curves", totals.curves)?
+        .set("regions", totals.regions)?
+        .set("jumps", totals.jumps)?
+        .set("jump_mm", totals.jump_mm)?
+        .set("path_mm", totals.path_mm)?
+        .set("covered_fraction", totals.covered_fraction)?
+        .set("overlap_fraction", totals.overlap_fraction)?
+        .set("spill_fraction", totals.spill_fraction)?
+        .set("unfillable_fraction", totals.unfillable_fraction)?
+        .set("largest_gap_mm", totals.largest_gap_mm)?
+        .set("sharp_turns", totals.sharp_turns)?
+        .set("self_crossings", totals.self_crossings)?;
+    Ok(())
+}
+
+pub fn rows(run: &PathsRun, table: &mut Table) {
+    let (totals, times) = (&run.totals, &run.times);
+    let share = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
+    table
+        .row(["bead".to_owned(), format!("{:.3} mm wide", run.bead_mm)])
+        .row(["curves".to_owned(), format!("{} in {} regions", totals.curves, totals.regions)])
+        .row(["length".to_owned(), format!("{:.1} m", totals.path_mm / 1000.0)])
+        .row(["jumps".to_owned(), format!("{}, {:.1} mm in all", totals.jumps, totals.jump_mm)])
+        .row(["covered".to_owned(), share(totals.covered_fraction)])
+        .row(["covered twice".to_owned(), share(totals.overlap_fraction)])
+        .row(["past the boundary".to_owned(), share(totals.spill_fraction)])
+        .row(["no bead fits".to_owned(), share(totals.unfillable_fraction)])
+        .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.largest_gap_mm)])
+        .row(["sharp turns".to_owned(), totals.sharp_turns.to_string()])
+        .row(["crossings".to_owned(), totals.self_crossings.to_string()])
+        .row(["geodesics".to_owned(), seconds(times.geodesic)])
+        .row(["paths".to_owned(), seconds(times.paths)])
+        .row(["path figures".to_owned(), seconds(times.statistics)]);
+}
+
+pub fn report(surfaces: &SurfacesRun, run: &PathsRun, report: &mut Report) {
+    let shown = pictures::quarters(surfaces);
+    let spirals: Vec<Picture> = shown.iter().filter_map(|&at| pictures::paths(surfaces, run, at)).collect();
+    put(report.heading("Tool paths, from blue at the entry to yellow at the exit"), &spirals);
+    if let Some(distance) = shown.get(1).and_then(|&at| pictures::distance(surfaces, run, at)) {
+        put(report.heading("Geodesic distance to the boundary, a band a bead"), &[distance]);
+    }
+}

@@ -1,0 +1,162 @@
+//! Pictures: the part while it is built, single surfaces, how far apart they lie; paths and the distance they follow.
+
+use super::Picture;
+use crate::field::FieldRun;
+use crate::paths::PathsRun;
+use crate::surfaces::SurfacesRun;
+use curvlay_examples::render::{Camera, Image, Scene, layer_colour, ramp};
+use curvlay_layers::curved::surface::Spacing;
+use curvlay_layers::curved::trim::TrimmedSheet;
+use curvlay_toolpath::surface::{SurfaceDistance, SurfaceMesh};
+use nalgebra::{Point3, Vector3};
+use std::ops::ControlFlow;
+
+/// Pictures of the part while it is built.
+const FRAMES: usize = 10;
+
+/// Pixels of each of them.
+const FRAME: [u32; 2] = [520, 480];
+
+/// Pixels of a picture of paths.
+const PATHS: [u32; 2] = [820, 760];
+
+/// Half the thickness of a drawn path, in beads.
+const LINE: f64 = 0.22;
+
+/// Pixels of the histogram.
+const HISTOGRAM: [u32; 2] = [640, 300];
+
+const PLAIN: [u8; 3] = [190, 196, 204];
+const EVEN: [u8; 3] = [11, 122, 117];
+const INK: [u8; 3] = [31, 38, 48];
+
+fn from_the_front() -> Camera {
+    Camera::from_direction(Vector3::new(0.6, -1.0, 0.45))
+}
+
+/// The part when a tenth, two tenths, ... of its surfaces are there.
+pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
+    let layers = run.sheets.len();
+    (1..=FRAMES)
+        .map(|frame| (layers * frame).div_ceil(FRAMES))
+        .map(|until| (format!("{until} of {layers} layers"), draw(field, run, 0..until)))
+        .collect()
+}
+
+/// Three single surfaces.
+pub fn singles(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
+    quarters(run).map(|at| (format!("layer {}", at + 1), draw(field, run, at..at + 1))).to_vec()
+}
+
+/// The surfaces that are a quarter, half and three quarters up.
+pub fn quarters(run: &SurfacesRun) -> [usize; 3] {
+    let layers = run.sheets.len();
+    [1, 2, 3].map(|quarter| (layers * quarter / 4).min(layers.saturating_sub(1)))
+}
+
+fn draw(field: &FieldRun, run: &SurfacesRun, which: std::ops::Range<usize>) -> Vec<u8> {
+    let mut scene = Scene::new(from_the_front());
+    // The platform keeps the part in its place from picture to picture.
+    let grid = &field.solid.grid;
+    let corner = |c: [i32; 2]| [0, 1].map(|axis| grid.origin()[axis] + f64::from(c[axis]) / 2.0 * grid.cell_mm());
+    let corners: Vec<[f64; 2]> = field.platform.corners().iter().map(|&c| corner(c)).collect();
+    scene.platform(&corners, 0.0);
+    let layers = run.sheets.len() as u32;
+    for at in which {
+        let Some(sheet) = run.sheets.get(at) else { continue };
+        let corners = sheet.triangles.iter().map(|corners| corners.map(|corner| sheet.vertices[corner as usize]));
+        let colour = layer_colour(at as u32 + 1, layers);
+        scene.triangles(corners.map(|corners| (corners, colour)));
+    }
+    let [width, height] = FRAME;
+    scene.draw(width, height).to_png()
+}
+
+/// The curves of one surface, seen along its mean normal.
+pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Picture> {
+    let (sheet, layer) = (surfaces.sheets.get(at)?, run.layers.get(at)?.as_ref()?);
+    let mut scene = Scene::new(facing(sheet));
+    scene.mesh(&sheet.vertices, &sheet.triangles, PLAIN);
+    // Lifted off the surface, so that it does not hide half of them.
+    let lift = scene.camera().toward() * (0.5 * run.bead_mm);
+    for curve in layer.curves() {
+        let steps = curve.len().max(2) - 1;
+        for (step, ends) in curve.windows(2).enumerate() {
+            let colour = ramp(step as f64 / steps as f64);
+            scene.bar(ends[0] + lift, ends[1] + lift, LINE * run.bead_mm, colour);
+        }
+    }
+    let [width, height] = PATHS;
+    let caption = format!("layer {}: {} curves, {:.0} mm", at + 1, layer.paths.paths.len(), layer.statistics.path_mm);
+    Some((caption, scene.draw(width, height).to_png()))
+}
+
+/// The geodesic distance to the boundary of one surface, in bands of a bead.
+pub fn distance(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Picture> {
+    let sheet = surfaces.sheets.get(at)?;
+    let mesh = SurfaceMesh::new(sheet.vertices.clone(), sheet.triangles.clone()).ok()?;
+    let distance = SurfaceDistance::to_boundary(&mesh, &|_| ControlFlow::Continue(())).ok()?;
+    let reach = distance.at_vertices().iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
+    let band = |value: f64| 1 + (value / run.bead_mm) as u32;
+    let mut scene = Scene::new(facing(sheet));
+    for triangle in 0..mesh.triangles().len() as u32 {
+        scene.triangles(PATCHES.iter().map(|corners| {
+            let middle = [0, 1, 2].map(|k| corners.iter().map(|corner| corner[k]).sum::<f64>() / 3.0);
+            let colour = layer_colour(band(distance.at(triangle, middle).distance), band(reach));
+            (corners.map(|corner| mesh.point(triangle, corner)), colour)
+        }));
+    }
+    let [width, height] = PATHS;
+    Some((format!("layer {}: up to {reach:.2} mm", at + 1), scene.draw(width, height).to_png()))
+}
+
+/// A triangle in four, by barycentric coordinates.
+const PATCHES: [[[f64; 3]; 3]; 4] = {
+    const A: [f64; 3] = [1.0, 0.0, 0.0];
+    const B: [f64; 3] = [0.0, 1.0, 0.0];
+    const C: [f64; 3] = [0.0, 0.0, 1.0];
+    const AB: [f64; 3] = [0.5, 0.5, 0.0];
+    const BC: [f64; 3] = [0.0, 0.5, 0.5];
+    const CA: [f64; 3] = [0.5, 0.0, 0.5];
+    [[A, AB, CA], [AB, B, BC], [CA, BC, C], [AB, BC, CA]]
+};
+
+/// From where a surface is seen best.
+fn facing(sheet: &TrimmedSheet) -> Camera {
+    let normal = |corners: &[u32; 3]| {
+        let [a, b, c]: [Point3<f64>; 3] = corners.map(|corner| sheet.vertices[corner as usize]);
+        (b - a).cross(&(c - a))
+    };
+    let sum: Vector3<f64> = sheet.triangles.iter().map(normal).sum();
+    // Not straight along it: shading shows the shape.
+    Camera::from_direction(sum.normalize() + Vector3::new(0.1, -0.25, 0.1))
+}
+
+/// Area by spacing, for the field of hop counts (grey) and for the even one (green), as Dai 2020, Fig. 3.18.
+pub fn histogram(run: &SurfacesRun) -> Picture {
+    let [width, height] = HISTOGRAM;
+    let mut image = Image::new(width, height, [255; 3]);
+    let (left, foot) = (20, height - 30);
+    let share = |spacing: &Spacing| -> Vec<f64> {
+        let all: f64 = spacing.histogram_mm2.iter().sum();
+        spacing.histogram_mm2.iter().map(|area| if all > 0.0 { area / all } else { 0.0 }).collect()
+    };
+    let shares = [(share(&run.plain_spacing), PLAIN), (share(&run.spacing), EVEN)];
+    let highest = shares.iter().flat_map(|(shares, _)| shares).copied().fold(f64::MIN_POSITIVE, f64::max);
+    let bars = run.spacing.histogram_mm2.len().max(1) as u32;
+    let wide = (width - 2 * left) / bars;
+    for (which, (shares, colour)) in (0..).zip(&shares) {
+        for (bar, share) in (0..).zip(shares) {
+            let tall = (share / highest * f64::from(foot - 20)).round() as u32;
+            image.fill([left + bar * wide + which * wide / 2, foot - tall], [wide.div_ceil(2), tall], *colour);
+        }
+    }
+    image.fill([left, foot], [bars * wide, 2], INK);
+    for tick in 0..=3 {
+        let text = format!("{:.2}", f64::from(tick) * run.height_mm);
+        let at = left + tick * bars * wide / 3;
+        image.fill([at, foot], [2, 6], INK);
+        image.write([at.saturating_sub(Image::text_size(&text)[0] / 2), foot + 10], &text, INK);
+    }
+    ("spacing in mm by area: hop counts grey, even layers green".to_owned(), image.to_png())
+}

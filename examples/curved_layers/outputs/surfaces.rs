@@ -1,0 +1,95 @@
+//! Of the surfaces: the files that other programs take (OBJ, VTK, the field to go on from), figures and pictures.
+
+use super::{pictures, put, seconds};
+use crate::field::FieldRun;
+use crate::surfaces::SurfacesRun;
+use curvlay_examples::args::Failure;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_layers::curved::surface::{write_field_vtk, write_surfaces_vtk};
+use std::io::{self, Write};
+
+pub fn products(run: &SurfacesRun, folder: &OutputFolder) -> Result<(), Failure> {
+    folder.write_with("layers.obj", |out| write_obj(run, out))?;
+    folder.write_with("layers.vtk", |out| write_surfaces_vtk(out, &run.slices(), Some(&run.spacing)))?;
+    folder.write_with("field.vtk", |out| write_field_vtk(out, &run.field, run.saved.cell_mm, run.saved.origin))?;
+    folder.write_with("field.txt", |out| run.saved.write(out))?;
+    Ok(())
+}
+
+/// A group for each layer, in millimetres; the plate is the plane z = 0.
+fn write_obj(run: &SurfacesRun, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "# curved layers, in millimetres, {} mm apart; a group a layer, first to last", run.height_mm)?;
+    let mut first = 1;
+    for (number, sheet) in (1..).zip(&run.sheets) {
+        writeln!(out, "g layer_{number}")?;
+        for vertex in &sheet.vertices {
+            writeln!(out, "v {:.6} {:.6} {:.6}", vertex.x, vertex.y, vertex.z)?;
+        }
+        for corners in &sheet.triangles {
+            let [a, b, c] = corners.map(|corner| first + corner);
+            writeln!(out, "f {a} {b} {c}")?;
+        }
+        first += sheet.vertices.len() as u32;
+    }
+    Ok(())
+}
+
+pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> {
+    let (spacing, boundary, times) = (&run.spacing, &run.boundary, &run.times);
+    summary
+        .set("layer_height_mm", run.height_mm)?
+        .set("even_method", run.method.as_str())?
+        .set("waits", run.waits)?
+        .set_seconds("surfaces_s", times.even + times.contour)?
+        .set_seconds("even_s", times.even)?
+        .set_seconds("contour_s", times.contour)?
+        .set_seconds("trim_s", times.trim)?
+        .set_seconds("spacing_s", times.spacing)?
+        .set("surfaces", run.sheets.len())?
+        .set("surface_triangles", run.triangles())?
+        .set("boundary_error_mm", boundary.error_mm)?
+        .set("boundary_at_missed_mm", boundary.at_missed_mm)?
+        .set("boundary_at_waits_mm", boundary.at_waits_mm)?
+        .set("boundary_at_holes_mm", boundary.at_holes_mm)?
+        .set("slivers", run.sheets.iter().map(|sheet| sheet.slivers).sum::<usize>())?
+        .set("layer_volume_mm3", spacing.volume_mm3)?
+        .set("missed_volume_mm3", run.missed_mm3)?
+        .set("spacing_mean_mm", spacing.mean_mm)?
+        .set("spacing_std_mm", spacing.std_mm)?
+        .set("spacing_p05_mm", spacing.p05_mm)?
+        .set("spacing_p95_mm", spacing.p95_mm)?
+        .set("plain_spacing_mean_mm", run.plain_spacing.mean_mm)?
+        .set("plain_spacing_std_mm", run.plain_spacing.std_mm)?
+        .set("squeezed_share", spacing.squeezed_share)?;
+    Ok(())
+}
+
+pub fn rows(run: &SurfacesRun, table: &mut Table) {
+    let (spacing, plain, boundary) = (&run.spacing, &run.plain_spacing, &run.boundary);
+    let spread = |std: f64, mean: f64| format!("{mean:.4} mm, deviation {std:.4} mm");
+    table
+        .row(["surfaces".to_owned(), format!("{}, {} triangles", run.sheets.len(), run.triangles())])
+        .row(["layer height".to_owned(), format!("{:.4} mm", run.height_mm)])
+        .row(["even layers by".to_owned(), format!("{}; {} waits", run.method, run.waits)])
+        .row(["spacing".to_owned(), spread(spacing.std_mm, spacing.mean_mm)])
+        .row(["of hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)])
+        .row(["off the mesh".to_owned(), format!("{:.1e} mm at most", boundary.error_mm)])
+        .row([
+            "ends inside".to_owned(),
+            format!("{:.1} mm at missed cells, {:.1} mm at waits", boundary.at_missed_mm, boundary.at_waits_mm),
+        ])
+        .row(["layer volume".to_owned(), format!("{:.1} mm3", spacing.volume_mm3)])
+        .row(["even layers".to_owned(), seconds(run.times.even)])
+        .row(["contouring".to_owned(), seconds(run.times.contour)])
+        .row(["trimming".to_owned(), seconds(run.times.trim)])
+        .row(["measuring".to_owned(), seconds(run.times.spacing)]);
+}
+
+pub fn report(field: &FieldRun, run: &SurfacesRun, report: &mut Report) {
+    put(report.heading("The part while it is built"), &pictures::frames(field, run));
+    put(report.heading("Single surfaces"), &pictures::singles(field, run));
+    put(report.heading("How far apart the surfaces lie"), &[pictures::histogram(run)]);
+}

@@ -1,0 +1,170 @@
+//! Stage `paths`: every surface filled with continuous curves, and what their beads cover.
+
+use crate::surfaces::SurfacesRun;
+use crate::{Args, failure};
+use curvlay_examples::args::Failure;
+use curvlay_examples::bars::Bars;
+use curvlay_layers::curved::trim::TrimmedSheet;
+use curvlay_toolpath::nalgebra::Point3;
+use curvlay_toolpath::surface::{
+    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, StatisticsOptions, SurfaceDistance, SurfaceMesh,
+    path_statistics,
+};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// How far level sets may be off, in beads.
+const TOLERANCE: f64 = 0.0125;
+
+/// What came of the stage.
+pub struct PathsRun {
+    pub bead_mm: f64,
+    /// The paths of each surface, in the order of the surfaces; none for an empty surface.
+    pub layers: Vec<Option<Layer>>,
+    pub totals: Totals,
+    pub times: Times,
+}
+
+/// The paths of one surface.
+pub struct Layer {
+    pub paths: LayerPaths,
+    pub statistics: PathStatistics,
+    times: Times,
+}
+
+impl Layer {
+    /// The points of each curve, the first repeated at the end of a closed one.
+    pub fn curves(&self) -> impl Iterator<Item = Vec<Point3<f64>>> {
+        self.paths.paths.iter().map(|path| {
+            let points = path.points.iter().map(|point| point.at.position);
+            points.chain(path.closed.then(|| path.points.first().map(|point| point.at.position)).flatten()).collect()
+        })
+    }
+}
+
+/// How long the steps took, all threads together.
+#[derive(Clone, Copy, Default)]
+pub struct Times {
+    pub geodesic: Duration,
+    /// Level sets and curves.
+    pub paths: Duration,
+    pub statistics: Duration,
+    /// On the clock, from the first surface to the last.
+    pub wall: Duration,
+}
+
+/// Figures of all layers. Fractions are of the area of all surfaces.
+#[derive(Clone, Copy, Default)]
+pub struct Totals {
+    pub regions: usize,
+    pub curves: usize,
+    /// From curve to curve within the layers and from layer to layer.
+    pub jumps: usize,
+    pub jump_mm: f64,
+    pub path_mm: f64,
+    pub covered_fraction: f64,
+    pub overlap_fraction: f64,
+    pub spill_fraction: f64,
+    pub unfillable_fraction: f64,
+    /// Width of the largest gap.
+    pub largest_gap_mm: f64,
+    pub sharp_turns: usize,
+    pub self_crossings: usize,
+}
+
+/// Fills all surfaces.
+pub fn run(args: &Args, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun, Failure> {
+    let bead_mm = args.bead.unwrap_or(surfaces.height_mm);
+    let start = Instant::now();
+    let done = AtomicU64::new(0);
+    let total = surfaces.sheets.len() as u64;
+    let layer = |(number, sheet): (usize, &TrimmedSheet)| {
+        let filled = (!sheet.triangles.is_empty()).then(|| fill(sheet, bead_mm)).transpose();
+        bars.update("paths", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        filled.map_err(|error| failure(format!("layer {}: {error}", number + 1)))
+    };
+    let layers: Vec<_> = surfaces.sheets.par_iter().enumerate().map(layer).collect::<Result<_, _>>()?;
+    let mut times = Times { wall: start.elapsed(), ..Times::default() };
+    for layer in layers.iter().flatten() {
+        times.geodesic += layer.times.geodesic;
+        times.paths += layer.times.paths;
+        times.statistics += layer.times.statistics;
+    }
+    Ok(PathsRun { bead_mm, totals: totals(&layers), layers, times })
+}
+
+fn fill(sheet: &TrimmedSheet, bead: f64) -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
+    let go_on = |_| ControlFlow::Continue(());
+    let mut times = Times::default();
+    let mesh = SurfaceMesh::new(sheet.vertices.clone(), sheet.triangles.clone())?;
+    let mut last = Instant::now();
+    let mut lap = |time: &mut Duration| *time = std::mem::replace(&mut last, Instant::now()).elapsed();
+    let distance = SurfaceDistance::to_boundary(&mesh, &go_on)?;
+    lap(&mut times.geodesic);
+    let field = LevelField::new(&distance, TOLERANCE * bead, &go_on)?;
+    let paths = field.paths(&PathOptions { bead, ..PathOptions::default() })?;
+    lap(&mut times.paths);
+    let mut layer = Layer { statistics: statistics(&mesh, &paths)?, paths, times };
+    lap(&mut layer.times.statistics);
+    Ok(layer)
+}
+
+fn statistics(
+    mesh: &SurfaceMesh,
+    paths: &LayerPaths,
+) -> Result<PathStatistics, Box<dyn std::error::Error + Send + Sync>> {
+    let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = paths
+        .paths
+        .iter()
+        .map(|path| {
+            let closing = path.closed.then(|| path.points.first()).flatten();
+            path.points.iter().chain(closing).map(|point| (point.at.position, point.width)).unzip()
+        })
+        .collect();
+    let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
+    let go_on = |_| ControlFlow::Continue(());
+    Ok(path_statistics(mesh.vertices(), mesh.triangles(), &curves, &StatisticsOptions::default(), &go_on)?)
+}
+
+fn totals(layers: &[Option<Layer>]) -> Totals {
+    let mut totals = Totals::default();
+    let (mut area, mut unfillable) = (0.0, 0.0);
+    let mut last_end: Option<Point3<f64>> = None;
+    for Layer { paths, statistics, .. } in layers.iter().flatten() {
+        area += statistics.area_mm2;
+        unfillable += paths.unfilled.iter().map(|unfilled| unfilled.area).sum::<f64>();
+        totals.regions += paths.regions;
+        totals.curves += statistics.curves;
+        totals.jumps += statistics.jumps;
+        totals.jump_mm += statistics.jump_mm;
+        totals.path_mm += statistics.path_mm;
+        totals.covered_fraction += statistics.covered_fraction * statistics.area_mm2;
+        totals.overlap_fraction += statistics.overlap_fraction * statistics.area_mm2;
+        totals.spill_fraction += statistics.spill_fraction * statistics.area_mm2;
+        // A closed sheet without beads has no largest gap.
+        let gap = statistics.largest_gap.map_or(0.0, |gap| 2.0 * gap.radius_mm);
+        totals.largest_gap_mm = totals.largest_gap_mm.max(if gap.is_finite() { gap } else { 0.0 });
+        totals.sharp_turns += statistics.sharp_turns;
+        totals.self_crossings += statistics.self_crossings;
+        let ends = |point: Option<&curvlay_toolpath::surface::PathPoint>| point.map(|point| point.at.position);
+        let first = paths.paths.first().and_then(|path| ends(path.points.first()));
+        if let (Some(from), Some(to)) = (last_end, first) {
+            totals.jumps += 1;
+            totals.jump_mm += (to - from).norm();
+        }
+        let last = paths
+            .paths
+            .last()
+            .and_then(|path| ends(if path.closed { path.points.first() } else { path.points.last() }));
+        last_end = last.or(last_end);
+    }
+    if area > 0.0 {
+        for share in [&mut totals.covered_fraction, &mut totals.overlap_fraction, &mut totals.spill_fraction] {
+            *share /= area;
+        }
+        totals.unfillable_fraction = unfillable / area;
+    }
+    totals
+}
