@@ -88,6 +88,24 @@ impl Report {
         self.push(&(html + "\n</div>"))
     }
 
+    /// Pictures of the same size on top of each other, one seen at a time, chosen by a slider. The last is seen first.
+    pub fn slider(&mut self, pictures: &[(&str, &[u8])]) -> &mut Self {
+        let Some(((last, _), most)) = pictures.last().zip(pictures.len().checked_sub(1)) else { return self };
+        let mut html = String::from("<figure class=\"slider\">");
+        for (at, (caption, png)) in pictures.iter().enumerate() {
+            let (caption, hidden) = (escaped(caption), if at == most { "" } else { " hidden" });
+            let _ = write!(html, "\n<img{hidden} alt=\"{caption}\" src=\"data:image/png;base64,{}\">", base64(png));
+        }
+        let _ = write!(
+            html,
+            "\n<input type=\"range\" min=\"0\" max=\"{most}\" value=\"{most}\" aria-label=\"picture\" oninput=\"{}\">\n\
+             <figcaption>{}</figcaption></figure>",
+            escaped(CHOOSE),
+            escaped(last)
+        );
+        self.push(&html)
+    }
+
     fn push(&mut self, html: &str) -> &mut Self {
         self.body += html;
         self.body.push('\n');
@@ -106,6 +124,10 @@ impl Report {
         )
     }
 }
+
+/// Shows the picture that the slider stands at, and its caption.
+const CHOOSE: &str = "const f = this.parentNode; f.querySelectorAll('img').forEach((img, i) => { \
+                      img.hidden = i != this.value; if (!img.hidden) f.lastElementChild.textContent = img.alt; })";
 
 const STYLE: &str = "\
 :root { --ink: #1f2630; --soft: #5b6675; --line: #dfe3e8; --paper: #fbfbfa; --card: #ffffff; --accent: #0b7a75;
@@ -136,7 +158,9 @@ tbody tr:last-child > * { border-bottom-color: transparent; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1.25rem;
   margin: 1.25rem 0; align-items: start; }
 figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
-figure img { display: block; width: 100%; height: auto; background: #ffffff; }
+.slider { max-width: 44rem; margin: 1.25rem 0; }
+.slider input { display: block; width: calc(100% - 1.8rem); margin: 0.7rem 0.9rem; accent-color: var(--accent); }
+figure img:not([hidden]) { display: block; width: 100%; height: auto; background: #ffffff; }
 figcaption { padding: 0.6rem 0.9rem; color: var(--soft); font-size: 0.9rem; border-top: 1px solid var(--line); }
 @media print { body { background: none; } figure { break-inside: avoid; } }
 ";

@@ -149,7 +149,9 @@ fn the_report_is_one_sound_escaped_page() {
         .notice("mind the gap")
         .table("Table 5.1 <x>", &table())
         .picture("\"><img src=x>", &png)
-        .pictures(&[("front", &png), ("back", &png)]);
+        .pictures(&[("front", &png), ("back", &png)])
+        .slider(&[("first <", &png), ("last", &png)])
+        .slider(&[]);
     let html = report.to_html();
     assert!(!html.contains("<script") && !html.contains("<img src=x") && !html.contains("<b>"), "{html}");
     assert!(html.contains("<title>&lt;script&gt;alert(&#39;1&#39;)&lt;/script&gt;</title>"));
@@ -157,8 +159,11 @@ fn the_report_is_one_sound_escaped_page() {
     assert!(html.contains("<td class=\"figure\">1,204.5 mm</td>"));
     assert!(html.contains("1 &amp; &lt;b&gt;</td>") || html.contains("1 &amp; &lt;b&gt;</th>"));
     assert!(!html.contains("http:") && !html.contains("https:") && !html.contains("url("), "nothing from outside");
-    assert_eq!(html.matches("src=\"data:image/png;base64,iVBORw0KGgo").count(), 3);
-    assert_eq!(html.matches("src=").count() - html.matches("src=x").count(), 3);
+    assert_eq!(html.matches("src=\"data:image/png;base64,iVBORw0KGgo").count(), 5);
+    assert_eq!(html.matches("src=").count() - html.matches("src=x").count(), 5);
+    // A slider shows one picture at a time, the last at first.
+    assert_eq!((html.matches("<img hidden alt=\"first &lt;\"").count(), html.matches("<input ").count()), (1, 1));
+    assert!(html.contains("max=\"1\" value=\"1\"") && html.contains("<figcaption>last</figcaption>"));
 
     // Every element that is opened is closed, in order.
     let mut open = Vec::new();
@@ -166,7 +171,7 @@ fn the_report_is_one_sound_escaped_page() {
         let name = tag.split_whitespace().next().unwrap();
         match name.strip_prefix('/') {
             Some(closed) => assert_eq!(open.pop(), Some(closed)),
-            None if ["!DOCTYPE", "meta", "img"].contains(&name) => {}
+            None if ["!DOCTYPE", "meta", "img", "input"].contains(&name) => {}
             None => open.push(name),
         }
     }

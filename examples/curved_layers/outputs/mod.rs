@@ -56,7 +56,6 @@ fn seconds(time: Duration) -> String {
     format!("{:.3} s", time.as_secs_f64())
 }
 
-fn put(report: &mut Report, pictures: &[Picture]) {
-    let borrowed: Vec<_> = pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();
-    report.pictures(&borrowed);
+fn borrowed(pictures: &[Picture]) -> Vec<(&str, &[u8])> {
+    pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect()
 }

@@ -1,6 +1,6 @@
 //! Of the paths: their lines as OBJ, figures and pictures.
 
-use super::{Picture, pictures, put, seconds};
+use super::{Picture, borrowed, pictures, seconds};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
@@ -80,8 +80,8 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
 pub fn report(surfaces: &SurfacesRun, run: &PathsRun, report: &mut Report) {
     let shown = pictures::quarters(surfaces);
     let spirals: Vec<Picture> = shown.iter().filter_map(|&at| pictures::paths(surfaces, run, at)).collect();
-    put(report.heading("Tool paths, from blue at the entry to yellow at the exit"), &spirals);
+    report.heading("Tool paths, from blue at the entry to yellow at the exit").pictures(&borrowed(&spirals));
     if let Some(distance) = shown.get(1).and_then(|&at| pictures::distance(surfaces, run, at)) {
-        put(report.heading("Geodesic distance to the boundary, a band a bead"), &[distance]);
+        report.heading("Geodesic distance to the boundary, a band a bead").pictures(&borrowed(&[distance]));
     }
 }

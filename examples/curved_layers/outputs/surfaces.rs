@@ -1,6 +1,6 @@
 //! Of the surfaces: the files that other programs take (OBJ, VTK, the field to go on from), figures and pictures.
 
-use super::{pictures, put, seconds};
+use super::{borrowed, pictures, seconds};
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
@@ -89,7 +89,7 @@ pub fn rows(run: &SurfacesRun, table: &mut Table) {
 }
 
 pub fn report(field: &FieldRun, run: &SurfacesRun, report: &mut Report) {
-    put(report.heading("The part while it is built"), &pictures::frames(field, run));
-    put(report.heading("Single surfaces"), &pictures::singles(field, run));
-    put(report.heading("How far apart the surfaces lie"), &[pictures::histogram(run)]);
+    report.heading("The part while it is built").slider(&borrowed(&pictures::frames(field, run)));
+    report.heading("Single surfaces").pictures(&borrowed(&pictures::singles(field, run)));
+    report.heading("How far apart the surfaces lie").pictures(&borrowed(&[pictures::histogram(run)]));
 }
