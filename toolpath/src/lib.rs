@@ -2,7 +2,9 @@
 //!
 //! * [`surface`]: paths on curved layers, given as triangle meshes: the exact geodesic distance to the
 //!   boundary, its level sets and how they nest, and one continuous curve a region that follows them.
+//! * [`gcode`]: machine files, written and read: the extended G-code of robots, and rotary axes of tables.
 
+pub mod gcode;
 mod progress;
 pub mod surface;
 
