@@ -71,6 +71,25 @@ fn the_lines_of_the_appendix() {
     assert_eq!(read(loud).unwrap(), expected);
 }
 
+/// Each block of the format's page that has a move in it is a file.
+#[test]
+fn the_examples_of_the_format() {
+    let mut read_as_rotary = [0, 0];
+    for block in include_str!("../docs/gcode.md").split("```text\n").skip(1) {
+        let file = block.split("```").next().unwrap();
+        if file.starts_with(';') {
+            let rotary = file.contains("rotary");
+            let dialect = if rotary { Dialect::Rotary(RotaryTable::default()) } else { Dialect::Extended };
+            let moves = read_as(file, dialect).unwrap();
+            read_as_rotary[usize::from(rotary)] += 1;
+            let lean = if rotary { unit(0.5, 0.0, 0.75f64.sqrt()) } else { unit(0.3, 0.0, 0.954) };
+            assert!((*moves.iter().filter_map(place).nth(1).unwrap().1 - *lean).norm() < 1e-6);
+            assert!(matches!(moves.last(), Some(Move::Retract { .. })));
+        }
+    }
+    assert_eq!(read_as_rotary, [1, 1]);
+}
+
 #[test]
 fn words_that_stay() {
     let file = "M83 G90 G21\nG1 F1200\nG0 X1 Y2 Z3\nG1 X2 E.5\nG1 nX1 nY0 nZ0\nG1 Z4 E1\nG1 E-2 F60\nG1 E2\nM82\nG92 E7\n\

@@ -1,4 +1,6 @@
 //! The dialect of rotary tables: angles, poles, turns, division of moves, and the way back.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+#![allow(clippy::float_cmp)] // what stays as it is stays to the last bit
 
 mod gcode_common;
 
@@ -181,7 +183,8 @@ fn time_is_that_of_the_slowest() {
 
 #[test]
 fn machines_that_cannot_be() {
-    let cases: [(fn(&mut RotaryTable), &str); 9] = [
+    type Spoil = fn(&mut RotaryTable);
+    let cases: [(Spoil, &str); 9] = [
         (|m| m.tilt.letter = 'X', "the rotary table: the letter of the tilting axis must be A, B, C, U, V or W"),
         (|m| m.turn.letter = 'c', "the rotary table: the letter of the turning axis must be A, B, C, U, V or W"),
         (|m| m.turn.letter = 'B', "the rotary table: two axes with the same letter"),

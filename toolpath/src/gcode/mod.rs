@@ -1,7 +1,7 @@
 //! Machine files: the extended G-code of robot-assisted printing, written and read.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), appendix: RepRap's G-code, with the
-//! direction of the nozzle as three more words. The format to the last digit is in `docs/gcode.md` of the repository.
+//! direction of the nozzle as three more words. The format to the last digit stands below.
 //!
 //! * [`write_gcode`] takes any iterator of [`Move`]s and a [`std::io::Write`]; [`GcodeReader`] is an iterator of moves over a
 //!   [`std::io::BufRead`]. Both hold one line, or a few, however long the file is.
@@ -11,6 +11,8 @@
 //! Departs from the appendix: the direction has unit length and points from the tip into the nozzle (as in its example),
 //! it stays until the next one is given and is +z at first; modes are written out (`G21 G90 M82 G94`), so that a file
 //! does not depend on what ran before it.
+//!
+#![doc = include_str!("../../docs/gcode.md")]
 
 mod lines;
 mod read;
