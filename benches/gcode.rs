@@ -44,7 +44,7 @@ fn write(moves: &[Move], dialect: Dialect) -> Vec<u8> {
 
 fn baseline_write(moves: &[Move]) -> Vec<u8> {
     let mut out = Vec::new();
-    let (mut e, mut last) = (0.0, f64::NAN);
+    let (mut e, mut last) = (0.0, 0.0);
     for item in moves {
         let (word, tip, n, by, feed) = match item {
             Move::Print { tip, direction, filament_mm, feed_mm_s } => ("G1", tip, direction, *filament_mm, *feed_mm_s),

@@ -105,7 +105,7 @@ const UNIT: f64 = 1e-6;
 /// [`WriteError`] names the move that cannot be.
 ///
 /// # Cost
-/// Constant memory; some 0.3 microseconds a move, 0.5 with rotary axes. Goes out in pieces of about 32 KiB.
+/// Constant memory; some 0.4 microseconds a move, 0.8 with rotary axes. Goes out in pieces of about 32 KiB.
 ///
 /// # Example
 /// ```
