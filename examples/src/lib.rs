@@ -5,6 +5,7 @@ pub mod args;
 pub mod bars;
 pub mod mesh;
 pub mod output;
+pub mod plot;
 pub mod render;
 pub mod report;
 pub mod shapes;

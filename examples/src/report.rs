@@ -1,5 +1,6 @@
 //! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
 
+use crate::plot::Plot;
 use crate::table::Table;
 use std::fmt::Write;
 
@@ -106,6 +107,12 @@ impl Report {
         self.push(&html)
     }
 
+    /// A plot with its legend and a line under it.
+    pub fn plot(&mut self, caption: &str, plot: &Plot) -> &mut Self {
+        let (svg, legend, caption) = (plot.to_svg(), plot.legend(), escaped(caption));
+        self.push(&format!("<figure class=\"plot\">\n{svg}\n<figcaption>{legend}{caption}</figcaption></figure>"))
+    }
+
     fn push(&mut self, html: &str) -> &mut Self {
         self.body += html;
         self.body.push('\n');
@@ -162,11 +169,20 @@ figure { margin: 0; background: var(--card); border: 1px solid var(--line); bord
 .slider input { display: block; width: calc(100% - 1.8rem); margin: 0.7rem 0.9rem; accent-color: var(--accent); }
 figure img:not([hidden]) { display: block; width: 100%; height: auto; background: #ffffff; }
 figcaption { padding: 0.6rem 0.9rem; color: var(--soft); font-size: 0.9rem; border-top: 1px solid var(--line); }
+.plot { margin: 1.25rem 0; }
+.plot svg { display: block; width: 100%; height: auto; font-size: 12px; }
+.plot text { fill: var(--soft); }
+.plot .x { text-anchor: middle; }
+.plot .y { text-anchor: end; }
+.plot .grid { stroke: var(--line); fill: none; }
+.plot .line { fill: none; stroke-width: 1.4; stroke-linejoin: round; }
+.key { white-space: nowrap; margin-right: 1rem; }
+.key i { display: inline-block; width: 1.1em; height: 0.3em; margin-right: 0.4em; vertical-align: middle; }
 @media print { body { background: none; } figure { break-inside: avoid; } }
 ";
 
 /// Text as it may stand between tags and in quoted attributes.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut html = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use curvlay_examples::output::{OutputError, OutputFolder};
+use curvlay_examples::plot::Plot;
 use curvlay_examples::render::Image;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::{Summary, SummaryError};
@@ -151,7 +152,8 @@ fn the_report_is_one_sound_escaped_page() {
         .picture("\"><img src=x>", &png)
         .pictures(&[("front", &png), ("back", &png)])
         .slider(&[("first <", &png), ("last", &png)])
-        .slider(&[]);
+        .slider(&[])
+        .plot("turns", Plot::new("mm <", "degrees").line("after <", [1, 2, 3], [[0.0, 1.0], [2.0, 3.0]]));
     let html = report.to_html();
     assert!(!html.contains("<script") && !html.contains("<img src=x") && !html.contains("<b>"), "{html}");
     assert!(html.contains("<title>&lt;script&gt;alert(&#39;1&#39;)&lt;/script&gt;</title>"));
@@ -171,7 +173,7 @@ fn the_report_is_one_sound_escaped_page() {
         let name = tag.split_whitespace().next().unwrap();
         match name.strip_prefix('/') {
             Some(closed) => assert_eq!(open.pop(), Some(closed)),
-            None if ["!DOCTYPE", "meta", "img", "input"].contains(&name) => {}
+            None if ["!DOCTYPE", "meta", "img", "input", "path"].contains(&name) => {}
             None => open.push(name),
         }
     }
