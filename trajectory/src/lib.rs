@@ -4,8 +4,11 @@
 //! crate's own, so any arm will do.
 
 mod bounds;
+pub mod indicator;
 mod progress;
+mod random;
 mod robot;
+pub mod transfer;
 
 pub use bounds::Bounds;
 pub use nalgebra;
