@@ -9,6 +9,7 @@ mod progress;
 mod random;
 mod robot;
 pub mod transfer;
+pub mod verify;
 
 pub use bounds::Bounds;
 pub use nalgebra;
