@@ -37,7 +37,9 @@ pub(super) fn shorten<const N: usize>(
         if seconds(&new, bounds) >= seconds(&path[first..=last], bounds) {
             continue;
         }
-        if new.windows(2).all(|ends| space.free(&ends[0], &ends[1])) {
+        if corners.iter().all(|corner| space.posture_free(corner))
+            && new.windows(2).all(|ends| space.free(&ends[0], &ends[1]))
+        {
             path.splice(first + 1..last, corners);
         }
     }

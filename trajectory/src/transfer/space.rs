@@ -7,9 +7,14 @@ pub trait FreeSpace<const N: usize>: Sync {
     /// Whether the straight motion in joint space from one posture to another is free, ends included.
     fn free(&self, from: &[f64; N], to: &[f64; N]) -> bool;
 
+    /// Whether a posture is free: asked before the motion to it, because in clutter it often settles the matter.
+    fn posture_free(&self, joints: &[f64; N]) -> bool {
+        self.free(joints, joints)
+    }
+
     /// What is in the way at a posture, in words; `None` when it is free.
     fn obstruction(&self, joints: &[f64; N]) -> Option<String> {
-        (!self.free(joints, joints)).then(|| "something".into())
+        (!self.posture_free(joints)).then(|| "something".into())
     }
 }
 

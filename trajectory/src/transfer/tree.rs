@@ -45,7 +45,7 @@ impl<const N: usize> Tree<N> {
         let length = square(&at, to).sqrt();
         let reached = length <= longest;
         let next = if reached { *to } else { std::array::from_fn(|j| at[j] + (to[j] - at[j]) * (longest / length)) };
-        if !space.free(&at, &next) {
+        if !(space.posture_free(&next) && space.free(&at, &next)) {
             return Step::Blocked;
         }
         self.nodes.push(next);
