@@ -111,7 +111,9 @@ impl DistanceGrid {
     /// let bar = DistanceGrid::from_cells([3, 1, 1], &[0b111], 2.0, &Point3::origin(), 4)?;
     /// assert_eq!(bar.distance(&Point3::new(8.0, 1.0, 1.0)), 2.0);
     /// assert_eq!(bar.distance(&Point3::new(2.0, 6.0, 2.0)), 4.0);
-    /// assert!((bar.distance(&Point3::new(3.0, 1.0, 100.0)) - 98.0).abs() <= bar.error_bound());
+    /// // Off the lattice, which ends 8 mm above the bar, a bound from below: 98 is the truth.
+    /// let far = bar.distance(&Point3::new(3.0, 1.0, 100.0));
+    /// assert!(far > 90.0 && far <= 98.0);
     /// # Ok::<(), curvlay_trajectory::indicator::geometric::GridError>(())
     /// ```
     pub fn from_cells(
