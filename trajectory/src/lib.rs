@@ -10,11 +10,16 @@ mod random;
 mod robot;
 pub mod transfer;
 pub mod verify;
+mod spline;
 
 pub use bounds::Bounds;
 pub use nalgebra;
 pub use progress::Progress;
 pub use robot::{FreeRange, Posture, Robot};
+pub use spline::{
+    Extremes, Peak, Quantity, RunIn, SplineRow, State, Timeline, TimelineError, Trajectory, TrajectoryError, Violation,
+    run_in_and_out,
+};
 
 /// The snippet of the README, compiled and run with the examples of the documentation.
 #[cfg(doctest)]
