@@ -5,6 +5,11 @@
 
 mod bounds;
 pub mod indicator;
+mod closures;
+mod jerk;
+mod ladder;
+mod local;
+mod path;
 mod progress;
 mod random;
 mod robot;
@@ -12,8 +17,13 @@ pub mod transfer;
 pub mod verify;
 mod spline;
 
-pub use bounds::Bounds;
+pub use bounds::{Bounds, BoundsError};
+pub use closures::RobotFn;
+pub use jerk::{jerk_measure, stencil, waypoint_jerks};
+pub use ladder::{Ladder, LadderError, LadderOptions, LadderSearch, MOST_SAMPLES, Norm, Rung, plan_ladder};
+pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};
 pub use nalgebra;
+pub use path::{Defect, FEWEST_WAYPOINTS, PathError, PathOptions, PathPiece, TimedPath, Timing, timed_path};
 pub use progress::Progress;
 pub use robot::{FreeRange, Posture, Robot};
 pub use spline::{

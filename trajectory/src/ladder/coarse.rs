@@ -1,0 +1,132 @@
+//! From a coarse path to a fine one.
+//!
+//! The coarse path goes through every eighth waypoint, which leaves the joints eight times as far to move, so that an
+//! eighth of the samples is fine enough to tell good paths from bad ones. Then all waypoints are taken, with the
+//! samples in a band around the coarse path and the branches that it uses. Where the result touches the edge of its
+//! band, the band is laid around the result and the search goes on.
+
+use super::nodes::{Branches, Kind, Window, nearest, wrapped};
+use super::search::{Path, Stuck};
+use super::{Climb, Rung};
+use crate::robot::{FreeRange, Robot};
+
+/// Every so many waypoints and samples.
+const STRIDE: u32 = 8;
+
+/// Fewer samples than this are not thinned out: they would not find their way.
+const FEWEST: u32 = 12;
+
+/// The band is moved at most so often; then its path is taken as it is.
+const ROUNDS: usize = 12;
+
+/// Free parameters around which the band is laid, and branches, for every waypoint.
+struct Guide<const F: usize> {
+    free: Vec<[f64; F]>,
+    branches: Vec<[u32; 2]>,
+}
+
+/// A path near a coarse one; `None` when there is none, or nothing to thin out.
+pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    climb: &Climb<'_, N, F, R>,
+    samples: [u32; F],
+    kinds: [Kind; N],
+) -> Result<Option<Path<N, F>>, Stuck> {
+    let waypoints = climb.times.len();
+    let coarse = samples.map(|n| n.div_ceil(STRIDE).max(FEWEST).min(n));
+    if waypoints <= 2 * STRIDE as usize || coarse == samples {
+        return Ok(None);
+    }
+    let mut thinned: Vec<usize> = (0..waypoints).step_by(STRIDE as usize).collect();
+    if thinned.last() != Some(&(waypoints - 1)) {
+        thinned.push(waypoints - 1);
+    }
+    let range = climb.robot.free();
+    let found = climb.search(&thinned, kinds, &|_| Window::whole(coarse), &|_| None, false);
+    let Some(path) = none_if_stuck(found)? else { return Ok(None) };
+    let mut guide = interpolated(&thinned, &path.rungs, &range);
+    // Up to the neighbours of the coarse samples.
+    let mut half: [u32; F] = std::array::from_fn(|f| samples[f].div_ceil(coarse[f]));
+    let all: Vec<usize> = (0..waypoints).collect();
+    let mut best: Option<Path<N, F>> = None;
+    for _ in 0..ROUNDS {
+        let window = |at: usize| band(&guide.free[at], samples, half, &range);
+        let branches = |at: usize| -> Branches<'_> { Some(&guide.branches[at]) };
+        let Some(path) = none_if_stuck(climb.search(&all, kinds, &window, &branches, false))? else {
+            if (0..F).all(|f| 2 * half[f] + 1 >= samples[f]) {
+                return Ok(None);
+            }
+            half = half.map(|half| 2 * half);
+            continue;
+        };
+        let touches = |at: usize, rung: &Rung<N, F>| on_edge(&rung.free, &window(at), &range);
+        let done = !path.rungs.iter().enumerate().any(|(at, rung)| touches(at, rung));
+        let better = best.as_ref().is_none_or(|best| path.cost < best.cost);
+        if better {
+            guide.free = path.rungs.iter().map(|rung| rung.free).collect();
+            best = Some(path);
+        }
+        if done || !better {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+fn none_if_stuck<const N: usize, const F: usize>(
+    found: Result<Path<N, F>, Stuck>,
+) -> Result<Option<Path<N, F>>, Stuck> {
+    match found {
+        Ok(path) => Ok(Some(path)),
+        Err(Stuck::Failed(error)) => Err(Stuck::Failed(error)),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Free parameters of all waypoints, on lines between those of the thinned ones.
+fn interpolated<const N: usize, const F: usize>(
+    thinned: &[usize],
+    rungs: &[Rung<N, F>],
+    range: &[FreeRange; F],
+) -> Guide<F> {
+    let mut guide = Guide { free: vec![rungs[0].free], branches: vec![[rungs[0].branch; 2]] };
+    for (ends, rungs) in thinned.windows(2).zip(rungs.windows(2)) {
+        for waypoint in ends[0] + 1..=ends[1] {
+            let share = (waypoint - ends[0]) as f64 / (ends[1] - ends[0]) as f64;
+            guide.free.push(std::array::from_fn(|f| {
+                let way = rungs[1].free[f] - rungs[0].free[f];
+                let way = if range[f] == FreeRange::Turn { wrapped(way) } else { way };
+                rungs[0].free[f] + share * way
+            }));
+            guide.branches.push([rungs[0].branch, rungs[1].branch]);
+        }
+    }
+    guide
+}
+
+/// The samples up to `half` from the nearest to `free`.
+fn band<const F: usize>(free: &[f64; F], samples: [u32; F], half: [u32; F], range: &[FreeRange; F]) -> Window<F> {
+    let mut window = Window::whole(samples);
+    for f in 0..F {
+        let (count, middle) = (samples[f], nearest(range[f], samples[f], free[f]));
+        if 2 * half[f] + 1 >= count {
+            continue;
+        }
+        window.length[f] = 2 * half[f] + 1;
+        window.start[f] = match range[f] {
+            FreeRange::Turn => (middle + count - half[f]) % count,
+            FreeRange::Within(..) => middle.saturating_sub(half[f]).min(count - window.length[f]),
+        };
+    }
+    window
+}
+
+/// Whether samples beyond the first or last of the window were left out next to this one.
+fn on_edge<const F: usize>(free: &[f64; F], window: &Window<F>, range: &[FreeRange; F]) -> bool {
+    (0..F).any(|f| {
+        let (count, length) = (window.counts[f], window.length[f]);
+        let at = nearest(range[f], count, free[f]);
+        let within = (at + count - window.start[f]) % count;
+        let open = |end: u32| range[f] == FreeRange::Turn || at != end;
+        length < count && ((within == 0 && open(0)) || (within + 1 == length && open(count - 1)))
+    })
+}

@@ -1,0 +1,368 @@
+//! The ladder: from each waypoint's sampled solutions one, so that joints move least.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.1. The rungs are the solutions
+//! of the inverse at sampled free parameters; an edge joins nodes of neighbouring rungs that the joints' speeds allow
+//! (Eq. 4.4), weighted by the square of their distance (Eq. 4.5; section 3.5.3 uses the L1 norm, Eq. 3.4). The
+//! shortest path from any node of the first rung minimises `J_trans` (Eq. 4.6). It begins with four samples and doubles
+//! them while there is no path.
+//!
+//! Distances are circular where a joint turns without end. A joint with stops a turn or more apart has several images
+//! of an angle. They would multiply the nodes; instead such a joint begins as circular, and the path is turned into
+//! its stops afterwards. If it fits, it is the best of all (nothing is cheaper without stops). If not, the search is
+//! done again with every image of that joint a node of its own. So the result is exact either way.
+//!
+//! No edge is stored: see `search`. Departs from the dissertation: instead of doubling without end it stops after
+//! [`LadderOptions::doublings`]; and there is a search that is not exact but fast, [`LadderSearch::CoarseToFine`].
+
+mod buckets;
+mod coarse;
+mod nodes;
+mod search;
+
+use crate::bounds::BoundsError;
+use crate::robot::Robot;
+use crate::{Bounds, Progress};
+use buckets::Measure;
+use nodes::{Branches, Kind, Window};
+use search::{Path, Search, Stuck};
+use std::f64::consts::TAU;
+use std::ops::{ControlFlow, Range};
+
+/// How far apart two nodes are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    /// The weighted sum of squared differences, Eq. 4.5.
+    Squared,
+    /// The weighted sum of absolute differences, Eq. 3.4.
+    Absolute,
+}
+
+/// How the shortest path is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LadderSearch {
+    /// All samples at all waypoints. The result is a shortest path.
+    Exact,
+    /// A coarse path through every eighth waypoint at an eighth of the samples, then all waypoints and the samples
+    /// near that path, until the result stays clear of what was left out. Usually the shortest path or close to it;
+    /// falls back to `Exact` when it finds none.
+    CoarseToFine,
+}
+
+/// How a ladder is built and climbed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LadderOptions<const N: usize, const F: usize> {
+    /// Samples of each free parameter to begin with. Default 4, as in section 4.3.1; 360 is the dense graph of Table
+    /// 4.2.
+    pub samples: [u32; F],
+    /// How often the samples may be doubled while there is no path. Default 7, to 512 samples.
+    pub doublings: u32,
+    /// Weight of each joint, the diagonal of `W`. Default 1.
+    pub weights: [f64; N],
+    /// Default [`Norm::Squared`].
+    pub norm: Norm,
+    /// Default [`LadderSearch::Exact`].
+    pub search: LadderSearch,
+    /// Whether a path may break off and start anew where speeds do not allow to go on, after all doublings (section
+    /// 3.5.3). Else that is an error. Default false.
+    pub breaks: bool,
+}
+
+impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
+    fn default() -> Self {
+        LadderOptions {
+            samples: [4; F],
+            doublings: 7,
+            weights: [1.0; N],
+            norm: Norm::Squared,
+            search: LadderSearch::Exact,
+            breaks: false,
+        }
+    }
+}
+
+/// Samples of all free parameters together are at most this many a waypoint.
+pub const MOST_SAMPLES: u64 = 1 << 20;
+
+/// The node chosen at a waypoint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rung<const N: usize, const F: usize> {
+    /// Joints within their bounds; from one waypoint to the next without whole turns, but at a break.
+    pub joints: [f64; N],
+    /// The free parameters.
+    pub free: [f64; F],
+    /// The robot's branch.
+    pub branch: u32,
+}
+
+/// A path up the ladder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ladder<const N: usize, const F: usize> {
+    /// One a waypoint.
+    pub rungs: Vec<Rung<N, F>>,
+    /// The first waypoints of the motions after the first; none when the path never breaks off.
+    pub breaks: Vec<usize>,
+    /// `J_trans` of Eq. 4.6 (the sum of Eq. 3.4 with [`Norm::Absolute`]), without the breaks.
+    pub cost: f64,
+    /// The samples with which it was found.
+    pub samples: [u32; F],
+}
+
+impl<const N: usize, const F: usize> Ladder<N, F> {
+    /// The waypoints of each unbroken motion.
+    pub fn runs(&self) -> impl Iterator<Item = Range<usize>> {
+        let starts = std::iter::once(0).chain(self.breaks.iter().copied());
+        let ends = self.breaks.iter().copied().chain(std::iter::once(self.rungs.len()));
+        starts.zip(ends).map(|(start, end)| start..end)
+    }
+
+    /// The joints of all waypoints.
+    pub fn joints(&self) -> Vec<[f64; N]> {
+        self.rungs.iter().map(|rung| rung.joints).collect()
+    }
+}
+
+/// Why there is no path.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LadderError {
+    /// Times and waypoints do not fit.
+    #[error("{times} times for {waypoints} waypoints: there must be one each, and one waypoint at least")]
+    Count {
+        /// Number of times.
+        times: usize,
+        /// Number of waypoints.
+        waypoints: usize,
+    },
+    /// A time is not finite, or not after the one before.
+    #[error("the time of waypoint {waypoint} is {time}: times must be finite and rise")]
+    Time {
+        /// The waypoint, counted from 0.
+        waypoint: usize,
+        /// Its time.
+        time: f64,
+    },
+    /// An option cannot be.
+    #[error("`{what}` is {value}")]
+    Option {
+        /// What it is and what it must be.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The bounds cannot be.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// No sample of the free parameters has a solution within the bounds.
+    #[error("waypoint {waypoint} is out of reach with every one of {samples} samples of its free parameters")]
+    Unreachable {
+        /// The waypoint, counted from 0.
+        waypoint: usize,
+        /// Number of samples.
+        samples: u64,
+    },
+    /// The speeds do not allow to go on, at any of the densities tried.
+    #[error(
+        "no path within the speed limits from waypoint {} to {waypoint} with {samples} samples a waypoint",
+        waypoint - 1
+    )]
+    NoPath {
+        /// The waypoint that is not reached, counted from 0.
+        waypoint: usize,
+        /// Number of samples.
+        samples: u64,
+    },
+    /// A waypoint has too many solutions to compare.
+    #[error("waypoint {waypoint} has {most} nodes or more; take fewer samples")]
+    TooLarge {
+        /// The waypoint, counted from 0.
+        waypoint: usize,
+        /// The most that are allowed.
+        most: usize,
+    },
+    /// The caller stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Finds the joints of every waypoint by a shortest path over sampled free parameters.
+///
+/// # Arguments
+/// * `times`: one a waypoint, rising, in seconds.
+/// * `bounds`: positions and velocities count; accelerations and jerks are not looked at.
+///
+/// # Errors
+/// [`LadderError`] names the waypoint that is out of reach, or the option that cannot be.
+///
+/// # Cost
+/// One inverse a sample, and a look at the nodes in reach for each; memory 4 bytes a node. The dense grid (360 angles,
+/// 2,545 waypoints, six axes) takes seconds. The same input gives the same result.
+///
+/// # Example
+/// ```
+/// use curvlay_trajectory::{Bounds, FreeRange, LadderOptions, Posture, RobotFn, plan_ladder};
+/// use std::ops::ControlFlow;
+/// // A turntable under a tool that keeps its direction: the joint is the waypoint's bearing plus the tool angle.
+/// let bearing = |waypoint: usize| 0.05 * waypoint as f64;
+/// let robot = RobotFn {
+///     waypoints: 100,
+///     free: [FreeRange::Turn],
+///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 1])| each(0, [bearing(i) + free[0]]),
+///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: [bearing(i) + free[0]], rates: [[1.0]] }),
+/// };
+/// let times: Vec<f64> = (0..100).map(|i| 0.1 * f64::from(i)).collect();
+/// let bounds = Bounds { velocity: [1.0], ..Bounds::NONE };
+/// let ladder = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// // Four angles are enough: a quarter turn is too far for a step, so the tool angle stays.
+/// assert_eq!(ladder.samples, [4]);
+/// assert!((ladder.rungs[99].joints[0] - ladder.rungs[0].joints[0] - bearing(99)).abs() < 1e-12);
+/// # Ok::<(), curvlay_trajectory::LadderError>(())
+/// ```
+pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    options: &LadderOptions<N, F>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Ladder<N, F>, LadderError> {
+    check(robot.waypoints(), times, bounds, options)?;
+    let climb = Climb { robot, times, bounds, options, progress };
+    let mut samples = options.samples;
+    for doubling in 0.. {
+        let last = doubling == options.doublings || count(&samples.map(|n| n * 2)) > MOST_SAMPLES;
+        match climb.path(samples, last && options.breaks) {
+            Ok(path) => return Ok(Ladder { rungs: path.rungs, breaks: path.breaks, cost: path.cost, samples }),
+            Err(Stuck::Failed(error)) => return Err(error),
+            Err(Stuck::Unreachable(waypoint)) if last => {
+                return Err(LadderError::Unreachable { waypoint, samples: count(&samples) });
+            }
+            Err(Stuck::Apart(waypoint)) if last => {
+                return Err(LadderError::NoPath { waypoint, samples: count(&samples) });
+            }
+            Err(_) => samples = samples.map(|n| n * 2),
+        }
+    }
+    unreachable!("the last doubling returns")
+}
+
+fn count(samples: &[u32]) -> u64 {
+    samples.iter().fold(1, |product: u64, &n| product.saturating_mul(u64::from(n)))
+}
+
+fn check<const N: usize, const F: usize>(
+    waypoints: usize,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    options: &LadderOptions<N, F>,
+) -> Result<(), LadderError> {
+    if times.len() != waypoints || waypoints == 0 {
+        return Err(LadderError::Count { times: times.len(), waypoints });
+    }
+    for (waypoint, &time) in times.iter().enumerate() {
+        if !time.is_finite() || (waypoint > 0 && time <= times[waypoint - 1]) {
+            return Err(LadderError::Time { waypoint, time });
+        }
+    }
+    bounds.check()?;
+    if let Some(&weight) = options.weights.iter().find(|weight| !(**weight >= 0.0 && weight.is_finite())) {
+        return Err(LadderError::Option { what: "a weight must be finite and not below 0; it", value: weight });
+    }
+    let samples = count(&options.samples);
+    if samples == 0 || samples > MOST_SAMPLES || options.samples.iter().any(|&n| n > u32::MAX / 4) {
+        let what = "the number of samples must be from 1 to 2^20; it";
+        return Err(LadderError::Option { what, value: samples as f64 });
+    }
+    Ok(())
+}
+
+/// What stays while samples are doubled.
+struct Climb<'a, const N: usize, const F: usize, R: ?Sized> {
+    robot: &'a R,
+    times: &'a [f64],
+    bounds: &'a Bounds<N>,
+    options: &'a LadderOptions<N, F>,
+    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+}
+
+impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R> {
+    /// A path with these samples, within the stops.
+    fn path(&self, samples: [u32; F], breaks: bool) -> Result<Path<N, F>, Stuck> {
+        let mut imaged = [false; N];
+        loop {
+            let kinds = Kind::of(self.bounds, &imaged);
+            let mut path = match self.options.search {
+                LadderSearch::CoarseToFine => match coarse::search(self, samples, kinds)? {
+                    Some(path) => path,
+                    None => self.whole(samples, kinds, breaks)?,
+                },
+                LadderSearch::Exact => self.whole(samples, kinds, breaks)?,
+            };
+            match self.lift(&mut path, &kinds) {
+                Ok(()) => return Ok(path),
+                Err(joint) => imaged[joint] = true,
+            }
+        }
+    }
+
+    /// The shortest path over all samples.
+    fn whole(&self, samples: [u32; F], kinds: [Kind; N], breaks: bool) -> Result<Path<N, F>, Stuck> {
+        let all: Vec<usize> = (0..self.times.len()).collect();
+        self.search(&all, kinds, &|_| Window::whole(samples), &|_| None, breaks)
+    }
+
+    fn search<'b>(
+        &'b self,
+        waypoints: &'b [usize],
+        kinds: [Kind; N],
+        window: &'b (dyn Fn(usize) -> Window<F> + 'b),
+        branches: &'b (dyn Fn(usize) -> Branches<'b> + 'b),
+        breaks: bool,
+    ) -> Result<Path<N, F>, Stuck> {
+        let LadderOptions { norm, weights, .. } = *self.options;
+        let measure = Measure { norm, weights, period: kinds.map(Kind::period) };
+        let Climb { robot, times, progress, .. } = *self;
+        let velocity = self.bounds.velocity;
+        Search { robot, waypoints, times, velocity, kinds, measure, window, branches, breaks, progress }.run()
+    }
+
+    /// Takes the whole turns out of circular joints and turns each run into its stops; else names a joint that does
+    /// not fit.
+    fn lift(&self, path: &mut Path<N, F>, kinds: &[Kind; N]) -> Result<(), usize> {
+        let mut starts = vec![0];
+        starts.extend(&path.breaks);
+        starts.push(path.rungs.len());
+        for run in starts.windows(2).map(|ends| ends[0]..ends[1]) {
+            let rungs = &mut path.rungs[run];
+            for joint in (0..N).filter(|&joint| kinds[joint] == Kind::Circular) {
+                // Whole turns by which each angle follows the one before by the short way.
+                let mut unwound = rungs[0].joints[joint];
+                let (mut least, mut most) = (unwound, unwound);
+                let mut turns = Vec::with_capacity(rungs.len());
+                for rung in rungs.iter() {
+                    let turn = ((unwound - rung.joints[joint]) / TAU).round();
+                    unwound = rung.joints[joint] + TAU * turn;
+                    (least, most) = (least.min(unwound), most.max(unwound));
+                    turns.push(turn);
+                }
+                let (lower, upper) = (self.bounds.lower[joint], self.bounds.upper[joint]);
+                let by = if lower <= least && most <= upper && self.bounds.is_endless(joint) {
+                    0.0
+                } else {
+                    // Turns that bring the middle of the run next to the middle between the stops, or the run inside
+                    // a lone stop.
+                    match (lower.is_finite(), upper.is_finite()) {
+                        (true, true) => ((lower + upper - least - most) / 2.0 / TAU).round(),
+                        (true, false) => ((lower - least) / TAU).ceil(),
+                        _ => ((upper - most) / TAU).floor(),
+                    }
+                };
+                if !self.bounds.is_endless(joint) && (least + TAU * by < lower || most + TAU * by > upper) {
+                    return Err(joint);
+                }
+                for (rung, turn) in rungs.iter_mut().zip(&turns) {
+                    rung.joints[joint] += TAU * (turn + by);
+                }
+            }
+        }
+        Ok(())
+    }
+}

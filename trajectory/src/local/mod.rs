@@ -1,0 +1,277 @@
+//! The local filter: windows around the worst jerk, one after the other.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.2, Algorithm 6 and Eq. 4.12. The
+//! waypoint with the largest jerk (Eq. 4.10) becomes the middle of a window of `2 d + 1` waypoints, whose jerks are
+//! lowered by sequential quadratic programming. Where that fails the window grows, and at its largest its waypoints are
+//! locked: no window is laid around them until another one that covers them succeeds.
+//!
+//! Where the text leaves a choice: a window succeeds when its sum of squared jerks falls by
+//! [`FilterOptions::gain`], and that of the waypoints beside it, whose stencils reach in, does not rise more. The
+//! indicator of collisions is the robot's own: a posture that collides is none. Speeds and accelerations are those of
+//! Eq. 4.7, at waypoints; what is beyond a bound at the start is not driven further.
+
+mod program;
+mod window;
+
+use crate::bounds::BoundsError;
+use crate::jerk::stencil;
+use crate::ladder::Rung;
+use crate::path::FEWEST_WAYPOINTS;
+use crate::robot::Robot;
+use crate::{Bounds, Progress};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use window::{Filter, Motion};
+
+/// Joints of a start may differ from the robot's own by this many radians and whole turns.
+const SAME: f64 = 1e-6;
+
+/// How the filter goes about it. The defaults are the dissertation's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterOptions<const N: usize> {
+    /// Windows are laid at most so often. Default 100.
+    pub iterations: usize,
+    /// Waypoints to either side of the worst, `d`. Default 5.
+    pub margin: usize,
+    /// By how many a window grows to either side. Default 5.
+    pub growth: usize,
+    /// The largest margin, `d_max`. Default 20.
+    pub most_margin: usize,
+    /// Share by which a window's sum of squared jerks must fall to count as a success. Default 1e-3.
+    pub gain: f64,
+    /// Weight of each joint, the diagonal of `W`. Default 1.
+    pub weights: [f64; N],
+}
+
+impl<const N: usize> Default for FilterOptions<N> {
+    fn default() -> Self {
+        FilterOptions { iterations: 100, margin: 5, growth: 5, most_margin: 20, gain: 1e-3, weights: [1.0; N] }
+    }
+}
+
+/// How the filter ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilterStatus {
+    /// The jerk at every waypoint is within its bound.
+    Met,
+    /// Only locked waypoints have more jerk than allowed.
+    Locked,
+    /// The iterations are used up.
+    Iterations,
+}
+
+/// A filtered motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Filtered<const N: usize, const F: usize> {
+    /// One a waypoint, on the branches of the start.
+    pub rungs: Vec<Rung<N, F>>,
+    /// How it ended.
+    pub status: FilterStatus,
+    /// Windows that were laid.
+    pub iterations: usize,
+    /// How many of them succeeded, at any size.
+    pub successes: usize,
+    /// The measure J with the weights, at the start and at the end.
+    pub jerk: [f64; 2],
+}
+
+/// Why there is nothing to filter.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilterError {
+    /// Waypoints, times and start do not fit.
+    #[error("{times} times and {rungs} rungs for {waypoints} waypoints: there must be one of each")]
+    Count {
+        /// Number of waypoints of the robot.
+        waypoints: usize,
+        /// Number of times.
+        times: usize,
+        /// Number of rungs.
+        rungs: usize,
+    },
+    /// There is no stencil of five.
+    #[error("{waypoints} waypoints: at least {FEWEST_WAYPOINTS} are needed")]
+    TooFew {
+        /// Number of waypoints.
+        waypoints: usize,
+    },
+    /// A time is not finite, or not after the one before.
+    #[error("the time of waypoint {waypoint} is {time}: times must be finite and rise")]
+    Time {
+        /// The waypoint, counted from 0.
+        waypoint: usize,
+        /// Its time.
+        time: f64,
+    },
+    /// The joints of the start are not what the robot says for its branch and free parameters.
+    #[error("the start at waypoint {waypoint} is no posture of the robot with a derivative")]
+    Start {
+        /// The waypoint, counted from 0.
+        waypoint: usize,
+    },
+    /// An option cannot be.
+    #[error("`{what}` is {value}: it must be finite and not below 0")]
+    Option {
+        /// Its name.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The bounds cannot be.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// The caller stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Lowers the jerk of a motion window by window, Algorithm 6.
+///
+/// # Arguments
+/// * `times`: one a waypoint, rising, in seconds.
+/// * `start`: one a waypoint, such as a [`Ladder`](crate::Ladder)'s, without breaks.
+///
+/// # Errors
+/// [`FilterError`] names what cannot be.
+///
+/// # Cost
+/// A few quadratic programs of `2 d + 1` waypoints for each window: seconds for a hundred windows of six axes. The
+/// same input gives the same result.
+///
+/// # Example
+/// ```
+/// use curvlay_trajectory::{
+///     Bounds, FilterOptions, FreeRange, LadderOptions, Posture, RobotFn, filter_locally, plan_ladder,
+/// };
+/// use std::ops::ControlFlow;
+/// // Two joints share a sine: what the tool angle takes from one it gives to the other.
+/// let joints = |i: usize, free: f64| [(0.3 * i as f64).sin() + free, -free];
+/// let robot = RobotFn {
+///     waypoints: 60,
+///     free: [FreeRange::Turn],
+///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free[0])),
+///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free[0]), rates: [[1.0, -1.0]] }),
+/// };
+/// let times: Vec<f64> = (0..60).map(|i| 0.2 * f64::from(i)).collect();
+/// let quiet = |_| ControlFlow::Continue(());
+/// let bounds = Bounds { jerk: [0.5; 2], ..Bounds::NONE };
+/// let start = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet)?;
+/// let filtered = filter_locally(&robot, &times, &start.rungs, &bounds, &FilterOptions::default(), &quiet)?;
+/// // Shared evenly, the sum of squares is half of what one joint alone has.
+/// assert!(filtered.jerk[1] < 0.6 * filtered.jerk[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    times: &[f64],
+    start: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    options: &FilterOptions<N>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Filtered<N, F>, FilterError> {
+    let mut motion = check(robot, times, start, bounds, options)?;
+    let stencils = times.array_windows::<5>().map(stencil).collect();
+    let filter = Filter { robot, bounds, weights: options.weights, stencils };
+    let waypoints = times.len();
+    let before = filter.jerk(&motion.postures, 0..waypoints);
+    let mut locked = vec![false; waypoints];
+    let (mut iterations, mut successes) = (0, 0);
+    let status = loop {
+        let (worst, any) = worst(&filter, &motion, &locked);
+        let Some(middle) = worst else {
+            break if any { FilterStatus::Locked } else { FilterStatus::Met };
+        };
+        if iterations == options.iterations {
+            break FilterStatus::Iterations;
+        }
+        let step = Progress { stage: "local filter", done: iterations as u64, total: options.iterations as u64 };
+        if progress(step).is_break() {
+            return Err(FilterError::Cancelled);
+        }
+        iterations += 1;
+        let mut margin = options.margin;
+        loop {
+            let window = middle.saturating_sub(margin)..(middle + margin + 1).min(waypoints);
+            let well = filter.minimise(&mut motion, window.clone(), options.gain);
+            if well {
+                locked[window].fill(false);
+                successes += 1;
+                break;
+            }
+            if options.growth == 0 || margin + options.growth > options.most_margin {
+                locked[window].fill(true);
+                break;
+            }
+            margin += options.growth;
+        }
+    };
+    let jerk = [before, filter.jerk(&motion.postures, 0..waypoints)];
+    let rung = |i: usize| Rung { joints: motion.postures[i].joints, free: motion.free[i], branch: motion.branches[i] };
+    Ok(Filtered { rungs: (0..waypoints).map(rung).collect(), status, iterations, successes, jerk })
+}
+
+/// The free waypoint with the largest jerk of those that have more than they may, and whether any has.
+fn worst<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    filter: &Filter<'_, N, F, R>,
+    motion: &Motion<N, F>,
+    locked: &[bool],
+) -> (Option<usize>, bool) {
+    let mut found = (None, false);
+    let mut most = 0.0;
+    for (waypoint, locked) in locked.iter().enumerate().take(locked.len() - 2).skip(2) {
+        let jerk = filter.derivative(&motion.postures, waypoint, 3);
+        if (0..N).all(|j| jerk[j].abs() <= filter.bounds.jerk[j]) {
+            continue;
+        }
+        found.1 = true;
+        let norm = (0..N).map(|j| filter.weights[j] * jerk[j] * jerk[j]).sum::<f64>();
+        if !locked && norm > most {
+            (found.0, most) = (Some(waypoint), norm);
+        }
+    }
+    found
+}
+
+fn check<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    times: &[f64],
+    start: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    options: &FilterOptions<N>,
+) -> Result<Motion<N, F>, FilterError> {
+    let waypoints = robot.waypoints();
+    if times.len() != waypoints || start.len() != waypoints {
+        return Err(FilterError::Count { waypoints, times: times.len(), rungs: start.len() });
+    }
+    if waypoints < FEWEST_WAYPOINTS {
+        return Err(FilterError::TooFew { waypoints });
+    }
+    for (waypoint, &time) in times.iter().enumerate() {
+        if !time.is_finite() || (waypoint > 0 && time <= times[waypoint - 1]) {
+            return Err(FilterError::Time { waypoint, time });
+        }
+    }
+    bounds.check()?;
+    for (what, value) in options.weights.map(|weight| ("weights", weight)).into_iter().chain([("gain", options.gain)]) {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(FilterError::Option { what, value });
+        }
+    }
+    let mut motion = Motion { free: Vec::new(), branches: Vec::new(), postures: Vec::new() };
+    for (waypoint, rung) in start.iter().enumerate() {
+        let posture = robot.posture(waypoint, &rung.free, rung.branch).and_then(|mut posture| {
+            for (joint, wanted) in posture.joints.iter_mut().zip(&rung.joints) {
+                *joint += TAU * ((wanted - *joint) / TAU).round();
+            }
+            let same = posture.joints.iter().zip(&rung.joints).all(|(a, b)| (a - b).abs() <= SAME);
+            same.then_some(posture)
+        });
+        let Some(mut posture) = posture else { return Err(FilterError::Start { waypoint }) };
+        // To the last bit what was given: a joint put on its stop stays there.
+        posture.joints = rung.joints;
+        motion.free.push(rung.free);
+        motion.branches.push(rung.branch);
+        motion.postures.push(posture);
+    }
+    Ok(motion)
+}

@@ -1,0 +1,315 @@
+//! The filter on one window: Eq. 4.12 by sequential quadratic programming.
+//!
+//! The text's unknowns are the joints, bound to their waypoints by `x = f(q)`. Here they are the free parameters, and
+//! `q` follows from them in closed form on its branch, so that the equation holds at every step. A step's quadratic
+//! program is the same in both: the joints that meet a linearised `x = f(q)` are those on the tangents `dq/dtheta`.
+
+use super::program::{Row, least};
+use crate::Bounds;
+use crate::robot::{FreeRange, Posture, Robot};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Free parameters move at most this far in a step, in radians: tangents of an arm say little beyond.
+const FARTHEST: f64 = 0.3;
+
+/// Steps of the sequence, and halvings of one step.
+const MOST_STEPS: usize = 30;
+const MOST_HALVINGS: usize = 10;
+
+/// The sequence ends when a step lowers the sum by less than this share.
+const CONVERGED: f64 = 1e-4;
+
+/// Rounds in which bounds that a step would break are taken into its program.
+const ROUNDS: usize = 6;
+
+/// Share of the largest diagonal entry that is added to all: it decides nothing but what jerk does not see.
+const DAMPING: f64 = 1e-9;
+
+/// What is beyond a bound by this share of it counts as on it.
+pub(super) const SLACK: f64 = 1e-6;
+
+/// A trajectory under the filter's hands.
+#[derive(Clone, Debug)]
+pub(super) struct Motion<const N: usize, const F: usize> {
+    pub free: Vec<[f64; F]>,
+    pub branches: Vec<u32>,
+    pub postures: Vec<Posture<N, F>>,
+}
+
+/// What stays from window to window.
+pub(super) struct Filter<'a, const N: usize, const F: usize, R: ?Sized> {
+    pub robot: &'a R,
+    pub bounds: &'a Bounds<N>,
+    pub weights: [f64; N],
+    /// Of waypoints `2..M - 2`, the first being that of waypoint 2.
+    pub stencils: Vec<[[f64; 5]; 3]>,
+}
+
+impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R> {
+    /// A derivative of order 1 to 3 at a waypoint with a whole stencil.
+    pub fn derivative(&self, postures: &[Posture<N, F>], waypoint: usize, order: usize) -> [f64; N] {
+        let (weights, first) = (&self.stencils[waypoint - 2][order - 1], waypoint - 2);
+        let middle = &postures[waypoint].joints;
+        std::array::from_fn(|j| (0..5).map(|k| weights[k] * (postures[first + k].joints[j] - middle[j])).sum())
+    }
+
+    /// The waypoints in the range that have a whole stencil.
+    fn whole(&self, range: Range<usize>) -> Range<usize> {
+        range.start.max(2)..range.end.min(self.stencils.len() + 2)
+    }
+
+    /// The weighted sum of squared jerks over the waypoints in the range.
+    pub fn jerk(&self, postures: &[Posture<N, F>], range: Range<usize>) -> f64 {
+        let squared = |waypoint| {
+            let jerk = self.derivative(postures, waypoint, 3);
+            (0..N).map(|j| self.weights[j] * jerk[j] * jerk[j]).sum::<f64>()
+        };
+        self.whole(range).map(squared).sum()
+    }
+
+    /// The posture with these free parameters that continues from `before`: the same turns of the joints.
+    fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32, before: &[f64; N]) -> Option<Posture<N, F>> {
+        let mut posture = self.robot.posture(waypoint, free, branch)?;
+        for (joint, near) in posture.joints.iter_mut().zip(before) {
+            *joint += TAU * ((near - *joint) / TAU).round();
+        }
+        let numbers = posture.joints.iter().chain(posture.rates.iter().flatten());
+        numbers.copied().all(f64::is_finite).then_some(posture)
+    }
+
+    /// Lowers the jerk over the window, and says whether that went. Bounds that hold at waypoints go on holding, and
+    /// those that do not are not broken further.
+    pub fn minimise(&self, motion: &mut Motion<N, F>, window: Range<usize>, gain: f64) -> bool {
+        // Waypoints whose derivatives change with the window.
+        let touched = self.whole(window.start.saturating_sub(2)..window.end + 2);
+        let (start, around) =
+            (self.jerk(&motion.postures, window.clone()), self.jerk(&motion.postures, touched.clone()));
+        let caps = self.caps(&motion.postures, &touched, &window);
+        let mut trial = motion.clone();
+        let mut now = start;
+        for _ in 0..MOST_STEPS {
+            let Some(step) = self.step(&trial, &window, &touched, &caps) else { break };
+            let Some((next, value)) = self.moved(&trial, &window, &touched, &caps, &step, now) else { break };
+            let done = value > now * (1.0 - CONVERGED);
+            (trial, now) = (next, value);
+            if done {
+                break;
+            }
+        }
+        // The text looks at the window alone; waypoints beside it must not pay for it.
+        let well = now < start * (1.0 - gain) && self.jerk(&trial.postures, touched) < around;
+        if well {
+            *motion = trial;
+        }
+        well
+    }
+
+    /// What each bounded quantity may be: its bound, or where it stands if that is beyond.
+    fn caps(&self, postures: &[Posture<N, F>], touched: &Range<usize>, window: &Range<usize>) -> Caps<N> {
+        let cap = |bounds: &[f64; N], values: [f64; N]| -> [f64; N] {
+            std::array::from_fn(|j| bounds[j].max(values[j].abs()))
+        };
+        Caps {
+            velocity: touched.clone().map(|i| cap(&self.bounds.velocity, self.derivative(postures, i, 1))).collect(),
+            acceleration: touched
+                .clone()
+                .map(|i| cap(&self.bounds.acceleration, self.derivative(postures, i, 2)))
+                .collect(),
+            lower: window
+                .clone()
+                .map(|i| std::array::from_fn(|j| self.bounds.lower[j].min(postures[i].joints[j])))
+                .collect(),
+            upper: window
+                .clone()
+                .map(|i| std::array::from_fn(|j| self.bounds.upper[j].max(postures[i].joints[j])))
+                .collect(),
+        }
+    }
+
+    /// The step that the quadratic program says; `None` when there is none.
+    fn step(
+        &self,
+        motion: &Motion<N, F>,
+        window: &Range<usize>,
+        touched: &Range<usize>,
+        caps: &Caps<N>,
+    ) -> Option<Vec<f64>> {
+        let n = window.len() * F;
+        let (mut p, mut q) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for i in self.whole(window.clone()) {
+            let jerk = self.derivative(&motion.postures, i, 3);
+            for (j, jerk) in jerk.into_iter().enumerate() {
+                let row = self.tangent(motion, window, i, 3, j);
+                for &(a, slope) in &row {
+                    q[a] += self.weights[j] * slope * jerk;
+                    row.iter().for_each(|&(b, other)| p[(a, b)] += self.weights[j] * slope * other);
+                }
+            }
+        }
+        let damping = DAMPING * p.diagonal().max();
+        (0..n).for_each(|k| p[(k, k)] += damping);
+        let mut rows = self.box_rows(motion, window);
+        let bounds = self.bound_rows(motion, window, touched, caps);
+        let mut taken = vec![false; bounds.len()];
+        let mut step = least(&p, &q, &rows)?;
+        for _ in 0..ROUNDS {
+            let broken: Vec<usize> = (0..bounds.len())
+                .filter(|&k| !taken[k] && bounds[k].value(&step) > bounds[k].most + SLACK / 10.0)
+                .collect();
+            if broken.is_empty() {
+                break;
+            }
+            for k in broken {
+                taken[k] = true;
+                rows.push(bounds[k].clone());
+            }
+            step = least(&p, &q, &rows)?;
+        }
+        Some(step)
+    }
+
+    /// How a derivative (order 0: the angle) of joint `j` at a waypoint changes with the unknowns of the window.
+    fn tangent(
+        &self,
+        motion: &Motion<N, F>,
+        window: &Range<usize>,
+        waypoint: usize,
+        order: usize,
+        j: usize,
+    ) -> Vec<(usize, f64)> {
+        let mut row = Vec::with_capacity(5 * F);
+        let mut add = |at: usize, weight: f64| {
+            if window.contains(&at) && weight.abs() > 0.0 {
+                row.extend((0..F).map(|f| ((at - window.start) * F + f, weight * motion.postures[at].rates[f][j])));
+            }
+        };
+        if order == 0 {
+            add(waypoint, 1.0);
+        } else {
+            let weights = &self.stencils[waypoint - 2][order - 1];
+            (0..5).for_each(|k| add(waypoint - 2 + k, weights[k]));
+        }
+        row
+    }
+
+    /// How far the unknowns themselves may move.
+    fn box_rows(&self, motion: &Motion<N, F>, window: &Range<usize>) -> Vec<Row> {
+        let range = self.robot.free();
+        let mut rows = Vec::new();
+        for (at, i) in window.clone().enumerate() {
+            for (f, range) in range.iter().enumerate() {
+                let (down, up) = match *range {
+                    FreeRange::Turn => (FARTHEST, FARTHEST),
+                    FreeRange::Within(from, to) => {
+                        let free = motion.free[i][f];
+                        ((free - from).clamp(0.0, FARTHEST), (to - free).clamp(0.0, FARTHEST))
+                    }
+                };
+                rows.push(Row { coefficients: vec![(at * F + f, 1.0)], most: up });
+                rows.push(Row { coefficients: vec![(at * F + f, -1.0)], most: down });
+            }
+        }
+        rows
+    }
+
+    /// All linearised bounds, two for each quantity that has any.
+    fn bound_rows(
+        &self,
+        motion: &Motion<N, F>,
+        window: &Range<usize>,
+        touched: &Range<usize>,
+        caps: &Caps<N>,
+    ) -> Vec<Row> {
+        let mut rows = Vec::new();
+        let mut both = |coefficients: Vec<(usize, f64)>, value: f64, lower: f64, upper: f64| {
+            if lower.is_finite() {
+                let negated = coefficients.iter().map(|&(k, c)| (k, -c)).collect();
+                rows.push(Row { coefficients: negated, most: value - lower });
+            }
+            if upper.is_finite() {
+                rows.push(Row { coefficients, most: upper - value });
+            }
+        };
+        for (at, i) in touched.clone().enumerate() {
+            for (order, cap) in [(1, &caps.velocity[at]), (2, &caps.acceleration[at])] {
+                let value = self.derivative(&motion.postures, i, order);
+                for j in (0..N).filter(|&j| cap[j].is_finite()) {
+                    both(self.tangent(motion, window, i, order, j), value[j], -cap[j], cap[j]);
+                }
+            }
+        }
+        for (at, i) in window.clone().enumerate() {
+            for j in 0..N {
+                let angle = motion.postures[i].joints[j];
+                both(self.tangent(motion, window, i, 0, j), angle, caps.lower[at][j], caps.upper[at][j]);
+            }
+        }
+        rows
+    }
+
+    /// The motion after as much of the step as lowers the sum and keeps within the caps, and the sum there.
+    fn moved(
+        &self,
+        motion: &Motion<N, F>,
+        window: &Range<usize>,
+        touched: &Range<usize>,
+        caps: &Caps<N>,
+        step: &[f64],
+        now: f64,
+    ) -> Option<(Motion<N, F>, f64)> {
+        let range = self.robot.free();
+        let mut share = 1.0;
+        'halving: for _ in 0..MOST_HALVINGS {
+            let mut next = motion.clone();
+            for (at, i) in window.clone().enumerate() {
+                for f in 0..F {
+                    next.free[i][f] += share * step[at * F + f];
+                    if let FreeRange::Within(from, to) = range[f] {
+                        next.free[i][f] = next.free[i][f].clamp(from, to);
+                    }
+                }
+                let Some(posture) = self.posture(i, &next.free[i], next.branches[i], &motion.postures[i].joints) else {
+                    share *= 0.5;
+                    continue 'halving;
+                };
+                next.postures[i] = posture;
+            }
+            let value = self.jerk(&next.postures, window.clone());
+            if value < now && self.within(&next.postures, window, touched, caps) {
+                return Some((next, value));
+            }
+            share *= 0.5;
+        }
+        None
+    }
+
+    fn within(
+        &self,
+        postures: &[Posture<N, F>],
+        window: &Range<usize>,
+        touched: &Range<usize>,
+        caps: &Caps<N>,
+    ) -> bool {
+        let slow = touched.clone().enumerate().all(|(at, i)| {
+            let (v, a) = (self.derivative(postures, i, 1), self.derivative(postures, i, 2));
+            (0..N).all(|j| {
+                v[j].abs() <= caps.velocity[at][j] * (1.0 + SLACK)
+                    && a[j].abs() <= caps.acceleration[at][j] * (1.0 + SLACK)
+            })
+        });
+        slow && window.clone().enumerate().all(|(at, i)| {
+            let joints = &postures[i].joints;
+            (0..N).all(|j| caps.lower[at][j] <= joints[j] && joints[j] <= caps.upper[at][j])
+        })
+    }
+}
+
+/// Bounds at the waypoints that a window touches (angles: that it moves).
+struct Caps<const N: usize> {
+    velocity: Vec<[f64; N]>,
+    acceleration: Vec<[f64; N]>,
+    lower: Vec<[f64; N]>,
+    upper: Vec<[f64; N]>,
+}

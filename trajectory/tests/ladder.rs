@@ -1,0 +1,365 @@
+//! The ladder against Dijkstra's algorithm on a graph with every node and every edge.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+
+use common::{Planar, quiet, wrapped};
+use curvlay_trajectory::{
+    Bounds, BoundsError, FreeRange, Ladder, LadderError, LadderOptions, LadderSearch, Norm, Posture, Robot, RobotFn,
+    plan_ladder,
+};
+use proptest::prelude::*;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+
+/// Solutions for each waypoint and sample, any that one likes.
+#[derive(Debug)]
+struct Listed<const N: usize> {
+    /// `[waypoint][sample]`: solutions.
+    joints: Vec<Vec<Vec<[f64; N]>>>,
+}
+
+impl<const N: usize> Robot<N, 1> for Listed<N> {
+    fn waypoints(&self) -> usize {
+        self.joints.len()
+    }
+
+    fn free(&self) -> [FreeRange; 1] {
+        [FreeRange::Within(0.0, (self.joints[0].len() - 1) as f64)]
+    }
+
+    fn solutions(&self, waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; N])) {
+        let solutions = &self.joints[waypoint][free[0].round() as usize];
+        solutions.iter().zip(0..).for_each(|(joints, branch)| each(branch, *joints));
+    }
+
+    fn posture(&self, _: usize, _: &[f64; 1], _: u32) -> Option<Posture<N, 1>> {
+        None
+    }
+}
+
+/// Every image of every joint within the bounds; of a joint without end the one in `(-pi, pi]`.
+fn all_images<const N: usize>(joints: &[f64; N], bounds: &Bounds<N>) -> Vec<[f64; N]> {
+    let mut found = vec![*joints];
+    for j in 0..N {
+        let one = |turn: i32| joints[j] + TAU * f64::from(turn);
+        let images: Vec<f64> = if bounds.is_endless(j) {
+            vec![wrapped(joints[j])]
+        } else {
+            (-9..=9).map(one).filter(|q| (bounds.lower[j]..=bounds.upper[j]).contains(q)).collect()
+        };
+        let with = |joints: &[f64; N], q: f64| {
+            let mut joints = *joints;
+            joints[j] = q;
+            joints
+        };
+        found = found.iter().flat_map(|joints| images.iter().map(move |&q| with(joints, q))).collect();
+    }
+    found
+}
+
+/// The cost of the shortest path, by a heap over stored edges; `None` where there is none.
+fn slow_cost<const N: usize>(
+    robot: &Listed<N>,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    options: &LadderOptions<N, 1>,
+) -> Option<f64> {
+    let rungs: Vec<Vec<[f64; N]>> = robot
+        .joints
+        .iter()
+        .map(|samples| samples.iter().flatten().flat_map(|joints| all_images(joints, bounds)).collect())
+        .collect();
+    let firsts: Vec<usize> = rungs.iter().scan(0, |n, rung| Some(std::mem::replace(n, *n + rung.len()))).collect();
+    let nodes = rungs.iter().map(Vec::len).sum();
+    let mut edges: Vec<Vec<(usize, f64)>> = vec![Vec::new(); nodes];
+    for at in 1..rungs.len() {
+        for (a, from) in rungs[at - 1].iter().enumerate() {
+            for (b, to) in rungs[at].iter().enumerate() {
+                let apart: Vec<f64> = (0..N)
+                    .map(
+                        |j| if bounds.is_endless(j) { wrapped(to[j] - from[j]).abs() } else { (to[j] - from[j]).abs() },
+                    )
+                    .collect();
+                let time = times[at] - times[at - 1];
+                if (0..N).all(|j| apart[j] <= bounds.velocity[j] * time) {
+                    let cost = |j: usize| match options.norm {
+                        Norm::Squared => options.weights[j] * apart[j] * apart[j],
+                        Norm::Absolute => options.weights[j] * apart[j],
+                    };
+                    edges[firsts[at - 1] + a].push((firsts[at] + b, (0..N).map(cost).sum()));
+                }
+            }
+        }
+    }
+    // Costs that are not negative order like their bits.
+    let mut costs = vec![f64::INFINITY; nodes];
+    let mut heap: BinaryHeap<Reverse<(u64, usize)>> = (0..rungs[0].len()).map(|node| Reverse((0, node))).collect();
+    costs[..rungs[0].len()].fill(0.0);
+    while let Some(Reverse((bits, node))) = heap.pop() {
+        let cost = f64::from_bits(bits);
+        if cost > costs[node] {
+            continue;
+        }
+        for &(next, by) in &edges[node] {
+            if cost + by < costs[next] {
+                costs[next] = cost + by;
+                heap.push(Reverse(((cost + by).to_bits(), next)));
+            }
+        }
+    }
+    let last = &costs[firsts[rungs.len() - 1]..];
+    Some(last.iter().copied().fold(f64::INFINITY, f64::min)).filter(|cost| cost.is_finite())
+}
+
+/// That the path is one: solutions of the robot, within bounds and speeds, with the cost that is said.
+fn assert_is_a_path<const N: usize, R: Robot<N, 1>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    options: &LadderOptions<N, 1>,
+    ladder: &Ladder<N, 1>,
+) {
+    assert_eq!(ladder.rungs.len(), times.len());
+    let mut cost = 0.0;
+    for (at, rung) in ladder.rungs.iter().enumerate() {
+        let mut met = false;
+        robot.solutions(at, &rung.free, &mut |branch, joints| {
+            met |= branch == rung.branch && (0..N).all(|j| wrapped(joints[j] - rung.joints[j]).abs() < 1e-9);
+        });
+        assert!(met, "rung {at} is no solution");
+        assert!((0..N).all(|j| bounds.lower[j] <= rung.joints[j] && rung.joints[j] <= bounds.upper[j]), "{rung:?}");
+        if at > 0 && !ladder.breaks.contains(&at) {
+            for j in 0..N {
+                let apart = (rung.joints[j] - ladder.rungs[at - 1].joints[j]).abs();
+                assert!(apart <= bounds.velocity[j] * (times[at] - times[at - 1]) * (1.0 + 1e-9), "rung {at}");
+                cost += options.weights[j] * if options.norm == Norm::Squared { apart * apart } else { apart };
+            }
+        }
+    }
+    assert!((cost - ladder.cost).abs() <= 1e-9 * (1.0 + cost), "{cost} {}", ladder.cost);
+}
+
+fn stops() -> impl Strategy<Value = (f64, f64)> {
+    prop_oneof![
+        Just((f64::NEG_INFINITY, f64::INFINITY)),
+        Just((-TAU, TAU)),
+        Just((-PI, PI)),
+        Just((-2.5, 2.9)),
+        Just((-3.5, 4.0)),
+        Just((1.0, 12.0)),
+    ]
+}
+
+prop_compose! {
+    fn random_walks()(
+        waypoints in 2usize..9, samples in 2usize..5, seed in any::<u64>(), step in 0.05..0.9f64,
+        stops in prop::array::uniform3(stops()), velocity in prop::array::uniform3(0.3..4.0f64),
+        absolute in any::<bool>(), weights in prop::array::uniform3(0.0..2.0f64),
+    ) -> (Listed<3>, Vec<f64>, Bounds<3>, LadderOptions<3, 1>) {
+        // Solutions that wander from waypoint to waypoint, so that there are paths and dead ends.
+        let mut state = seed | 1;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut now: Vec<Vec<[f64; 3]>> = (0..samples)
+            .map(|_| (0..1 + (random() * 3.0) as usize).map(|_| [0; 3].map(|_| TAU * random() - PI)).collect())
+            .collect();
+        let mut joints = Vec::new();
+        for _ in 0..waypoints {
+            joints.push(now.clone());
+            now.iter_mut().flatten().flatten().for_each(|q| *q = wrapped(*q + 2.0 * step * (random() - 0.4)));
+        }
+        let times = (0..waypoints).map(|k| 0.25 * k as f64 + 0.05 * ((k * k) % 3) as f64).collect();
+        let bounds = Bounds { lower: stops.map(|s| s.0), upper: stops.map(|s| s.1), velocity, ..Bounds::NONE };
+        let norm = if absolute { Norm::Absolute } else { Norm::Squared };
+        let options = LadderOptions { samples: [samples as u32], doublings: 0, norm, weights, ..LadderOptions::default() };
+        (Listed { joints }, times, bounds, options)
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+
+    #[test]
+    fn is_as_short_as_dijkstras((robot, times, bounds, options) in random_walks()) {
+        let slow = slow_cost(&robot, &times, &bounds, &options);
+        match plan_ladder(&robot, &times, &bounds, &options, &quiet) {
+            Ok(ladder) => {
+                assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+                let slow = slow.unwrap();
+                prop_assert!((ladder.cost - slow).abs() <= 1e-9 * (1.0 + slow), "{} {slow}", ladder.cost);
+            }
+            Err(LadderError::NoPath { .. } | LadderError::Unreachable { .. }) => prop_assert_eq!(slow, None),
+            Err(error) => prop_assert!(false, "{error}"),
+        }
+    }
+
+    #[test]
+    fn with_breaks_it_always_arrives((robot, times, bounds, options) in random_walks()) {
+        let options = LadderOptions { breaks: true, ..options };
+        match plan_ladder(&robot, &times, &bounds, &options, &quiet) {
+            Ok(ladder) => {
+                assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+                let without = slow_cost(&robot, &times, &bounds, &LadderOptions { breaks: false, ..options });
+                prop_assert_eq!(ladder.breaks.is_empty(), without.is_some());
+                prop_assert_eq!(ladder.runs().map(|run| run.len()).sum::<usize>(), times.len());
+            }
+            Err(error) => prop_assert!(matches!(error, LadderError::Unreachable { .. }), "{error}"),
+        }
+    }
+}
+
+fn no_limits() -> Bounds<3> {
+    Bounds { velocity: [2.0; 3], ..Bounds::NONE }
+}
+
+fn times(count: usize, step: f64) -> Vec<f64> {
+    (0..count).map(|k| step * k as f64).collect()
+}
+
+#[test]
+fn samples_are_doubled_until_there_is_a_path() {
+    // The tip leaves the reach of any one direction of the last link, and steps of a quarter turn are too far.
+    let robot = Planar::circle(60, [0.0, 0.0], 2.05);
+    let options = LadderOptions::default();
+    let (times, bounds) = (times(60, 0.2), Bounds { velocity: [1.5; 3], ..Bounds::NONE });
+    let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
+    assert!(ladder.samples[0] > 4, "{:?}", ladder.samples);
+    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    for (rung, tip) in ladder.rungs.iter().zip(&robot.tips) {
+        let reached = robot.tip(&rung.joints);
+        assert!((reached[0] - tip[0]).abs() < 1e-12 && (reached[1] - tip[1]).abs() < 1e-12);
+    }
+    let few = LadderOptions { doublings: 0, ..options };
+    let found = plan_ladder(&robot, &times, &bounds, &few, &quiet);
+    assert!(matches!(found, Err(LadderError::NoPath { samples: 4, .. } | LadderError::Unreachable { samples: 4, .. })));
+}
+
+#[test]
+fn a_joint_that_would_wind_past_its_stop_turns_back_or_breaks() {
+    // A joint that must make three turns, with stops two turns apart.
+    let robot = RobotFn {
+        waypoints: 100,
+        free: [FreeRange::Turn],
+        solutions: |i: usize, _: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 1])| each(0, [wrapped(0.2 * i as f64)]),
+        posture: |_: usize, _: &[f64; 1], _: u32| None,
+    };
+    let bounds = Bounds { lower: [-TAU], upper: [TAU], velocity: [1.0], ..Bounds::NONE };
+    let options = LadderOptions { samples: [1], doublings: 0, ..LadderOptions::default() };
+    let times = times(100, 0.25);
+    let found = plan_ladder(&robot, &times, &bounds, &options, &quiet);
+    assert_eq!(found, Err(LadderError::NoPath { waypoint: 63, samples: 1 }));
+    let ladder = plan_ladder(&robot, &times, &bounds, &LadderOptions { breaks: true, ..options }, &quiet).unwrap();
+    assert_eq!(ladder.breaks, [63]);
+    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    // With room for it, or without stops, it winds.
+    for (lower, upper) in [(-2.0 * TAU, 2.0 * TAU), (f64::NEG_INFINITY, f64::INFINITY), (30.0, f64::INFINITY)] {
+        let bounds = Bounds { lower: [lower], upper: [upper], ..bounds };
+        let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
+        assert!((ladder.rungs[99].joints[0] - ladder.rungs[0].joints[0] - 19.8).abs() < 1e-9);
+        assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    }
+}
+
+#[test]
+fn coarse_to_fine_comes_close_to_the_shortest() {
+    let robot = Planar::circle(200, [0.9, 0.4], 0.5);
+    let times = times(200, 0.1);
+    let exact = LadderOptions { samples: [180], doublings: 0, ..LadderOptions::default() };
+    let fast = LadderOptions { search: LadderSearch::CoarseToFine, ..exact };
+    let shortest = plan_ladder(&robot, &times, &no_limits(), &exact, &quiet).unwrap();
+    let near = plan_ladder(&robot, &times, &no_limits(), &fast, &quiet).unwrap();
+    assert_is_a_path(&robot, &times, &no_limits(), &fast, &near);
+    assert!(
+        near.cost >= shortest.cost * (1.0 - 1e-12) && near.cost <= shortest.cost * 1.01,
+        "{} {}",
+        near.cost,
+        shortest.cost
+    );
+}
+
+#[test]
+fn two_runs_are_one() {
+    let robot = Planar::circle(80, [0.9, 0.4], 0.5);
+    let plan = || plan_ladder(&robot, &times(80, 0.2), &no_limits(), &LadderOptions::default(), &quiet);
+    assert_eq!(plan(), plan());
+}
+
+#[test]
+fn what_cannot_be_is_named() {
+    let robot = Planar::circle(6, [0.9, 0.4], 0.5);
+    let options = LadderOptions::default();
+    let plan = |times: &[f64], bounds: &Bounds<3>, options: &LadderOptions<3, 1>| {
+        plan_ladder(&robot, times, bounds, options, &quiet).unwrap_err()
+    };
+    let good = times(6, 0.5);
+    assert_eq!(plan(&good[..5], &no_limits(), &options), LadderError::Count { times: 5, waypoints: 6 });
+    assert_eq!(
+        plan(&[0.0, 1.0, 1.0, 2.0, 3.0, 4.0], &no_limits(), &options),
+        LadderError::Time { waypoint: 2, time: 1.0 }
+    );
+    let infinite = plan(&[0.0, 1.0, f64::INFINITY, 2.0, 3.0, 4.0], &no_limits(), &options);
+    assert!(matches!(infinite, LadderError::Time { waypoint: 2, .. }));
+    let empty = Bounds { lower: [0.0, 2.0, 0.0], upper: [1.0; 3], ..Bounds::NONE };
+    let expected = BoundsError::Empty { joint: 1, lower: 2.0, upper: 1.0 };
+    assert_eq!(plan(&good, &empty, &options), LadderError::Bounds(expected));
+    let still = Bounds { velocity: [1.0, 1.0, 0.0], ..Bounds::NONE };
+    assert!(matches!(plan(&good, &still, &options), LadderError::Bounds(BoundsError::Still { joint: 2, .. })));
+    for samples in [0, 1 << 21] {
+        let options = LadderOptions { samples: [samples], ..options };
+        assert!(matches!(plan(&good, &no_limits(), &options), LadderError::Option { .. }));
+    }
+    let heavy = LadderOptions { weights: [1.0, f64::NAN, 1.0], ..options };
+    assert!(matches!(plan(&good, &no_limits(), &heavy), LadderError::Option { .. }));
+    let far = Planar { tips: vec![[0.9, 0.4], [9.0, 0.0], [0.9, 0.4]], links: [1.0, 0.8, 0.4] };
+    let found = plan_ladder(&far, &good[..3], &no_limits(), &options, &quiet);
+    assert_eq!(found, Err(LadderError::Unreachable { waypoint: 1, samples: 512 }));
+    let narrow = Bounds { lower: [-1e-3; 3], upper: [1e-3; 3], ..no_limits() };
+    assert_eq!(plan(&good, &narrow, &options), LadderError::Unreachable { waypoint: 0, samples: 512 });
+    let slow = Bounds { velocity: [1e-6; 3], ..Bounds::NONE };
+    assert_eq!(plan(&good, &slow, &options), LadderError::NoPath { waypoint: 1, samples: 512 });
+    let stopped = plan_ladder(&robot, &good, &no_limits(), &options, &|_| ControlFlow::Break(()));
+    assert_eq!(stopped, Err(LadderError::Cancelled));
+    let nobody = Planar { tips: Vec::new(), links: [1.0; 3] };
+    let found = plan_ladder(&nobody, &[], &no_limits(), &options, &quiet);
+    assert_eq!(found, Err(LadderError::Count { times: 0, waypoints: 0 }));
+}
+
+#[test]
+fn stops_too_many_turns_apart_are_too_large_not_endless_work() {
+    // Two joints that meet their stops, millions of turns apart, and so many images that no rung holds them.
+    let robot = RobotFn {
+        waypoints: 3,
+        free: [FreeRange::Turn],
+        solutions: |i: usize, _: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| {
+            each(0, [wrapped(3.0 * i as f64), 0.0])
+        },
+        posture: |_: usize, _: &[f64; 1], _: u32| None,
+    };
+    let bounds = Bounds { lower: [-1e9; 2], upper: [1e9; 2], ..Bounds::NONE };
+    let options = LadderOptions { samples: [1], doublings: 0, ..LadderOptions::default() };
+    let ladder = plan_ladder(&robot, &times(3, 1.0), &bounds, &options, &quiet).unwrap();
+    assert!((ladder.rungs[2].joints[0] - ladder.rungs[0].joints[0] - 6.0).abs() < 1e-6);
+}
+
+#[test]
+fn solutions_that_are_no_numbers_are_no_nodes() {
+    let robot = RobotFn {
+        waypoints: 3,
+        free: [FreeRange::Turn],
+        solutions: |_: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 1])| {
+            each(0, [f64::NAN]);
+            each(1, [f64::INFINITY]);
+            each(2, *free);
+        },
+        posture: |_: usize, _: &[f64; 1], _: u32| None,
+    };
+    let ladder = plan_ladder(&robot, &times(3, 1.0), &Bounds::NONE, &LadderOptions::default(), &quiet).unwrap();
+    assert!(ladder.rungs.iter().all(|rung| rung.branch == 2));
+}
