@@ -5,9 +5,9 @@
 //! lowered by sequential quadratic programming. Where that fails the window grows, and at its largest its waypoints are
 //! locked: no window is laid around them until another one that covers them succeeds.
 //!
-//! Where the text leaves a choice: a window succeeds when its sum of squared jerks falls by
-//! [`FilterOptions::gain`], and that of the waypoints beside it, whose stencils reach in, does not rise more. The
-//! indicator of collisions is the robot's own: a posture that collides is none. Speeds and accelerations are those of
+//! Departs from the text: the sum for a window has the jerks of two more waypoints on either side, whose stencils reach
+//! into it. Without them nearly every window that succeeds makes the jerk beside it worse, and J rises. Where the text
+//! leaves a choice: a window succeeds when its sum falls by [`FilterOptions::gain`]. The indicator of collisions is the robot's own: a posture that collides is none. Speeds and accelerations are those of
 //! Eq. 4.7, at waypoints; what is beyond a bound at the start is not driven further.
 
 mod program;

@@ -84,8 +84,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     pub fn minimise(&self, motion: &mut Motion<N, F>, window: Range<usize>, gain: f64) -> bool {
         // Waypoints whose derivatives change with the window.
         let touched = self.whole(window.start.saturating_sub(2)..window.end + 2);
-        let (start, around) =
-            (self.jerk(&motion.postures, window.clone()), self.jerk(&motion.postures, touched.clone()));
+        let start = self.jerk(&motion.postures, touched.clone());
         let caps = self.caps(&motion.postures, &touched, &window);
         let mut trial = motion.clone();
         let mut now = start;
@@ -98,8 +97,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
                 break;
             }
         }
-        // The text looks at the window alone; waypoints beside it must not pay for it.
-        let well = now < start * (1.0 - gain) && self.jerk(&trial.postures, touched) < around;
+        let well = now < start * (1.0 - gain);
         if well {
             *motion = trial;
         }
@@ -138,7 +136,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     ) -> Option<Vec<f64>> {
         let n = window.len() * F;
         let (mut p, mut q) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        for i in self.whole(window.clone()) {
+        for i in touched.clone() {
             let jerk = self.derivative(&motion.postures, i, 3);
             for (j, jerk) in jerk.into_iter().enumerate() {
                 let row = self.tangent(motion, window, i, 3, j);
@@ -276,7 +274,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
                 };
                 next.postures[i] = posture;
             }
-            let value = self.jerk(&next.postures, window.clone());
+            let value = self.jerk(&next.postures, touched.clone());
             if value < now && self.within(&next.postures, window, touched, caps) {
                 return Some((next, value));
             }
