@@ -1,5 +1,7 @@
 //! What the benches share: inputs, and a stopwatch.
 
+pub mod part_in_hand;
+
 use curvlay_voxel::VoxelGrid;
 use std::time::Instant;
 

@@ -42,9 +42,8 @@ fn assert_kept<const N: usize, R: Robot<N, 1>>(
         assert_eq!(rung.branch, start[i].branch);
         let posture = robot.posture(i, &rung.free, rung.branch).unwrap();
         assert!((0..N).all(|j| wrapped(posture.joints[j] - rung.joints[j]).abs() < 1e-9), "waypoint {i}");
-        for j in 0..N {
-            assert!(rung.joints[j] >= bounds.lower[j].min(before[i][j]));
-            assert!(rung.joints[j] <= bounds.upper[j].max(before[i][j]));
+        for (j, &was) in before[i].iter().enumerate() {
+            assert!(rung.joints[j] >= bounds.lower[j].min(was) && rung.joints[j] <= bounds.upper[j].max(was));
         }
     }
     for (was, is) in rates(times, &before).iter().zip(rates(times, &after)) {
@@ -115,12 +114,12 @@ fn one_window_is_the_least_squares_solution() {
     for (row, i) in touched.clone().enumerate() {
         let five: [f64; 5] = std::array::from_fn(|k| times[i - 2 + k]);
         let third = stencil(&five)[2];
-        for k in 0..5 {
+        for (k, weight) in third.into_iter().enumerate() {
             let at = i - 2 + k;
-            b[2 * row] -= third[k] * asked[at];
+            b[2 * row] -= weight * asked[at];
             if window.contains(&at) {
-                a[(2 * row, at - window.start)] += third[k];
-                a[(2 * row + 1, at - window.start)] -= third[k];
+                a[(2 * row, at - window.start)] += weight;
+                a[(2 * row + 1, at - window.start)] -= weight;
             }
         }
     }

@@ -1,0 +1,123 @@
+//! The planners on real and synthetic tool paths, for a UR3 that holds the part.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+
+use common::quiet;
+use common::ur3::{STEP, Ur3, read};
+use curvlay_trajectory::{
+    FilterOptions, Ladder, LadderOptions, LadderSearch, PathOptions, RunIn, Timeline, Timing, Trajectory,
+    filter_locally, jerk_measure, plan_ladder, timed_path,
+};
+use std::time::Instant;
+
+fn grid(search: LadderSearch, samples: u32) -> LadderOptions<6, 1> {
+    LadderOptions { samples: [samples], doublings: 0, search, ..LadderOptions::default() }
+}
+
+fn assert_met(robot: &Ur3, ladder: &Ladder<6, 1>) {
+    for (rung, waypoint) in ladder.rungs.iter().zip(&robot.waypoints) {
+        let nozzle = robot.cell.nozzle_on_part(&rung.joints);
+        assert!((nozzle.translation.vector - waypoint.position.coords).norm() <= 1e-6);
+        let axis = nozzle.rotation * curvlay_trajectory::nalgebra::Vector3::z();
+        assert!(axis.cross(&waypoint.axis).norm() <= 1e-9 && axis.dot(&waypoint.axis) > 0.0);
+    }
+}
+
+#[test]
+fn synthetic_paths_are_one_piece_and_smoothed() {
+    for name in ["syn_dev_smooth_2545.txt", "syn_dev_2545.txt"] {
+        let Some(path) = read(name) else { return };
+        let times: Vec<f64> = (0..path.len()).map(|k| STEP * k as f64).collect();
+        let (positions, normals): (Vec<_>, Vec<_>) = path.iter().copied().unzip();
+        let timed = timed_path(&positions, &normals, Timing::Given(&times), &PathOptions::default()).unwrap();
+        assert_eq!((timed.pieces.len(), timed.defects.len()), (1, 0), "{:?}", timed.defects);
+        let robot = Ur3::new(&path[..600]);
+        let (times, bounds) = (robot.times(), robot.bounds());
+        let ladder = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet).unwrap();
+        assert_met(&robot, &ladder);
+        let (exact, fast) = (grid(LadderSearch::Exact, 90), grid(LadderSearch::CoarseToFine, 90));
+        let (least, near) = (
+            plan_ladder(&robot, &times, &bounds, &exact, &quiet).unwrap(),
+            plan_ladder(&robot, &times, &bounds, &fast, &quiet).unwrap(),
+        );
+        assert_met(&robot, &least);
+        assert!(
+            near.cost >= least.cost * (1.0 - 1e-9) && near.cost <= 1.01 * least.cost,
+            "{} {}",
+            near.cost,
+            least.cost
+        );
+        let filter = FilterOptions { iterations: 25, ..FilterOptions::default() };
+        let local = filter_locally(&robot, &times, &ladder.rungs, &bounds, &filter, &quiet).unwrap();
+        assert!(local.jerk[1] <= local.jerk[0]);
+    }
+}
+
+#[test]
+fn the_defects_of_published_paths_are_found() {
+    let names = ["bunnyHead_10200", "freeform_10", "model_1_16", "simple_curve_10", "topology_2200S", "yoga_26300"];
+    let mut all = [0; 2];
+    for name in names {
+        let Some(path) = read(&format!("maxis_{name}.txt")) else { return };
+        let (positions, normals): (Vec<_>, Vec<_>) = path.iter().copied().unzip();
+        let timed = timed_path(&positions, &normals, Timing::Feed(5.0), &PathOptions::default()).unwrap();
+        let kept: usize = timed.pieces.iter().map(|piece| piece.waypoints.len()).sum();
+        println!("{name}: {} waypoints, {} pieces, {} defects", path.len(), timed.pieces.len(), timed.defects.len());
+        assert!(kept > path.len() * 9 / 10, "{kept} of {}", path.len());
+        all[0] += timed.pieces.len();
+        all[1] += timed.defects.len();
+    }
+    assert!(all[0] > names.len() && all[1] > 0);
+}
+
+/// `cargo test --release -p curvlay-trajectory --test figures -- --ignored --nocapture`
+#[test]
+#[ignore = "prints times; run it with --release"]
+fn figures() {
+    for name in ["smooth_2545", "smooth_4681", "2545", "4681"] {
+        let Some(path) = read(&format!("syn_dev_{name}.txt")) else { return };
+        let robot = Ur3::new(&path);
+        let (times, bounds) = (robot.times(), robot.bounds());
+        let line = Timeline::new(&times, RunIn::default()).unwrap();
+        let show = |method: &str, joints: &[[f64; 6]], seconds: f64| {
+            let trajectory = Trajectory::through(&line, joints).unwrap();
+            let peak = |f: fn(&curvlay_trajectory::Extremes) -> f64| {
+                trajectory.extremes().iter().map(|e| f(e).abs()).fold(0.0, f64::max)
+            };
+            println!(
+                "{name:12} {method:16} J {:12.2} spline {:12.2} jerk {:9.2} acceleration {:7.3} speed {:6.3} in {seconds:.3} s",
+                jerk_measure(&times, joints),
+                trajectory.squared_jerk(),
+                peak(|e| e.jerk.value),
+                peak(|e| e.acceleration.value),
+                peak(|e| e.velocity.value),
+            );
+        };
+        let climb = |options: &LadderOptions<6, 1>| {
+            let start = Instant::now();
+            let ladder = plan_ladder(&robot, &times, &bounds, options, &quiet);
+            ladder.inspect(|ladder| assert_met(&robot, ladder)).map(|ladder| (ladder, start.elapsed().as_secs_f64()))
+        };
+        // The hard crest with 4,681 waypoints asks for more than 1 rad/s.
+        let (ladder, seconds) = match climb(&LadderOptions::default()) {
+            Ok(found) => found,
+            Err(error) => {
+                println!("{name}: {error}");
+                continue;
+            }
+        };
+        println!("{name}: {:?} samples", ladder.samples);
+        show("ladder", &ladder.joints(), seconds);
+        let (least, seconds) = climb(&grid(LadderSearch::Exact, 360)).unwrap();
+        show("grid", &least.joints(), seconds);
+        let (near, seconds) = climb(&grid(LadderSearch::CoarseToFine, 360)).unwrap();
+        show("coarse to fine", &near.joints(), seconds);
+        println!("{name}: cost {} grid, {} coarse to fine, {} ladder", least.cost, near.cost, ladder.cost);
+        let start = Instant::now();
+        let local = filter_locally(&robot, &times, &ladder.rungs, &bounds, &FilterOptions::default(), &quiet).unwrap();
+        let joints: Vec<_> = local.rungs.iter().map(|rung| rung.joints).collect();
+        show("local", &joints, start.elapsed().as_secs_f64());
+        println!("{name}: {:?} after {} windows, {} successes", local.status, local.iterations, local.successes);
+    }
+}
