@@ -6,6 +6,7 @@
 mod bounds;
 pub mod indicator;
 mod closures;
+mod global;
 mod jerk;
 mod ladder;
 mod local;
@@ -19,6 +20,7 @@ mod spline;
 
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
+pub use global::{BandedQp, QpError, QpOptions, QpSolution, QpStatus};
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{Ladder, LadderError, LadderOptions, LadderSearch, MOST_SAMPLES, Norm, Rung, plan_ladder};
 pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};

@@ -1,0 +1,87 @@
+//! Whether the hard rows of a quadratic program contradict each other.
+//!
+//! The least sum by which they must be missed is a linear program that always has a solution, with room around it: each
+//! row is made soft at the price 1. Where the sum is not zero, its multipliers are a proof (J. Farkas, 1902): with these
+//! factors the rows add up to one that has no variable left and cannot hold.
+
+use super::interior::Interior;
+use super::qp::{BandedQp, QpOptions};
+
+/// A sum of misses up to this, relative to the largest bound, is rounding.
+const NOTHING: f64 = 1e-6;
+
+/// Multipliers of the rows that prove them contradictory; `None` where they are not, or nothing can be proved.
+pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f64>> {
+    // An equation may reach over three stages, which a soft row may not: it gets a variable for its miss, placed in the
+    // middle stage behind the variables of that stage.
+    let stages = qp.first.len() - 1;
+    let mut sizes: Vec<usize> = qp.first.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut homes = Vec::new();
+    for (row, bounds) in qp.rows.iter().enumerate() {
+        if bounds.is_equation() {
+            let touched = qp.terms_of(row).iter().filter_map(|&(variable, _)| qp.stage(variable as usize));
+            let (low, high) = touched.fold((stages, 0), |(low, high), stage| (stage.min(low), stage.max(high)));
+            homes.push((row, if low > high { None } else { Some((low + high) / 2) }));
+        }
+    }
+    // An equation over border variables alone joins them in the border.
+    let border = qp.border + homes.iter().filter(|home| home.1.is_none()).count();
+    let mut behind = sizes.clone();
+    for stage in homes.iter().filter_map(|home| home.1) {
+        sizes[stage] += 1;
+    }
+    let mut loose = BandedQp::new(&sizes, border);
+    let moved = |variable: u32| {
+        let variable = variable as usize;
+        match qp.stage(variable) {
+            Some(stage) => loose.first[stage] + (variable - qp.first[stage]),
+            None => loose.variables() - border + (variable - (qp.variables() - qp.border)),
+        }
+    };
+    let place: Vec<usize> = (0..qp.variables() as u32).map(moved).collect();
+    let mut last = loose.variables() - border + qp.border;
+    let mut homes = homes.into_iter();
+    let mut terms = Vec::new();
+    let mut kept = Vec::new();
+    let mut scale = 1.0f64;
+    for (row, bounds) in qp.rows.iter().enumerate() {
+        if bounds.penalty < f64::INFINITY {
+            continue;
+        }
+        for bound in [bounds.lower, bounds.upper] {
+            if bound.is_finite() {
+                scale = scale.max(bound.abs());
+            }
+        }
+        terms.clear();
+        terms.extend(qp.terms_of(row).iter().map(|&(variable, by)| (place[variable as usize], by)));
+        if bounds.is_equation() {
+            let miss = match homes.next()?.1 {
+                Some(stage) => {
+                    behind[stage] += 1;
+                    loose.first[stage] + behind[stage] - 1
+                }
+                None => {
+                    last += 1;
+                    last - 1
+                }
+            };
+            terms.push((miss, 1.0));
+            kept.push((row, loose.add_row(&terms, bounds.lower, bounds.upper)));
+            loose.add_soft_row(&[(miss, 1.0)], 0.0, 0.0, 1.0);
+        } else {
+            kept.push((row, loose.add_soft_row(&terms, bounds.lower, bounds.upper, 1.0)));
+        }
+    }
+    let found = Interior::new(&loose).solve(options, None);
+    // The multipliers prove it whether or not the last digits of the point are there.
+    let proved = found.dual_residual <= NOTHING && found.lower_bound > NOTHING * scale;
+    if !proved {
+        return None;
+    }
+    let mut proof = vec![0.0; qp.rows.len()];
+    for (row, copy) in kept {
+        proof[row] = found.duals[copy];
+    }
+    Some(proof)
+}

@@ -1,0 +1,508 @@
+//! The primal-dual interior-point method for [`BandedQp`].
+//!
+//! S. Mehrotra, "On the implementation of a primal-dual interior point method", SIAM J. Optim. 2(4), 1992, for convex
+//! quadratic programs with infeasible starts; one step length for primal and dual, as the Hessian ties them. Each
+//! finite bound of a row that is no equation is a *side* with slack `s` and multiplier `z`. A soft side may be missed
+//! by `p` for `penalty * p`; the multiplier of `p >= 0` is `w = penalty - z`. Both pairs are eliminated, so a soft row
+//! costs no more unknowns than a hard one. What is left is `(H + A^T S A) dx + E^T dl`, `E dx`: block-tridiagonal with
+//! the multiplier of each equation in a stage that it touches, and bordered by the few variables that all may share.
+
+use super::band::Band;
+use super::qp::{BandedQp, QpOptions, QpSolution, QpStatus};
+use super::side::Side;
+use super::system::{dot, largest};
+use nalgebra::{DMatrix, Dyn, LU};
+
+/// How near to the boundary a step may come: with more, later steps are short; with less, all are.
+const FRACTION: f64 = 0.995;
+
+/// A corrected step shorter than this is replaced by one towards the central path.
+const SHORT: f64 = 0.1;
+
+/// A proof of infeasibility or unboundedness holds to this, relative to its own size.
+const PROOF: f64 = 1e-8;
+
+/// The working state.
+pub(super) struct Interior<'a> {
+    pub(super) qp: &'a BandedQp,
+    /// Number of variables before the border.
+    pub(super) banded: usize,
+    /// Unknown of the linear system of each variable before the border.
+    pub(super) unknown: Vec<u32>,
+    /// Equations: the row and its unknown.
+    pub(super) equations: Vec<(u32, u32)>,
+    pub(super) sides: Vec<Side>,
+    pub(super) band: Band,
+    /// Slots of the entries of `H` (those of border variables unused).
+    pub(super) slots_h: Vec<usize>,
+    /// Slots of the products of terms, for each row that has sides, one after another.
+    pub(super) slots_a: Vec<usize>,
+    pub(super) slots_e: Vec<usize>,
+    pub(super) diagonal: Vec<usize>,
+    pub(super) signs: Vec<f64>,
+    /// Border columns of the linear system, its corner, and the solutions of the columns.
+    pub(super) columns: Vec<Vec<f64>>,
+    pub(super) corner: DMatrix<f64>,
+    pub(super) solved: Vec<Vec<f64>>,
+    pub(super) schur: Option<LU<f64, Dyn, Dyn>>,
+    /// Weight of each row.
+    pub(super) weights: Vec<f64>,
+}
+
+/// Residuals of an iterate.
+struct Residuals {
+    /// `H x + g + A^T (z_u - z_l) + E^T l`.
+    dual: Vec<f64>,
+    /// `b - E x`, by equation.
+    equations: Vec<f64>,
+    worst_primal: f64,
+    worst_dual: f64,
+    scale_primal: f64,
+    scale_dual: f64,
+    /// `x^T H x`.
+    curved: f64,
+}
+
+impl<'a> Interior<'a> {
+    pub fn new(qp: &'a BandedQp) -> Self {
+        let banded = qp.variables() - qp.border;
+        let stages = qp.first.len() - 1;
+        // The stage in which each equation's multiplier stands: with three stages touched, the middle one.
+        let mut homes: Vec<(u32, u32)> = Vec::new();
+        for (row, bounds) in qp.rows.iter().enumerate() {
+            if bounds.is_equation() {
+                let mut ends = None;
+                for &(variable, _) in qp.terms_of(row) {
+                    if let Some(stage) = qp.stage(variable as usize) {
+                        let (low, high) = ends.unwrap_or((stage, stage));
+                        ends = Some((stage.min(low), stage.max(high)));
+                    }
+                }
+                let (low, high) = ends.unwrap_or((0, 0));
+                homes.push((((low + high) / 2) as u32, row as u32));
+            }
+        }
+        homes.sort_unstable();
+        let mut sizes = vec![0; stages];
+        let mut signs = Vec::new();
+        let mut unknown = vec![0; banded];
+        let mut equations = Vec::with_capacity(homes.len());
+        let mut next = homes.iter().peekable();
+        for (stage, size) in sizes.iter_mut().enumerate() {
+            for slot in &mut unknown[qp.first[stage]..qp.first[stage + 1]] {
+                *slot = signs.len() as u32;
+                signs.push(1.0);
+                *size += 1;
+            }
+            while let Some(&(_, row)) = next.next_if(|home| home.0 as usize == stage) {
+                equations.push((row, signs.len() as u32));
+                signs.push(-1.0);
+                *size += 1;
+            }
+        }
+        // Equations over border variables alone, of a problem without stages.
+        let loose: Vec<u32> = next.map(|home| home.1).collect();
+        if !loose.is_empty() {
+            sizes.push(loose.len());
+            for row in loose {
+                equations.push((row, signs.len() as u32));
+                signs.push(-1.0);
+            }
+        }
+        let band = Band::new(&sizes, signs.clone());
+        let place = |variable: u32| unknown.get(variable as usize).map(|&at| at as usize);
+        let slot = |a: u32, b: u32| match (place(a), place(b)) {
+            (Some(a), Some(b)) => band.slot(a, b),
+            _ => usize::MAX,
+        };
+        let slots_h = qp.quadratic.iter().map(|&(a, b, _)| slot(a, b)).collect();
+        let (mut slots_a, mut slots_e, mut sides) = (Vec::new(), Vec::new(), Vec::new());
+        for (row, bounds) in qp.rows.iter().enumerate() {
+            if bounds.is_equation() || (bounds.lower == f64::NEG_INFINITY && bounds.upper == f64::INFINITY) {
+                continue;
+            }
+            let terms = qp.terms_of(row);
+            for (i, &(a, _)) in terms.iter().enumerate() {
+                slots_a.extend(terms[..=i].iter().map(|&(b, _)| slot(a, b)));
+            }
+            for (sign, bound) in [(1.0, bounds.upper), (-1.0, bounds.lower)] {
+                if bound.is_finite() {
+                    sides.push(Side {
+                        row: row as u32,
+                        sign,
+                        bound,
+                        penalty: bounds.penalty,
+                        s: 1.0,
+                        z: 1.0,
+                        p: 0.0,
+                        w: f64::INFINITY,
+                        ds: 0.0,
+                        dz: 0.0,
+                        dp: 0.0,
+                        dw: 0.0,
+                        miss: 0.0,
+                        weight: 0.0,
+                        want: 0.0,
+                        want_soft: 0.0,
+                    });
+                }
+            }
+        }
+        for &(row, multiplier) in &equations {
+            slots_e.extend(
+                qp.terms_of(row as usize)
+                    .iter()
+                    .map(|&(variable, _)| place(variable).map_or(usize::MAX, |at| band.slot(at, multiplier as usize))),
+            );
+        }
+        let diagonal = (0..signs.len()).map(|i| band.slot(i, i)).collect();
+        let columns = vec![vec![0.0; signs.len()]; qp.border];
+        let corner = DMatrix::zeros(qp.border, qp.border);
+        Interior {
+            qp,
+            banded,
+            unknown,
+            equations,
+            sides,
+            band,
+            slots_h,
+            slots_a,
+            slots_e,
+            diagonal,
+            signs,
+            solved: columns.clone(),
+            columns,
+            corner,
+            schur: None,
+            weights: vec![0.0; qp.rows.len()],
+        }
+    }
+
+    pub fn solve(mut self, options: &QpOptions, start: Option<&[f64]>) -> QpSolution {
+        let variables = self.qp.variables();
+        let mut x =
+            start.filter(|start| start.len() == variables).map_or_else(|| vec![0.0; variables], <[f64]>::to_vec);
+        let mut multipliers = vec![0.0; self.equations.len()];
+        self.first_sides(&x);
+        let status;
+        let mut iterations = 0;
+        let mut stuck = 0;
+        let mut residuals = self.residuals(&x, &multipliers);
+        loop {
+            let pairs = self.complementarity();
+            let linear: f64 = x.iter().zip(&self.qp.linear).map(|(x, g)| x * g).sum();
+            let scale_value = 1.0 + (0.5 * residuals.curved).abs() + linear.abs();
+            if residuals.worst_primal <= options.tolerance * residuals.scale_primal
+                && residuals.worst_dual <= options.tolerance * residuals.scale_dual
+                && pairs.0 <= options.tolerance * scale_value
+            {
+                status = QpStatus::Solved;
+                break;
+            }
+            let lost = stuck >= 5 || !residuals.worst_dual.is_finite() || !residuals.worst_primal.is_finite();
+            let over = lost || iterations >= options.iterations;
+            if let Some(proof) = self.proof(&x, &multipliers) {
+                status = proof;
+                break;
+            }
+            if over {
+                status = if lost { QpStatus::Stalled } else { QpStatus::Iterations };
+                break;
+            }
+            iterations += 1;
+            let mean = if pairs.1 > 0 { pairs.0 / pairs.1 as f64 } else { 0.0 };
+            self.assemble();
+            // Predictor.
+            for side in &mut self.sides {
+                side.want = -side.s * side.z;
+                side.want_soft = -side.p * side.w;
+            }
+            let (mut dx, mut dl) = self.direction(&residuals);
+            if pairs.1 > 0 {
+                let reach = self.reach();
+                let after = self.complementarity_after(reach) / pairs.1 as f64;
+                // Not below what is asked for: there is nothing to gain, and the weights lose their digits.
+                let least = (0.1 * options.tolerance * scale_value / pairs.1 as f64).min(mean);
+                let centre = ((after / mean).powi(3).min(1.0) * mean).max(least);
+                for side in &mut self.sides {
+                    side.want = centre - side.s * side.z - side.ds * side.dz;
+                    if side.is_soft() {
+                        side.want_soft = centre - side.p * side.w - side.dp * side.dw;
+                    }
+                }
+                (dx, dl) = self.direction(&residuals);
+                let reach = self.reach();
+                if reach < SHORT || self.complementarity_after(FRACTION * reach) > pairs.0 {
+                    // The products of the predictor's steps mislead from a badly centred point: back to the middle.
+                    for side in &mut self.sides {
+                        side.want = 0.5 * mean - side.s * side.z;
+                        if side.is_soft() {
+                            side.want_soft = 0.5 * mean - side.p * side.w;
+                        }
+                    }
+                    (dx, dl) = self.direction(&residuals);
+                }
+            }
+            let reach = self.reach();
+            let step = if reach >= 1.0 / FRACTION { 1.0 } else { FRACTION * reach };
+            stuck = if step < 1e-6 { stuck + 1 } else { 0 };
+            for (value, by) in x.iter_mut().zip(&dx) {
+                *value += step * by;
+            }
+            for (value, by) in multipliers.iter_mut().zip(&dl) {
+                *value += step * by;
+            }
+            for side in &mut self.sides {
+                side.s += step * side.ds;
+                side.z += step * side.dz;
+                if side.is_soft() {
+                    side.p += step * side.dp;
+                    side.w += step * side.dw;
+                }
+            }
+            residuals = self.residuals(&x, &multipliers);
+        }
+        self.finish(status, x, &multipliers, &residuals, iterations)
+    }
+
+    /// The first sides. Soft ones begin on the central path: `s - p` is the room that the row has, and `s z = p w` is
+    /// one number for all. The slacks of hard ones are the room, or a tenth of the row's width where there is none.
+    fn first_sides(&mut self, x: &[f64]) {
+        let qp = self.qp;
+        let value = 0.5 * self.curved(x) + x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum::<f64>();
+        let steepest = qp.linear.iter().fold(0.0f64, |most, g| most.max(g.abs()));
+        let mut price = 0.0;
+        for side in &mut self.sides {
+            let room = side.sign * (side.bound - dot(qp.terms_of(side.row as usize), x));
+            side.miss = room;
+            price += if side.is_soft() { side.penalty * (-room).max(0.0) } else { 0.0 };
+        }
+        let share = (value.abs() + price) / self.sides.len().max(1) as f64;
+        let mean = share.max(0.1 * (1.0 + steepest).min(10.0));
+        for side in &mut self.sides {
+            let room = side.miss;
+            if side.is_soft() {
+                let across = side.penalty * room;
+                let root = across.hypot(2.0 * mean);
+                // The root of `penalty p^2 + (penalty room - 2 mean) p = mean room`, without cancellation.
+                let sum = if across > 0.0 { 4.0 * mean * mean / (root + across) } else { root - across };
+                side.p = (2.0 * mean + sum) / (2.0 * side.penalty);
+                side.s = if room > 0.0 { side.p + room } else { mean * side.p / (side.penalty * side.p - mean) };
+                side.z = mean / side.s;
+                side.w = mean / side.p;
+            } else {
+                let row = &qp.rows[side.row as usize];
+                let width = row.upper - row.lower;
+                let least = if width.is_finite() { 0.1 * width } else { 0.1 * (1.0 + side.bound.abs()) };
+                side.s = room.max(least.clamp(1e-3, 1.0));
+                side.z = mean / side.s;
+            }
+        }
+    }
+
+    /// `x^T H x`.
+    fn curved(&self, x: &[f64]) -> f64 {
+        let entry = |&(a, b, value): &(u32, u32, f64)| {
+            let twice = if a == b { 1.0 } else { 2.0 };
+            twice * value * x[a as usize] * x[b as usize]
+        };
+        self.qp.quadratic.iter().map(entry).sum()
+    }
+
+    /// Sum of all products `s z` and `p w`, and how many there are.
+    fn complementarity(&self) -> (f64, usize) {
+        let (mut sum, mut count) = (0.0, 0);
+        for side in &self.sides {
+            sum += side.s * side.z;
+            count += 1;
+            if side.is_soft() {
+                sum += side.p * side.w;
+                count += 1;
+            }
+        }
+        (sum, count)
+    }
+
+    fn complementarity_after(&self, step: f64) -> f64 {
+        let step = step.min(1.0);
+        let after = |value: f64, by: f64| value + step * by;
+        self.sides
+            .iter()
+            .map(|side| {
+                let soft = if side.is_soft() { after(side.p, side.dp) * after(side.w, side.dw) } else { 0.0 };
+                after(side.s, side.ds) * after(side.z, side.dz) + soft
+            })
+            .sum()
+    }
+
+    /// The longest step that keeps everything positive.
+    fn reach(&self) -> f64 {
+        let mut reach = 1e3f64;
+        for side in &self.sides {
+            for (value, by) in [(side.s, side.ds), (side.z, side.dz), (side.p, side.dp), (side.w, side.dw)] {
+                if by < 0.0 {
+                    reach = reach.min(-value / by);
+                }
+            }
+        }
+        reach
+    }
+
+    fn residuals(&mut self, x: &[f64], multipliers: &[f64]) -> Residuals {
+        let qp = self.qp;
+        let mut dual = vec![0.0; x.len()];
+        for &(a, b, value) in &qp.quadratic {
+            let (a, b) = (a as usize, b as usize);
+            dual[a] += value * x[b];
+            if a != b {
+                dual[b] += value * x[a];
+            }
+        }
+        let curved: f64 = dual.iter().zip(x).map(|(hx, x)| hx * x).sum();
+        let mut scale_dual = 1.0f64;
+        for (value, g) in dual.iter_mut().zip(&qp.linear) {
+            scale_dual = scale_dual.max(value.abs()).max(g.abs());
+            *value += g;
+        }
+        let (mut worst_primal, mut scale_primal) = (0.0f64, 1.0f64);
+        let mut at = (u32::MAX, 0.0);
+        for side in &mut self.sides {
+            let terms = qp.terms_of(side.row as usize);
+            if at.0 != side.row {
+                at = (side.row, dot(terms, x));
+            }
+            side.miss = side.sign * (side.bound - at.1) + side.p - side.s;
+            worst_primal = worst_primal.max(side.miss.abs());
+            scale_primal = scale_primal.max(at.1.abs());
+            let push = side.sign * side.z;
+            for &(variable, by) in terms {
+                dual[variable as usize] += by * push;
+            }
+        }
+        let mut equations = Vec::with_capacity(self.equations.len());
+        for (&(row, _), &push) in self.equations.iter().zip(multipliers) {
+            let terms = qp.terms_of(row as usize);
+            let value = dot(terms, x);
+            let miss = qp.rows[row as usize].upper - value;
+            worst_primal = worst_primal.max(miss.abs());
+            scale_primal = scale_primal.max(value.abs());
+            equations.push(miss);
+            for &(variable, by) in terms {
+                dual[variable as usize] += by * push;
+                scale_dual = scale_dual.max((by * push).abs());
+            }
+        }
+        // NaN must come through.
+        let worst_dual =
+            dual.iter().fold(0.0f64, |most, value| if value.is_nan() { f64::NAN } else { most.max(value.abs()) });
+        Residuals { dual, equations, worst_primal, worst_dual, scale_primal, scale_dual, curved }
+    }
+
+    /// The Newton step for the present `want`s; the sides' steps are left in them.
+    fn direction(&mut self, residuals: &Residuals) -> (Vec<f64>, Vec<f64>) {
+        let qp = self.qp;
+        let mut right: Vec<f64> = residuals.dual.iter().map(|value| -value).collect();
+        for side in &self.sides {
+            let pull = side.sign * side.weight * side.constant();
+            for &(variable, by) in qp.terms_of(side.row as usize) {
+                right[variable as usize] -= by * pull;
+            }
+        }
+        let (dx, dl) = self.refined(&right, &residuals.equations);
+        let mut at = (u32::MAX, 0.0);
+        for side in &mut self.sides {
+            if at.0 != side.row {
+                at = (side.row, dot(qp.terms_of(side.row as usize), &dx));
+            }
+            side.dz = side.weight * (side.sign * at.1 + side.constant());
+            if side.is_soft() {
+                let dull = side.dull();
+                side.dw = dull - side.dz;
+                side.dp = (side.want_soft - side.p * side.dw) / side.w;
+            }
+            // From the row and not from `s z`, so that the slack stays true when `z` is tiny.
+            side.ds = side.miss + side.dp - side.sign * at.1;
+        }
+        (dx, dl)
+    }
+
+    /// Whether the multipliers prove that the hard rows contradict each other, or `x` that there is no least value.
+    fn proof(&self, x: &[f64], multipliers: &[f64]) -> Option<QpStatus> {
+        let qp = self.qp;
+        let mut combined = vec![0.0; x.len()];
+        let (mut value, mut size) = (0.0, 0.0f64);
+        let mut take = |row: u32, push: f64, bound: f64| {
+            value += push * bound;
+            size = size.max(push.abs());
+            for &(variable, by) in qp.terms_of(row as usize) {
+                combined[variable as usize] += by * push;
+            }
+        };
+        for side in self.sides.iter().filter(|side| !side.is_soft()) {
+            take(side.row, side.sign * side.z, side.bound);
+        }
+        for (&(row, _), &push) in self.equations.iter().zip(multipliers) {
+            take(row, push, qp.rows[row as usize].upper);
+        }
+        if size > 0.0 && value < -PROOF * size && largest(&combined) * (1.0 + largest(x)) <= PROOF * -value {
+            return Some(QpStatus::Infeasible);
+        }
+        let falls: f64 = -x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum::<f64>();
+        let reach = largest(x);
+        // Far out and still falling; else it need not be asked.
+        if reach < 1e6 || falls <= 0.0 {
+            return None;
+        }
+        let mut hx = vec![0.0; x.len()];
+        for &(a, b, value) in &qp.quadratic {
+            let (a, b) = (a as usize, b as usize);
+            hx[a] += value * x[b];
+            if a != b {
+                hx[b] += value * x[a];
+            }
+        }
+        let keeps = |row: u32, sign: f64| sign * dot(qp.terms_of(row as usize), x) <= 1e-6 * reach;
+        let flat = largest(&hx) <= PROOF * falls
+            && self.sides.iter().all(|side| side.is_soft() || keeps(side.row, side.sign))
+            && self.equations.iter().all(|&(row, _)| keeps(row, 1.0) && keeps(row, -1.0));
+        let price: f64 = self.sides.iter().filter(|side| side.is_soft()).map(|side| side.p * side.penalty).sum();
+        (flat && falls > 2.0 * price).then_some(QpStatus::Unbounded)
+    }
+
+    fn finish(
+        &self,
+        status: QpStatus,
+        x: Vec<f64>,
+        multipliers: &[f64],
+        residuals: &Residuals,
+        iterations: usize,
+    ) -> QpSolution {
+        let qp = self.qp;
+        let mut duals = vec![0.0; qp.rows.len()];
+        let linear: f64 = x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum();
+        let mut value = qp.constant + 0.5 * residuals.curved + linear;
+        let mut lower_bound = qp.constant - 0.5 * residuals.curved;
+        for side in &self.sides {
+            duals[side.row as usize] += side.sign * side.z;
+            lower_bound -= side.sign * side.z * side.bound;
+            if side.is_soft() {
+                let over = side.sign * (dot(qp.terms_of(side.row as usize), &x) - side.bound);
+                value += side.penalty * over.max(0.0);
+            }
+        }
+        for (&(row, _), &push) in self.equations.iter().zip(multipliers) {
+            duals[row as usize] = push;
+            lower_bound -= push * qp.rows[row as usize].upper;
+        }
+        QpSolution {
+            status,
+            x,
+            duals,
+            value,
+            lower_bound,
+            primal_residual: residuals.worst_primal,
+            dual_residual: residuals.worst_dual,
+            iterations,
+        }
+    }
+}

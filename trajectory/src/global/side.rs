@@ -1,0 +1,44 @@
+//! A side of a row in the interior-point method: its slack, its multiplier, and for a soft row the miss and its price.
+
+/// One finite bound of a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    pub row: u32,
+    /// `+1` for an upper bound, `-1` for a lower one.
+    pub sign: f64,
+    pub bound: f64,
+    pub penalty: f64,
+    pub s: f64,
+    pub z: f64,
+    pub p: f64,
+    pub w: f64,
+    /// The step of the four.
+    pub ds: f64,
+    pub dz: f64,
+    pub dp: f64,
+    pub dw: f64,
+    /// `sign (bound - a x) + p - s`.
+    pub miss: f64,
+    /// The weight of the row's square in the linear system.
+    pub weight: f64,
+    /// Right-hand sides of the two complementarity conditions.
+    pub want: f64,
+    pub want_soft: f64,
+}
+
+impl Side {
+    pub fn is_soft(&self) -> bool {
+        self.penalty < f64::INFINITY
+    }
+
+    /// What the step of `z` is when the row does not move, over the weight.
+    pub fn constant(&self) -> f64 {
+        let soft = if self.is_soft() { (self.want_soft - self.p * self.dull()) / self.w } else { 0.0 };
+        self.want / self.z - soft - self.miss
+    }
+
+    /// `penalty - z - w`, which rounding alone keeps from zero.
+    pub fn dull(&self) -> f64 {
+        self.penalty - self.z - self.w
+    }
+}
