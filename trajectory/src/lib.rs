@@ -20,7 +20,10 @@ mod spline;
 
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
-pub use global::{BandedQp, QpError, QpOptions, QpSolution, QpStatus};
+pub use global::{
+    BandedQp, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, PeakReport, QpError, QpOptions, QpSolution,
+    QpStatus, smooth_globally,
+};
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{Ladder, LadderError, LadderOptions, LadderSearch, MOST_SAMPLES, Norm, Rung, plan_ladder};
 pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};

@@ -15,6 +15,7 @@ impl Fixed {
 #![allow(dead_code)] // no test uses all of them
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
+pub mod tilt;
 pub mod ur3;
 
 use curvlay_trajectory::nalgebra::{Matrix3, Vector3};

@@ -1,0 +1,340 @@
+//! The global jerk filter: from any initial path to the least jerk within the bounds.
+//!
+//! Goes past the local filter of C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), Algorithm 6
+//! and Eq. 4.12: there windows of at most 41 waypoints are smoothed one after another, and bounds hold at the
+//! waypoints. Here the inverse kinematics leaves `F` unknowns a waypoint, so every waypoint is met as exactly as the
+//! robot's closed form; the whole path is one problem; and the bounds hold on the spline, everywhere.
+//!
+//! The first pass minimises the integral of the squared jerk within the bounds on position, speed and acceleration.
+//! The second ([`super::peak`]) lowers the greatest jerk to its bound, or as far as it goes, for at most
+//! [`GlobalOptions::rise`] more of that integral.
+
+use super::descent::{Descent, Round};
+use super::model::Model;
+use super::peak::lower_peak;
+use super::point::{Point, Unreachable};
+use super::qp::{QpError, QpOptions};
+use crate::{Bounds, BoundsError, FreeRange, Progress, Robot, Rung, Timeline, Trajectory, TrajectoryError, Violation};
+use std::ops::ControlFlow;
+
+/// Bounds that a higher price brings nearer by less than to this share cannot be met.
+const HOPELESS: f64 = 0.9;
+
+/// The tolerance while bounds are not looked at, at least.
+const ROUGH: f64 = 1e-3;
+
+/// By how much the price of bounds rises at once.
+const PRICE_STEP: f64 = 10.0;
+
+/// Rounds in a row without a step after which nothing more is hoped for.
+pub(super) const MOST_STUCK: usize = 4;
+
+/// Two free parameters that tilt the tool, and how far they may.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// The free parameters, as the two components of a tilt.
+    pub tilts: [usize; 2],
+    /// The greatest length of the tilt, in radians.
+    pub half_angle: f64,
+}
+
+/// How to smooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlobalOptions {
+    /// Most rounds of the first pass, and again of the second. Default 40.
+    pub rounds: usize,
+    /// A round that promises to lower what is minimised by less than this share ends a pass. Default 1e-4.
+    pub tolerance: f64,
+    /// Price of passing a bound on position, speed or acceleration by a radian or by the whole bound, in units of the
+    /// squared jerk. Default 1e5. Too low, and a bound is passed although it need not be.
+    pub penalty: f64,
+    /// Waypoints where the joints change by more than this, in radians a unit of a free parameter, are near a
+    /// singularity: there the step is taken in the joints and projected back. Default 10.
+    pub steep: f64,
+    /// Whether to lower the greatest jerk to its bound in a second pass. Default true.
+    pub lower_peak: bool,
+    /// By which share the second pass may raise the integral of the squared jerk, and the sum of Eq. 4.10. Default 0.05.
+    pub rise: f64,
+    /// A cone for two of the free parameters. Default none.
+    pub cone: Option<Cone>,
+}
+
+impl Default for GlobalOptions {
+    fn default() -> Self {
+        GlobalOptions {
+            rounds: 40,
+            tolerance: 1e-4,
+            penalty: 1e5,
+            steep: 10.0,
+            lower_peak: true,
+            rise: 0.05,
+            cone: None,
+        }
+    }
+}
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GlobalStatus {
+    /// No further decrease, and all bounds hold everywhere.
+    Solved,
+    /// No further decrease, but bounds are passed: [`GlobalMotion::violations`] says where.
+    BoundsMissed,
+    /// The rounds are used up; the bounds hold.
+    Rounds,
+}
+
+/// What the second pass did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeakReport {
+    /// The greatest jerk over its bound, before.
+    pub before: f64,
+    /// The greatest jerk over its bound, after.
+    pub after: f64,
+    /// No point of the last linearised problem has less, at that rise of the squared jerk. 1 where the bound is met.
+    pub lower_bound: f64,
+}
+
+/// A smooth motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlobalMotion<const N: usize, const F: usize> {
+    /// One a waypoint, on the branches of the start: none is ever left.
+    pub rungs: Vec<Rung<N, F>>,
+    /// The spline, run-in and run-out included.
+    pub trajectory: Trajectory<N>,
+    /// How it ended.
+    pub status: GlobalStatus,
+    /// Where bounds are passed.
+    pub violations: Vec<Violation>,
+    /// The integral of the squared jerk at the start and after the first pass.
+    pub squared_jerk: [f64; 2],
+    /// The second pass, where there was one.
+    pub peak: Option<PeakReport>,
+    /// Waypoints that stand near a singularity at the end.
+    pub steep: Vec<usize>,
+    /// Rounds of the first and of the second pass.
+    pub rounds: [usize; 2],
+}
+
+/// Why nothing could be smoothed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GlobalError {
+    /// Lists do not fit.
+    #[error("{times} times and {rungs} rungs for {waypoints} waypoints: there must be one of each")]
+    Count {
+        /// Waypoints of the robot.
+        waypoints: usize,
+        /// Times of waypoints.
+        times: usize,
+        /// Rungs of the start.
+        rungs: usize,
+    },
+    /// Bounds that cannot be.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// The start is out of reach, singular, or not a number there.
+    #[error("waypoint {waypoint}: no posture on its branch {branch} at the parameters of the start")]
+    Start {
+        /// The waypoint.
+        waypoint: usize,
+        /// Its branch.
+        branch: u32,
+    },
+    /// A parameter of the start is outside its range or cone.
+    #[error("waypoint {waypoint}: free parameter {parameter} is {value}, outside its range")]
+    Range {
+        /// The waypoint.
+        waypoint: usize,
+        /// The parameter.
+        parameter: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// An option cannot be.
+    #[error("`{what}` is {value}, which cannot be")]
+    Option {
+        /// Its name.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The caller stopped it.
+    #[error("stopped")]
+    Stopped,
+    /// A linearised problem had a number that is not finite: rates of the robot are out of any scale.
+    #[error("a linearised problem cannot be put down: {0}")]
+    Linear(#[from] QpError),
+    /// The motion found is no trajectory.
+    #[error(transparent)]
+    Trajectory(#[from] TrajectoryError),
+}
+
+/// Smooths a path as a whole.
+///
+/// # Arguments
+/// * `line`: the times, with run-in and run-out.
+/// * `start`: the initial path, one rung a waypoint of `line`. Of its joints only those of the first rung count, as the
+///   image from which the path is unwrapped.
+/// * `progress`: called once a round; it may stop the work.
+///
+/// # Returns
+/// The motion. Limits that no path meets are a status, and the places are listed.
+///
+/// # Errors
+/// [`GlobalError`] names the waypoint or the option.
+///
+/// # Cost
+/// A round takes time and memory linear in the waypoints: about `1.2 (2 N + F)^3` multiplications a waypoint for each
+/// linear system, one system a round where no bound is near and 5 to 40 where some are. Deterministic, one thread.
+///
+/// # Example
+/// ```
+/// use curvlay_trajectory::{
+///     Bounds, FreeRange, GlobalOptions, GlobalStatus, Posture, RobotFn, RunIn, Rung, Timeline, smooth_globally,
+/// };
+/// use std::ops::ControlFlow;
+/// // A tool over a turntable: the bearing of the waypoint, rough here, is shared by table and tool.
+/// let bearing = |waypoint: usize| 0.05 * waypoint as f64 + if waypoint % 2 == 0 { 0.01 } else { 0.0 };
+/// let joints = move |waypoint: usize, free: &[f64; 1]| [bearing(waypoint) - free[0], 0.5 * free[0]];
+/// let robot = RobotFn {
+///     waypoints: 40,
+///     free: [FreeRange::Turn],
+///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free)),
+///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free), rates: [[-1.0, 0.5]] }),
+/// };
+/// let line = Timeline::new(&(0..40).map(|i| 0.2 * f64::from(i)).collect::<Vec<_>>(), RunIn::default())?;
+/// let start = vec![Rung { joints: [0.0; 2], free: [0.0], branch: 0 }; 40];
+/// let options = GlobalOptions::default();
+/// let found = smooth_globally(&robot, &line, &start, &Bounds::NONE, &options, &|_| ControlFlow::Continue(()))?;
+/// assert_eq!(found.status, GlobalStatus::Solved);
+/// // Shared as `1 : 0.5`, the jerk of both is least: a fifth of what one joint alone would have.
+/// let [before, after] = found.squared_jerk;
+/// assert!((after / before - 0.2).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    line: &Timeline,
+    start: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    options: &GlobalOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<GlobalMotion<N, F>, GlobalError> {
+    let ranges = robot.free();
+    check(robot.waypoints(), line, start, bounds, &ranges, options)?;
+    let branches: &[u32] = &start.iter().map(|rung| rung.branch).collect::<Vec<_>>();
+    let start = Point::start(robot, line, branches, start, bounds)
+        .map_err(|Unreachable(waypoint)| GlobalError::Start { waypoint, branch: branches[waypoint] })?;
+    let tell = |stage, done: usize| match progress(Progress { stage, done: done as u64, total: options.rounds as u64 })
+    {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(GlobalError::Stopped),
+    };
+    let mut model = Model::new(line, bounds, ranges, options, false);
+    let mut descent = Descent::new(robot, branches, options.steep, start, &mut model);
+    let begin = descent.merit.squared_jerk;
+    let exact = QpOptions { iterations: 40, tolerance: 1e-8 };
+    let mut rounds = [0; 2];
+    let mut stuck = 0;
+    let mut settled = false;
+    // First without bounds, then with a low price for passing them, then with a higher one: beginning at a high price
+    // means following a narrow, bent valley from far away, in tiny steps.
+    model.penalty = 0.0;
+    let mut missed_before = f64::INFINITY;
+    descent.value(&mut model);
+    while rounds[0] < options.rounds && !settled {
+        tell("smooth", rounds[0])?;
+        let tolerance = if model.penalty > 0.0 { options.tolerance } else { options.tolerance.max(ROUGH) };
+        match descent.round(&mut model, 0.0, tolerance, &exact)? {
+            Round::Fell(..) => stuck = 0,
+            Round::Still(_) => settled = true,
+            Round::Stuck => stuck += 1,
+        }
+        rounds[0] += 1;
+        if stuck == MOST_STUCK || settled {
+            let held = model.penalty > 0.0 && descent.merit.price <= options.tolerance * descent.merit.squared_jerk;
+            let missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { f64::INFINITY };
+            settled = held || model.penalty >= options.penalty || missed > HOPELESS * missed_before;
+            (stuck, missed_before) = (0, missed);
+            if !settled {
+                model.penalty =
+                    (PRICE_STEP * model.penalty).max(descent.merit.squared_jerk).max(1.0).min(options.penalty);
+                descent.value(&mut model);
+            }
+        }
+    }
+    let smooth = descent.merit;
+    let mut peak = None;
+    if options.lower_peak && smooth.peak > 1.0 && bounds.jerk.iter().any(|jerk| jerk.is_finite()) {
+        let (report, used, done) = lower_peak(&mut descent, bounds, ranges, line, options, &tell)?;
+        rounds[1] = used;
+        settled = settled && done;
+        peak = Some(report);
+    }
+    let point = descent.point;
+    let trajectory = Trajectory::new(line, &point.knots)?;
+    let violations = trajectory.violations(bounds, 1e-9);
+    let status = match (violations.is_empty(), settled) {
+        (false, _) => GlobalStatus::BoundsMissed,
+        (true, true) => GlobalStatus::Solved,
+        (true, false) => GlobalStatus::Rounds,
+    };
+    let is_steep = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.steep);
+    Ok(GlobalMotion {
+        steep: (0..point.free.len()).filter(is_steep).collect(),
+        rungs: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
+            .map(|((&joints, &free), &branch)| Rung { joints, free, branch })
+            .collect(),
+        trajectory,
+        status,
+        violations,
+        squared_jerk: [begin, smooth.squared_jerk],
+        peak,
+        rounds,
+    })
+}
+
+fn check<const N: usize, const F: usize>(
+    waypoints: usize,
+    line: &Timeline,
+    start: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    ranges: &[FreeRange; F],
+    options: &GlobalOptions,
+) -> Result<(), GlobalError> {
+    let times = line.waypoints().len();
+    if start.len() != times || waypoints != times {
+        return Err(GlobalError::Count { waypoints, times, rungs: start.len() });
+    }
+    bounds.check()?;
+    let positive = [("tolerance", options.tolerance), ("penalty", options.penalty), ("steep", options.steep)];
+    let cone = options.cone.map_or(1.0, |cone| cone.half_angle);
+    for (what, value) in positive.into_iter().chain([("rise", options.rise), ("half_angle", cone)]) {
+        if value.is_nan() || value <= 0.0 || (what != "steep" && value.is_infinite()) {
+            return Err(GlobalError::Option { what, value });
+        }
+    }
+    if let Some(cone) = options.cone
+        && let Some(&tilt) = cone.tilts.iter().find(|&&tilt| tilt >= F)
+    {
+        return Err(GlobalError::Option { what: "tilts", value: tilt as f64 });
+    }
+    for (waypoint, Rung { free: values, .. }) in start.iter().enumerate() {
+        for (parameter, (&value, range)) in values.iter().zip(ranges).enumerate() {
+            let inside = match *range {
+                FreeRange::Turn => value.is_finite(),
+                FreeRange::Within(low, high) => low <= value && value <= high,
+            };
+            if !inside {
+                return Err(GlobalError::Range { waypoint, parameter, value });
+            }
+        }
+        if let Some(Cone { tilts: [a, b], half_angle }) = options.cone
+            && values[a].hypot(values[b]) > half_angle
+        {
+            return Err(GlobalError::Range { waypoint, parameter: a, value: values[a].hypot(values[b]) });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,282 @@
+//! The path linearised: one quadratic program with a stage a knot.
+//!
+//! Unknown at a waypoint are the steps of its free parameters (in units of joints), at a knot of run-in or run-out the
+//! step of each joint, and at every knot the accelerations `m`. The rows `T m = R q` of the timeline are equations over
+//! three neighbouring stages; what is minimised is `sum over pieces of (m_k - m_{k-1})^2 / h`, which is the integral of
+//! the squared jerk, plus a damping of the steps.
+//!
+//! What else is to be kept clear of at a waypoint, like a collision indicator with a gradient, belongs beside the rows of
+//! the bounds in `limit` (a soft row `value + gradient . dq <= 0`) and in `price` (the same exactly).
+
+use super::limits::{Place, extremes};
+use super::point::Point;
+use super::qp::{BandedQp, QpError, QpOptions, QpSolution};
+use super::{Cone, GlobalOptions};
+use crate::{Bounds, FreeRange, Quantity, Timeline};
+use std::f64::consts::TAU;
+
+/// Sides of the polygon that stands for a cone: the corners lie on it, and the sides come within 1 % of it.
+const CONE_SIDES: usize = 24;
+
+/// Bounds of rows are drawn in by this share, so that what the solver leaves does not pass the true ones.
+const DRAWN_IN: f64 = 1e-6;
+
+/// Values within this share of their bound get a row; others are looked at after the step.
+const NEAR: f64 = 0.7;
+
+/// Angles within this distance of their bound get a row, in radians.
+const NEAR_ANGLE: f64 = 0.2;
+
+/// What is asked of the peak: each jerk at most `height` times its bound; the height costs `price` and is at least 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PeakTerm {
+    pub price: f64,
+    /// The present height: jerks of less than a part of it get no row.
+    pub height: f64,
+}
+
+/// The quadratic programs of one path, built again and again in the same memory.
+pub(super) struct Model<'a, const N: usize, const F: usize> {
+    pub line: &'a Timeline,
+    pub bounds: &'a Bounds<N>,
+    pub ranges: [FreeRange; F],
+    pub cone: Option<Cone>,
+    /// Price of passing a bound, a whole bound a unit.
+    pub penalty: f64,
+    qp: BandedQp,
+    /// For each piece, joint and quantity: that it has passed its bound once, and keeps its row.
+    kept: Vec<[[bool; 4]; N]>,
+    first: Vec<usize>,
+}
+
+/// A solved program.
+pub(super) struct Step<const N: usize, const F: usize> {
+    pub waypoints: Vec<[f64; F]>,
+    pub run: Vec<[f64; N]>,
+    pub height: f64,
+    pub solution: QpSolution,
+    /// The integral of the squared jerk that the linear problem promises.
+    pub squared_jerk: f64,
+}
+
+impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
+    pub fn new(
+        line: &'a Timeline,
+        bounds: &'a Bounds<N>,
+        ranges: [FreeRange; F],
+        options: &GlobalOptions,
+        with_peak: bool,
+    ) -> Self {
+        let waypoints = line.waypoints();
+        let sizes: Vec<usize> = (0..line.knots()).map(|k| if waypoints.contains(&k) { F + N } else { 2 * N }).collect();
+        let mut first = vec![0];
+        for size in &sizes {
+            first.push(first[first.len() - 1] + size);
+        }
+        Model {
+            line,
+            bounds,
+            ranges,
+            cone: options.cone,
+            penalty: options.penalty,
+            qp: BandedQp::new(&sizes, usize::from(with_peak)),
+            kept: vec![[[false; 4]; N]; line.knots() + 1],
+            first,
+        }
+    }
+
+    /// What passing the bounds costs at a point, and the greatest jerk over its bound.
+    pub fn price(&mut self, point: &Point<N, F>) -> (f64, f64) {
+        let (mut price, mut peak) = (0.0, 0.0f64);
+        extremes(point, self.line, |place, value| {
+            let (low, high) = place.bounds(self.bounds);
+            if place.quantity == Quantity::Jerk {
+                peak = peak.max(value.abs() / high);
+                return;
+            }
+            let unit = unit(&place, low, high);
+            let over = (value - drawn_in(high, unit, -1.0)).max(drawn_in(low, unit, 1.0) - value);
+            if over > 0.0 && self.penalty > 0.0 {
+                price += self.penalty * over / unit;
+                self.kept[place.piece][place.joint][place.quantity as usize] = true;
+            }
+        });
+        (price, peak)
+    }
+
+    /// Builds and solves the program at a point.
+    pub fn step(
+        &mut self,
+        point: &Point<N, F>,
+        damping: &[f64],
+        peak: Option<PeakTerm>,
+        options: &QpOptions,
+    ) -> Result<Step<N, F>, QpError> {
+        let knots = self.line.knots();
+        let run = self.line.waypoints().start;
+        let end = self.line.waypoints().end;
+        self.qp.clear();
+        let mut start = vec![0.0; self.qp.variables()];
+        let curvature = |first: &[usize], k: usize, joint: usize| first[k + 1] - N + joint;
+        for piece in 0..=knots {
+            let weight = 2.0 / self.line.step(piece);
+            for joint in 0..N {
+                let before = piece.checked_sub(1).map(|k| curvature(&self.first, k, joint));
+                let after = (piece < knots).then(|| curvature(&self.first, piece, joint));
+                for at in before.iter().chain(&after) {
+                    self.qp.add_quadratic(*at, *at, weight);
+                }
+                if let (Some(before), Some(after)) = (before, after) {
+                    self.qp.add_quadratic(after, before, -weight);
+                }
+            }
+        }
+        let mut terms = Vec::new();
+        for k in 0..knots {
+            let row = self.line.row(k);
+            let scale = 1.0 / row.curvatures[1];
+            for joint in 0..N {
+                terms.clear();
+                let mut right = 0.0;
+                for (side, (&t, &r)) in row.curvatures.iter().zip(&row.angles).enumerate() {
+                    let Some(other) = (k + side).checked_sub(1).filter(|&other| other < knots) else { continue };
+                    terms.push((curvature(&self.first, other, joint), scale * t));
+                    // Differences first: angles far from zero keep their digits.
+                    right += scale * r * (point.knots[other][joint] - point.knots[k][joint]);
+                    self.turn_to_steps(point, other, joint, -scale * r, &mut terms);
+                }
+                self.qp.add_row(&terms, right, right);
+                start[curvature(&self.first, k, joint)] = point.curvatures[k][joint];
+            }
+        }
+        for (waypoint, &damping) in damping.iter().enumerate() {
+            let at = self.first[run + waypoint];
+            for f in 0..F {
+                self.qp.add_quadratic(at + f, at + f, damping);
+                if let FreeRange::Within(low, high) = self.ranges[f] {
+                    let (value, norm) = (point.free[waypoint][f], point.norms[waypoint][f]);
+                    self.qp.add_row(
+                        &[(at + f, 1.0)],
+                        ((low - value) * norm).min(0.0),
+                        ((high - value) * norm).max(0.0),
+                    );
+                }
+            }
+            if let Some(cone) = self.cone {
+                let [a, b] = cone.tilts;
+                let (value, norm) = (point.free[waypoint], point.norms[waypoint]);
+                let reach = cone.half_angle * (0.5 * TAU / CONE_SIDES as f64).cos();
+                for side in 0..CONE_SIDES {
+                    let (sin, cos) = (TAU * (side as f64 + 0.5) / CONE_SIDES as f64).sin_cos();
+                    let room = (reach - cos * value[a] - sin * value[b]).max(0.0);
+                    self.qp.add_row(&[(at + a, cos / norm[a]), (at + b, sin / norm[b])], f64::NEG_INFINITY, room);
+                }
+            }
+        }
+        for k in (0..run).chain(end..knots) {
+            for joint in 0..N {
+                self.qp.add_quadratic(self.first[k] + joint, self.first[k] + joint, 1e-6);
+            }
+        }
+        self.limit(point, peak, &mut start);
+        let solution = self.qp.solve(options, Some(&start))?;
+        let x = &solution.x;
+        let read = |k: usize| std::array::from_fn(|joint| x[self.first[k] + joint]);
+        let waypoints = (run..end).map(|k| std::array::from_fn(|f| x[self.first[k] + f])).collect();
+        let mut squared_jerk = 0.0;
+        for piece in 0..=knots {
+            for joint in 0..N {
+                let before = if piece == 0 { 0.0 } else { x[curvature(&self.first, piece - 1, joint)] };
+                let after = if piece == knots { 0.0 } else { x[curvature(&self.first, piece, joint)] };
+                squared_jerk += (after - before).powi(2) / self.line.step(piece);
+            }
+        }
+        Ok(Step {
+            waypoints,
+            run: (0..run).chain(end..knots).map(read).collect(),
+            height: if peak.is_some() { x[x.len() - 1] } else { 0.0 },
+            squared_jerk,
+            solution,
+        })
+    }
+
+    /// Adds `by` times the change of a joint at a knot, in terms of the steps.
+    fn turn_to_steps(&self, point: &Point<N, F>, knot: usize, joint: usize, by: f64, terms: &mut Vec<(usize, f64)>) {
+        let range = self.line.waypoints();
+        let at = self.first[knot];
+        if range.contains(&knot) {
+            for (f, column) in point.columns[knot - range.start].iter().enumerate() {
+                terms.push((at + f, by * column[joint]));
+            }
+        } else {
+            terms.push((at + joint, by));
+        }
+    }
+
+    /// Rows for what is near its bound, and for the peak.
+    fn limit(&mut self, point: &Point<N, F>, peak: Option<PeakTerm>, start: &mut [f64]) {
+        let knots = self.line.knots();
+        let mut places = Vec::new();
+        extremes(point, self.line, |place, value| {
+            let (low, high) = place.bounds(self.bounds);
+            let kept = self.kept[place.piece][place.joint][place.quantity as usize];
+            let near = match place.quantity {
+                Quantity::Position => value < low + NEAR_ANGLE || value > high - NEAR_ANGLE,
+                Quantity::Jerk => peak.is_some_and(|peak| value.abs() > 0.5 * peak.height.max(1.0) * high),
+                _ => value.abs() > NEAR * high,
+            };
+            let counts = if place.quantity == Quantity::Jerk { peak.is_some() } else { self.penalty > 0.0 };
+            if (kept || near) && (low.is_finite() || high.is_finite()) && counts {
+                places.push((place, value));
+            }
+        });
+        let height = self.qp.variables() - 1;
+        if let Some(peak) = peak {
+            self.qp.add_linear(height, peak.price);
+            self.qp.add_row(&[(height, 1.0)], 1.0, f64::INFINITY);
+            start[height] = peak.height.max(1.0) * 1.05;
+        }
+        let mut terms = Vec::new();
+        for (place, value) in places {
+            let (low, high) = place.bounds(self.bounds);
+            let unit = unit(&place, low, high);
+            let form = place.form(self.line);
+            terms.clear();
+            // What the row has at the point without the accelerations, which are unknowns themselves.
+            let mut fixed = 0.0;
+            for end in 0..2 {
+                let Some(knot) = (place.piece + end).checked_sub(1).filter(|&knot| knot < knots) else { continue };
+                terms.push((self.first[knot + 1] - N + place.joint, form.curvatures[end] / unit));
+                fixed += form.angles[end] * point.knots[knot][place.joint];
+                if form.angles[end].abs() > 0.0 {
+                    self.turn_to_steps(point, knot, place.joint, form.angles[end] / unit, &mut terms);
+                }
+            }
+            debug_assert!(value.is_finite());
+            if place.quantity == Quantity::Jerk {
+                self.kept[place.piece][place.joint][Quantity::Jerk as usize] = true;
+                terms.push((height, -1.0));
+                self.qp.add_row(&terms, f64::NEG_INFINITY, -DRAWN_IN);
+                terms.iter_mut().for_each(|term| term.1 = -term.1);
+                let last = terms.len() - 1;
+                terms[last].1 = -1.0;
+                self.qp.add_row(&terms, f64::NEG_INFINITY, -DRAWN_IN);
+            } else {
+                let (low, high) = (drawn_in(low, unit, 1.0), drawn_in(high, unit, -1.0));
+                self.qp.add_soft_row(&terms, (low - fixed) / unit, (high - fixed) / unit, self.penalty);
+            }
+        }
+    }
+}
+
+/// What a row is measured in: a radian, or the bound.
+fn unit(place: &Place, low: f64, high: f64) -> f64 {
+    match place.quantity {
+        Quantity::Position => 1.0,
+        _ => high.min(-low).max(f64::MIN_POSITIVE),
+    }
+}
+
+fn drawn_in(bound: f64, unit: f64, sign: f64) -> f64 {
+    bound + sign * DRAWN_IN * unit
+}

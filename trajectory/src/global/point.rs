@@ -1,0 +1,212 @@
+//! A point of the search: free parameters at the waypoints, joints at all knots, and the spline through them.
+
+use crate::{Bounds, Robot, Rung, Timeline};
+use std::f64::consts::TAU;
+
+/// Column norms of `dq/dfree` below this count as this: parameters that hardly move the joints take no giant steps.
+const LEAST_RATE: f64 = 1e-2;
+
+/// Newton steps with which a steep waypoint is projected back onto what the robot can do.
+const PROJECTIONS: usize = 12;
+
+/// A waypoint that cannot be placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Unreachable(pub usize);
+
+/// Free parameters, joints and accelerations. `T m = R q` holds between the last two.
+#[derive(Clone, Debug)]
+pub(super) struct Point<const N: usize, const F: usize> {
+    /// At each waypoint.
+    pub free: Vec<[f64; F]>,
+    /// Unit columns of `dq/dfree` at each waypoint, and the norms by which they were divided.
+    pub columns: Vec<[[f64; N]; F]>,
+    pub norms: Vec<[f64; F]>,
+    /// Joints at each knot of the timeline.
+    pub knots: Vec<[f64; N]>,
+    /// Their second derivatives.
+    pub curvatures: Vec<[f64; N]>,
+}
+
+impl<const N: usize, const F: usize> Point<N, F> {
+    /// The waypoints at given parameters, unwrapped along the path from the first rung's image. Joints that leave their
+    /// bounds are turned by whole turns towards the middle. Knots of run-in and run-out stand still.
+    pub fn start<R: Robot<N, F> + ?Sized>(
+        robot: &R,
+        line: &Timeline,
+        branches: &[u32],
+        rungs: &[Rung<N, F>],
+        bounds: &Bounds<N>,
+    ) -> Result<Self, Unreachable> {
+        let range = line.waypoints();
+        let mut point = Point {
+            free: rungs.iter().map(|rung| rung.free).collect(),
+            columns: vec![[[0.0; N]; F]; rungs.len()],
+            norms: vec![[1.0; F]; rungs.len()],
+            knots: vec![[0.0; N]; line.knots()],
+            curvatures: Vec::new(),
+        };
+        let mut like = rungs.first().map(|rung| rung.joints).filter(|joints| joints.iter().all(|q| q.is_finite()));
+        for waypoint in 0..rungs.len() {
+            let joints = point.place(robot, branches, range.start, waypoint, like).ok_or(Unreachable(waypoint))?;
+            like = Some(joints);
+        }
+        for joint in 0..N {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for knot in &point.knots[range.clone()] {
+                low = low.min(knot[joint]);
+                high = high.max(knot[joint]);
+            }
+            let middle = 0.5 * (bounds.lower[joint] + bounds.upper[joint]);
+            let turns = if middle.is_finite() { ((middle - 0.5 * (low + high)) / TAU).round() } else { 0.0 };
+            // Only to come within the bounds: where it starts within them, it stays.
+            if low < bounds.lower[joint] || high > bounds.upper[joint] {
+                point.knots[range.clone()].iter_mut().for_each(|knot| knot[joint] += TAU * turns);
+            }
+        }
+        let (first, last) = (point.knots[range.start], point.knots[range.end - 1]);
+        point.knots[..range.start].fill(first);
+        point.knots[range.end..].fill(last);
+        point.bend(line);
+        Ok(point)
+    }
+
+    /// Evaluates one waypoint at its parameters; joints are the images nearest to `like`.
+    fn place<R: Robot<N, F> + ?Sized>(
+        &mut self,
+        robot: &R,
+        branches: &[u32],
+        run: usize,
+        waypoint: usize,
+        like: Option<[f64; N]>,
+    ) -> Option<[f64; N]> {
+        let posture = robot.posture(waypoint, &self.free[waypoint], branches[waypoint])?;
+        let mut joints = posture.joints;
+        if let Some(like) = like {
+            for (joint, like) in joints.iter_mut().zip(like) {
+                *joint += TAU * ((like - *joint) / TAU).round();
+            }
+        }
+        if !joints.iter().chain(posture.rates.iter().flatten()).all(|value| value.is_finite()) {
+            return None;
+        }
+        for f in 0..F {
+            let norm = posture.rates[f].iter().map(|rate| rate * rate).sum::<f64>().sqrt().max(LEAST_RATE);
+            self.norms[waypoint][f] = norm;
+            self.columns[waypoint][f] = posture.rates[f].map(|rate| rate / norm);
+        }
+        self.knots[run + waypoint] = joints;
+        Some(joints)
+    }
+
+    /// The point a share of a step on. `steps` are in units of joints: parameter `f` moves by `steps[f] / norms[f]`.
+    ///
+    /// Where `dq/dfree` is longer than `steep`, the straight line is followed in the joints and then projected back:
+    /// the parameters are those at which the joints come nearest to it on the same branch.
+    pub fn moved<R: Robot<N, F> + ?Sized>(
+        &self,
+        robot: &R,
+        line: &Timeline,
+        branches: &[u32],
+        (steps, run_steps): (&[[f64; F]], &[[f64; N]]),
+        (share, steep): (f64, f64),
+    ) -> Result<Self, Unreachable> {
+        let range = line.waypoints();
+        let mut next = self.clone();
+        for (waypoint, step) in steps.iter().enumerate() {
+            let before = &self.knots[range.start + waypoint];
+            let mut aim = *before;
+            let mut is_steep = false;
+            for (f, by) in step.iter().enumerate() {
+                let by = share * by;
+                next.free[waypoint][f] += by / self.norms[waypoint][f];
+                is_steep |= self.norms[waypoint][f] > steep;
+                for (aim, column) in aim.iter_mut().zip(&self.columns[waypoint][f]) {
+                    *aim += by * column;
+                }
+            }
+            let placed = next.place(robot, branches, range.start, waypoint, Some(aim));
+            if is_steep {
+                self.project(&mut next, robot, branches, range.start, waypoint, &aim);
+            } else if placed.is_none() {
+                return Err(Unreachable(waypoint));
+            }
+        }
+        for (knot, by) in next.knots[..range.start].iter_mut().zip(run_steps) {
+            knot.iter_mut().zip(by).for_each(|(joint, by)| *joint += share * by);
+        }
+        for (knot, by) in next.knots[range.end..].iter_mut().zip(&run_steps[range.start..]) {
+            knot.iter_mut().zip(by).for_each(|(joint, by)| *joint += share * by);
+        }
+        next.bend(line);
+        Ok(next)
+    }
+
+    /// Brings a steep waypoint of `next` as near to `aim` as its branch allows, by Gauss-Newton with halved steps from
+    /// where it was. It never ends farther from the aim than it began.
+    fn project<R: Robot<N, F> + ?Sized>(
+        &self,
+        next: &mut Self,
+        robot: &R,
+        branches: &[u32],
+        run: usize,
+        waypoint: usize,
+        aim: &[f64; N],
+    ) {
+        let distance = |joints: &[f64; N]| joints.iter().zip(aim).map(|(q, aim)| (q - aim).powi(2)).sum::<f64>();
+        let mut best = (self.free[waypoint], self.columns[waypoint], self.norms[waypoint], self.knots[run + waypoint]);
+        for _ in 0..PROJECTIONS {
+            // One parameter after another: columns are few, and seldom parallel.
+            let mut wanted = best.0;
+            let mut left: [f64; N] = std::array::from_fn(|j| aim[j] - best.3[j]);
+            for (f, wanted) in wanted.iter_mut().enumerate() {
+                let along: f64 = left.iter().zip(&best.1[f]).map(|(left, column)| left * column).sum();
+                left.iter_mut().zip(&best.1[f]).for_each(|(left, column)| *left -= along * column);
+                *wanted += along / best.2[f];
+            }
+            let mut share = 1.0;
+            let mut nearer = false;
+            while share > 1e-3 && !nearer {
+                next.free[waypoint] = std::array::from_fn(|f| best.0[f] + share * (wanted[f] - best.0[f]));
+                if let Some(joints) = next.place(robot, branches, run, waypoint, Some(*aim))
+                    && distance(&joints) < distance(&best.3)
+                {
+                    best = (next.free[waypoint], next.columns[waypoint], next.norms[waypoint], joints);
+                    nearer = true;
+                }
+                share *= 0.5;
+            }
+            if !nearer {
+                break;
+            }
+        }
+        (next.free[waypoint], next.columns[waypoint], next.norms[waypoint], next.knots[run + waypoint]) = best;
+    }
+
+    /// Accelerations from the joints.
+    fn bend(&mut self, line: &Timeline) {
+        self.curvatures.resize(self.knots.len(), [0.0; N]);
+        let mut angles = vec![0.0; self.knots.len()];
+        for joint in 0..N {
+            angles.iter_mut().zip(&self.knots).for_each(|(angle, knot)| *angle = knot[joint]);
+            let m = line.second_derivatives(&angles);
+            m.iter().zip(&mut self.curvatures).for_each(|(&m, knot)| knot[joint] = m);
+        }
+    }
+
+    /// The jerk of a joint on piece `0..=knots`, the first from and the last to rest.
+    pub fn jerk(&self, line: &Timeline, piece: usize, joint: usize) -> f64 {
+        let before = if piece == 0 { 0.0 } else { self.curvatures[piece - 1][joint] };
+        let after = self.curvatures.get(piece).map_or(0.0, |m| m[joint]);
+        (after - before) / line.step(piece)
+    }
+
+    /// The integral of the squared jerk from rest to rest.
+    pub fn squared_jerk(&self, line: &Timeline) -> f64 {
+        (0..=self.knots.len())
+            .map(|piece| {
+                let sum: f64 = (0..N).map(|joint| self.jerk(line, piece, joint).powi(2)).sum();
+                sum * line.step(piece)
+            })
+            .sum()
+    }
+}
