@@ -1,9 +1,11 @@
 //! What the examples share: reading meshes, arguments, output folder, progress bars, pictures, the report, and shapes
-//! made in code. Unpublished; it knows nothing of the published crates and takes plain data from them.
+//! made in code. Unpublished; but for [`motion`] it knows nothing of the published crates and takes plain data from
+//! them.
 
 pub mod args;
 pub mod bars;
 pub mod mesh;
+pub mod motion;
 pub mod output;
 pub mod plot;
 pub mod render;

@@ -8,7 +8,7 @@ use super::Norm;
 use super::nodes::Kind;
 use std::f64::consts::{PI, TAU};
 
-/// Cells along one joint are at most this many; more cost time to visit and separate nothing.
+/// Cells along one joint are at most this many; more cost time to lay out and separate nothing.
 const MOST_CELLS: usize = 64;
 
 /// How two nodes are compared.
@@ -55,9 +55,12 @@ impl Axis {
             let least = angles().fold(f64::INFINITY, f64::min);
             (least, angles().fold(f64::NEG_INFINITY, f64::max) - least)
         };
-        // A hair wider than the limit, so that rounding cannot push a node one cell farther.
-        let size = (limit * (1.0 + 1e-9)).max(range / MOST_CELLS as f64);
-        let count = ((range / size).floor() as usize).clamp(1, MOST_CELLS);
+        // No narrower than the limit, so that the box touches three cells; but where the limit says little, as many as
+        // leave a few nodes in each.
+        let limit = limit * (1.0 + 1e-9);
+        let by_limit = ((range / limit).floor() as usize).min(MOST_CELLS);
+        let by_nodes = ((nodes.len() as f64).sqrt() as usize / 2).min(MOST_CELLS / 4);
+        let count = by_limit.max(by_nodes).max(1);
         let size = if range > 0.0 { range / count as f64 } else { 1.0 };
         let reach = ((limit / size).ceil().min(MOST_CELLS as f64) as usize).max(1);
         Axis { joint, origin, size, count, circular, reach }
@@ -105,8 +108,9 @@ pub(super) struct Buckets<const N: usize> {
     steps: Vec<Step>,
     /// First node of each cell among those below, and their number.
     starts: Vec<u32>,
-    /// The least cost in each cell.
+    /// The least cost in each cell, and of all.
     least: Vec<f64>,
+    least_of_all: f64,
     joints: Vec<[f64; N]>,
     costs: Vec<f64>,
     ids: Vec<u32>,
@@ -144,6 +148,7 @@ impl<const N: usize> Buckets<N> {
             steps,
             starts: vec![0; axes[0].count * axes[1].count + 1],
             least: vec![f64::INFINITY; axes[0].count * axes[1].count],
+            least_of_all: f64::INFINITY,
             joints: Vec::new(),
             costs: Vec::new(),
             ids: Vec::new(),
@@ -163,6 +168,7 @@ impl<const N: usize> Buckets<N> {
             found.least[cell] = found.least[cell].min(costs[node as usize]);
             next[cell] += 1;
         }
+        found.least_of_all = found.least.iter().copied().fold(f64::INFINITY, f64::min);
         found.joints = found.ids.iter().map(|&id| nodes[id as usize]).collect();
         found.costs = found.ids.iter().map(|&id| costs[id as usize]).collect();
         found
@@ -182,6 +188,9 @@ impl<const N: usize> Buckets<N> {
         let home = self.axes.map(|axis| axis.cell(node));
         let mut best = (f64::INFINITY, u32::MAX);
         for step in &self.steps {
+            if self.least_of_all + step.least > best.0 {
+                break;
+            }
             let (Some(along), Some(across)) =
                 (self.axes[0].moved(home[0], step.by[0]), self.axes[1].moved(home[1], step.by[1]))
             else {

@@ -1,0 +1,186 @@
+//! Robot motion with little jerk along a curved layer: a UR3 that holds the part, and eight axes over a table.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 4: Table 4.2 and the study of noise
+//! (Fig. 4.14).
+//! ```sh
+//! cargo run --release --example jerk_motion -- --count 4681
+//! cargo run --release --example jerk_motion -- --waypoints layer.txt --feed 5 --up y
+//! ```
+//! Without `--waypoints` the path is a spiral over a patch made in code. `--help` lists the options.
+
+mod outputs;
+pub mod path;
+mod planning;
+mod plot;
+
+use clap::{Parser, ValueEnum};
+use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args};
+use curvlay_examples::bars::Bars;
+use curvlay_examples::mesh::Up;
+use curvlay_examples::motion::{OverTable, PartInHand, Placed, STEP_S, centred};
+use curvlay_examples::output::OutputFolder;
+use curvlay_trajectory::{PathOptions, TimedPath, Timing, timed_path};
+use path::Path6;
+use planning::{METHODS, Plan, Planned, plan};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Robot motion with little jerk along a curved layer, after Dai (2020), chapter 4.
+#[derive(Parser, Clone, Debug)]
+#[command(version, name = "jerk_motion")]
+pub struct Args {
+    /// Waypoints instead of the spiral: lines of `px py pz nx ny nz`, place in mm and direction of growth
+    #[arg(long, value_name = "FILE")]
+    waypoints: Option<PathBuf>,
+    /// Which axis of the file points up
+    #[arg(long, value_enum, default_value_t = Up::Z)]
+    up: Up,
+    /// Feed in mm/s; without it, a waypoint every 0.1807 s
+    #[arg(long = "feed", value_name = "MM/S", value_parser = above_zero, allow_negative_numbers = true)]
+    feed_mm_s: Option<f64>,
+    /// Waypoints of the spiral, 0.88 mm apart
+    #[arg(long, value_name = "N", default_value_t = 2545, value_parser = clap::value_parser!(u32).range(5..=20_000))]
+    count: u32,
+    /// Rounding of the spiral's crest in millimetres
+    #[arg(long = "crest", value_name = "MM", default_value_t = 9.0, value_parser = crest, allow_negative_numbers = true)]
+    crest_mm: f64,
+    /// Which robots to plan for
+    #[arg(long, value_enum, default_value_t = Cells::Both)]
+    robots: Cells,
+    /// Waypoints in the study of noise, from the first on; 0 leaves it out
+    #[arg(long = "noise", value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(0..=20_000))]
+    noise_count: u32,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Which robots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cells {
+    /// A UR3 with the part in its hand
+    Ur3,
+    /// An IRB 1200 over an A-250
+    Cell8,
+    /// One after the other
+    Both,
+}
+
+fn crest(text: &str) -> Result<f64, String> {
+    above_zero(text).and_then(|mm| if mm <= 1000.0 { Ok(mm) } else { Err("must be at most 1000".to_owned()) })
+}
+
+/// Degrees by which directions are disturbed in the study of noise, and its seed.
+const NOISE_DEG: [u32; 3] = [5, 10, 15];
+const SEED: u64 = 414;
+
+/// A robot's motions over the path, and over a noisy one for each level of noise.
+pub struct Run<const N: usize> {
+    /// `ur3` or `cell8`.
+    pub robot: &'static str,
+    /// A motion for each method.
+    pub planned: Vec<Planned<N>>,
+    /// Degrees of noise, and the motions there.
+    pub noisy: Vec<(u32, Vec<Planned<N>>)>,
+}
+
+/// All that came out.
+pub struct Results {
+    /// The path in pieces.
+    pub path: TimedPath,
+    /// Waypoints that were given.
+    pub given: usize,
+    /// With the part in the hand of a UR3.
+    pub ur3: Option<Run<6>>,
+    /// With eight axes.
+    pub cell8: Option<Run<8>>,
+}
+
+fn main() -> ExitCode {
+    run_with_args(|args: Args| {
+        let folder = args.common.folder("jerk_motion")?;
+        let (results, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        outputs::table(&results).print()?;
+        Ok(outcome)
+    })
+}
+
+/// Plans by every method and writes the files.
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results, Outcome), Failure> {
+    let start = Instant::now();
+    let given = match &args.waypoints {
+        Some(file) => path::upright(&path::read(file)?, args.up),
+        None => path::spiral(args.count as usize, args.crest_mm),
+    };
+    let timed = stamped(&given, args.feed_mm_s)?;
+    if timed.pieces.is_empty() {
+        let defect = timed.defects.first().map_or_else(String::new, |defect| format!(" ({defect})"));
+        return Err(Failure::new(format!("no piece of the path can be travelled{defect}")));
+    }
+    let cell = args.robots;
+    let ur3 = (cell != Cells::Cell8)
+        .then(|| run("ur3", &given, &timed, args, bars, PartInHand::new, [360], 7))
+        .transpose()?;
+    // The table stands still for the grid: three parameters at every degree are 46 million samples.
+    let cell8 = (cell != Cells::Ur3)
+        .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, [360, 1, 1], 1))
+        .transpose()?;
+    bars.finish();
+    let results = Results { path: timed, given: given.0.len(), ur3, cell8 };
+    outputs::write(args, &results, folder, start.elapsed())?;
+    let well = results.failed_checks().is_empty();
+    Ok((results, if well { Outcome::Done } else { Outcome::CheckFailed }))
+}
+
+fn stamped((positions, normals): &Path6, feed: Option<f64>) -> Result<TimedPath, Failure> {
+    let times: Vec<f64> = (0..positions.len()).map(|k| STEP_S * k as f64).collect();
+    let timing = feed.map_or(Timing::Given(&times), Timing::Feed);
+    Ok(timed_path(positions, normals, timing, &PathOptions::default())?)
+}
+
+/// All methods on one robot, and the study of noise.
+#[allow(clippy::too_many_arguments)] // all that differs between the two cells
+fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
+    robot: &'static str,
+    given: &Path6,
+    timed: &TimedPath,
+    args: &Args,
+    bars: &Bars,
+    cell: impl Fn(Vec<curvlay_kinematics::Waypoint>) -> Result<R, E>,
+    grid: [u32; F],
+    doublings: u32,
+) -> Result<Run<N>, Failure> {
+    // One placing for the whole path, so that its pieces stay where they are to one another.
+    let robots = |timed: &TimedPath| -> Result<(Vec<R>, Vec<Vec<f64>>), Failure> {
+        let all: Vec<_> = timed
+            .pieces
+            .iter()
+            .flat_map(|piece| piece.positions.iter().copied().zip(piece.normals.iter().copied()))
+            .collect();
+        let whole = cell(centred(&all)).map_err(Failure::new)?;
+        let mut first = 0;
+        let parts = timed.pieces.iter().map(|piece| {
+            first += piece.waypoints.len();
+            whole.part(first - piece.waypoints.len()..first)
+        });
+        Ok((parts.collect(), timed.pieces.iter().map(|piece| piece.times.clone()).collect()))
+    };
+    let (parts, times) = robots(timed)?;
+    let planned = plan(&parts, &times, &Plan { methods: &METHODS, grid, doublings, makers_speeds: false }, bars)?;
+    let mut noisy = Vec::new();
+    for degrees in NOISE_DEG.into_iter().filter(|_| args.noise_count as usize >= curvlay_trajectory::FEWEST_WAYPOINTS) {
+        let count = given.0.len().min(args.noise_count as usize);
+        let start: Path6 = (given.0[..count].to_vec(), given.1[..count].to_vec());
+        let disturbed = path::noisy(&start, f64::from(degrees).to_radians(), SEED + u64::from(degrees));
+        // Normals may turn over by twice the noise; the study is about what that does.
+        let options = PathOptions { flip: std::f64::consts::PI, ..PathOptions::default() };
+        let times: Vec<f64> = (0..count).map(|k| STEP_S * k as f64).collect();
+        let timing = args.feed_mm_s.map_or(Timing::Given(&times), Timing::Feed);
+        let timed = timed_path(&disturbed.0, &disturbed.1, timing, &options)?;
+        let (parts, times) = robots(&timed)?;
+        let methods = &METHODS[..METHODS.len() - 1];
+        let planned = plan(&parts, &times, &Plan { methods, grid, doublings, makers_speeds: true }, bars)?;
+        noisy.push((degrees, planned));
+    }
+    Ok(Run { robot, planned, noisy })
+}

@@ -1,0 +1,214 @@
+//! What the example leaves behind: the table on stdout, `summary.json`, trajectories and `report.html`.
+
+use super::planning::{Figures, Planned};
+use super::plot::{Curve, draw};
+use super::{Args, Results, Run};
+use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_trajectory::Trajectory;
+use std::io::{self, Write};
+use std::time::Duration;
+
+/// Waypoints are met within this.
+const MET_MM: f64 = 1e-6;
+const MET_RAD: f64 = 1e-9;
+
+/// Table 4.2 of the dissertation, its layer of 2,545 waypoints on its own UR3: J, greatest jerk, seconds.
+const PAPER: [(&str, f64, f64, f64); 2] =
+    [("dissertation, WS1", 232.0, 0.97, 116.0), ("dissertation, dense graph", 1340.0, 5.26, 1837.0)];
+
+impl Results {
+    /// Every robot's figures by method.
+    fn rows(&self) -> Vec<(String, &Figures)> {
+        let mut rows = Vec::new();
+        if let Some(run) = &self.ur3 {
+            add_rows(run, &mut rows);
+        }
+        if let Some(run) = &self.cell8 {
+            add_rows(run, &mut rows);
+        }
+        rows
+    }
+
+    /// Where the path is split, and where ladders break off on it.
+    fn splits(&self) -> usize {
+        let breaks = |rows: Vec<(String, &Figures)>| {
+            rows.iter()
+                .filter(|(name, _)| name.ends_with("ladder") && !name.contains("noise"))
+                .map(|row| row.1.breaks)
+                .sum::<usize>()
+        };
+        self.path.pieces.len() - 1 + breaks(self.rows())
+    }
+
+    /// The checks of ours that do not hold.
+    pub fn failed_checks(&self) -> Vec<String> {
+        let missed = |figures: &Figures| !(figures.missed_mm <= MET_MM && figures.missed_rad <= MET_RAD);
+        self.rows().iter().filter(|row| missed(row.1)).map(|row| format!("{}_waypoints", row.0)).collect()
+    }
+}
+
+fn add_rows<'a, const N: usize>(run: &'a Run<N>, rows: &mut Vec<(String, &'a Figures)>) {
+    let row =
+        |middle: &str, planned: &'a Planned<N>| (format!("{}_{middle}{}", run.robot, planned.method), &planned.figures);
+    rows.extend(run.planned.iter().map(|planned| row("", planned)));
+    for (degrees, planned) in &run.noisy {
+        rows.extend(planned.iter().map(|planned| row(&format!("noise{degrees}_"), planned)));
+    }
+}
+
+pub fn write(args: &Args, results: &Results, folder: &OutputFolder, time: Duration) -> Result<(), Failure> {
+    if let Some(run) = &results.ur3 {
+        write_run(run, folder)?;
+    }
+    if let Some(run) = &results.cell8 {
+        write_run(run, folder)?;
+    }
+    folder.write("report.html", report(args, results).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, results, time)?.write(folder)?;
+    Ok(())
+}
+
+/// The motion to run: the last but the grid.
+fn smoothest<const N: usize>(run: &Run<N>) -> Option<&Planned<N>> {
+    run.planned.iter().rfind(|planned| planned.method != "grid")
+}
+
+fn write_run<const N: usize>(run: &Run<N>, folder: &OutputFolder) -> Result<(), Failure> {
+    if let Some(planned) = smoothest(run) {
+        folder.write_with(&format!("{}_trajectory.csv", run.robot), |out| knots(&planned.trajectories, out))?;
+    }
+    Ok(())
+}
+
+/// A line for each knot: run, time, joints. Between them the joints follow the C2 cubic spline, at rest at both ends.
+fn knots<const N: usize>(trajectories: &[Trajectory<N>], out: &mut dyn Write) -> io::Result<()> {
+    let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}_rad")).collect();
+    writeln!(out, "run,time_s,{}", names.join(","))?;
+    for (run, trajectory) in trajectories.iter().enumerate() {
+        for (time, joints) in trajectory.times().iter().zip(trajectory.joints()) {
+            write!(out, "{run},{time:.6}")?;
+            joints.iter().try_for_each(|angle| write!(out, ",{angle:.9}"))?;
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+pub fn table(results: &Results) -> Table {
+    let mut table = Table::new(["", "J", "integral of squared jerk", "max jerk", "max speed", "runs", "time s"]);
+    for (name, figures) in results.rows() {
+        table.row([
+            name.replace('_', " "),
+            format!("{:.2}", figures.j),
+            format!("{:.2}", figures.spline_jerk),
+            format!("{:.3}", figures.jerk()),
+            format!("{:.3}", figures.velocity),
+            (figures.breaks + 1).to_string(),
+            format!("{:.3}", figures.time.as_secs_f64()),
+        ]);
+    }
+    for (name, j, jerk, seconds) in PAPER {
+        table.row([
+            name.to_owned(),
+            format!("{j:.0}"),
+            String::new(),
+            jerk.to_string(),
+            String::new(),
+            String::new(),
+            format!("{seconds:.0}"),
+        ]);
+    }
+    table
+}
+
+fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Failure> {
+    let failed = results.failed_checks();
+    let file =
+        args.waypoints.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    let mut summary = Summary::new();
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("path", file.unwrap_or_else(|| "spiral".to_owned()))?
+        .set("crest_mm", args.crest_mm)?
+        .set("feed_mm_s", args.feed_mm_s.map_or_else(|| "none".into(), serde_json::Value::from))?
+        .set("robots", typed_name(args.robots))?
+        .set("noise_waypoints", args.noise_count)?
+        .set("threads", args.common.threads)?
+        .set("given", results.given)?
+        .set("waypoints", results.path.pieces.iter().map(|piece| piece.waypoints.len()).sum::<usize>())?
+        .set("pieces", results.path.pieces.len())?
+        .set("defects", results.path.defects.len())?
+        .set("splits", results.splits())?;
+    for (name, figures) in results.rows() {
+        summary
+            .set(&format!("{name}_j"), figures.j)?
+            .set(&format!("{name}_spline_jerk"), figures.spline_jerk)?
+            .set(&format!("{name}_max_jerk"), figures.jerk())?
+            .set(&format!("{name}_max_acceleration"), figures.acceleration)?
+            .set(&format!("{name}_max_velocity"), figures.velocity)?
+            .set(&format!("{name}_runs"), figures.breaks + 1)?
+            .set(&format!("{name}_missed_mm"), figures.missed_mm)?
+            .set(&format!("{name}_missed_rad"), figures.missed_rad)?
+            .set(&format!("{name}_limits_broken"), figures.violations.len())?
+            .set_seconds(&format!("{name}_plan_s"), figures.time)?;
+    }
+    summary
+        .set("check_ok", failed.is_empty())?
+        .set("checks_failed", failed.join(", "))?
+        .set_seconds("total_s", time)?;
+    Ok(summary)
+}
+
+fn report(args: &Args, results: &Results) -> Report {
+    let mut report = Report::new("Robot motion with little jerk");
+    let waypoints: usize = results.path.pieces.iter().map(|piece| piece.waypoints.len()).sum();
+    report.paragraph(&format!(
+        "{waypoints} waypoints in {} pieces. A waypoint leaves the turn about the nozzle's axis free (over the table \
+         its tilt and turn besides). The ladder takes the shortest path through a few sampled angles, the grid through \
+         one at every degree of the tool angle, the local filter is Algorithm 6 from the ladder. J is the sum of squared \
+         jerks at the waypoints (Eq. 4.10); the integral and the greatest jerk are those of the C2 spline everywhere, \
+         from rest to rest. Bounds: 1 rad/s, 5 rad/s^2, 1 rad/s^3.",
+        results.path.pieces.len()
+    ));
+    for defect in results.path.defects.iter().take(20) {
+        report.notice(&defect.to_string());
+    }
+    report.table("All methods", &table(results));
+    if args.noise_count > 0 {
+        report.paragraph(&format!(
+            "The rows with noise are over the first {} waypoints, their directions turned by up to 5, 10 and 15 degrees, \
+             with the makers' greatest speeds: at 1 rad/s there is no such path. The dissertation's layers are not \
+             public, so its rows are those of other paths of that length.",
+            args.noise_count
+        ));
+    }
+    if let Some(run) = &results.ur3 {
+        pictures(run, &mut report);
+    }
+    if let Some(run) = &results.cell8 {
+        pictures(run, &mut report);
+    }
+    report
+}
+
+fn pictures<const N: usize>(run: &Run<N>, report: &mut Report) {
+    let (Some(before), Some(after)) = (run.planned.first(), smoothest(run)) else { return };
+    let (before_figures, after_figures) = (&before.figures, &after.figures);
+    report.heading(&format!("{}: {} in grey, {} in orange", run.robot, before.method, after.method));
+    let mut joints = Table::new(["joint", "max jerk before", "max jerk after"]);
+    for (joint, (was, is)) in before_figures.joint_jerk.iter().zip(&after_figures.joint_jerk).enumerate() {
+        joints.row([(joint + 1).to_string(), format!("{was:.3}"), format!("{is:.3}")]);
+    }
+    report.table("rad/s^3", &joints);
+    let draw = |curve| draw(&before.trajectories, &after.trajectories, curve);
+    report.picture("joint angles over time, rad", &draw(Curve::Angle));
+    report.picture("jerk over time, rad/s^3", &draw(Curve::Jerk));
+    for violation in after_figures.violations.iter().take(12) {
+        report.paragraph(&format!("beyond its bound: {violation}"));
+    }
+}

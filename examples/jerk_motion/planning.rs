@@ -1,0 +1,208 @@
+//! A path planned by every method on one robot.
+
+use curvlay_examples::args::Failure;
+use curvlay_examples::bars::Bars;
+use curvlay_examples::motion::Placed;
+use curvlay_trajectory::{
+    Bounds, FEWEST_WAYPOINTS, FilterOptions, LadderOptions, RunIn, Rung, Timeline, Trajectory, filter_locally,
+    jerk_measure, plan_ladder,
+};
+use std::ops::{ControlFlow, Range};
+use std::time::{Duration, Instant};
+
+/// The methods, by the words of the summary.
+pub const METHODS: [&str; 3] = ["ladder", "local", "grid"];
+
+/// A motion by one method.
+#[derive(Clone, Debug)]
+pub struct Planned<const N: usize> {
+    pub method: &'static str,
+    /// One a run; more than one where the path breaks off.
+    pub trajectories: Vec<Trajectory<N>>,
+    pub figures: Figures,
+}
+
+/// What is said of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// Eq. 4.10, at the waypoints.
+    pub j: f64,
+    /// Integral of the squared jerk of the splines, from rest to rest.
+    pub spline_jerk: f64,
+    /// Greatest of each joint, everywhere.
+    pub joint_jerk: Vec<f64>,
+    pub velocity: f64,
+    pub acceleration: f64,
+    /// Initial path included.
+    pub time: Duration,
+    pub breaks: usize,
+    /// How far joints are from their waypoints.
+    pub missed_mm: f64,
+    pub missed_rad: f64,
+    /// Bounds that do not hold everywhere, in words.
+    pub violations: Vec<String>,
+}
+
+impl Figures {
+    pub fn jerk(&self) -> f64 {
+        self.joint_jerk.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// A motion in runs: the waypoints of each, one after the other, and the rungs.
+#[derive(Clone)]
+struct Motion<const N: usize, const F: usize> {
+    rungs: Vec<Rung<N, F>>,
+    runs: Vec<Range<usize>>,
+}
+
+impl<const N: usize, const F: usize> Motion<N, F> {
+    /// The splines through the rungs, one a run, with the run-in and run-out of least jerk.
+    fn splines(&self, times: &[f64]) -> Result<Vec<Trajectory<N>>, Failure> {
+        let spline = |run: &Range<usize>| {
+            let joints: Vec<[f64; N]> = self.rungs[run.clone()].iter().map(|rung| rung.joints).collect();
+            let line = Timeline::new(&times[run.clone()], RunIn::default())?;
+            Ok(Trajectory::through(&line, &joints)?)
+        };
+        self.runs.iter().map(spline).collect()
+    }
+}
+
+/// How to plan.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a, const F: usize> {
+    pub methods: &'a [&'static str],
+    /// Samples of the grid.
+    pub grid: [u32; F],
+    /// How often the four samples of the ladder may be doubled.
+    pub doublings: u32,
+    pub makers_speeds: bool,
+}
+
+/// Plans the pieces of a path: for each method one motion a piece.
+pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
+    robots: &[R],
+    times: &[Vec<f64>],
+    plan: &Plan<'_, F>,
+    bars: &Bars,
+) -> Result<Vec<Planned<N>>, Failure> {
+    let mut all: Vec<Planned<N>> = Vec::new();
+    for (robot, times) in robots.iter().zip(times) {
+        let bounds = robot.bounds(plan.makers_speeds);
+        let (ladder, ladder_time) = climb(robot, times, &bounds, [4; F], plan.doublings, bars)?;
+        for &method in plan.methods {
+            let started = Instant::now();
+            let (motion, time) = match method {
+                "local" => {
+                    let motion = smoothed(robot, times, &bounds, &ladder, bars)?;
+                    (motion, ladder_time + started.elapsed())
+                }
+                "grid" => climb(robot, times, &bounds, plan.grid, 0, bars)?,
+                _ => (ladder.clone(), ladder_time),
+            };
+            let planned = measured(method, robot, times, &bounds, &motion, motion.splines(times)?, time);
+            match all.iter_mut().find(|known| known.method == method) {
+                Some(known) => known.append(planned),
+                None => all.push(planned),
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    samples: [u32; F],
+    doublings: u32,
+    bars: &Bars,
+) -> Result<(Motion<N, F>, Duration), Failure> {
+    let started = Instant::now();
+    let options = LadderOptions { samples, doublings, breaks: true, ..LadderOptions::default() };
+    let ladder = plan_ladder(robot, times, bounds, &options, &|step| {
+        bars.update(step.stage, step.done, step.total);
+        ControlFlow::Continue(())
+    })?;
+    let runs = ladder.runs().collect();
+    Ok((Motion { rungs: ladder.rungs, runs }, started.elapsed()))
+}
+
+/// Algorithm 6 on every run that is long enough.
+fn smoothed<const N: usize, const F: usize, R: Placed<N, F>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    ladder: &Motion<N, F>,
+    bars: &Bars,
+) -> Result<Motion<N, F>, Failure> {
+    let mut motion = ladder.clone();
+    for run in ladder.runs.iter().filter(|run| run.len() >= FEWEST_WAYPOINTS) {
+        let part = robot.part(run.clone());
+        let (times, start) = (&times[run.clone()], &ladder.rungs[run.clone()]);
+        let filtered = filter_locally(&part, times, start, bounds, &FilterOptions::default(), &|step| {
+            bars.update(step.stage, step.done, step.total);
+            ControlFlow::Continue(())
+        })?;
+        motion.rungs[run.clone()].copy_from_slice(&filtered.rungs);
+    }
+    Ok(motion)
+}
+
+fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
+    method: &'static str,
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    motion: &Motion<N, F>,
+    trajectories: Vec<Trajectory<N>>,
+    time: Duration,
+) -> Planned<N> {
+    let mut figures = Figures {
+        j: 0.0,
+        spline_jerk: 0.0,
+        joint_jerk: vec![0.0; N],
+        velocity: 0.0,
+        acceleration: 0.0,
+        time,
+        breaks: motion.runs.len() - 1,
+        missed_mm: 0.0,
+        missed_rad: 0.0,
+        violations: Vec::new(),
+    };
+    for (waypoint, rung) in motion.rungs.iter().enumerate() {
+        let (mm, rad) = robot.missed(waypoint, &rung.joints);
+        figures.missed_mm = figures.missed_mm.max(mm);
+        figures.missed_rad = figures.missed_rad.max(rad);
+    }
+    for (run, trajectory) in motion.runs.iter().zip(&trajectories) {
+        let joints: Vec<[f64; N]> = motion.rungs[run.clone()].iter().map(|rung| rung.joints).collect();
+        figures.j += jerk_measure(&times[run.clone()], &joints);
+        figures.spline_jerk += trajectory.squared_jerk();
+        for (most, joint) in figures.joint_jerk.iter_mut().zip(trajectory.extremes()) {
+            *most = most.max(joint.jerk.value.abs());
+            figures.velocity = figures.velocity.max(joint.velocity.value.abs());
+            figures.acceleration = figures.acceleration.max(joint.acceleration.value.abs());
+        }
+        figures.violations.extend(trajectory.violations(bounds, 1e-6).iter().map(ToString::to_string));
+    }
+    Planned { method, trajectories, figures }
+}
+
+impl<const N: usize> Planned<N> {
+    /// Adds the motion over the next piece of the path.
+    fn append(&mut self, next: Planned<N>) {
+        let (ours, theirs) = (&mut self.figures, next.figures);
+        ours.j += theirs.j;
+        ours.spline_jerk += theirs.spline_jerk;
+        ours.joint_jerk.iter_mut().zip(theirs.joint_jerk).for_each(|(most, jerk)| *most = most.max(jerk));
+        ours.velocity = ours.velocity.max(theirs.velocity);
+        ours.acceleration = ours.acceleration.max(theirs.acceleration);
+        ours.time += theirs.time;
+        ours.breaks += theirs.breaks;
+        ours.missed_mm = ours.missed_mm.max(theirs.missed_mm);
+        ours.missed_rad = ours.missed_rad.max(theirs.missed_rad);
+        ours.violations.extend(theirs.violations);
+        self.trajectories.extend(next.trajectories);
+    }
+}

@@ -1,0 +1,210 @@
+//! Cells as the planners of trajectories see them: an arm with the part in its hand, and an arm over a table.
+
+use curvlay_kinematics::{
+    Arm, ArmError, Branch, Cell, CellError, JointLimits, Positioner, PositionerError, TableCell, Waypoint,
+    nozzle_frame, robots,
+};
+use curvlay_trajectory::{Bounds, FreeRange, Posture, Robot};
+use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+/// Seconds from one waypoint to the next where no feed is given: 2,545 of them take 460 s, as in the dissertation.
+pub const STEP_S: f64 = 460.0 / 2545.0;
+
+/// The bounds at which all figures are made; the arms' own stops stay.
+const SPEED_RAD_S: f64 = 1.0;
+const ACCELERATION_RAD_S2: f64 = 5.0;
+const JERK_RAD_S3: f64 = 1.0;
+
+/// How far the table may tilt to either side.
+const MOST_TILT: f64 = PI / 3.0;
+
+/// Numbers of ours that make no cell; never seen.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MotionError {
+    /// The arm.
+    #[error(transparent)]
+    Arm(#[from] ArmError),
+    /// The table.
+    #[error(transparent)]
+    Positioner(#[from] PositionerError),
+    /// A frame.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+}
+
+/// A robot whose waypoints can be taken apart, and checked.
+pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
+    /// The same cell with some of the waypoints.
+    fn part(&self, waypoints: Range<usize>) -> Self;
+
+    /// How far joints are from a waypoint: millimetres, and the angle of the axes in radians.
+    fn missed(&self, waypoint: usize, joints: &[f64; N]) -> (f64, f64);
+
+    /// The bounds of the figures, or with the makers' speeds.
+    fn bounds(&self, makers_speeds: bool) -> Bounds<N>;
+}
+
+/// Waypoints centred in x and y by their mean, the lowest at z = 0.
+pub fn centred(path: &[(Point3<f64>, UnitVector3<f64>)]) -> Vec<Waypoint> {
+    let mean = path.iter().map(|(p, _)| p.coords).sum::<Vector3<f64>>() / path.len().max(1) as f64;
+    let lowest = path.iter().map(|(p, _)| p.z).fold(f64::INFINITY, f64::min);
+    let origin = Vector3::new(mean.x, mean.y, lowest);
+    path.iter().map(|&(position, axis)| Waypoint { position: position - origin, axis }).collect()
+}
+
+/// A UR3 that holds the part under a nozzle.
+#[derive(Clone, Debug)]
+pub struct PartInHand {
+    cell: Cell,
+    waypoints: Vec<Waypoint>,
+}
+
+impl PartInHand {
+    /// The cell of the figures: the nozzle hangs 300 mm before and 220 mm above the base, the part stands 45 mm over the
+    /// flange.
+    ///
+    /// # Errors
+    /// None with these numbers.
+    pub fn new(waypoints: Vec<Waypoint>) -> Result<Self, MotionError> {
+        let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
+        let part = Isometry3::translation(0.0, 0.0, 45.0);
+        Ok(PartInHand { cell: Cell::part_in_hand(Arm::new(&robots::UR3)?, part, nozzle)?, waypoints })
+    }
+}
+
+impl Robot<6, 1> for PartInHand {
+    fn waypoints(&self) -> usize {
+        self.waypoints.len()
+    }
+
+    fn free(&self) -> [FreeRange; 1] {
+        [FreeRange::Turn]
+    }
+
+    fn solutions(&self, waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
+        let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
+        for (branch, joints) in self.cell.arm().inverse(&flange).iter() {
+            each(branch.slot() as u32, *joints);
+        }
+    }
+
+    fn posture(&self, waypoint: usize, free: &[f64; 1], branch: u32) -> Option<Posture<6, 1>> {
+        let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
+        let joints = *self.cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        Some(Posture { joints, rates: [self.cell.tool_rates(&joints)?.first] })
+    }
+}
+
+impl Placed<6, 1> for PartInHand {
+    fn part(&self, waypoints: Range<usize>) -> Self {
+        PartInHand { cell: self.cell, waypoints: self.waypoints[waypoints].to_vec() }
+    }
+
+    fn missed(&self, waypoint: usize, joints: &[f64; 6]) -> (f64, f64) {
+        apart(&self.cell.nozzle_on_part(joints), &self.waypoints[waypoint])
+    }
+
+    fn bounds(&self, makers_speeds: bool) -> Bounds<6> {
+        bounded(self.cell.arm().limits(), makers_speeds)
+    }
+}
+
+/// An IRB 1200 with the nozzle in its hand over an A-250, which carries the part: eight axes, of which the table's are
+/// the last two. Free are the tool angle, the tilt and the turn of the table.
+#[derive(Clone, Debug)]
+pub struct OverTable {
+    cell: TableCell,
+    waypoints: Vec<Waypoint>,
+}
+
+impl OverTable {
+    /// The cell of the figures: the tilt axis passes 520 mm before the base at a height of 120 mm, the part stands in
+    /// the middle of the table, the nozzle is 150 mm long.
+    ///
+    /// # Errors
+    /// None with these numbers.
+    pub fn new(waypoints: Vec<Waypoint>) -> Result<Self, MotionError> {
+        let positioner = Positioner::new(&robots::IRBP_A250, &Isometry3::translation(520.0, 0.0, -900.0))?;
+        let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 150.0), &Vector3::z_axis());
+        let arm = Arm::new(&robots::IRB1200)?;
+        Ok(OverTable { cell: TableCell::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity())?, waypoints })
+    }
+
+    /// The cell with the table as the free parameters say. Its turn may have come round.
+    fn at(&self, free: &[f64; 3]) -> Option<([f64; 2], Cell)> {
+        let table = [free[1], free[2] - TAU * (free[2] / TAU).round()];
+        Some((table, self.cell.at(&table)?))
+    }
+}
+
+fn eight(arm: &[f64; 6], table: [f64; 2]) -> [f64; 8] {
+    let [a, b, c, d, e, f] = *arm;
+    [a, b, c, d, e, f, table[0], table[1]]
+}
+
+impl Robot<8, 3> for OverTable {
+    fn waypoints(&self) -> usize {
+        self.waypoints.len()
+    }
+
+    fn free(&self) -> [FreeRange; 3] {
+        [FreeRange::Turn, FreeRange::Within(-MOST_TILT, MOST_TILT), FreeRange::Turn]
+    }
+
+    fn solutions(&self, waypoint: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 8])) {
+        let Some((table, cell)) = self.at(free) else { return };
+        let flange = cell.flange(&self.waypoints[waypoint], free[0]);
+        for (branch, joints) in cell.arm().inverse(&flange).iter() {
+            each(branch.slot() as u32, eight(joints, table));
+        }
+    }
+
+    fn posture(&self, waypoint: usize, free: &[f64; 3], branch: u32) -> Option<Posture<8, 3>> {
+        let (table, cell) = self.at(free)?;
+        let flange = cell.flange(&self.waypoints[waypoint], free[0]);
+        let joints = *cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        let [tool, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| rates.first);
+        let rates = [eight(&tool, [0.0, 0.0]), eight(&tilt, [1.0, 0.0]), eight(&turn, [0.0, 1.0])];
+        Some(Posture { joints: eight(&joints, table), rates })
+    }
+}
+
+impl Placed<8, 3> for OverTable {
+    fn part(&self, waypoints: Range<usize>) -> Self {
+        OverTable { cell: self.cell, waypoints: self.waypoints[waypoints].to_vec() }
+    }
+
+    fn missed(&self, waypoint: usize, joints: &[f64; 8]) -> (f64, f64) {
+        let [a, b, c, d, e, f, tilt, turn] = *joints;
+        let Some(cell) = self.cell.at(&[tilt, turn]) else { return (f64::INFINITY, f64::INFINITY) };
+        apart(&cell.nozzle_on_part(&[a, b, c, d, e, f]), &self.waypoints[waypoint])
+    }
+
+    fn bounds(&self, makers_speeds: bool) -> Bounds<8> {
+        let (arm, table) = (self.cell.arm().limits(), self.cell.positioner().limits());
+        let joined = |arm: [f64; 6], table: [f64; 2]| eight(&arm, table);
+        let limits = JointLimits {
+            lower: joined(arm.lower, [-MOST_TILT, table.lower[1]]),
+            upper: joined(arm.upper, [MOST_TILT, table.upper[1]]),
+            velocity: joined(arm.velocity, table.velocity),
+            ..JointLimits::NONE
+        };
+        bounded(&limits, makers_speeds)
+    }
+}
+
+fn bounded<const N: usize>(limits: &JointLimits<N>, makers_speeds: bool) -> Bounds<N> {
+    let velocity = if makers_speeds { limits.velocity } else { [SPEED_RAD_S; N] };
+    let (acceleration, jerk) = ([ACCELERATION_RAD_S2; N], [JERK_RAD_S3; N]);
+    Bounds { lower: limits.lower, upper: limits.upper, velocity, acceleration, jerk }
+}
+
+/// How far a nozzle on the part is from a waypoint.
+fn apart(part_nozzle: &Isometry3<f64>, waypoint: &Waypoint) -> (f64, f64) {
+    let axis = part_nozzle.rotation * Vector3::z();
+    let angle = axis.cross(&waypoint.axis).norm().atan2(axis.dot(&waypoint.axis));
+    ((part_nozzle.translation.vector - waypoint.position.coords).norm(), angle)
+}
