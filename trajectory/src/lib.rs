@@ -4,9 +4,9 @@
 //! crate's own, so any arm will do.
 
 mod bounds;
-pub mod indicator;
 mod closures;
 mod global;
+pub mod indicator;
 mod jerk;
 mod ladder;
 mod local;
@@ -14,9 +14,9 @@ mod path;
 mod progress;
 mod random;
 mod robot;
+mod spline;
 pub mod transfer;
 pub mod verify;
-mod spline;
 
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
