@@ -399,3 +399,39 @@ fn squeezed_area_is_told_whichever_surface_comes_near() {
     let spacing = measure_spacing(&surfaces, 1.0).unwrap();
     assert!((spacing.squeezed_share - 2.0 / 3.0).abs() < 1e-12);
 }
+
+/// Area of the surfaces at all whole and a half levels over the middle of a block of 20 cells, per cell.
+fn area_a_cell(of: impl Fn(Point3<f64>) -> f64) -> f64 {
+    let rows = rows_of([20; 3], |_| true);
+    let cells = Cells::new([20; 3], &rows).unwrap();
+    let field = field_of(&cells, of);
+    let levels: Vec<f64> = (0..=field.highest() as u32 + 1).map(|k| f64::from(k) + 0.5).collect();
+    let mut area = 0.0;
+    for surface in surfaces_of(&cells, &field, &levels) {
+        assert_eq!(faults(&surface), Vec::<String>::new());
+        for t in &surface.triangles {
+            let [a, b, c] = t.map(|v| surface.points[v as usize]);
+            let middle = (a.coords + b.coords + c.coords) / 3.0;
+            if middle.iter().all(|&c| (4.0..16.0).contains(&c)) {
+                area += (b - a).cross(&(c - a)).norm() / 2.0;
+            }
+        }
+    }
+    area / 12f64.powi(3)
+}
+
+#[test]
+fn no_area_is_lost_at_a_wait() {
+    let waits = |late: bool, layers: f64| if late { layers } else { 0.0 };
+    let near = |area: f64, what: &str| assert!((area - 1.0).abs() < 0.02, "{what}: {area}");
+    near(area_a_cell(|p| p.z + waits(p.x > 10.0, 5.3)), "an upright step");
+    near(area_a_cell(|p| 0.8 * p.z + 0.6 * p.x + waits(p.y > 10.0, 7.3)), "a step across a slope");
+    near(area_a_cell(|p| 3.0 * p.z), "each layer of cells waits");
+    near(area_a_cell(|p| 3.0 * p.z + 0.3 * p.x), "each waits, and leans");
+    near(area_a_cell(|p| p.z + waits((p - Point3::new(8.5, 8.5, 8.5)).norm() < 0.1, 5.2)), "a single cell");
+    // Steps that run across the lattice, a twelfth of these cells on either side: half a cell of each pair is left out.
+    let leaning = |area: f64, what: &str| assert!(area > 1.0 - 0.5 / 12.0 && area <= 1.0, "{what}: {area}");
+    leaning(area_a_cell(|p| p.z + waits(p.x > p.z, 5.3)), "an overhanging step");
+    leaning(area_a_cell(|p| p.z + waits(p.x + p.z > 20.0, 5.3)), "a step that leans back");
+    near(area_a_cell(|p| p.z + 2.2 * ((p.x * 7.0 + p.y * 3.0).floor() % 3.0)), "columns");
+}

@@ -58,16 +58,18 @@ impl Ord for Time {
     }
 }
 
-/// Grows `cells`, none of them before the time in `release`.
+/// Grows `cells`, none of them before the time in `release`. A cell that had to wait gets the time `restart` after the
+/// beginning of the layer in which it is let go.
 pub(in crate::curved) fn grow_by_clock(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,
     release: Vec<f64>,
     stays_level: bool,
+    restart: f64,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Clocked, GrowthError> {
-    let mut clock = Clock::new(cells, platform, rules, release, stays_level)?;
+    let mut clock = Clock { restart, ..Clock::new(cells, platform, rules, release, stays_level)? };
     let first = standing(cells, platform, rules);
     clock.front.build_all(&first)?;
     clock.build(&first.iter().map(|&cell| (cell, 0.5)).collect::<Vec<_>>());
@@ -91,6 +93,8 @@ struct Clock<'a> {
     front: Front,
     solid: CellSet,
     stays_level: bool,
+    /// How long after the beginning of a layer the front sets out again.
+    restart: f64,
     /// Cells of a level of the grid, empty ones included.
     level: u32,
     /// Times of the cells that are built or chosen for the layer in the making; not a number for the others.
@@ -118,6 +122,7 @@ impl<'a> Clock<'a> {
             front: Front::new(cells, platform, rules)?,
             solid: CellSet::of(cells),
             stays_level,
+            restart: 0.0,
             level: cells.dims()[0] * cells.dims()[1],
             times: vec![f64::NAN; release.len()],
             due: vec![f64::INFINITY; release.len()],
@@ -186,7 +191,7 @@ impl<'a> Clock<'a> {
         let mut candidates: Vec<u32> = chosen.iter().map(|&(cell, _)| cell).collect();
         candidates.sort_unstable();
         prevention::incremental(&mut self.front, &candidates, self.offsets)?;
-        let end = layer + 1.0;
+        let end = layer + 1.0 + self.restart;
         let (held, built): (Vec<_>, Vec<_>) =
             chosen.into_iter().partition(|&(cell, _)| self.front.waiting.contains(cell));
         for (cell, _) in held {
@@ -229,7 +234,7 @@ impl<'a> Clock<'a> {
             for freed in std::mem::take(&mut self.front.freed) {
                 self.held.remove(freed);
                 self.unset_due(freed);
-                self.set_due(freed, self.release[freed as usize].max(layer));
+                self.set_due(freed, self.release[freed as usize].max(layer + self.restart));
             }
             self.advance_from(cell);
         }

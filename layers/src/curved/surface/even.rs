@@ -6,6 +6,9 @@
 //! same rules of support and accessibility, and no cell comes more than [`LAGS`] layers before its layer in the accepted
 //! order, which keeps what the order had learnt about who must wait for whom.
 //!
+//! Where neighbours often wait long for each other, the front sets out again from the middle of a layer, not from its beginning
+//! (`RESTARTS`): then layers add up to the part.
+//!
 //! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
 //! are tried, and the field with the more even slope and fewer waits is taken.
 //!
@@ -24,6 +27,15 @@ use std::ops::ControlFlow;
 /// lead parts with arms that dip below their root are left with cells that cannot be built any more; with a shorter one
 /// the field keeps more of the waits of the order.
 pub const LAGS: [f64; 2] = [10.0, 1.0];
+
+/// When a front that had to wait sets out again, in layers after the beginning of a layer. At the beginning the field is
+/// the smoothest where waits are short and few. In the middle the surfaces on both sides of a long wait keep their
+/// distance: they lie in the middle of the cells.
+const RESTARTS: [f64; 2] = [0.0, 0.5];
+
+/// Jumps a cell from which on fronts set out in the middle. With 0.06 the surfaces still fill 0.98 of a part,
+/// with 0.09 it is 0.97, with 0.3 0.91.
+const MANY_JUMPS: f64 = 0.08;
 
 /// A field of even layers.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +95,7 @@ pub enum EvenError {
 ///
 /// # Cost
 /// About twice that of growing the order with incremental prevention and of an audit, on two threads with the feature
-/// `rayon`; more if it has to try again. The same input gives the same field on any number of threads.
+/// `rayon`; twice as much where fronts often wait, more if it has to try again. The same input gives the same field on any number of threads.
 ///
 /// # Example
 /// ```
@@ -114,9 +126,9 @@ pub fn even(
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
     let layers = order.field(plain.values().len());
     for lag in LAGS {
-        let attempt = |stays_level: bool| -> Result<Option<(f64, Even)>, EvenError> {
+        let attempt = |stays_level: bool, restart: f64| -> Result<Option<(f64, Even)>, EvenError> {
             let release = layers.iter().map(|&layer| (f64::from(layer) - lag).max(0.0)).collect();
-            let clocked = grow_by_clock(&built, platform, rules, release, stays_level, progress)?;
+            let clocked = grow_by_clock(&built, platform, rules, release, stays_level, restart, progress)?;
             if !clocked.complete {
                 return Ok(None);
             }
@@ -128,17 +140,23 @@ pub fn even(
             let method = EvenMethod::Clock { lag, stays_level };
             Ok(audit.is_ok().then_some((unevenness, Even { field, method, audit, jumps })))
         };
-        #[cfg(feature = "rayon")]
-        let (level, turning) = rayon::join(|| attempt(true), || attempt(false));
-        #[cfg(not(feature = "rayon"))]
-        let (level, turning) = (attempt(true), attempt(false));
-        match (level?, turning?) {
-            (Some(level), Some(turning)) => return Ok(if level.0 <= turning.0 { level.1 } else { turning.1 }),
-            (one, other) => {
-                if let Some((_, even)) = one.or(other) {
-                    return Ok(even);
-                }
+        let mut best = None;
+        for restart in RESTARTS {
+            #[cfg(feature = "rayon")]
+            let (level, turning) = rayon::join(|| attempt(true, restart), || attempt(false, restart));
+            #[cfg(not(feature = "rayon"))]
+            let (level, turning) = (attempt(true, restart), attempt(false, restart));
+            let evener = match (level?, turning?) {
+                (Some(level), Some(turning)) => Some(if level.0 <= turning.0 { level.1 } else { turning.1 }),
+                (one, other) => one.or(other).map(|only| only.1),
+            };
+            best = evener.or(best);
+            if best.as_ref().is_some_and(|even| even.jumps as f64 <= MANY_JUMPS * even.field.count() as f64) {
+                break;
             }
+        }
+        if let Some(even) = best {
+            return Ok(even);
         }
     }
     let audit = audit(cells, platform, rules, &plain.rounded(), missed, progress)?;

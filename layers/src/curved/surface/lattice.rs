@@ -1,6 +1,5 @@
 //! The lattice of cell centres with room around it: values at its nodes, and which neighbours are joined.
 
-use super::extend::JUMP;
 use super::field::LayerField;
 
 /// Nodes added on each side: two rings of extension, and one more so that every edge has cubes all around.
@@ -66,37 +65,63 @@ impl Lattice {
         low.is_some_and(|low| self.joined[low] >> axis & 1 == 1)
     }
 
-    /// How far the value goes, along half an edge, from its lower end upwards and from its upper end downwards, each
-    /// by the slope on its own side.
-    pub(super) fn half_steps(&self, low: usize, axis: usize) -> [f64; 2] {
-        [low, low + self.strides()[axis]].map(|node| self.slope(node, axis) / 2.0)
+    /// The values half way along an edge that is cut, as its lower and its upper end foretell them: each side goes on to
+    /// the face between. `None` if the two are joined, or one has no value.
+    pub(super) fn half_way(&self, low: usize, axis: usize) -> Option<[f64; 2]> {
+        let high = low + self.strides()[axis];
+        let [a, b] = [self.values[low], *self.values.get(high)?];
+        let is_cut = !(a - b).is_nan() && self.joined[low] >> axis & 1 == 0;
+        is_cut.then(|| [a + self.slope(low, axis) / 2.0, b - self.slope(high, axis) / 2.0])
     }
 
-    /// Whether a surface at this level runs across an edge that is cut by a jump: each side goes on to the middle of
-    /// the edge.
-    pub(super) fn is_open(&self, low: usize, axis: usize, level: f64) -> bool {
-        let Some(&b) = self.values.get(low + self.strides()[axis]) else { return false };
-        let a = self.values[low];
-        let is_cut = (a - b).abs() >= JUMP; // false for what is not a number
-        if !is_cut {
-            return false;
-        }
-        let [from_low, from_high] = self.half_steps(low, axis);
-        let between = |from: f64, to: f64| level > from.min(to) && level <= from.max(to);
-        // Only towards the other side: the slope must lead there.
-        (from_low * (b - a) > 0.0 && between(a, a + from_low))
-            || (from_high * (b - a) > 0.0 && between(b - from_high, b))
-    }
-
-    /// Slope at a node along an axis: over both joined neighbours, or the one that there is, or else zero.
+    /// Slope at a node along an axis: over both joined neighbours, or the one that there is. Along an axis that is cut
+    /// on both sides it is what is missing to a layer a cell, towards what comes later; without neighbours it is zero.
     pub(super) fn slope(&self, node: usize, axis: usize) -> f64 {
+        let known = [0, 1, 2].map(|axis| self.joined_slope(node, axis));
+        if let Some(slope) = known[axis] {
+            return slope;
+        }
+        let ways = [0, 1, 2].map(|axis| if known[axis].is_some() { 0.0 } else { self.later(node, axis) });
+        let cut: f64 = ways.iter().map(|way| way * way).sum();
+        let missing = 1.0 - known.iter().flatten().map(|slope| slope * slope).sum::<f64>();
+        if cut > 0.0 { ways[axis] * (missing.max(0.0) / cut).sqrt() } else { 0.0 }
+    }
+
+    fn joined_slope(&self, node: usize, axis: usize) -> Option<f64> {
         let stride = self.strides()[axis];
         let value = self.values[node];
         let after = self.is_joined(node, axis, true).then(|| self.values[node + stride] - value);
         let before = self.is_joined(node, axis, false).then(|| value - self.values[node - stride]);
         match (before, after) {
-            (Some(before), Some(after)) => (before + after) / 2.0,
-            (one, other) => one.or(other).unwrap_or(0.0),
+            (Some(before), Some(after)) => Some((before + after) / 2.0),
+            (one, other) => one.or(other),
+        }
+    }
+
+    /// Which way along an axis the neighbours come later: 1 or -1. If both do, or none, what is around it tells; 0 if
+    /// that does not either.
+    fn later(&self, node: usize, axis: usize) -> f64 {
+        let strides = self.strides();
+        let value = |node: Option<usize>| node.and_then(|node| self.values.get(node)).copied().unwrap_or(f64::NAN);
+        let way = |step: f64| {
+            if step > 0.0 {
+                1.0
+            } else if step < 0.0 {
+                -1.0
+            } else {
+                0.0
+            }
+        };
+        let [before, here, after] =
+            [node.checked_sub(strides[axis]), Some(node), Some(node + strides[axis])].map(value);
+        let cut = before.is_finite() || after.is_finite();
+        match way(here - before) + way(after - here) {
+            0.0 if cut => {
+                let around = strides.iter().flat_map(|stride| [node.checked_sub(*stride), Some(node + stride)]);
+                let slopes = around.flatten().filter(|&next| next < self.values.len());
+                way(slopes.filter_map(|next| self.joined_slope(next, axis)).sum())
+            }
+            sum => sum.clamp(-1.0, 1.0),
         }
     }
 

@@ -19,8 +19,8 @@
 
 mod cube;
 
-use super::extend::{ExtendedField, JUMP};
-use cube::{LOW_CORNER, Pieces, after, partner};
+use super::extend::ExtendedField;
+use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 
@@ -32,6 +32,9 @@ const MARGIN: f64 = 0.005;
 /// A node counts as having reached a level if it lacks no more than this, in layers: rounding alone does not decide
 /// on which side of it the nodes of a plane lie.
 const REACHED: f64 = 1e-6;
+
+/// A surface whose slope across the ending axes is less than this, squared, runs along the cut and cannot be led up to it.
+const LEVEL: f64 = 1e-4;
 
 /// Least layer height, in cells. Below it a cell holds more than five surfaces, and the field knows nothing of what is
 /// between the centres of cells.
@@ -154,7 +157,7 @@ pub fn contour(
     check_cell(cell_mm, origin)?;
     let crossings = crossings(field, levels);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
-    let one = |(level, edges): (&f64, &Vec<u32>)| Contour::new(field, *level).run(edges, cell_mm, low);
+    let one = |(level, found): (&f64, &Vec<Crossing>)| Contour::new(field, *level).run(found, cell_mm, low);
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -164,29 +167,41 @@ pub fn contour(
     Ok(levels.iter().zip(&crossings).map(one).collect())
 }
 
-/// For each level the edges that it crosses, `4 * node + axis`, rising.
-fn crossings(field: &ExtendedField, levels: &[f64]) -> Vec<Vec<u32>> {
+/// A place where a surface crosses the lattice: twice [`place_of`] an edge, and 1 more for the half at the upper end
+/// of one that is cut.
+type Crossing = usize;
+
+/// `4 * node + axis`.
+fn place_of(node: usize, axis: usize) -> usize {
+    4 * node + axis
+}
+
+/// For each level its crossings, rising.
+fn crossings(field: &ExtendedField, levels: &[f64]) -> Vec<Vec<Crossing>> {
     let lattice = &field.lattice;
     let mut rising: Vec<(f64, usize)> = levels.iter().copied().zip(0..).filter(|(level, _)| !level.is_nan()).collect();
     rising.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut crossings = vec![Vec::new(); levels.len()];
+    let mut add = |from: f64, to: f64, crossing: Crossing| {
+        let [a, b] = [from, to].map(|v| v + REACHED);
+        let first = rising.partition_point(|&(level, _)| level <= a.min(b));
+        for &(_, of) in rising[first..].iter().take_while(|&&(level, _)| level <= a.max(b)) {
+            crossings[of].push(crossing);
+        }
+    };
+    let strides = lattice.strides();
     for (node, &joined) in lattice.joined.iter().enumerate() {
-        for (axis, stride) in lattice.strides().into_iter().enumerate() {
+        if lattice.values[node].is_nan() {
+            continue;
+        }
+        for (axis, stride) in strides.into_iter().enumerate() {
             let Some(&high) = lattice.values.get(node + stride) else { continue };
-            let is_joined = joined >> axis & 1 == 1;
-            let is_cut = (lattice.values[node] - high).abs() >= JUMP; // false for what is not a number
-            if !is_joined && !is_cut {
-                continue;
-            }
-            let [a, b] = [lattice.values[node], high].map(|v| v + REACHED);
-            let first = rising.partition_point(|&(level, _)| level <= a.min(b));
-            for (level, of) in &rising[first..] {
-                if *level > a.max(b) {
-                    break;
-                }
-                if is_joined || lattice.is_open(node, axis, *level) {
-                    crossings[*of].push(4 * node as u32 + axis as u32);
-                }
+            let crossing = 2 * place_of(node, axis);
+            if joined >> axis & 1 == 1 {
+                add(lattice.values[node], high, crossing);
+            } else if let Some([from_low, from_high]) = lattice.half_way(node, axis) {
+                add(lattice.values[node], from_low, crossing);
+                add(from_high, high, crossing + 1);
             }
         }
     }
@@ -200,16 +215,15 @@ struct Contour<'a> {
     strides: [usize; 3],
     points: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// Vertices on faces between cubes: by the lower cube, the axis across, and the lower edge of the line.
-    on_faces: BTreeMap<(usize, usize, usize), u32>,
+    /// Vertices on faces between cubes: by the lower cube, the axis across, and the lower crossing of the line.
+    on_faces: BTreeMap<(usize, usize, Crossing), u32>,
 }
 
 /// A cube that the surface passes.
 #[derive(Clone, Copy)]
 struct Cube {
     low_node: usize,
-    above: u8,
-    joined: u16,
+    crossed: Crossed,
     pieces: Pieces,
     /// Number of the vertex of its first piece.
     first: u32,
@@ -221,14 +235,14 @@ impl<'a> Contour<'a> {
         Contour { field, level, strides, points: Vec::new(), triangles: Vec::new(), on_faces: BTreeMap::new() }
     }
 
-    fn run(mut self, edges: &[u32], cell_mm: f64, low: Point3<f64>) -> Surface {
+    fn run(mut self, crossings: &[Crossing], cell_mm: f64, low: Point3<f64>) -> Surface {
         let strides = self.strides;
-        let around = |edge: u32| {
-            let (node, axis) = ((edge / 4) as usize, (edge % 4) as usize);
+        let around = |crossing: Crossing| {
+            let (node, axis) = (crossing / 8, crossing / 2 % 4);
             let [b, c] = after(axis).map(|axis| strides[axis]);
             [node, node - b, node - c, node - b - c]
         };
-        let mut nodes: Vec<usize> = edges.iter().flat_map(|&edge| around(edge)).collect();
+        let mut nodes: Vec<usize> = crossings.iter().flat_map(|&crossing| around(crossing)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let mut cubes = Vec::with_capacity(nodes.len());
@@ -236,16 +250,20 @@ impl<'a> Contour<'a> {
             let cube = self.cube(node);
             cubes.push(cube);
         }
-        for &edge in edges {
-            let at = around(edge).map(|node| nodes.partition_point(|&other| other < node));
-            self.quadrangle(edge, at.map(|at| &cubes[at]));
+        for &crossing in crossings {
+            let at = around(crossing).map(|node| nodes.partition_point(|&other| other < node));
+            self.quadrangle(crossing, at.map(|at| &cubes[at]));
         }
         let points = self.points.iter().map(|p| low + p * cell_mm).collect();
         Surface { value: self.level, points, triangles: self.triangles }
     }
 
     fn is_above(&self, node: usize) -> bool {
-        self.field.lattice.values[node] + REACHED >= self.level
+        self.has_reached(self.field.lattice.values[node])
+    }
+
+    fn has_reached(&self, value: f64) -> bool {
+        value + REACHED >= self.level
     }
 
     fn corner(&self, low_node: usize, corner: usize) -> usize {
@@ -257,13 +275,21 @@ impl<'a> Contour<'a> {
         let lattice = &self.field.lattice;
         let corners: [usize; 8] = std::array::from_fn(|corner| self.corner(low_node, corner));
         let above = (0..8).fold(0, |bits, k| bits | u8::from(self.is_above(corners[k])) << k);
-        let joined = (0..12).fold(0u16, |bits, edge| {
-            let low = corners[LOW_CORNER[edge]];
-            let open = lattice.is_joined(low, edge / 4, true) || lattice.is_open(low, edge / 4, self.level);
-            bits | u16::from(open) << edge
-        });
-        let pieces = Pieces::new(above, joined);
-        let cube = Cube { low_node, above, joined, pieces, first: self.points.len() as u32 };
+        let (mut joined, mut halves) = (0, 0);
+        for (edge, &low_corner) in LOW_CORNER.iter().enumerate() {
+            let (low, axis) = (corners[low_corner], edge / 4);
+            if lattice.is_joined(low, axis, true) {
+                joined |= 1 << edge;
+            } else if let Some(half_way) = lattice.half_way(low, axis) {
+                let ends = [low, low + self.strides[axis]];
+                let [at_low, at_high] =
+                    [0, 1].map(|end| u32::from(self.is_above(ends[end]) != self.has_reached(half_way[end])));
+                halves |= at_low << edge | at_high << (12 + edge);
+            }
+        }
+        let crossed = Crossed::new(above, joined, halves);
+        let pieces = crossed.pieces();
+        let cube = Cube { low_node, crossed, pieces, first: self.points.len() as u32 };
         for piece in 0..pieces.count {
             let vertex = self.vertex(&cube, &corners, piece);
             self.points.push(vertex);
@@ -271,43 +297,37 @@ impl<'a> Contour<'a> {
         cube
     }
 
-    /// How far along its edge, from the lower end, the surface crosses.
-    fn crossing(&self, low: usize, axis: usize) -> f64 {
+    /// How far along its edge, from the lower end, the surface crosses. `upper`: on the half at the upper end of a cut one.
+    fn crossing(&self, low: usize, axis: usize, upper: bool) -> f64 {
         let lattice = &self.field.lattice;
         let [a, b] = [low, low + self.strides[axis]].map(|node| lattice.values[node]);
-        if (a - b).abs() < JUMP {
-            return ((self.level - a) / (b - a)).clamp(0.0, 1.0);
-        }
-        // A cut: the surface belongs to the end whose slope leads to it.
-        let [from_low, from_high] = lattice.half_steps(low, axis);
-        let along = [(self.level - a) / from_low / 2.0, 1.0 - (b - self.level) / from_high / 2.0];
-        match along.map(|t| (0.0..=1.0).contains(&t)) {
-            [true, _] => along[0].min(0.5),
-            [_, true] => along[1].max(0.5),
-            _ => 0.5,
+        match lattice.half_way(low, axis) {
+            None => ((self.level - a) / (b - a)).clamp(0.0, 1.0),
+            Some([from_low, _]) if !upper => ((self.level - a) / (from_low - a)).clamp(0.0, 1.0) / 2.0,
+            Some([_, from_high]) => 1.0 - ((self.level - b) / (from_high - b)).clamp(0.0, 1.0) / 2.0,
         }
     }
 
     /// Where the vertex of a piece lies, in cells from the first node of the lattice.
     fn vertex(&self, cube: &Cube, corners: &[usize; 8], piece: u8) -> Vector3<f64> {
         let (mut mean, mut count) = (Vector3::zeros(), 0.0);
-        let mut crossed = [false; 8];
-        for edge in (0..12).filter(|&edge| cube.pieces.of[edge] == piece) {
+        let is_joined = |edge: usize| cube.crossed.joined >> edge & 1 == 1;
+        let mut own = [false; 8];
+        for slot in (0..SLOTS).filter(|&slot| cube.pieces.of[slot] == piece) {
+            let (edge, upper) = (slot % 12, slot >= 12);
             let (low, axis) = (LOW_CORNER[edge], edge / 4);
-            let high = low | 1 << axis;
             let mut at = Vector3::from([0, 1, 2].map(|k| (low >> k & 1) as f64));
-            at[axis] = self.crossing(corners[low], axis);
+            at[axis] = self.crossing(corners[low], axis, upper);
             mean += at;
             count += 1.0;
-            crossed[low] = true;
-            crossed[high] = true;
+            own[low] |= !upper;
+            own[low | 1 << axis] |= upper || is_joined(edge);
         }
         mean /= count;
         // What the piece belongs to: all corners that joined edges lead to.
-        let mut own = crossed;
         loop {
             let before = own;
-            for edge in (0..12).filter(|edge| cube.joined >> edge & 1 == 1) {
+            for edge in (0..12).filter(|&edge| is_joined(edge)) {
                 let (low, high) = (LOW_CORNER[edge], LOW_CORNER[edge] | 1 << (edge / 4));
                 own[low] |= own[high];
                 own[high] |= own[low];
@@ -317,41 +337,34 @@ impl<'a> Contour<'a> {
             }
         }
         if own != [true; 8] {
-            mean = self.moved_to_middle(mean, &own, corners);
+            let slope = self.slope(&own, corners);
+            let ends = cube.crossed.ends(&cube.pieces, piece, slope.into());
+            let way = to_the_end(mean, ends, slope);
+            // No farther than the cube goes, and still on the level.
+            let room = |axis: usize| {
+                let side = if way[axis] > 0.0 { 1.0 - MARGIN } else { MARGIN };
+                if way[axis].abs() > 0.0 { ((side - mean[axis]) / way[axis]).max(0.0) } else { 1.0 }
+            };
+            mean += way * (0..3).map(room).fold(1.0, f64::min);
         }
         let place = self.field.lattice.position(cube.low_node).map(f64::from);
         Vector3::from(place) + mean.map(|c| c.clamp(MARGIN, 1.0 - MARGIN))
     }
 
-    /// Moves the vertex to the middle of the cube along the axes on which only one side is there, and then back to
-    /// the level along the slope.
-    fn moved_to_middle(&self, at: Vector3<f64>, own: &[bool; 8], corners: &[usize; 8]) -> Vector3<f64> {
-        let mut target = at;
-        for axis in 0..3 {
-            let has = |side: usize| (0..8).any(|k| own[k] && k >> axis & 1 == side);
-            if !(has(0) && has(1)) {
-                target[axis] = 0.5;
-            }
-        }
-        let of: Vec<usize> = (0..8).filter(|&k| own[k]).map(|k| corners[k]).collect();
-        let slope =
-            Vector3::from([0, 1, 2].map(|axis| {
-                of.iter().map(|&node| self.field.lattice.slope(node, axis)).sum::<f64>() / of.len() as f64
-            }));
-        if slope.norm_squared() > 0.0 {
-            target -= slope * (slope.dot(&(target - at)) / slope.norm_squared());
-        }
-        target
+    /// The slope at some corners of a cube together.
+    fn slope(&self, own: &[bool; 8], corners: &[usize; 8]) -> Vector3<f64> {
+        let along = |axis| (0..8).filter(|&k| own[k]).map(|k| self.field.lattice.slope(corners[k], axis)).sum::<f64>();
+        Vector3::from([0, 1, 2].map(along))
     }
 
-    /// The quadrangle around a crossed edge; `cubes` without a shift, with one along the next axis, the one after
+    /// The quadrangle around a crossing; `cubes` without a shift, with one along the next axis, the one after
     /// it, and both.
-    fn quadrangle(&mut self, edge: u32, cubes: [&Cube; 4]) {
-        let (node, axis) = ((edge / 4) as usize, (edge % 4) as usize);
+    fn quadrangle(&mut self, crossing: Crossing, cubes: [&Cube; 4]) {
+        let (node, axis, upper) = (crossing / 8, crossing / 2 % 4, crossing % 2);
         // Counter-clockwise seen along the axis; and the face through which the next one is reached.
         let [b, c] = after(axis);
         let mut turns = [(0, b), (1, c), (3, b), (2, c)];
-        let upwards = self.is_above(node + self.strides[axis]);
+        let upwards = if upper == 1 { self.is_above(node + self.strides[axis]) } else { !self.is_above(node) };
         if !upwards {
             turns = [(0, c), (2, b), (3, c), (1, b)];
         }
@@ -359,36 +372,45 @@ impl<'a> Contour<'a> {
         let mut corners = 0;
         for (k, &(at, across)) in turns.iter().enumerate() {
             let cube = cubes[at];
-            polygon[corners] = cube.first + u32::from(cube.pieces.of[4 * axis + at]);
+            let slot = 12 * upper + 4 * axis + at;
+            polygon[corners] = cube.first + u32::from(cube.pieces.of[slot]);
             corners += 1;
             if cube.pieces.doubled != 0
-                && let Some(vertex) = self.on_face(4 * axis + at, cube, cubes[turns[(k + 1) % 4].0], across)
+                && let Some(vertex) = self.on_face(slot, cube, cubes[turns[(k + 1) % 4].0], across)
             {
                 polygon[corners] = vertex;
                 corners += 1;
             }
         }
+        // Where both halves of an edge are crossed, their quadrangles must not have a diagonal in common.
+        let both = cubes[0].crossed.has(4 * axis) && cubes[0].crossed.has(12 + 4 * axis);
         match polygon[..corners] {
-            [a, b, c, d] => self.split([a, b, c, d]),
-            _ => self.fan(node, axis, &polygon[..corners]),
+            [a, b, c, d] if !both => self.split([a, b, c, d]),
+            _ => self.fan(crossing, &polygon[..corners]),
         }
     }
 
+    /// Where the lattice is crossed, in cells from its first node.
+    fn place(&self, crossing: Crossing) -> Vector3<f64> {
+        let (node, axis) = (crossing / 8, crossing / 2 % 4);
+        let mut at = Vector3::from(self.field.lattice.position(node).map(f64::from));
+        at[axis] += self.crossing(node, axis, crossing % 2 == 1).clamp(MARGIN, 1.0 - MARGIN);
+        at
+    }
+
     /// The vertex on the face between two cubes, if two lines across it join the same two vertices.
-    fn on_face(&mut self, edge: usize, cube: &Cube, next: &Cube, across: usize) -> Option<u32> {
-        let side = LOW_CORNER[edge] >> across & 1;
+    fn on_face(&mut self, slot: usize, cube: &Cube, next: &Cube, across: usize) -> Option<u32> {
+        let side = LOW_CORNER[slot % 12] >> across & 1;
         let face = 2 * across + side;
         if cube.pieces.doubled >> face & 1 == 0 || next.pieces.doubled >> (face ^ 1) & 1 == 0 {
             return None;
         }
-        let other = partner(face, edge, cube.above, cube.joined);
-        let middle = |edge: usize| {
-            let (low, axis) = (LOW_CORNER[edge], edge / 4);
-            let node = self.corner(cube.low_node, low);
-            let mut at = Vector3::from(self.field.lattice.position(node).map(f64::from));
-            at[axis] += self.crossing(node, axis).clamp(MARGIN, 1.0 - MARGIN);
-            at
+        let crossing = |slot: usize| {
+            let node = self.corner(cube.low_node, LOW_CORNER[slot % 12]);
+            2 * place_of(node, slot % 12 / 4) + slot / 12
         };
+        let one = crossing(slot);
+        let other = cube.crossed.partner(face, slot).map(crossing);
         // A line that ends at a cut goes as far as the middle of the face.
         let end = other.map_or_else(
             || {
@@ -397,13 +419,11 @@ impl<'a> Contour<'a> {
                 centre[across] += if side == 1 { 0.5 } else { -0.5 };
                 centre
             },
-            middle,
+            |other| self.place(other),
         );
-        let place = (middle(edge) + end) / 2.0;
-        // The line by the lower of its edges, told by its first node: the same from both cubes.
-        let key = |edge: usize| self.corner(cube.low_node, LOW_CORNER[edge]) * 4 + edge / 4;
-        let key =
-            (cube.low_node.max(next.low_node), across, other.map_or(key(edge), |other| key(edge).min(key(other))));
+        let place = (self.place(one) + end) / 2.0;
+        // The line by the lower of its crossings: the same from both cubes.
+        let key = (cube.low_node.max(next.low_node), across, other.map_or(one, |other| one.min(other)));
         let new = self.points.len() as u32;
         let vertex = *self.on_faces.entry(key).or_insert(new);
         if vertex == new {
@@ -425,13 +445,29 @@ impl<'a> Contour<'a> {
     }
 
     /// Triangles from the crossing itself to all sides of the polygon.
-    fn fan(&mut self, node: usize, axis: usize, polygon: &[u32]) {
-        let mut centre = Vector3::from(self.field.lattice.position(node).map(f64::from));
-        centre[axis] += self.crossing(node, axis).clamp(MARGIN, 1.0 - MARGIN);
+    fn fan(&mut self, crossing: Crossing, polygon: &[u32]) {
         let middle = self.points.len() as u32;
-        self.points.push(centre);
+        self.points.push(self.place(crossing));
         let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
         self.triangles.extend(sides.map(|(&from, &to)| [middle, from, to]));
+    }
+}
+
+/// The way from a vertex to the middle of its cube along the axes on which its piece ends, and along the others so that
+/// it stays on the level.
+fn to_the_end(at: Vector3<f64>, ends: [bool; 3], slope: Vector3<f64>) -> Vector3<f64> {
+    let mut way = Vector3::zeros();
+    let mut free = slope;
+    for axis in (0..3).filter(|&axis| ends[axis]) {
+        way[axis] = 0.5 - at[axis];
+        free[axis] = 0.0;
+    }
+    if free.norm_squared() > LEVEL * slope.norm_squared() {
+        way - free * (slope.dot(&way) / free.norm_squared())
+    } else if slope.norm_squared() > 0.0 {
+        way - slope * (slope.dot(&way) / slope.norm_squared())
+    } else {
+        way
     }
 }
 
