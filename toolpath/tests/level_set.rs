@@ -379,3 +379,11 @@ fn an_island_where_corridors_cross() {
     // As far from the wall above as from the corners of both blocks: (1 - u)^2 = u^2 + 1/4.
     assert!((above[0].1 - 0.625).abs() < 1e-3, "{above:?}");
 }
+
+#[test]
+fn an_edge_that_waits_while_a_longer_one_beside_it_is_cut() {
+    let mesh = rough(8, 238_551_065_996, 2.598_783_922_774_995, |i, j| (2..4).contains(&i) && j == 4);
+    let distance = to_boundary(&mesh);
+    let levels = [0.2, 0.75, 1.0, 1.6, 2.4, 3.1];
+    is_sound(&distance, &levels, &sets(&distance, 0.01, &levels), 0.01);
+}

@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 0.005;
 
 fn filled(distance: &SurfaceDistance, bead: f64, pattern: Pattern) -> LayerPaths {
     let mut options = PathOptions::default();
-    (options.bead, options.pattern) = (bead, pattern);
+    (options.bead, options.pattern, options.fitted) = (bead, pattern, false);
     LevelField::new(distance, TOLERANCE, &go_on).unwrap().paths(&options).unwrap()
 }
 

@@ -24,6 +24,7 @@ mod wave;
 mod wavefront;
 
 pub use query::Nearest;
+pub(super) use query::TriangleLights;
 
 use crate::Progress;
 use crate::surface::mesh::SurfaceMesh;

@@ -7,8 +7,8 @@
 
 use super::SurfaceDistance;
 use super::envelope::Window;
-use crate::surface::mesh::{next, previous};
-use nalgebra::Vector3;
+use super::wave::Wave;
+use nalgebra::{Point3, Vector3};
 
 /// The way from a point to the nearest source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +19,107 @@ pub struct Nearest {
     /// the way is straight. Zero on a source, and where no source is connected. Where ways are equally long (on the
     /// medial axis) it belongs to one of them.
     pub direction: Vector3<f64>,
+}
+
+/// What reaches a triangle, in the frame of its first half-edge: straight lines from a point or parallel ones.
+#[derive(Clone, Copy, Debug)]
+struct Light {
+    /// The source, laid flat, or the direction of parallel lines.
+    from: [f64; 2],
+    parallel: bool,
+    /// The distance at the source, or at the origin of the frame.
+    base: f64,
+    /// The stretch of an edge through which lines come, the triangle on its left, and the distances at its ends; none
+    /// around a corner.
+    gate: Option<[([f64; 2], f64); 2]>,
+}
+
+/// All that reaches a triangle: many distances in one triangle cost less with this at hand.
+#[derive(Clone, Debug, Default)]
+pub(in crate::surface) struct TriangleLights {
+    triangle: Option<u32>,
+    origin: Point3<f64>,
+    axes: [Vector3<f64>; 2],
+    lights: Vec<Light>,
+}
+
+impl Light {
+    #[inline]
+    /// The length of the way to a point, if less than `best`, and where it comes from: a vector of any length.
+    fn reach(&self, p: [f64; 2], best: f64) -> Option<(f64, [f64; 2])> {
+        let [dx, dy] = [p[0] - self.from[0], p[1] - self.from[1]];
+        // No bent way is shorter than the straight one. Most lights lose here: no root for them.
+        let (straight, way) = match self.parallel {
+            true => (self.base + self.from[0] * p[0] + self.from[1] * p[1], self.from),
+            false => {
+                let (square, room) = (dx * dx + dy * dy, best - self.base);
+                if room <= 0.0 || square >= room * room {
+                    return None;
+                }
+                (self.base + square.sqrt(), [dx, dy])
+            }
+        };
+        if straight >= best {
+            return None;
+        }
+        let Some(gate) = &self.gate else { return Some((straight, way)) };
+        // Positive where the point lies to the left of the ray over an end of the gate.
+        let past = |[x, y]: [f64; 2]| match self.parallel {
+            true => self.from[0] * (p[1] - y) - self.from[1] * (p[0] - x),
+            false => (x - self.from[0]) * dy - (y - self.from[1]) * dx,
+        };
+        if past(gate[0].0) <= 0.0 && past(gate[1].0) >= 0.0 {
+            return Some((straight, way));
+        }
+        let bent = gate.map(|([x, y], distance)| {
+            let [dx, dy] = [p[0] - x, p[1] - y];
+            (distance + (dx * dx + dy * dy).sqrt(), [dx, dy])
+        });
+        let bent = if bent[1].0 < bent[0].0 { bent[1] } else { bent[0] };
+        (bent.0 < best).then_some(bent)
+    }
+}
+
+impl TriangleLights {
+    /// Makes this that of a triangle.
+    pub fn load(&mut self, distance: &SurfaceDistance, triangle: u32) {
+        if self.triangle == Some(triangle) {
+            return;
+        }
+        self.triangle = Some(triangle);
+        (self.origin, self.axes) = distance.axes(triangle);
+        self.lights.clear();
+        distance.lights(triangle, |light| self.lights.push(light));
+        // The likeliest first, so that the others lose early.
+        let [u, v] = [1, 2].map(|k| {
+            let mesh = distance.mesh();
+            self.flat(mesh.vertices()[mesh.triangles()[triangle as usize][k] as usize])
+        });
+        let middle = [(u[0] + v[0]) / 3.0, (u[1] + v[1]) / 3.0];
+        let there = |light: &Light| light.reach(middle, f64::INFINITY).map_or(f64::INFINITY, |(distance, _)| distance);
+        self.lights.sort_by_cached_key(|light| there(light).to_bits()); // in the order of positive numbers
+    }
+
+    /// A point of the triangle laid flat.
+    pub fn flat(&self, p: Point3<f64>) -> [f64; 2] {
+        self.axes.map(|axis| (p - self.origin).dot(&axis))
+    }
+
+    /// The distance at a point laid flat.
+    pub fn distance(&self, p: [f64; 2]) -> f64 {
+        self.lights.iter().fold(f64::INFINITY, |best, light| light.reach(p, best).map_or(best, |(found, _)| found))
+    }
+
+    /// The distance, and how it grows along a direction in the plane.
+    pub fn slope(&self, p: [f64; 2], [u, v]: [f64; 2]) -> (f64, f64) {
+        let mut best = (f64::INFINITY, [0.0; 2]);
+        for light in &self.lights {
+            best = light.reach(p, best.0).unwrap_or(best);
+        }
+        let (distance, [x, y]) = best;
+        let length = (x * x + y * y).sqrt();
+        (distance, if length > 0.0 { (x * u + y * v) / length } else { 0.0 })
+    }
 }
 
 impl SurfaceDistance<'_> {
@@ -33,46 +134,62 @@ impl SurfaceDistance<'_> {
     /// # Cost
     /// Proportional to the number of windows on the triangle's edges.
     pub fn at(&self, triangle: u32, barycentric: [f64; 3]) -> Nearest {
-        let mut best = (f64::INFINITY, 3 * triangle, [0.0; 2]);
+        let frame = self.unfolding.frame(3 * triangle);
+        let p = [barycentric[1] * frame.length + barycentric[2] * frame.apex[0], barycentric[2] * frame.apex[1]];
+        let mut best = (f64::INFINITY, [0.0; 2]);
+        self.lights(triangle, |light| best = light.reach(p, best.0).unwrap_or(best));
+        let (distance, [x, y]) = best;
+        let [along, across] = self.axes(triangle).1;
+        let direction = (along * x + across * y).try_normalize(0.0).filter(|_| distance > 0.0 && distance.is_finite());
+        Nearest { distance, direction: direction.unwrap_or_default() }
+    }
+
+    /// The first corner of a triangle, and unit vectors along its first edge and across it.
+    fn axes(&self, triangle: u32) -> (Point3<f64>, [Vector3<f64>; 2]) {
+        let [a, b, c] = self.mesh.triangles()[triangle as usize].map(|v| self.mesh.vertices()[v as usize]);
+        let along = (b - a).normalize();
+        let across = ((b - a).cross(&(c - a))).cross(&along).normalize();
+        (a, [along, across])
+    }
+
+    /// All that reaches a triangle.
+    fn lights(&self, triangle: u32, mut add: impl FnMut(Light)) {
+        let first = self.unfolding.frame(3 * triangle);
+        let corners = [[0.0; 2], [first.length, 0.0], first.apex];
         for k in 0..3 {
-            let h = 3 * triangle + k;
-            let frame = self.unfolding.frame(h);
-            let [ahead, above] = [1, 2].map(|further| barycentric[(k as usize + further) % 3]);
-            let p = [ahead * frame.length + above * frame.apex[0], above * frame.apex[1]];
-            let mut offer = |distance: f64, back_to: [f64; 2]| {
-                if distance < best.0 {
-                    best = (distance, h, [p[0] - back_to[0], p[1] - back_to[1]]);
-                }
+            let h = 3 * triangle + k as u32;
+            let (tail, head) = (corners[k], corners[(k + 1) % 3]);
+            let length = self.unfolding.frame(h).length;
+            let base = self.distances[self.mesh.tail(h) as usize];
+            add(Light { from: tail, parallel: false, base, gate: None });
+            let u = [(head[0] - tail[0]) / length, (head[1] - tail[1]) / length];
+            // From the frame of the half-edge to that of the first one.
+            let placed = |x: f64, y: f64| [tail[0] + u[0] * x - u[1] * y, tail[1] + u[1] * x + u[0] * y];
+            let turned = |x: f64, y: f64| [u[0] * x - u[1] * y, u[1] * x + u[0] * y];
+            let strip = |along: f64, across: f64, base: f64| {
+                let from = turned(along, across);
+                (from, base - from[0] * tail[0] - from[1] * tail[1])
             };
-            let tail = self.distances[self.mesh.tail(h) as usize];
-            offer(tail + p[0].hypot(p[1]), [0.0; 2]);
-            if self.is_source[h as usize] && 0.0 <= p[0] && p[0] <= frame.length {
-                offer(p[1], [p[0], 0.0]);
+            if self.is_source[h as usize] {
+                let (from, base) = strip(0.0, 1.0, 0.0);
+                add(Light { from, parallel: true, base, gate: Some([(tail, 0.0), (head, 0.0)]) });
             }
             let edge = self.mesh.edge(h);
             for window in self.envelope.on(edge).iter().filter(|window| window.enters == h) {
                 let ([from, to], wave) = match edge == h {
                     true => (window.span, window.wave),
-                    false => (window.span.map(|t| frame.length - t), window.wave.reversed(frame.length)),
+                    false => ([length - window.span[1], length - window.span[0]], window.wave.reversed(length)),
                 };
-                let (from, to) = (from.min(to), from.max(to));
-                let crossing = wave.crossing(p);
-                if from <= crossing && crossing <= to {
-                    let [x, y] = wave.direction(crossing);
-                    offer(wave.beyond(p), [p[0] - x, p[1] - y]);
-                } else {
-                    let end = if crossing > to { to } else { from };
-                    offer(wave.at(end) + (p[0] - end).hypot(p[1]), [end, 0.0]);
-                }
+                let gate = Some([from, to].map(|t| (placed(t, 0.0), wave.at(t))));
+                add(match wave {
+                    Wave::Point { x, depth, base } => Light { from: placed(x, -depth), parallel: false, base, gate },
+                    Wave::Strip { along, across, base } => {
+                        let (from, base) = strip(along, across, base);
+                        Light { from, parallel: true, base, gate }
+                    }
+                });
             }
         }
-        let (distance, half_edge, [x, y]) = best;
-        let corner = |h: u32| self.mesh.vertices()[self.mesh.tail(h) as usize];
-        let [a, b, c] = [half_edge, next(half_edge), previous(half_edge)].map(corner);
-        let along = (b - a).normalize();
-        let across = ((b - a).cross(&(c - a))).cross(&along).normalize();
-        let direction = (along * x + across * y).try_normalize(0.0).filter(|_| distance > 0.0 && distance.is_finite());
-        Nearest { distance, direction: direction.unwrap_or_default() }
     }
 
     /// The distance on an edge of the mesh, as a share of its length from the tail of a half-edge. As [`Self::at`], but
@@ -104,6 +221,7 @@ impl SurfaceDistance<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::mesh::next;
     use crate::surface::{Sources, SurfaceMesh};
     use nalgebra::Point3;
     use std::ops::ControlFlow;

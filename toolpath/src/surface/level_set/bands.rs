@@ -4,6 +4,7 @@
 //! over an edge whose ends span the slab. This is the connectivity of rings too, so both agree always.
 
 use super::field::LevelField;
+use super::levels::Levels;
 use super::rings::trace;
 use super::{LevelSetError, Ring, SurfacePoint};
 use crate::surface::union::root;
@@ -68,12 +69,17 @@ impl LevelField<'_> {
         if let Some(level) = (0..levels.len()).find(|&k| !rises(k)) {
             return Err(LevelSetError::Level { level });
         }
+        Ok(self.sets(levels))
+    }
+
+    /// The level sets at levels that rise.
+    pub(in crate::surface) fn sets(&self, levels: &(impl Levels + ?Sized)) -> LevelSets {
         let mut pieces = Pieces::new(self, levels);
         pieces.connect(self);
         let (mut bands, number) = pieces.bands(self, levels);
         let mut rings = Vec::new();
-        for (level, &value) in levels.iter().enumerate() {
-            for mut traced in trace(self, level, value) {
+        for level in 0..levels.count() {
+            for mut traced in trace(self, levels, level) {
                 let mut band = |slab: usize| {
                     let piece = pieces.of(traced.triangle, slab);
                     number[root(&mut pieces.parents, piece) as usize]
@@ -84,7 +90,7 @@ impl LevelField<'_> {
                 rings.push(traced.ring);
             }
         }
-        Ok(LevelSets { rings, bands })
+        LevelSets { rings, bands }
     }
 }
 
@@ -98,8 +104,8 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn new(field: &LevelField, levels: &[f64]) -> Self {
-        let slabs: Vec<usize> = field.values.iter().map(|&v| levels.partition_point(|&level| level < v)).collect();
+    fn new(field: &LevelField, levels: &(impl Levels + ?Sized)) -> Self {
+        let slabs: Vec<usize> = (0..).zip(&field.values).map(|(v, &value)| levels.below(value, v)).collect();
         let mut count = 0;
         let mut first = Vec::with_capacity(field.triangles.len() + 1);
         for corners in &field.triangles {
@@ -139,7 +145,7 @@ impl Pieces {
     }
 
     /// The bands without their rings, and for each root the number of its band.
-    fn bands(&mut self, field: &LevelField, levels: &[f64]) -> (Vec<Band>, Vec<u32>) {
+    fn bands(&mut self, field: &LevelField, levels: &(impl Levels + ?Sized)) -> (Vec<Band>, Vec<u32>) {
         let mut number = vec![u32::MAX; self.parents.len()];
         let mut bands: Vec<Band> = Vec::new();
         for (triangle, corners) in field.triangles.iter().enumerate() {
@@ -153,7 +159,7 @@ impl Pieces {
                 let slab = low + (piece - from) as usize;
                 let root = root(&mut self.parents, piece) as usize;
                 // Only the highest piece reaches up to the corner; the others end at a level.
-                let height = if piece + 1 == to { field.values[top as usize] } else { levels[slab] };
+                let height = if piece + 1 == to { field.values[top as usize] } else { levels.at(slab, top) };
                 if number[root] == u32::MAX {
                     number[root] = bands.len() as u32;
                     let summit = field.surface_point(triangle as u32, field.points[top as usize]);
@@ -165,9 +171,12 @@ impl Pieces {
                     band.height = height;
                     band.summit = field.surface_point(triangle as u32, field.up_to(triangle as u32, top, height));
                 }
-                let lower = if slab == 0 { f64::NEG_INFINITY } else { levels[slab - 1] };
-                let upper = levels.get(slab).copied().unwrap_or(f64::INFINITY);
-                band.area += field.area_below(triangle as u32, upper) - field.area_below(triangle as u32, lower);
+                let below = |level: usize| {
+                    let over = corners.map(|v| field.values[v as usize] - levels.at(level, v));
+                    area_below(field.area(triangle as u32), over)
+                };
+                let upper = if piece + 1 == to { field.area(triangle as u32) } else { below(slab) };
+                band.area += upper - if piece == from { 0.0 } else { below(slab - 1) };
             }
         }
         (bands, number)
@@ -185,23 +194,25 @@ impl LevelField<'_> {
         if value >= high { end } else { end + (start - end) * ((high - value) / (high - low)) }
     }
 
-    /// Area of the part of a triangle where the field is at most `value`.
-    fn area_below(&self, triangle: u32, value: f64) -> f64 {
-        let corners = self.triangles[triangle as usize];
-        let [a, b, c] = corners.map(|v| self.points[v as usize]);
-        let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        let mut heights = corners.map(|v| self.values[v as usize]);
-        heights.sort_by(f64::total_cmp);
-        let [low, middle, high] = heights;
-        // A linear field cuts off a corner that shrinks in two directions.
-        if value >= high {
-            area
-        } else if value >= middle {
-            area * (1.0 - (high - value) * (high - value) / ((high - low) * (high - middle)))
-        } else if value > low {
-            area * (value - low) * (value - low) / ((high - low) * (middle - low))
-        } else {
-            0.0
-        }
+    /// Area of a triangle.
+    pub(in crate::surface) fn area(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.triangles[triangle as usize].map(|v| self.points[v as usize]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    }
+}
+
+/// Area of the part of a triangle where a linear function with the given values at the corners is at most zero.
+fn area_below(area: f64, mut over: [f64; 3]) -> f64 {
+    over.sort_by(f64::total_cmp);
+    let [low, middle, high] = over;
+    // It cuts off a corner that shrinks in two directions.
+    if high <= 0.0 {
+        area
+    } else if middle <= 0.0 {
+        area * (1.0 - high * high / ((high - low) * (high - middle)))
+    } else if low < 0.0 {
+        area * low * low / ((high - low) * (middle - low))
+    } else {
+        0.0
     }
 }

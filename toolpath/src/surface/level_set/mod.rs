@@ -10,18 +10,23 @@
 //! saddle where it joins a higher one. Lesser bumps than asked for are not told apart; on the medial axis the field is
 //! nearly level, and rounding makes many of them.
 //!
-//! * `field`: the distance, refined until it is linear over triangles. `rings`: level sets. `bands`: what lies between.
-//! * `pockets`: summits and saddles.
+//! * `field`: the distance, linear over triangles; `refine`: that it is. `rings`: level sets. `bands`: what lies between.
+//! * `around`: half-edges out of vertices. `levels`: where level sets are. `pockets`: summits and saddles.
 //!
 //! What is connected is decided by comparing values at vertices only, equal ones included, so plateaus need no care.
 
+mod around;
 mod bands;
 mod field;
+mod levels;
 mod pockets;
+mod refine;
 mod rings;
 
+pub(super) use around::Around;
 pub use bands::{Band, LevelSets};
 pub use field::LevelField;
+pub(super) use levels::Levels;
 pub use pockets::Pocket;
 
 use nalgebra::Point3;

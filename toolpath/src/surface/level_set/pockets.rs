@@ -6,6 +6,7 @@
 //! numbers of the vertices.
 
 use super::SurfacePoint;
+use super::around::Around;
 use super::field::LevelField;
 use crate::surface::mesh::{NONE, previous};
 use crate::surface::union::root;
@@ -101,31 +102,5 @@ impl LevelField<'_> {
             Pocket { summit: point(v), height: self.values[v as usize], joins }
         };
         kept.iter().map(pocket).collect()
-    }
-}
-
-/// Half-edges out of each vertex.
-struct Around {
-    half_edges: Vec<u32>,
-    starts: Vec<u32>,
-}
-
-impl Around {
-    fn new(field: &LevelField) -> Self {
-        let mut starts = vec![0; field.points.len() + 1];
-        (0..field.half_edges()).for_each(|h| starts[field.tail(h) as usize + 1] += 1);
-        (1..starts.len()).for_each(|v| starts[v] += starts[v - 1]);
-        let (mut filled, mut half_edges) = (starts.clone(), vec![0; field.half_edges() as usize]);
-        for h in 0..field.half_edges() {
-            let at = &mut filled[field.tail(h) as usize];
-            half_edges[*at as usize] = h;
-            *at += 1;
-        }
-        Around { half_edges, starts }
-    }
-
-    fn of(&self, vertex: u32) -> &[u32] {
-        let [from, to] = [0, 1].map(|k| self.starts[vertex as usize + k] as usize);
-        &self.half_edges[from..to]
     }
 }

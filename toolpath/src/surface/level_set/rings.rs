@@ -4,6 +4,7 @@
 //! whatever the field does (plateaus included), and segments form closed rings, and chains that end at the boundary.
 
 use super::field::LevelField;
+use super::levels::Levels;
 use super::{Ring, SurfacePoint};
 use crate::surface::mesh::{next, previous};
 
@@ -14,8 +15,9 @@ pub(super) struct Traced {
 }
 
 /// The level sets at a level, with what is higher on their left. Rings come in the order of their first triangle.
-pub(super) fn trace(field: &LevelField, level: usize, value: f64) -> Vec<Traced> {
-    let above = |v: u32| field.values[v as usize] > value;
+pub(super) fn trace(field: &LevelField, levels: &(impl Levels + ?Sized), level: usize) -> Vec<Traced> {
+    let over = |v: u32| field.values[v as usize] - levels.at(level, v);
+    let above = |v: u32| over(v) > 0.0;
     // A segment enters its triangle where the boundary of the triangle goes down.
     let falls = |h: &u32| above(field.tail(*h)) && !above(field.head(*h));
     let mut seen = vec![false; field.triangles.len()];
@@ -29,12 +31,12 @@ pub(super) fn trace(field: &LevelField, level: usize, value: f64) -> Vec<Traced>
         let mut at = first;
         while !seen[at as usize / 3] {
             seen[at as usize / 3] = true;
-            ring.points.push(crossing(field, at, value));
+            ring.points.push(crossing(field, at, &over));
             let out = if above(field.tail(previous(at))) { next(at) } else { previous(at) };
             match field.twin(out) {
                 Some(twin) => at = twin,
                 None => {
-                    ring.points.push(crossing(field, out, value));
+                    ring.points.push(crossing(field, out, &over));
                     ring.closed = false;
                 }
             }
@@ -45,18 +47,17 @@ pub(super) fn trace(field: &LevelField, level: usize, value: f64) -> Vec<Traced>
 }
 
 /// Where the level crosses an edge, always reckoned from its higher end.
-fn crossing(field: &LevelField, half_edge: u32, value: f64) -> SurfacePoint {
+fn crossing(field: &LevelField, half_edge: u32, over: &impl Fn(u32) -> f64) -> SurfacePoint {
     let ends = [field.tail(half_edge), field.head(half_edge)];
-    let [tail, head] = ends.map(|v| field.values[v as usize]);
-    let [high, low] = if tail > head { ends } else { [ends[1], ends[0]] };
-    let [top, bottom] = [high, low].map(|v| (field.points[v as usize], field.values[v as usize]));
-    let position = top.0 + (bottom.0 - top.0) * ((top.1 - value) / (top.1 - bottom.1)).clamp(0.0, 1.0);
+    let [high, low] = if over(ends[0]) > over(ends[1]) { ends } else { [ends[1], ends[0]] };
+    let [top, bottom] = [high, low].map(|v| (field.points[v as usize], over(v)));
+    let position = top.0 + (bottom.0 - top.0) * (top.1 / (top.1 - bottom.1)).clamp(0.0, 1.0);
     field.surface_point(half_edge / 3, position)
 }
 
 impl LevelField<'_> {
-    /// A triangle of the refined mesh that each ring at a distance crosses, in the order of the rings.
-    pub(in crate::surface) fn triangles_of_rings(&self, value: f64) -> Vec<u32> {
-        trace(self, 0, value).into_iter().map(|traced| traced.triangle).collect()
+    /// A triangle of the refined mesh that each ring of a level crosses, in the order of the rings.
+    pub(in crate::surface) fn triangles_of_rings(&self, levels: &(impl Levels + ?Sized), level: usize) -> Vec<u32> {
+        trace(self, levels, level).into_iter().map(|traced| traced.triangle).collect()
     }
 }

@@ -116,8 +116,12 @@ impl Tree<'_> {
         for &upper in &above {
             let mut counts = vec![0; below.len()];
             for p in self.probes(upper) {
-                let distances = below.iter().map(|&lower| self.distance(lower, p));
-                if let Some((k, _)) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)) {
+                let mut best: Option<(usize, f64)> = None;
+                for (k, &lower) in below.iter().enumerate() {
+                    let nearer = self.distance(lower, p, best.map_or(f64::INFINITY, |(_, known)| known));
+                    best = nearer.map(|distance| (k, distance)).or(best);
+                }
+                if let Some((k, _)) = best {
                     counts[k] += 1;
                 }
             }
@@ -160,7 +164,10 @@ impl Tree<'_> {
     fn facing(&self, door: u32, level: &[u32], apart: &mut BTreeMap<[u32; 2], f64>) -> Vec<(u32, Beside)> {
         let mut near: Vec<(f64, u32)> = Vec::new();
         for &ring in level.iter().filter(|&&r| r != door && self.of_ring[r as usize].is_some()) {
-            let least = || self.probes(door).map(|p| self.distance(ring, p)).fold(f64::INFINITY, f64::min);
+            let least = || {
+                let nearer = |best: f64, p| self.distance(ring, p, best).unwrap_or(best);
+                self.probes(door).fold(f64::INFINITY, nearer)
+            };
             let distance = *apart.entry([door, ring]).or_insert_with(least);
             if distance < FACING * self.bead {
                 near.push((distance, ring));
@@ -177,7 +184,8 @@ impl Tree<'_> {
         })
     }
 
-    fn distance(&self, ring: u32, p: nalgebra::Point3<f64>) -> f64 {
-        self.loops[ring as usize].as_ref().map_or(f64::INFINITY, |ring| ring.nearest(p).1)
+    /// How near a ring is to a point, if nearer than `most`.
+    fn distance(&self, ring: u32, p: nalgebra::Point3<f64>, most: f64) -> Option<f64> {
+        self.loops[ring as usize].as_ref()?.nearer(p, most).map(|(_, distance)| distance)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::surface::level_set::{Ring, SurfacePoint};
 use crate::surface::mesh::SurfaceMesh;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// Points of a ring nearer together than this share of its length count as one.
 const SAME: f64 = 1e-12;
@@ -13,7 +13,12 @@ pub(super) struct Loop {
     points: Vec<SurfacePoint>,
     /// Arc length at each point, and that of the whole.
     starts: Vec<f64>,
+    /// A ball around each `BLOCK` segments that follow each other: centre and radius.
+    balls: Vec<(Point3<f64>, f64)>,
 }
+
+/// Segments in a ball: about the root of the number in a long ring.
+const BLOCK: usize = 16;
 
 impl Loop {
     /// `None` for a ring without length.
@@ -40,7 +45,13 @@ impl Loop {
             length += (points[(k + 1) % points.len()].position - point.position).norm();
         }
         starts.push(length);
-        Some(Loop { points, starts })
+        let ball = |from: usize| {
+            let all = || (from..=(from + BLOCK).min(points.len())).map(|k| points[k % points.len()].position);
+            let middle = Point3::from(all().fold(Vector3::zeros(), |sum, p| sum + p.coords) / all().count() as f64);
+            (middle, all().map(|p| (p - middle).norm()).fold(0.0, f64::max))
+        };
+        let balls = (0..points.len()).step_by(BLOCK).map(ball).collect();
+        Some(Loop { points, starts, balls })
     }
 
     pub fn length(&self) -> f64 {
@@ -82,17 +93,31 @@ impl Loop {
 
     /// The place nearest to a point in space, and how near it is.
     pub fn nearest(&self, p: Point3<f64>) -> (f64, f64) {
-        let mut best = (0.0, f64::INFINITY);
-        for (k, point) in self.points.iter().enumerate() {
-            let (from, to) = (point.position, self.points[(k + 1) % self.points.len()].position);
-            let length = self.starts[k + 1] - self.starts[k];
-            let share = ((p - from).dot(&(to - from)) / (length * length)).clamp(0.0, 1.0);
-            let distance = (from + (to - from) * share - p).norm_squared();
-            if distance < best.1 {
-                best = (self.starts[k] + share * length, distance);
+        self.nearer(p, f64::INFINITY).unwrap_or((0.0, f64::INFINITY))
+    }
+
+    /// As [`Self::nearest`], if it is nearer than `most`.
+    pub fn nearer(&self, p: Point3<f64>, most: f64) -> Option<(f64, f64)> {
+        let mut best = (f64::NAN, most * most);
+        // The nearest ball first, so that the others are ruled out early.
+        let apart = |k: usize| (self.balls[k].0 - p).norm() - self.balls[k].1;
+        let first = (0..self.balls.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
+        for block in [first].into_iter().chain((0..self.balls.len()).filter(|&k| k != first)) {
+            let least = apart(block).max(0.0);
+            if least * least >= best.1 {
+                continue;
+            }
+            for k in block * BLOCK..self.points.len().min((block + 1) * BLOCK) {
+                let (from, to) = (self.points[k].position, self.points[(k + 1) % self.points.len()].position);
+                let length = self.starts[k + 1] - self.starts[k];
+                let share = ((p - from).dot(&(to - from)) / (length * length)).clamp(0.0, 1.0);
+                let distance = (from + (to - from) * share - p).norm_squared();
+                if distance < best.1 {
+                    best = (self.starts[k] + share * length, distance);
+                }
             }
         }
-        (best.0, best.1.sqrt())
+        (best.1 < most * most).then(|| (best.0, best.1.sqrt()))
     }
 
     /// The points from one place forward to another, both included: at most once around.

@@ -5,27 +5,29 @@
 //! [`Pattern::Spirals`]. The other patterns stand beside it for comparison.
 //!
 //! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
-//! * `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves.
+//! * `spacing`: where rings lie, and how wide beads are. `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
-//! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the exact
+//! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the
 //! distance on it proves that it crosses no ring. Curves are not smoothed: away from bridges, every point is on a level.
 
 mod chains;
 mod curve;
 mod narrow;
 mod plan;
+mod spacing;
 mod spirals;
 
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use curve::Loop;
+use spacing::Spacing;
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.
 const MOST_LEVELS: usize = 100_000;
 /// Points of a path nearer together than this share of a bead are thinned out.
 const THIN: f64 = 0.02;
 /// The same for single beads, which follow edges of the mesh.
-const SINGLE_THIN: f64 = 0.25;
+const SINGLE_THIN: f64 = 0.05;
 
 /// How a region is filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,11 +47,14 @@ pub struct PathOptions {
     pub bead: f64,
     /// The pattern.
     pub pattern: Pattern,
+    /// Whether widths follow the way across, from 0.75 to 1.25 times the bead, so that beads meet without gap where
+    /// opposite sides face each other: so they do by default. Else all beads have the width asked for, as in the paper.
+    pub fitted: bool,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        PathOptions { bead: 0.8, pattern: Pattern::default() }
+        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true }
     }
 }
 
@@ -89,7 +94,8 @@ impl SurfacePath {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum UnfilledReason {
-    /// There is no room for a bead: it is narrower than half a bead everywhere, or shorter than a bead.
+    /// There is no room for a bead: it is narrower than half a bead everywhere (three quarters for fitted ones), or
+    /// shorter than a bead.
     Narrow,
     /// It has no boundary to measure from.
     NoBoundary,
@@ -111,8 +117,8 @@ pub struct Unfilled {
 pub struct LayerPaths {
     /// All curves, region by region.
     pub paths: Vec<SurfacePath>,
-    /// Connected regions: parts of the surface at least half a bead from the boundary (necks narrower than a bead do not
-    /// connect), then parts narrower than a bead that a single bead fills.
+    /// Connected regions: parts of the surface wide enough for two beads (necks narrower than a bead, or than one and a
+    /// half for fitted ones, do not connect), then narrower parts that a single bead fills.
     pub regions: usize,
     /// What is left out.
     pub unfilled: Vec<Unfilled>,
@@ -145,9 +151,11 @@ pub enum PathError {
 }
 
 impl LevelField<'_> {
-    /// Paths that fill the surface with beads of even width.
+    /// Paths that fill the surface with beads.
     ///
-    /// Beads run along the level sets half a bead from the boundary and at every bead from there. With
+    /// Even beads run along the level sets half a bead from the boundary and at every bead from there. Fitted ones
+    /// ([`PathOptions::fitted`]) are as wide as asked for along the boundary; those towards the medial axis share what
+    /// is left of the way across. With
     /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
     /// Where rings nowhere run side by side (rare: very small rings in narrow places) a region gets more than one;
     /// compare the number of paths with `regions`.
@@ -179,8 +187,8 @@ impl LevelField<'_> {
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
         }
-        let levels = self.levels(bead)?;
-        let sets = self.level_sets(&levels)?;
+        let spacing = Spacing::new(self, bead, self.reach(bead)?, options.fitted);
+        let sets = self.sets(&spacing);
         if sets.rings.iter().any(|ring| !ring.closed) {
             return Err(PathError::NotToBoundary);
         }
@@ -192,13 +200,15 @@ impl LevelField<'_> {
         let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
         let mut found = LayerPaths { regions, ..LayerPaths::default() };
         let path = |points: &[SurfacePoint], region: u32, closed: bool| {
-            let points = thinned(points, THIN * bead).into_iter().map(|at| PathPoint { at, width: bead }).collect();
+            let points = thinned(points, THIN * bead)
+                .into_iter()
+                .map(|at| PathPoint { at, width: spacing.width(&at) })
+                .collect();
             SurfacePath { points, closed, region }
         };
         match options.pattern {
             Pattern::Spirals => {
-                let rings =
-                    spirals::Rings { distance: self.distance(), sets: &sets, levels: &levels, loops: &loops, bead };
+                let rings = spirals::Rings { mesh, sets: &sets, spacing: &spacing, loops: &loops, bead };
                 let curves = spirals::connect(&rings, &chains).curves(mesh, &loops);
                 found.paths = curves.iter().map(|(points, region)| path(points, *region, false)).collect();
             }
@@ -212,9 +222,12 @@ impl LevelField<'_> {
         found.paths.sort_by_key(|path| path.region);
         let on_boundary = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
         let is_ring: Vec<bool> = on_boundary.map(|(_, on)| on.is_some()).collect();
-        for points in narrow::single_beads(self, bead, &is_ring) {
-            let points =
-                thinned(&points, SINGLE_THIN * bead).into_iter().map(|at| PathPoint { at, width: bead }).collect();
+        for points in narrow::single_beads(self, &spacing, bead, &is_ring) {
+            let single = |at: SurfacePoint| {
+                let value = self.distance().at(at.triangle, at.barycentric).distance;
+                PathPoint { at, width: spacing.single(value) }
+            };
+            let points = thinned(&points, SINGLE_THIN * bead).into_iter().map(single).collect();
             found.paths.push(SurfacePath { points, closed: false, region: found.regions as u32 });
             found.regions += 1;
         }
@@ -222,13 +235,13 @@ impl LevelField<'_> {
         Ok(found)
     }
 
-    /// Half a bead, and every bead from there.
-    fn levels(&self, bead: f64) -> Result<Vec<f64>, PathError> {
+    /// The greatest distance from the boundary.
+    fn reach(&self, bead: f64) -> Result<f64, PathError> {
         let reach = self.values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
         if reach / bead > MOST_LEVELS as f64 {
             return Err(PathError::BeadTooSmall { bead, reach });
         }
-        Ok((0..).map(|k| (f64::from(k) + 0.5) * bead).take_while(|&level| level < reach).collect())
+        Ok(reach)
     }
 
     /// Connected parts of the mesh without a path.

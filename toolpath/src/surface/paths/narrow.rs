@@ -5,15 +5,14 @@
 //! keeps to them. The bead is that of the longest way found: from the summit to the farthest place, and from there to
 //! the farthest again. This takes in regions as a whole, and tails and necks of wider ones from where these are covered.
 
-use crate::surface::level_set::{LevelField, SurfacePoint};
+use super::spacing::Spacing;
+use crate::surface::level_set::{Around, LevelField, Levels, SurfacePoint};
 use crate::surface::mesh::previous;
 use crate::surface::union::root;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Least width for a single bead, in beads: below, more than half of it would lie outside.
-const LEAST: f64 = 0.5;
-/// How far from the level set half a bead from the boundary its bead reaches, and a little room to the next, in beads.
+/// How far from the first level set its bead reaches, and a little room to the next, in beads.
 const COVERED: f64 = 0.75;
 /// Least length of a single bead, in beads.
 const SHORTEST: f64 = 1.0;
@@ -25,35 +24,41 @@ type Reached = Vec<Option<(f64, f64, u32)>>;
 
 /// Curves for single beads.
 ///
-/// `is_ring` says for each level set half a bead from the boundary, in order, whether a bead runs along it.
-pub(super) fn single_beads(field: &LevelField, bead: f64, is_ring: &[bool]) -> Vec<Vec<SurfacePoint>> {
-    let graph = Graph::new(field);
+/// `is_ring` says for each ring of the first level, in order, whether a bead runs along it.
+pub(super) fn single_beads(
+    field: &LevelField,
+    spacing: &Spacing,
+    bead: f64,
+    is_ring: &[bool],
+) -> Vec<Vec<SurfacePoint>> {
+    let graph = Graph { field, half_edges: Around::new(field) };
     // What lies inside of rings is covered, and what is near.
-    let level = 0.5 * bead;
+    let over = |v: u32| field.values[v as usize] > spacing.at(0, v);
     let mut parents: Vec<u32> = (0..field.values.len() as u32).collect();
     for h in 0..field.half_edges() {
         let ends = [field.tail(h), field.head(h)];
-        if ends.iter().all(|&v| field.values[v as usize] > level) {
+        if ends.iter().all(|&v| over(v)) {
             let [a, b] = ends.map(|v| root(&mut parents, v));
             parents[a.max(b) as usize] = a.min(b);
         }
     }
     let mut inside = vec![false; field.values.len()];
-    for (triangle, _) in field.triangles_of_rings(level).into_iter().zip(is_ring).filter(|(_, is_ring)| **is_ring) {
+    for (triangle, _) in field.triangles_of_rings(spacing, 0).into_iter().zip(is_ring).filter(|(_, is_ring)| **is_ring)
+    {
         let corners = field.triangles[triangle as usize].iter();
-        corners
-            .filter(|&&v| field.values[v as usize] > level)
-            .for_each(|&v| inside[root(&mut parents, v) as usize] = true);
+        corners.filter(|&&v| over(v)).for_each(|&v| inside[root(&mut parents, v) as usize] = true);
     }
     let all = 0..field.values.len() as u32;
-    let seeds: Vec<u32> =
-        all.clone().filter(|&v| field.values[v as usize] > level && inside[root(&mut parents, v) as usize]).collect();
-    let near = graph.reach(&seeds, |_| true, |length, _| length, COVERED * bead);
+    let roots: Vec<u32> = all.clone().map(|v| root(&mut parents, v)).collect();
+    // Only from its rim.
+    let is_inner = |v: u32| over(v) && inside[roots[v as usize] as usize];
+    let rim: Vec<u32> = all.clone().filter(|&v| is_inner(v) && graph.around(v).any(|other| !is_inner(other))).collect();
+    let near = graph.reach(&rim, |v| !is_inner(v), |length, _| length, COVERED * bead);
     let mut open: Vec<bool> = all
         .clone()
         .map(|v| {
             let value = field.values[v as usize];
-            value.is_finite() && value >= 0.5 * LEAST * bead && near[v as usize].is_none()
+            value.is_finite() && value >= spacing.least_single() && near[v as usize].is_none() && !is_inner(v)
         })
         .collect();
     let mut found = Vec::new();
@@ -65,40 +70,20 @@ pub(super) fn single_beads(field: &LevelField, bead: f64, is_ring: &[bool]) -> V
         found.extend(graph.longest(&part, &open).filter(|(_, length)| *length >= SHORTEST * bead).map(|(way, _)| way));
         part.iter().for_each(|&v| open[v as usize] = false);
     }
-    let point = |v: u32| field.surface_point(graph.out_of(v)[0] / 3, field.points[v as usize]);
+    let point = |v: u32| field.surface_point(graph.half_edges.of(v)[0] / 3, field.points[v as usize]);
     found.into_iter().map(|way| way.into_iter().map(point).collect()).collect()
 }
 
 /// Vertices and edges of the refined mesh.
-struct Graph<'a> {
-    field: &'a LevelField<'a>,
-    /// Half-edges out of each vertex.
-    half_edges: Vec<u32>,
-    starts: Vec<u32>,
+struct Graph<'a, 'd> {
+    field: &'a LevelField<'d>,
+    half_edges: Around,
 }
 
-impl<'a> Graph<'a> {
-    fn new(field: &'a LevelField) -> Self {
-        let mut starts = vec![0; field.values.len() + 1];
-        (0..field.half_edges()).for_each(|h| starts[field.tail(h) as usize + 1] += 1);
-        (1..starts.len()).for_each(|v| starts[v] += starts[v - 1]);
-        let (mut filled, mut half_edges) = (starts.clone(), vec![0; field.half_edges() as usize]);
-        for h in 0..field.half_edges() {
-            let at = &mut filled[field.tail(h) as usize];
-            half_edges[*at as usize] = h;
-            *at += 1;
-        }
-        Graph { field, half_edges, starts }
-    }
-
-    fn out_of(&self, v: u32) -> &[u32] {
-        let [from, to] = [0, 1].map(|k| self.starts[v as usize + k] as usize);
-        &self.half_edges[from..to]
-    }
-
+impl Graph<'_, '_> {
     /// Neighbours, those inside twice.
     fn around(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
-        self.out_of(v).iter().flat_map(|&h| [self.field.head(h), self.field.tail(previous(h))])
+        self.half_edges.of(v).iter().flat_map(|&h| [self.field.head(h), self.field.tail(previous(h))])
     }
 
     /// Dijkstra's algorithm. The cost of a step depends on its length and the mean distance on it.

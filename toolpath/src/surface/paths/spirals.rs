@@ -18,7 +18,7 @@
 //! lead into the parent, at places next to each other, or are entry and exit of the region.
 //!
 //! A bridge is made of points between matching places of two rings, brought down to the surface. It counts only if the
-//! exact distance there lies between the levels of these rings: then it crosses no ring, whatever the surface does. And
+//! distance there lies between the levels of these rings: then it crosses no ring, whatever the surface does. And
 //! it must keep away from other bridges in the same band. Places are tried with wide windows first, those where the
 //! rings run side by side best. Where no line crosses all rings, a chain is joined to itself half way in; where no bridge
 //! is found for a single ring, it becomes a curve of its own.
@@ -26,13 +26,14 @@
 use super::chains::{Beside, Chain};
 use super::curve::{Loop, locate};
 use super::plan::{End, Plan, Side};
-use crate::surface::geodesic::SurfaceDistance;
+use super::spacing::Spacing;
 use crate::surface::level_set::{LevelSets, SurfacePoint};
+use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Point3;
 
 /// Half of a window, in beads, widest first. The wider, the more even the spacing: bridges are `sin(atan(1 / h)) h` beads
-/// apart: 0.95, 0.89, 0.71, 0.45, 0.24. And the less they turn.
-const WINDOWS: [f64; 5] = [3.0, 2.0, 1.0, 0.5, 0.25];
+/// apart: 0.95, 0.89, 0.71, 0.45, 0.24, 0.12. And the less they turn.
+const WINDOWS: [f64; 6] = [3.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 /// Least width of a half window that is tried on small rings, as a share of their length; a window takes two of them
 /// and a margin.
 const SHARE: f64 = 1.0 / 6.0;
@@ -43,6 +44,9 @@ const PLACES: usize = 256;
 const CLOSE_LOOKS: usize = 48;
 /// How much of its way between two levels a point of a bridge must have made, as a share of what it should.
 const ON_THE_WAY: f64 = 0.25;
+/// Places between two stations where the same is asked, and the share there.
+const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+const BETWEEN_SHARE: f64 = 0.02;
 /// How far bridges keep apart, as a share of a bead or half window. Made as intended they are at least 0.4 apart.
 const CLEAR: f64 = 0.3;
 /// How far a bridge may be from straight, in beads: sheets that bend more sharply have no place for it.
@@ -52,9 +56,9 @@ const STEPS: f64 = 8.0;
 
 /// The rings that the spirals of a layer are made of.
 pub(super) struct Rings<'a> {
-    pub distance: &'a SurfaceDistance<'a>,
+    pub mesh: &'a SurfaceMesh,
     pub sets: &'a LevelSets,
-    pub levels: &'a [f64],
+    pub spacing: &'a Spacing<'a, 'a>,
     pub loops: &'a [Option<Loop>],
     pub bead: f64,
 }
@@ -75,7 +79,7 @@ pub(super) fn connect(rings: &Rings, chains: &[Chain]) -> Plan {
 struct Rung<'a> {
     on: &'a Loop,
     ring: u32,
-    level: f64,
+    level: usize,
     place: f64,
     /// Half of its window, negative where directions are turned round.
     half: f64,
@@ -204,7 +208,7 @@ impl<'a> Weaver<'a> {
             let half = half.min(on.length() * SHARE);
             // Rings have what is higher on their left: across a ridge they run in opposite directions.
             let half = if k == 0 && beside == Some(Beside::Across) { -half } else { half };
-            let level = self.rings.levels[self.rings.sets.rings[ring as usize].level];
+            let level = self.rings.sets.rings[ring as usize].level;
             Some(Rung { on, ring, level, place, half })
         };
         rings.iter().zip(places).enumerate().filter_map(rung).collect()
@@ -233,8 +237,7 @@ impl<'a> Weaver<'a> {
     }
 
     fn across(&self, pair: &[Rung]) -> bool {
-        let [one, other] = [0, 1].map(|k| self.rings.sets.rings[pair[k].ring as usize].level);
-        one == other
+        pair[0].level == pair[1].level
     }
 
     /// The bridges of a chain, in a fixed order: entry or exit, arms, the turn inside.
@@ -263,9 +266,23 @@ impl<'a> Weaver<'a> {
         let mut laid: Vec<Vec<SurfacePoint>> = Vec::with_capacity(bridges.len());
         let mut in_band: Vec<Vec<(usize, Point3<f64>)>> = vec![Vec::new(); rungs.len() - 1];
         for (number, stations) in bridges.iter().enumerate() {
-            let mut points = Vec::with_capacity(stations.len());
-            for &(k, share, t) in stations {
-                let point = self.station(&rungs[k..k + 2], share, t)?;
+            let mut points: Vec<SurfacePoint> = Vec::with_capacity(stations.len());
+            for (n, &(k, share, t)) in stations.iter().enumerate() {
+                let pair = &rungs[k..k + 2];
+                let point = self.station(pair, share, t)?;
+                if let (Some(last), Some(&(before, _, s))) = (points.last(), n.checked_sub(1).map(|n| &stations[n]))
+                    && before == k
+                {
+                    // Between stations too: rings may have corners.
+                    for part in BETWEEN {
+                        let wanted = last.position + (point.position - last.position) * part;
+                        let between = locate(self.rings.mesh, last.triangle, wanted);
+                        if !self.is_between(pair, &between, s + (t - s) * part, BETWEEN_SHARE) {
+                            return None;
+                        }
+                        in_band[k].push((number, wanted));
+                    }
+                }
                 in_band[k].push((number, point.position));
                 points.push(point);
             }
@@ -293,7 +310,7 @@ impl<'a> Weaver<'a> {
     }
 
     fn station(&self, pair: &[Rung], share: f64, t: f64) -> Option<SurfacePoint> {
-        let mesh = self.rings.distance.mesh();
+        let mesh = self.rings.mesh;
         let places = [0, 1].map(|k| pair[k].at(share));
         if t <= 0.0 || t >= 1.0 {
             let k = usize::from(t >= 1.0);
@@ -306,18 +323,28 @@ impl<'a> Weaver<'a> {
         if (point.position - wanted).norm() > BEND * self.rings.bead {
             return None;
         }
-        let distance = self.rings.distance.at(point.triangle, point.barycentric).distance;
-        let way = ON_THE_WAY * t.min(1.0 - t);
-        let [low, high] = [pair[0].level.min(pair[1].level), pair[0].level.max(pair[1].level)];
-        let inside = match self.across(pair) {
-            true => low + way * (to - from).norm() < distance,
-            false => low + way * (high - low) < distance && distance < high - way * (high - low),
-        };
-        inside.then_some(point)
+        self.is_between(pair, &point, t, ON_THE_WAY).then_some(point)
+    }
+
+    /// Whether a point lies between two rings, as far on the way as a share of what it should.
+    fn is_between(&self, pair: &[Rung], point: &SurfacePoint, t: f64, share: f64) -> bool {
+        let way = share * t.min(1.0 - t);
+        match self.across(pair) {
+            // A tip of the next ring may reach in between.
+            true => {
+                let [above, below] = self.rings.spacing.above(point, [pair[0].level, pair[0].level + 1]);
+                above > way * self.rings.bead && below < 0.0
+            }
+            false => {
+                let [low, high] = [pair[0].level.min(pair[1].level), pair[0].level.max(pair[1].level)];
+                let [above, below] = self.rings.spacing.above(point, [low, high]);
+                above.min(-below) > way * (above - below)
+            }
+        }
     }
 
     fn commit(&mut self, rungs: &[Rung], chain: &Chain, parented: bool, mut laid: Vec<Vec<SurfacePoint>>) {
-        let mesh = self.rings.distance.mesh();
+        let mesh = self.rings.mesh;
         let last = rungs.len() - 1;
         for (k, pair) in rungs.windows(2).enumerate() {
             let Some(band) = self.band(pair) else { continue };
@@ -326,7 +353,14 @@ impl<'a> Weaver<'a> {
                 let first = n.saturating_sub(1).min(last - 1);
                 (first..=first + 1).contains(&k)
             });
-            self.taken[band].extend(bridges.flat_map(|(_, points)| points.iter().map(|p| p.position)));
+            for (_, points) in bridges {
+                self.taken[band].extend(points.iter().map(|p| p.position));
+                let between = |pair: &[SurfacePoint]| {
+                    let [from, to] = [pair[0].position, pair[1].position];
+                    BETWEEN.map(|part| from + (to - from) * part)
+                };
+                self.taken[band].extend(points.windows(2).flat_map(between));
+            }
         }
         let mut cuts: Vec<usize> = Vec::with_capacity(rungs.len());
         for (k, rung) in rungs.iter().enumerate() {

@@ -1,0 +1,121 @@
+//! Beads that fit, judged by the independent statistics.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+
+use common::{go_on, grid, rng, to_boundary};
+use curvlay_toolpath::nalgebra::{Point2, Point3};
+use curvlay_toolpath::surface::{
+    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, StatisticsOptions, SurfaceDistance, SurfaceMesh,
+    path_statistics,
+};
+use proptest::prelude::*;
+use rand::RngExt;
+
+fn filled(distance: &SurfaceDistance, bead: f64, fitted: bool) -> LayerPaths {
+    let mut options = PathOptions::default();
+    (options.bead, options.fitted) = (bead, fitted);
+    LevelField::new(distance, 0.005, &go_on).unwrap().paths(&options).unwrap()
+}
+
+fn statistics(mesh: &SurfaceMesh, filled: &LayerPaths) -> PathStatistics {
+    let split = |path: &curvlay_toolpath::surface::SurfacePath| -> (Vec<Point3<f64>>, Vec<f64>) {
+        path.points.iter().map(|p| (p.at.position, p.width)).unzip()
+    };
+    let curves: Vec<_> = filled.paths.iter().map(split).collect();
+    let curves: Vec<_> = curves.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
+    path_statistics(mesh.vertices(), mesh.triangles(), &curves, &StatisticsOptions::default(), &go_on).unwrap()
+}
+
+fn in_range(filled: &LayerPaths, bead: f64) -> bool {
+    let widths = filled.paths.iter().flat_map(|path| &path.points).map(|point| point.width);
+    widths.into_iter().all(|w| (0.75 * bead - 1e-9..=1.25 * bead + 1e-9).contains(&w))
+}
+
+/// A plate of 30 mm by `width`, in triangles of about a millimetre.
+fn strip(width: f64) -> SurfaceMesh {
+    let rows = width.ceil();
+    grid(30, 11, 0.5, |_, j| j >= rows as usize, |p| Point3::new(p.x, p.y * width / rows, 0.0))
+}
+
+#[test]
+fn strips_of_any_width_are_full() {
+    for width in [1.55, 1.9, 2.2, 2.45, 3.05, 3.5, 3.9, 4.4, 4.95, 5.5, 6.3, 7.0, 7.7, 8.4] {
+        let mesh = strip(width);
+        let distance = to_boundary(&mesh);
+        let got = filled(&distance, 1.0, true);
+        assert_eq!((got.paths.len(), got.regions), (1, 1), "{width}");
+        assert!(in_range(&got, 1.0), "{width}");
+        let found = statistics(&mesh, &got);
+        assert_eq!(found.self_crossings, 0, "{width}");
+        assert!(found.covered_fraction > 0.96, "{width}: {found:?}");
+        assert!(found.overlap_fraction < 0.025 && found.spill_fraction < 0.004, "{width}: {found:?}");
+    }
+}
+
+#[test]
+fn widths_follow_the_way_across() {
+    // Two beads across a wedge that is 1.6 to 2.4 mm wide.
+    let mesh = grid(30, 3, 0.4, |_, j| j >= 2, |p| Point3::new(p.x, (p.y - 1.0) * (0.8 + 0.4 * p.x / 30.0), 0.0));
+    let distance = to_boundary(&mesh);
+    let got = filled(&distance, 1.0, true);
+    assert_eq!((got.paths.len(), got.regions), (1, 1));
+    let inner = got.paths[0].points.iter().filter(|p| (3.0..27.0).contains(&p.at.position.x));
+    for point in inner {
+        let across = 2.0 * (0.8 + 0.4 * point.at.position.x / 30.0);
+        assert!((point.width - across / 2.0).abs() < 0.03, "{point:?}");
+    }
+    let found = statistics(&mesh, &got);
+    assert!(found.covered_fraction > 0.98 && found.overlap_fraction < 0.03, "{found:?}");
+}
+
+#[test]
+fn rims_of_three_beads_fit_better_than_even_ones() {
+    // Two walls around holes on a hill, where even beads leave a gap or lie twice along the middle.
+    let hill = |p: Point2<f64>| Point3::new(p.x, p.y, 0.05 * (p.x - 12.0) * (p.y - 12.0));
+    let hole = |i: usize, j: usize| {
+        let apart = |x: f64| (i as f64 + 0.5 - x).abs().max((j as f64 + 0.5 - 12.0).abs());
+        apart(7.0) < 3.6 || apart(17.0) < 3.6
+    };
+    let mesh = grid(24, 3, 0.5, hole, hill);
+    let distance = to_boundary(&mesh);
+    let [mut even_faults, mut fitted_faults] = [0.0; 2];
+    for bead in [0.6, 0.7, 0.8, 0.9, 1.0] {
+        let [even, fitted] = [false, true].map(|fit| filled(&distance, bead, fit));
+        assert_eq!((fitted.paths.len(), fitted.regions), (1, 1));
+        assert!(in_range(&fitted, bead));
+        let [even, fitted] = [even, fitted].map(|got| statistics(&mesh, &got));
+        assert_eq!(fitted.self_crossings, 0);
+        assert!(fitted.covered_fraction > 0.93 && fitted.overlap_fraction < 0.04, "{bead} {fitted:?}");
+        let faults = |of: &PathStatistics| 1.0 - of.covered_fraction + of.overlap_fraction;
+        even_faults += faults(&even);
+        fitted_faults += faults(&fitted);
+    }
+    assert!(fitted_faults < 0.85 * even_faults, "{fitted_faults} {even_faults}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn rough_corridors_are_covered(
+        hole in prop::collection::vec(prop::bool::weighted(0.8), 16),
+        seed in 0_u64..1000,
+        height in 0.0..1.0_f64,
+        bead in 0.4..1.0_f64,
+    ) {
+        // Blocks of five by five squares, three of them wide apart at least: corridors two squares wide, and blocks.
+        let in_block = |i: usize, j: usize| i % 5 >= 2 && j % 5 >= 2 && i / 5 < 4 && j / 5 < 4;
+        let there = |i: usize, j: usize| !in_block(i, j) || hole[i / 5 + 4 * (j / 5)];
+        let mut heights = rng(seed);
+        let mesh = grid(22, seed, 0.6, |i, j| !there(i, j), |p| {
+            Point3::new(p.x, p.y, height * (heights.random::<f64>() - 0.5))
+        });
+        let distance = to_boundary(&mesh);
+        let got = filled(&distance, bead, true);
+        // Rings of steep corners may nowhere run side by side; then one of them stays a curve of its own.
+        prop_assert!(got.regions <= got.paths.len() && got.paths.len() <= got.regions + 1);
+        prop_assert!(in_range(&got, bead));
+        let found = statistics(&mesh, &got);
+        prop_assert!(found.covered_fraction > 0.85, "{:?}", found);
+    }
+}
