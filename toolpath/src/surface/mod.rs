@@ -6,18 +6,30 @@
 //!   nothing of how the curves were made.
 //! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part; and paths along them
 //!   that fill the surface with beads ([`LevelField::paths`]).
+//! * [`LayerStack`]: all layers of a part. It orients the nozzle along their curves ([`LayerStack::orient`]), and tilts
+//!   it where it would run into what is built ([`LayerStack::free`]).
+//! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 
+mod deposition;
 mod geodesic;
+mod gouging;
 mod level_set;
 mod mesh;
+mod orientation;
+mod parallel;
 mod paths;
+mod stack;
 mod statistics;
 mod union;
 
+pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit};
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
+pub use gouging::{Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle};
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
+pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint};
 pub use paths::{LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason};
+pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };

@@ -1,0 +1,337 @@
+//! What is extruded along tool paths, how fast, and the moves in between: a plan of timed moves.
+//!
+//! Dai 2020, section 3.6.3: "thickness variations are compensated by controlling the feed-rate of material extrusion".
+//! The section of a bead is its width times its height, which is the thickness of the layer at that place; between
+//! waypoints both go evenly from one to the next. The volume of a piece of bead is the section along its length on the
+//! surface of the layer, exactly: the tip, which runs above, may go a longer or a shorter way.
+//!
+//! The flow of material is constant as long as the tip is neither slower nor faster than it may be. Where the nozzle turns
+//! faster than it may, the piece takes longer still, and less flows.
+//!
+//! Between paths that do not join, the filament is drawn back, the nozzle backs off along its direction, travels straight to
+//! above the next path, comes down, and the filament is pushed forward again. Whether the straight way is free is not looked
+//! at here.
+
+use super::orientation::{ToolPath, Waypoint, angle};
+use nalgebra::{Point3, UnitVector3};
+use std::f64::consts::PI;
+
+/// Paths whose ends are nearer than this, in millimetres, join: no travel in between.
+const JOINED: f64 = 1e-6;
+
+/// How material is laid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepositionOptions {
+    /// Diameter of the filament in millimetres: 1.75.
+    pub filament_diameter: f64,
+    /// Wanted flow in cubic millimetres a second: 8.
+    pub flow_mm3_s: f64,
+    /// The tip is not to be slower than this while it prints, in millimetres a second: 2.
+    pub least_feed: f64,
+    /// Nor faster than this: 40.
+    pub most_feed: f64,
+    /// The nozzle is not to turn faster than this, in radians a second: a half turn (180 degrees) a second.
+    pub most_turn_rate: f64,
+    /// Speed of travel moves in millimetres a second: 80.
+    pub travel_feed: f64,
+    /// Filament drawn back before a travel and pushed forward after it, in millimetres: 1. None for 0.
+    pub retraction: f64,
+    /// Speed of the filament while it is drawn back, in millimetres a second: 30.
+    pub retract_feed: f64,
+    /// Speed of the filament while it is pushed forward, in millimetres a second: 20.
+    pub prime_feed: f64,
+    /// How far the nozzle backs off along its direction before and after a travel, in millimetres: 5.
+    pub hop: f64,
+}
+
+impl Default for DepositionOptions {
+    fn default() -> Self {
+        DepositionOptions {
+            filament_diameter: 1.75,
+            flow_mm3_s: 8.0,
+            least_feed: 2.0,
+            most_feed: 40.0,
+            most_turn_rate: PI,
+            travel_feed: 80.0,
+            retraction: 1.0,
+            retract_feed: 30.0,
+            prime_feed: 20.0,
+            hop: 5.0,
+        }
+    }
+}
+
+/// What a move does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MoveKind {
+    /// The nozzle goes somewhere without printing.
+    Travel,
+    /// Filament is drawn back; the nozzle stands still.
+    Retract,
+    /// Filament is pushed forward to where it was; the nozzle stands still.
+    Prime,
+    /// A piece of bead.
+    Print,
+}
+
+/// A straight move, from where the move before ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// What it does.
+    pub kind: MoveKind,
+    /// The path it belongs to, by its place in the list: a travel and a prime to the path that follows, a retraction to the
+    /// one before.
+    pub path: usize,
+    /// The waypoint at which it ends; for moves above a path the nearest one.
+    pub waypoint: usize,
+    /// Where the tip is at its end.
+    pub tip: Point3<f64>,
+    /// How the nozzle stands at its end.
+    pub direction: UnitVector3<f64>,
+    /// Filament pushed forward, in millimetres; below 0 for a retraction.
+    pub filament: f64,
+    /// Speed in millimetres a second: of the tip; of the filament for retractions and primes.
+    pub feed: f64,
+    /// How long it takes.
+    pub seconds: f64,
+}
+
+/// A plan of moves and its sums.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deposition {
+    /// One after the other. The first one is a travel move to above the first path, of no duration.
+    pub moves: Vec<Move>,
+    /// Volume of all beads.
+    pub extruded_mm3: f64,
+    /// Filament for them, in millimetres.
+    pub filament_mm: f64,
+    /// The volume of the beads of each path, in cubic millimetres.
+    pub of_path: Vec<f64>,
+    /// Seconds of printing.
+    pub print_s: f64,
+    /// Seconds of everything.
+    pub total_s: f64,
+    /// Length of travels, in millimetres.
+    pub travel_mm: f64,
+    /// How often filament is drawn back.
+    pub retractions: usize,
+    /// Length of bead along which the flow is the wanted one, and length of all beads, in millimetres.
+    pub even_flow_mm: f64,
+    /// Length of all beads, in millimetres.
+    pub bead_mm: f64,
+}
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DepositionError {
+    /// An option that is no use.
+    #[error("{option} is {value}: {wanted}")]
+    Option {
+        /// Its name.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it may be.
+        wanted: &'static str,
+    },
+    /// The least feed is above the most.
+    #[error("a least feed of {least} mm/s above the most, {most} mm/s")]
+    Feeds {
+        /// The least feed.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+    /// A path without a second waypoint.
+    #[error("path {path} has {waypoints} waypoints: it needs two")]
+    FewWaypoints {
+        /// The path, from 0.
+        path: usize,
+        /// Its waypoints.
+        waypoints: usize,
+    },
+    /// A waypoint that is not finite, has no bead, or goes back along its curve.
+    #[error("waypoint {waypoint} of path {path} is not finite, has no bead, or goes back along its curve")]
+    BadWaypoint {
+        /// The path, from 0.
+        path: usize,
+        /// The waypoint, from 0.
+        waypoint: usize,
+    },
+}
+
+impl DepositionOptions {
+    fn check(&self) -> Result<(), DepositionError> {
+        let positive = [
+            ("filament_diameter", self.filament_diameter),
+            ("flow_mm3_s", self.flow_mm3_s),
+            ("least_feed", self.least_feed),
+            ("most_feed", self.most_feed),
+            ("most_turn_rate", self.most_turn_rate),
+            ("travel_feed", self.travel_feed),
+            ("retract_feed", self.retract_feed),
+            ("prime_feed", self.prime_feed),
+        ];
+        let wrong = |&(_, value): &(&str, f64)| !(value > 0.0 && value.is_finite());
+        if let Some((option, value)) = positive.into_iter().find(wrong) {
+            return Err(DepositionError::Option { option, value, wanted: "above 0 and finite" });
+        }
+        let lengths = [("retraction", self.retraction), ("hop", self.hop)];
+        if let Some((option, value)) = lengths.into_iter().find(|(_, value)| !(*value >= 0.0 && value.is_finite())) {
+            return Err(DepositionError::Option { option, value, wanted: "0 or more and finite" });
+        }
+        if self.least_feed > self.most_feed {
+            return Err(DepositionError::Feeds { least: self.least_feed, most: self.most_feed });
+        }
+        Ok(())
+    }
+}
+
+/// The volume of a bead between two waypoints.
+fn volume(from: &Waypoint, to: &Waypoint) -> f64 {
+    let section =
+        2.0 * (from.width * from.height + to.width * to.height) + from.width * to.height + to.width * from.height;
+    section / 6.0 * (to.arc - from.arc)
+}
+
+/// The plan under way.
+struct Planner<'a> {
+    options: &'a DepositionOptions,
+    plan: Deposition,
+    /// Where the nozzle is.
+    at: Option<(Point3<f64>, UnitVector3<f64>)>,
+}
+
+impl Planner<'_> {
+    /// A move that takes at least as long as its length at `feed` and its turn need.
+    fn go(&mut self, kind: MoveKind, path: usize, waypoint: usize, tip: Point3<f64>, direction: UnitVector3<f64>) {
+        let (length, turn) = self.at.map_or((0.0, 0.0), |(from, old)| ((tip - from).norm(), angle(&old, &direction)));
+        let seconds = (length / self.options.travel_feed).max(turn / self.options.most_turn_rate);
+        let feed = if seconds > 0.0 { length / seconds } else { self.options.travel_feed };
+        self.plan.moves.push(Move { kind, path, waypoint, tip, direction, filament: 0.0, feed, seconds });
+        self.plan.travel_mm += length;
+        self.plan.total_s += seconds;
+        self.at = Some((tip, direction));
+    }
+
+    /// Filament alone.
+    fn push(&mut self, kind: MoveKind, path: usize, waypoint: usize, filament: f64, feed: f64) {
+        let Some((tip, direction)) = self.at.filter(|_| filament.abs() > 0.0) else {
+            return;
+        };
+        let seconds = filament.abs() / feed;
+        self.plan.moves.push(Move { kind, path, waypoint, tip, direction, filament, feed, seconds });
+        self.plan.total_s += seconds;
+    }
+
+    /// From the end of the path before to the start of this one.
+    fn travel(&mut self, paths: &[ToolPath], path: usize) {
+        let to = &paths[path].waypoints[0];
+        let hop = |tip: Point3<f64>, direction: UnitVector3<f64>| tip + direction.into_inner() * self.options.hop;
+        let above = hop(to.tip, to.direction);
+        if let (Some((tip, direction)), Some(before)) = (self.at, path.checked_sub(1)) {
+            if (tip - to.tip).norm() <= JOINED {
+                if direction != to.direction {
+                    self.go(MoveKind::Travel, path, 0, to.tip, to.direction);
+                }
+                return;
+            }
+            let (last, options) = (paths[before].waypoints.len() - 1, self.options);
+            let away = hop(tip, direction);
+            self.push(MoveKind::Retract, before, last, -options.retraction, options.retract_feed);
+            self.plan.retractions += usize::from(options.retraction > 0.0);
+            if options.hop > 0.0 {
+                self.go(MoveKind::Travel, before, last, away, direction);
+            }
+        }
+        if self.options.hop > 0.0 {
+            self.go(MoveKind::Travel, path, 0, above, to.direction);
+        }
+        self.go(MoveKind::Travel, path, 0, to.tip, to.direction);
+        if path > 0 {
+            self.push(MoveKind::Prime, path, 0, self.options.retraction, self.options.prime_feed);
+        }
+    }
+
+    fn print(&mut self, path: usize, waypoint: usize, from: &Waypoint, to: &Waypoint) {
+        let volume = volume(from, to);
+        let length = (to.tip - from.tip).norm();
+        // The bead and the tip may go ways of different length; neither is to be too fast.
+        let way = length.max(to.arc - from.arc);
+        let wanted = volume / self.options.flow_mm3_s;
+        let limited = wanted.max(way / self.options.most_feed).min(way / self.options.least_feed);
+        let turn = angle(&from.direction, &to.direction);
+        let seconds = limited.max(turn / self.options.most_turn_rate);
+        let area = PI / 4.0 * self.options.filament_diameter.powi(2);
+        let plan = &mut self.plan;
+        plan.moves.push(Move {
+            kind: MoveKind::Print,
+            path,
+            waypoint,
+            tip: to.tip,
+            direction: to.direction,
+            filament: volume / area,
+            feed: if seconds > 0.0 { length / seconds } else { self.options.most_feed },
+            seconds,
+        });
+        plan.bead_mm += to.arc - from.arc;
+        plan.even_flow_mm += if (seconds - wanted).abs() <= 1e-9 * seconds { to.arc - from.arc } else { 0.0 };
+        plan.of_path[path] += volume;
+        plan.print_s += seconds;
+        plan.total_s += seconds;
+        self.at = Some((to.tip, to.direction));
+    }
+}
+
+/// Plans the moves along `paths`, one after the other.
+///
+/// # Errors
+/// [`DepositionError`].
+///
+/// # Cost
+/// `O(n)` for `n` waypoints.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+/// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
+/// // 10 mm of a bead of 0.8 by 0.5 mm.
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x };
+/// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
+/// let plan = deposit(&[path], &DepositionOptions::default())?;
+/// assert!((plan.extruded_mm3 - 4.0).abs() < 1e-12);
+/// assert!((plan.filament_mm - 4.0 / (std::f64::consts::PI / 4.0 * 1.75 * 1.75)).abs() < 1e-12);
+/// assert!((plan.print_s - 0.5).abs() < 1e-12); // 8 mm^3/s, 20 mm/s
+/// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
+/// ```
+pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposition, DepositionError> {
+    options.check()?;
+    for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {
+        if waypoints.len() < 2 {
+            return Err(DepositionError::FewWaypoints { path, waypoints: waypoints.len() });
+        }
+        let sound = |w: &Waypoint| {
+            let unit = (w.direction.norm_squared() - 1.0).abs() < 1e-6;
+            unit && w.tip.iter().chain([&w.arc]).all(|n| n.is_finite())
+                && [w.width, w.height].iter().all(|&n| n > 0.0 && n.is_finite())
+        };
+        let back = |k: usize| k > 0 && waypoints[k].arc < waypoints[k - 1].arc;
+        if let Some(waypoint) = (0..waypoints.len()).find(|&k| !sound(&waypoints[k]) || back(k)) {
+            return Err(DepositionError::BadWaypoint { path, waypoint });
+        }
+    }
+    let plan = Deposition { of_path: vec![0.0; paths.len()], ..Deposition::default() };
+    let mut planner = Planner { options, plan, at: None };
+    for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {
+        planner.travel(paths, path);
+        for (k, pair) in waypoints.windows(2).enumerate() {
+            planner.print(path, k + 1, &pair[0], &pair[1]);
+        }
+    }
+    let mut plan = planner.plan;
+    plan.extruded_mm3 = plan.of_path.iter().sum();
+    plan.filament_mm = plan.extruded_mm3 / (PI / 4.0 * options.filament_diameter.powi(2));
+    Ok(plan)
+}

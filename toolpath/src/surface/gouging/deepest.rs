@@ -1,0 +1,194 @@
+//! Where a nozzle is deepest in what has been built.
+//!
+//! A layer is as thick as its spacing `s`: it reaches half of that to both sides of its surface along the normal, and ends
+//! where the surface ends. A nozzle may enter it by a share `a` of `s`, from above, below and from the side. So it must not
+//! touch what is left of the layer if a skin of `a s` is taken off: that is, points of the surface at least `a s` from its
+//! boundary, moved along the normal by up to `(1/2 - a) s`. Looked at are three *sheets* of them: moved up, moved down, and
+//! in place. Normals are those at vertices, so a sheet has no gaps over bent edges.
+//!
+//! The search for the worst point goes down the tree, box by box, and on into triangles, which it halves across their longest
+//! side. A box or piece is passed over if none of its points can be worse than the worst so far: clearance
+//! changes by no more than a point moves. Pieces smaller than [`PIECE`] layers are taken for their middle. So if nothing is
+//! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
+//! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
+
+use super::nozzle::Nozzle;
+use crate::surface::stack::{Keys, Node, Tree, Triangle, Walk};
+use nalgebra::{Point3, UnitVector3, Vector3};
+
+/// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
+/// A quarter layer is allowed, so a fiftieth is little; halving it again would double the time near contact.
+pub(super) const PIECE: f64 = 0.02;
+
+/// A worse point counts if it is worse by this share: the search for a cut need not be exact.
+const ROUGH: f64 = 0.1;
+
+/// What a nozzle must keep clear of.
+pub(super) struct Scene<'a> {
+    pub tree: &'a Tree,
+    /// Edges of boundaries, which triangles name.
+    pub rims: &'a [[Point3<f64>; 2]],
+    /// When each triangle is built.
+    pub keys: &'a Keys,
+    pub nozzle: &'a Nozzle,
+    /// Whether nothing may reach below z = 0.
+    pub plate: bool,
+}
+
+/// A place of the nozzle's tip, and what is built by then.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stand {
+    pub tip: Point3<f64>,
+    /// Triangles with a key below this are there.
+    pub before: u32,
+    /// How deep the nozzle may be in a layer, as a share of its height.
+    pub allowed: f64,
+}
+
+/// A point that is too near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Worst {
+    pub point: Point3<f64>,
+    /// Clearance less what it must be: below 0.
+    pub lack: f64,
+    /// Thickness of its layer, and which it is.
+    pub height: f64,
+    pub layer: u32,
+}
+
+impl Worst {
+    /// How deep the nozzle is in the thickened layer.
+    pub fn depth(&self, allowed: f64) -> f64 {
+        allowed * self.height - self.lack
+    }
+}
+
+impl Stand {
+    /// How far the sheets are from a surface of a layer of this height.
+    fn offset(&self, height: f64) -> f64 {
+        (0.5 - self.allowed).max(0.0) * height
+    }
+
+    /// The clearance that they must keep: none, or less than none where the nozzle may be more than half a layer deep.
+    pub fn clearance(&self, height: f64) -> f64 {
+        (0.5 - self.allowed).min(0.0) * height
+    }
+}
+
+struct Seeker<'a> {
+    nozzle: &'a Nozzle,
+    rims: &'a [[Point3<f64>; 2]],
+    stand: Stand,
+    direction: Vector3<f64>,
+    rough: f64,
+    worst: Option<Worst>,
+    /// No clearance in excess of what is needed from here on is of interest.
+    bound: f64,
+    any: bool,
+}
+
+impl Seeker<'_> {
+    fn place(&self, p: Point3<f64>) -> (f64, f64) {
+        let v = p - self.stand.tip;
+        let z = v.dot(&self.direction);
+        (z, (v - self.direction * z).norm())
+    }
+
+    /// The square of the distance of a point of a sheet, `offset` from the surface, to the boundary, along the surface.
+    fn to_rim(&self, p: Point3<f64>, triangle: &Triangle, offset: f64) -> f64 {
+        let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
+        let squares = rims.iter().map(|[a, b]| {
+            let along = b - a;
+            let share = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (a + along * share - p).norm_squared()
+        });
+        squares.fold(f64::INFINITY, f64::min) - offset * offset
+    }
+
+    /// Looks for a worse point in a piece of a sheet of a triangle; whether to stop.
+    fn piece(&mut self, corners: [Point3<f64>; 3], triangle: &Triangle, offset: f64) -> bool {
+        let [a, b, c] = corners;
+        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let radius = corners.iter().map(|corner| (corner - middle).norm_squared()).fold(0.0, f64::max).sqrt();
+        let (z, rho) = self.place(middle);
+        let lack = self.nozzle.clearance(z, rho) - self.stand.clearance(triangle.height);
+        if lack - radius >= self.bound {
+            return false;
+        }
+        let skin = self.stand.allowed.min(0.5) * triangle.height;
+        let to_rim = self.to_rim(middle, triangle, offset);
+        if to_rim < (skin - radius).max(0.0).powi(2) {
+            return false;
+        }
+        if lack < self.bound && to_rim >= skin * skin {
+            let Triangle { height, layer, .. } = *triangle;
+            self.worst = Some(Worst { point: middle, lack, height, layer });
+            self.bound = lack * (1.0 + self.rough);
+            if self.any {
+                return true;
+            }
+        }
+        if lack - radius >= self.bound || radius <= PIECE * triangle.height {
+            return false;
+        }
+        let sides = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
+        let k = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
+        let [from, to, tip] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
+        let half = nalgebra::center(&from, &to);
+        self.piece([from, half, tip], triangle, offset) || self.piece([half, to, tip], triangle, offset)
+    }
+}
+
+impl Walk for Seeker<'_> {
+    fn enter(&mut self, node: &Node) -> bool {
+        let (z, rho) = self.place(node.middle);
+        let up = node.half.dot(&self.direction.abs());
+        let offset = self.stand.offset(node.height);
+        self.nozzle.least_clearance(z, rho, node.radius, up) - offset < self.bound
+    }
+
+    fn see(&mut self, _: usize, triangle: &Triangle) -> bool {
+        let offset = self.stand.offset(triangle.height);
+        let moved = |by: f64| [0, 1, 2].map(|k| triangle.corners[k] + triangle.normals[k] * by);
+        let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
+        sheets.iter().any(|side| self.piece(moved(side * offset), triangle, side * offset))
+    }
+}
+
+impl Scene<'_> {
+    fn seek(
+        &self,
+        stand: Stand,
+        direction: &UnitVector3<f64>,
+        rough: f64,
+        any: bool,
+        stack: &mut Vec<u32>,
+    ) -> Option<Worst> {
+        let direction = direction.into_inner();
+        let mut seeker =
+            Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any };
+        self.tree.walk(self.keys, stand.before, &mut seeker, stack);
+        seeker.worst
+    }
+
+    /// A point that lacks clearance nearly as much as the worst one.
+    pub fn bad(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<u32>) -> Option<Worst> {
+        self.seek(stand, direction, ROUGH, false, stack)
+    }
+
+    /// The point that lacks most clearance.
+    pub fn worst(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<u32>) -> Option<Worst> {
+        self.seek(stand, direction, 0.0, false, stack)
+    }
+
+    /// Whether the nozzle is nowhere too deep.
+    pub fn is_free(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<u32>) -> bool {
+        self.above_plate(stand, direction) && self.seek(stand, direction, 0.0, true, stack).is_none()
+    }
+
+    /// Whether nothing of the nozzle reaches below the plate.
+    pub fn above_plate(&self, stand: Stand, direction: &UnitVector3<f64>) -> bool {
+        let leans = direction.angle(&Vector3::z_axis());
+        !self.plate || self.nozzle.plate_lean(stand.tip.z).is_some_and(|lean| leans <= lean + 1e-9)
+    }
+}

@@ -1,0 +1,275 @@
+//! A nozzle that does not run into what it has built.
+//!
+//! Dai 2020, section 3.6.3, names local gouging as an open point: directions for best adhesion may drive the nozzle into
+//! the model. Here each waypoint is checked against all that is built by then (`deepest`), tilted by the least angle that
+//! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is.
+//!
+//! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
+//! (`built`). The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
+//!
+//! Layers from which no earlier layer shadows a later one have the tip outside the hull of all earlier cells. So there is a
+//! plane through the tip with the model on one side, and a cone up to 45 degrees has a half space full of directions to
+//! choose from, less where thickness and the own layer are in the way; that is why a tilt nearly always frees.
+
+mod along;
+mod built;
+mod deepest;
+mod nozzle;
+mod tilt;
+
+use super::orientation::{SharpTurn, ToolPath, Turns, sharp_turns};
+use super::parallel;
+use super::stack::LayerStack;
+use crate::Progress;
+use deepest::Scene;
+pub use nozzle::{Nozzle, NozzleError};
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+/// How gouging is corrected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GougingOptions {
+    /// How deep the nozzle may enter a layer, as a share of its height: a quarter.
+    pub allowed_depth: f64,
+    /// No direction is tilted farther than this: 90 degrees, in radians.
+    pub max_tilt: f64,
+    /// Directions of neighbours may differ by this: 10 degrees, in radians.
+    pub max_turn: f64,
+    /// Whether beads of the same layer that are laid by then count, too: yes.
+    pub own_layer: bool,
+    /// Whether there is a plate at z = 0, below which nothing may reach: yes.
+    pub plate: bool,
+}
+
+impl Default for GougingOptions {
+    fn default() -> Self {
+        let max_turn = 10_f64.to_radians();
+        GougingOptions { allowed_depth: 0.25, max_tilt: PI / 2.0, max_turn, own_layer: true, plate: true }
+    }
+}
+
+/// A waypoint where the nozzle is too deep in a layer, however it is tilted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gouge {
+    /// The path, by its place in the list of paths.
+    pub path: usize,
+    /// The waypoint, from 0.
+    pub waypoint: usize,
+    /// What the nozzle is in.
+    pub obstacle: Obstacle,
+    /// How deep it is in the layer, or how far below the plate, in millimetres.
+    pub depth: f64,
+}
+
+/// What a nozzle runs into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Obstacle {
+    /// A layer, from 0; the waypoint's own or an earlier one.
+    Layer(u32),
+    /// The plate.
+    Plate,
+}
+
+/// Paths along which the nozzle gouges nothing, but for what is listed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freed {
+    /// The paths; with points added where neighbours would turn too far.
+    pub paths: Vec<ToolPath>,
+    /// Waypoints that gouged before.
+    pub gouging_before: usize,
+    /// Waypoints whose direction is another now.
+    pub tilted: usize,
+    /// The largest tilt, in radians.
+    pub max_tilt: f64,
+    /// The mean tilt of those that are tilted, in radians.
+    pub mean_tilt: f64,
+    /// Waypoints that were added.
+    pub added: usize,
+    /// Waypoints that no tilt frees.
+    pub left: Vec<Gouge>,
+    /// Turns along the paths now.
+    pub turns: Turns,
+    /// Neighbours that differ by more than the limit.
+    pub sharp: Vec<SharpTurn>,
+}
+
+/// Why gouging is not looked for.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GougingError {
+    /// An option that is no use.
+    #[error("{option} is {value}: {wanted}")]
+    Option {
+        /// Its name.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it may be.
+        wanted: &'static str,
+    },
+    /// A path names a layer that is not there, or comes after one of a later layer.
+    #[error("path {path} is on layer {layer}: there are {layers}, and paths follow them in order")]
+    Layer {
+        /// The path, from 0.
+        path: usize,
+        /// Its layer.
+        layer: u32,
+        /// Layers that there are.
+        layers: usize,
+    },
+    /// A waypoint that is not finite.
+    #[error("waypoint {waypoint} of path {path} is not finite or has no unit direction")]
+    BadWaypoint {
+        /// The path, from 0.
+        path: usize,
+        /// The waypoint, from 0.
+        waypoint: usize,
+    },
+    /// A path without a second waypoint.
+    #[error("path {path} has {waypoints} waypoints: it needs two")]
+    FewWaypoints {
+        /// The path, from 0.
+        path: usize,
+        /// Its waypoints.
+        waypoints: usize,
+    },
+    /// More waypoints than can be numbered.
+    #[error("{waypoints} waypoints are too many: at most 2^31")]
+    TooLarge {
+        /// All waypoints.
+        waypoints: usize,
+    },
+    /// The callback asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl GougingOptions {
+    fn check(&self) -> Result<(), GougingError> {
+        let turn = (0.1_f64.to_radians()..=PI).contains(&self.max_turn);
+        let sound = [
+            ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
+            ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),
+            ("max_turn", self.max_turn, turn, "0.1 to 180 degrees, in radians"),
+        ];
+        match sound.into_iter().find(|(.., sound, _)| !sound) {
+            Some((option, value, _, wanted)) => Err(GougingError::Option { option, value, wanted }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl LayerStack<'_> {
+    /// Tilts the nozzle where it would gouge what is built by then.
+    ///
+    /// # Arguments
+    /// * `paths`: of these layers, in the order in which they are printed.
+    /// * `progress`: called with the stages `built` and `gouging`; may cancel.
+    ///
+    /// # Errors
+    /// [`GougingError`].
+    ///
+    /// # Cost
+    /// Some 10 microseconds for a waypoint that is free, a fraction of a millisecond for one that is not. With the
+    /// feature `rayon` paths are shared out among threads; the result is the same.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+    /// use curvlay_toolpath::surface::*;
+    /// use std::ops::ControlFlow;
+    /// let silent = |_: curvlay_toolpath::Progress| ControlFlow::Continue(());
+    /// // A wall of 6 mm, and a line beside its foot, 2 mm away.
+    /// let wall = [[0.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 20.0, 6.0], [0.0, 0.0, 6.0]].map(Point3::from);
+    /// let floor = [[0.0, 0.0, 0.4], [9.0, 0.0, 0.4], [9.0, 20.0, 0.4], [0.0, 20.0, 0.4]].map(Point3::from);
+    /// let line = [Point3::new(2.0, 5.0, 0.4), Point3::new(2.0, 15.0, 0.4)];
+    /// let curves = [LayerCurve { points: &line, widths: &[0.8; 2], closed: false }];
+    /// let (triangles, spacing) = ([[0, 1, 2], [0, 2, 3]], [0.8; 2]);
+    /// let layers = [(&wall, &[][..]), (&floor, &curves[..])].map(|(vertices, curves)| BuiltLayer {
+    ///     vertices, triangles: &triangles, spacing: &spacing, curves,
+    /// });
+    /// let stack = LayerStack::new(&layers)?;
+    /// let oriented = stack.orient(&OrientOptions::default(), &silent)?;
+    /// let freed = stack.free(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &silent)?;
+    /// // Upright, the side of the cone would cut into the wall; it leans away until it is clear.
+    /// assert_eq!((freed.gouging_before, freed.left.len()), (11, 0));
+    /// let direction = freed.paths[0].waypoints[5].direction;
+    /// assert!(direction.x > 0.3 && direction.y.abs() < 0.05, "{direction:?}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn free(
+        &self,
+        paths: Vec<ToolPath>,
+        nozzle: &Nozzle,
+        options: &GougingOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Freed, GougingError> {
+        options.check()?;
+        self.check_paths(&paths)?;
+        let starts = built::starts(&paths);
+        let keys = built::keys(self, &paths, &starts, options.own_layer, progress).ok_or(GougingError::Cancelled)?;
+        let scene = Scene { tree: &self.tree, rims: &self.rims, keys: &keys, nozzle, plate: options.plate };
+        let work = |k: usize, path: &ToolPath| along::freed(&scene, path, starts[k], options);
+        let done = parallel::map(&paths, "gouging", progress, work).ok_or(GougingError::Cancelled)?;
+        let mut freed = Freed {
+            paths,
+            gouging_before: 0,
+            tilted: 0,
+            max_tilt: 0.0,
+            mean_tilt: 0.0,
+            added: 0,
+            left: Vec::new(),
+            turns: Turns::default(),
+            sharp: Vec::new(),
+        };
+        for (k, done) in done.into_iter().enumerate() {
+            freed.gouging_before += done.gouging_before;
+            freed.added += done.waypoints.len() - freed.paths[k].waypoints.len();
+            for &tilt in done.tilts.iter().filter(|&&tilt| tilt > 0.0) {
+                freed.tilted += 1;
+                freed.max_tilt = freed.max_tilt.max(tilt);
+                freed.mean_tilt += tilt;
+            }
+            freed.left.extend(done.left.into_iter().map(|(waypoint, obstacle, depth)| Gouge {
+                path: k,
+                waypoint,
+                obstacle,
+                depth,
+            }));
+            freed.paths[k].waypoints = done.waypoints;
+        }
+        freed.mean_tilt /= freed.tilted.max(1) as f64;
+        freed.turns = Turns::of(&freed.paths);
+        freed.sharp = sharp_turns(&freed.paths, options.max_turn);
+        Ok(freed)
+    }
+
+    /// Whether paths can be those of these layers.
+    fn check_paths(&self, paths: &[ToolPath]) -> Result<(), GougingError> {
+        let waypoints = paths.iter().map(|path| path.waypoints.len()).sum();
+        if waypoints > 1 << 31 {
+            return Err(GougingError::TooLarge { waypoints });
+        }
+        let mut last = 0;
+        for (number, path) in paths.iter().enumerate() {
+            let layers = self.layers.len();
+            if path.layer < last || path.layer as usize >= layers {
+                return Err(GougingError::Layer { path: number, layer: path.layer, layers });
+            }
+            last = path.layer;
+            if path.waypoints.len() < 2 {
+                return Err(GougingError::FewWaypoints { path: number, waypoints: path.waypoints.len() });
+            }
+            let sound = |w: &super::Waypoint| {
+                let numbers = [w.width, w.height, w.arc];
+                let unit = (w.direction.norm_squared() - 1.0).abs() < 1e-6;
+                unit && numbers.iter().chain(w.tip.iter()).all(|n| n.abs() < 1e9)
+            };
+            if let Some(waypoint) = path.waypoints.iter().position(|w| !sound(w)) {
+                return Err(GougingError::BadWaypoint { path: number, waypoint });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,144 @@
+//! The direction nearest to a wanted one that frees a nozzle whose tip stays where it is.
+//!
+//! Each point that must keep a clearance forbids a cap of directions (`nozzle`). The free directions are what all caps leave
+//! of the sphere; of them the one at the least angle from the wanted direction is wanted. There are caps without number,
+//! so they are taken in one at a time, by exchange:
+//!
+//! 1. Find the best direction outside the caps so far. It is the wanted one, or the point of a cap's circle that is nearest
+//!    to it, or a point where two circles meet: where the angle from the wanted direction is least locally, it cannot fall
+//!    inside the free part, nor along a circle. So a list of these candidates is kept, less those in a cap.
+//! 2. Find where the nozzle in that direction lacks clearance. Nowhere: done. Else take in the cap of that point, and repeat.
+//!
+//! Each round finds the least angle for *some* of the caps, which is never above that for all of them; so a
+//! direction found free is the least tilt there is. If no candidate is left, the caps so far cover the sphere, and no
+//! tilt frees: that is proven, too.
+//!
+//! Caps keep [`SLACK`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
+//! "least" and "no tilt" hold for a nozzle that is larger by that.
+
+use super::deepest::{Scene, Stand};
+use crate::surface::orientation::angle;
+use nalgebra::{Unit, UnitVector3, Vector3};
+use std::f64::consts::PI;
+
+/// Clearance beyond the needed one that caps keep, in layer heights. Less makes more rounds (about twice as many for a
+/// quarter of it), more tilts farther.
+const SLACK: f64 = 0.02;
+
+/// Rounds after which the search gives up. Beside walls it takes 3 to 15; in narrow gaps some dozens.
+const ROUNDS: usize = 120;
+
+/// A direction this far into a cap, by its cosine, is on its circle.
+const ON_CIRCLE: f64 = 1e-10;
+
+/// Directions that must not be.
+#[derive(Clone, Copy, Debug)]
+struct Cap {
+    axis: UnitVector3<f64>,
+    angle: f64,
+    cos: f64,
+}
+
+impl Cap {
+    fn new(axis: UnitVector3<f64>, angle: f64) -> Self {
+        Cap { axis, angle, cos: angle.cos() }
+    }
+
+    fn forbids(&self, direction: &UnitVector3<f64>) -> bool {
+        self.angle >= PI || self.axis.dot(direction) > self.cos + ON_CIRCLE
+    }
+
+    /// The point of its circle nearest to a direction.
+    fn nearest(&self, direction: &UnitVector3<f64>) -> UnitVector3<f64> {
+        let axis = self.axis.into_inner();
+        let across = direction.into_inner() - axis * axis.dot(direction);
+        // At the axis all are as near.
+        let across = across.try_normalize(1e-12).unwrap_or_else(|| {
+            let k = axis.iamin();
+            axis.cross(&Vector3::ith(k, 1.0)).normalize()
+        });
+        Unit::new_normalize(axis * self.cos + across * self.angle.sin())
+    }
+
+    /// Where two circles meet.
+    fn meet(&self, other: &Cap) -> [Option<UnitVector3<f64>>; 2] {
+        let (a, b) = (self.axis.into_inner(), other.axis.into_inner());
+        let across = a.cross(&b);
+        let (c, square) = (a.dot(&b), across.norm_squared());
+        let (x, y) = (self.cos - c * other.cos, other.cos - c * self.cos);
+        let middle = (a * x + b * y) / square;
+        let rest = (1.0 - middle.norm_squared()) / square;
+        if !(rest >= 0.0 && rest.is_finite()) {
+            return [None; 2];
+        }
+        let across = across * rest.sqrt();
+        [Unit::try_new(middle + across, 0.5), Unit::try_new(middle - across, 0.5)]
+    }
+}
+
+/// Caps, and the directions that may be the best outside of them.
+struct Candidates {
+    wanted: UnitVector3<f64>,
+    limit: f64,
+    caps: Vec<Cap>,
+    /// Outside all caps, with their angle from the wanted one.
+    left: Vec<(f64, UnitVector3<f64>)>,
+}
+
+impl Candidates {
+    fn new(wanted: UnitVector3<f64>, limit: f64) -> Self {
+        Candidates { wanted, limit, caps: Vec::new(), left: vec![(0.0, wanted)] }
+    }
+
+    fn take(&mut self, cap: Cap) {
+        self.left.retain(|(_, direction)| !cap.forbids(direction));
+        let nearest = cap.forbids(&self.wanted).then(|| cap.nearest(&self.wanted));
+        let meeting = self.caps.iter().flat_map(|other| cap.meet(other)).flatten();
+        for direction in nearest.into_iter().chain(meeting) {
+            let tilt = angle(&self.wanted, &direction);
+            if tilt <= self.limit && !cap.forbids(&direction) && !self.caps.iter().any(|cap| cap.forbids(&direction)) {
+                self.left.push((tilt, direction));
+            }
+        }
+        self.caps.push(cap);
+    }
+
+    /// The first of the best.
+    fn best(&self) -> Option<UnitVector3<f64>> {
+        let mut best: Option<&(f64, UnitVector3<f64>)> = None;
+        for candidate in &self.left {
+            if best.is_none_or(|best| candidate.0 < best.0) {
+                best = Some(candidate);
+            }
+        }
+        best.map(|&(_, direction)| direction)
+    }
+}
+
+impl Scene<'_> {
+    /// The free direction nearest to `wanted`, if there is one within `limit`.
+    pub fn least_tilt(
+        &self,
+        stand: Stand,
+        wanted: UnitVector3<f64>,
+        limit: f64,
+        stack: &mut Vec<u32>,
+    ) -> Option<UnitVector3<f64>> {
+        let mut candidates = Candidates::new(wanted, limit);
+        if self.plate {
+            let lean = self.nozzle.plate_lean(stand.tip.z)?;
+            candidates.take(Cap::new(-Vector3::z_axis(), PI - lean));
+        }
+        for _ in 0..ROUNDS {
+            let direction = candidates.best()?;
+            let Some(bad) = self.bad(stand, &direction, stack) else {
+                return Some(direction);
+            };
+            let to_point = bad.point - stand.tip;
+            let clearance = stand.clearance(bad.height) + SLACK * bad.height;
+            let forbidden = self.nozzle.cap(to_point.norm(), clearance)?;
+            candidates.take(Cap::new(Unit::try_new(to_point, 0.0)?, forbidden));
+        }
+        None
+    }
+}
