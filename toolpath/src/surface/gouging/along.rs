@@ -50,7 +50,7 @@ struct Walker<'a> {
     scene: &'a Scene<'a>,
     options: &'a GougingOptions,
     steps: Vec<Step>,
-    stack: Vec<u32>,
+    stack: Vec<(f64, u32)>,
 }
 
 /// Sets a path free; `start` is the number of its first waypoint.

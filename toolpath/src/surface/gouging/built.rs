@@ -49,7 +49,8 @@ fn touched(stack: &LayerStack, path: &ToolPath, start: u32) -> Vec<(u32, u32)> {
     let mut touched = Vec::new();
     for (waypoint, done) in path.waypoints.iter().zip(start + 1..) {
         let layer = path.layer..path.layer + 1;
-        let Some(foot) = stack.tree.nearest(&stack.keys, waypoint.tip, layer.clone(), f64::INFINITY, |_| true) else {
+        let Some(foot) = stack.tree.nearest(&stack.keys, waypoint.tip, layer.clone(), f64::INFINITY, |_, _| true)
+        else {
             continue;
         };
         stack.tree.within(&stack.keys, foot.point, layer, waypoint.width / 2.0, |t| touched.push((t as u32, done)));

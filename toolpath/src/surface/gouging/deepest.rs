@@ -88,39 +88,57 @@ struct Seeker<'a> {
 }
 
 impl Seeker<'_> {
-    fn place(&self, p: Point3<f64>) -> (f64, f64) {
+    /// Height of a point above the tip, its distance from the axis, and the direction to it from there. On the axis that
+    /// is nowhere: the distance grows whichever way one goes.
+    fn place(&self, p: Point3<f64>) -> (f64, f64, Vector3<f64>) {
         let v = p - self.stand.tip;
         let z = v.dot(&self.direction);
-        (z, (v - self.direction * z).norm())
+        let across = v - self.direction * z;
+        let rho = across.norm();
+        (z, rho, if rho > 0.0 { across / rho } else { Vector3::zeros() })
     }
 
-    /// The square of the distance of a point of a sheet, `offset` from the surface, to the boundary, along the surface.
-    fn to_rim(&self, p: Point3<f64>, triangle: &Triangle, offset: f64) -> f64 {
+    /// No point of a triangle has less clearance than this.
+    fn least(&self, corners: &[Point3<f64>; 3]) -> f64 {
+        let middle = centroid(corners);
+        let (z, rho, out) = self.place(middle);
+        let to_corners = corners.map(|corner| corner - middle);
+        self.nozzle.least_over(z, rho, to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]))
+    }
+
+    /// The square of the distance of a point of a triangle to the boundary of its layer, as far as it is near.
+    fn to_rim(&self, p: Point3<f64>, triangle: &Triangle) -> f64 {
         let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
         let squares = rims.iter().map(|[a, b]| {
             let along = b - a;
             let share = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
             (a + along * share - p).norm_squared()
         });
-        squares.fold(f64::INFINITY, f64::min) - offset * offset
+        squares.fold(f64::INFINITY, f64::min)
     }
 
-    /// Looks for a worse point in a piece of a sheet of a triangle; whether to stop.
-    fn piece(&mut self, corners: [Point3<f64>; 3], triangle: &Triangle, offset: f64) -> bool {
-        let [a, b, c] = corners;
-        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-        let radius = corners.iter().map(|corner| (corner - middle).norm_squared()).fold(0.0, f64::max).sqrt();
-        let (z, rho) = self.place(middle);
-        let lack = self.nozzle.clearance(z, rho) - self.stand.clearance(triangle.height);
-        if lack - radius >= self.bound {
+    /// Looks for a worse point in a piece of a sheet of a triangle, `offset` from it along the normals; whether to stop.
+    fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
+        let corners = base.map(|(corner, normal)| corner + normal * offset);
+        let needed = self.stand.clearance(triangle.height);
+        let least = self.least(&corners) - needed;
+        if least >= self.bound {
             return false;
         }
-        let skin = self.stand.allowed.min(0.5) * triangle.height;
-        let to_rim = self.to_rim(middle, triangle, offset);
-        if to_rim < (skin - radius).max(0.0).powi(2) {
+        let middle = centroid(&corners);
+        let (z, rho, _) = self.place(middle);
+        let lack = self.nozzle.clearance(z, rho) - needed;
+        let reach = |points: &[Point3<f64>; 3], middle: Point3<f64>| {
+            points.iter().map(|point| (point - middle).norm_squared()).fold(0.0, f64::max).sqrt()
+        };
+        let radius = reach(&corners, middle);
+        let (skin, flat) = (self.stand.allowed.min(0.5) * triangle.height, base.map(|(corner, _)| corner));
+        let foot = centroid(&flat);
+        let to_rim = self.to_rim(foot, triangle).sqrt();
+        if to_rim + reach(&flat, foot) < skin {
             return false;
         }
-        if lack < self.bound && to_rim >= skin * skin {
+        if lack < self.bound && to_rim >= skin {
             let Triangle { height, layer, .. } = *triangle;
             self.worst = Some(Worst { point: middle, lack, height, layer });
             self.bound = lack * (1.0 + self.rough);
@@ -128,30 +146,44 @@ impl Seeker<'_> {
                 return true;
             }
         }
-        if lack - radius >= self.bound || radius <= PIECE * triangle.height {
+        if least >= self.bound || radius <= PIECE * triangle.height {
             return false;
         }
-        let sides = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
+        let sides = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).norm_squared());
         let k = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
-        let [from, to, tip] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
-        let half = nalgebra::center(&from, &to);
+        let [from, to, tip] = [base[k], base[(k + 1) % 3], base[(k + 2) % 3]];
+        let half = (nalgebra::center(&from.0, &to.0), (from.1 + to.1) / 2.0);
         self.piece([from, half, tip], triangle, offset) || self.piece([half, to, tip], triangle, offset)
     }
 }
 
+/// A corner of a piece, and the normal there.
+type Corner = (Point3<f64>, Vector3<f64>);
+
+fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
+    Point3::from((a.coords + b.coords + c.coords) / 3.0)
+}
+
 impl Walk for Seeker<'_> {
-    fn enter(&mut self, node: &Node) -> bool {
-        let (z, rho) = self.place(node.middle);
-        let up = node.half.dot(&self.direction.abs());
-        let offset = self.stand.offset(node.height);
-        self.nozzle.least_clearance(z, rho, node.radius, up) - offset < self.bound
+    fn bound(&self, node: &Node) -> f64 {
+        let (z, rho, out) = self.place(node.middle);
+        let reach = |along: f64, across: f64| node.half.dot(&(self.direction * along + out * across).abs());
+        self.nozzle.least_around(z, rho, reach) - self.stand.offset(node.height)
     }
 
-    fn see(&mut self, _: usize, triangle: &Triangle) -> bool {
+    fn matters(&self, bound: f64) -> bool {
+        bound < self.bound
+    }
+
+    fn see(&mut self, triangle: &Triangle) -> bool {
         let offset = self.stand.offset(triangle.height);
-        let moved = |by: f64| [0, 1, 2].map(|k| triangle.corners[k] + triangle.normals[k] * by);
+        // Sheets are no farther than that from the triangle.
+        if self.least(&triangle.corners) - offset >= self.bound {
+            return false;
+        }
+        let base = [0, 1, 2].map(|k| (triangle.corners[k], triangle.normals[k]));
         let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
-        sheets.iter().any(|side| self.piece(moved(side * offset), triangle, side * offset))
+        sheets.iter().any(|side| self.piece(base, triangle, side * offset))
     }
 }
 
@@ -162,7 +194,7 @@ impl Scene<'_> {
         direction: &UnitVector3<f64>,
         rough: f64,
         any: bool,
-        stack: &mut Vec<u32>,
+        stack: &mut Vec<(f64, u32)>,
     ) -> Option<Worst> {
         let direction = direction.into_inner();
         let mut seeker =
@@ -172,17 +204,17 @@ impl Scene<'_> {
     }
 
     /// A point that lacks clearance nearly as much as the worst one.
-    pub fn bad(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<u32>) -> Option<Worst> {
+    pub fn bad(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Worst> {
         self.seek(stand, direction, ROUGH, false, stack)
     }
 
     /// The point that lacks most clearance.
-    pub fn worst(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<u32>) -> Option<Worst> {
+    pub fn worst(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Worst> {
         self.seek(stand, direction, 0.0, false, stack)
     }
 
     /// Whether the nozzle is nowhere too deep.
-    pub fn is_free(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<u32>) -> bool {
+    pub fn is_free(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> bool {
         self.above_plate(stand, direction) && self.seek(stand, direction, 0.0, true, stack).is_none()
     }
 

@@ -8,9 +8,10 @@
 //! The cone part is where `z >= 0`, `z <= H` and `(rho - r - z tan a) cos a <= 0`; the block is where `z >= H` and
 //! `rho <= R`. The *clearance* of a part is the largest of the left sides, each written so that it is a distance to a
 //! line, positive outside; that of the nozzle is the smaller of the two. It is the distance to the nozzle where a
-//! face is nearest. Where an edge is nearest it is less, by at most 8 % before the edge of the tip of a 45 degree
-//! cone and 29 % before the edge of the block; so clearance never says free where distance does not. It changes by no more
-//! than a point moves. Inside it is minus the depth (or a little less than that beside the joint of the two parts).
+//! face is nearest, and its sign is always right. Where an edge is nearest it is less: by up to 8 % before the edge of
+//! the tip of a 45 degree cone, 29 % before the edge of the block, 62 % above the upper end of the cone; so a clearance
+//! asked for is kept, and a little more beside edges. It changes by no more than a point moves. Inside it is minus
+//! the depth (or a little less than that beside the joint of the two parts).
 //!
 //! # Directions
 //! With a given tip, `z` and `rho` of a point depend on its distance `L` from the tip and its angle `f` from the
@@ -142,11 +143,29 @@ impl Nozzle {
         cone.min((self.cone_height - z).max(rho - self.block_radius))
     }
 
-    /// No less than this is the clearance of points within `radius` of one at (`z`, `rho`), and no higher than `z + up`.
-    pub(super) fn least_clearance(&self, z: f64, rho: f64, radius: f64, up: f64) -> f64 {
-        let side = (rho - self.tip_radius) * self.cos - z * self.sin - radius;
-        let cone = (-z - up).max(side);
-        cone.min((self.cone_height - z - up).max(rho - radius - self.block_radius))
+    /// No less than this is the clearance in a body around a point at (`z`, `rho`), if it reaches as far as `reach` tells
+    /// (to both sides) in a direction given by what it has of the axis and of the ray from the axis to the point.
+    ///
+    /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the point.
+    pub(super) fn least_around(&self, z: f64, rho: f64, reach: impl Fn(f64, f64) -> f64) -> f64 {
+        let up = reach(1.0, 0.0);
+        let side = (rho - self.tip_radius) * self.cos - z * self.sin;
+        let cone = (-z - up).max(z - self.cone_height - up).max(side - reach(-self.sin, self.cos));
+        cone.min((self.cone_height - z - up).max(rho - self.block_radius - reach(0.0, 1.0)))
+    }
+
+    /// No less than this is the clearance within a triangle whose middle is at (`z`, `rho`), if its corners are higher by
+    /// the first and farther out, along the ray from the axis to the middle, by the second of `corners`.
+    ///
+    /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the middle; that is least at
+    /// a corner.
+    pub(super) fn least_over(&self, z: f64, rho: f64, corners: [[f64; 2]; 3]) -> f64 {
+        let least =
+            |up: f64, out: f64| corners.map(|[z, rho]| up * z + out * rho).into_iter().fold(f64::INFINITY, f64::min);
+        let side = (rho - self.tip_radius) * self.cos - z * self.sin + least(-self.sin, self.cos);
+        let (lower, upper) = (least(-1.0, 0.0), least(1.0, 0.0));
+        let cone = (lower - z).max(side).max(z - self.cone_height + upper);
+        cone.min((self.cone_height - z + lower).max(rho - self.block_radius + least(0.0, 1.0)))
     }
 
     /// The angle from a point, `distance` from the tip, within which no direction may lie if the point is to keep a

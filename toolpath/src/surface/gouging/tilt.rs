@@ -122,7 +122,7 @@ impl Scene<'_> {
         stand: Stand,
         wanted: UnitVector3<f64>,
         limit: f64,
-        stack: &mut Vec<u32>,
+        stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
         let mut candidates = Candidates::new(wanted, limit);
         if self.plate {

@@ -230,7 +230,7 @@ impl<'a> LayerStack<'a> {
 
     /// The surface of a layer near `p`. The layer has curves, so it has a surface.
     pub(super) fn ground(&self, layer: u32, p: Point3<f64>) -> Option<Ground> {
-        let found = self.tree.nearest(&self.keys, p, layer..layer + 1, f64::INFINITY, |_| true)?;
+        let found = self.tree.nearest(&self.keys, p, layer..layer + 1, f64::INFINITY, |_, _| true)?;
         let triangle = &self.tree.triangles()[found.triangle];
         let [a, b, c] = triangle.corners;
         let of = |from: Point3<f64>, to: Point3<f64>| {

@@ -24,8 +24,6 @@ pub(in crate::surface) struct Tree {
 pub(in crate::surface) struct Node {
     pub middle: Point3<f64>,
     pub half: Vector3<f64>,
-    /// Half its diagonal.
-    pub radius: f64,
     /// The thickest layer in it.
     pub height: f64,
     /// First triangle and how many in a leaf; in a branch the number of its second child (the first follows it), and 0.
@@ -71,8 +69,7 @@ impl Tree {
         let at = self.nodes.len();
         let (zero, none) = (Point3::origin(), Vector3::zeros());
         let count = middles.len();
-        let node =
-            Node { middle: zero, half: none, radius: 0.0, height: 0.0, first: first as u32, count: count as u32 };
+        let node = Node { middle: zero, half: none, height: 0.0, first: first as u32, count: count as u32 };
         self.nodes.push(node);
         if count <= LEAF {
             return;
@@ -125,8 +122,7 @@ impl Tree {
             let [low, high] = [Vector3::from(low), Vector3::from(high)];
             let half = (high - low) / 2.0;
             let node = &mut self.nodes[at];
-            (node.middle, node.half, node.radius, node.height) =
-                (Point3::from((low + high) / 2.0), half, half.norm(), height);
+            (node.middle, node.half, node.height) = (Point3::from((low + high) / 2.0), half, height);
         }
     }
 
@@ -138,7 +134,7 @@ impl Tree {
         p: Point3<f64>,
         keys: Range<u32>,
         reach: f64,
-        accept: impl Fn(Point3<f64>) -> bool,
+        accept: impl Fn(Point3<f64>, &Triangle) -> bool,
     ) -> Option<Found> {
         let mut best: Option<Found> = None;
         let mut bound = reach * reach;
@@ -162,7 +158,7 @@ impl Tree {
                 let point = closest_in_triangle(&self.triangles[triangle].corners, p);
                 let distance = (point - p).norm_squared();
                 let better = distance < bound || (distance <= bound && best.is_none_or(|b| triangle < b.triangle));
-                if better && accept(point) {
+                if better && accept(point, &self.triangles[triangle]) {
                     bound = distance;
                     best = Some(Found { point, distance: distance.sqrt(), triangle });
                 }
@@ -199,24 +195,30 @@ impl Tree {
         }
     }
 
-    /// Walks down the tree: `look` says of a box whether to go on into it; `each` gets the triangles of leaves. Both
-    /// are told which; only boxes with a key below `before` are asked for. The order is always the same.
-    pub fn walk(&self, by: &Keys, before: u32, state: &mut impl Walk, stack: &mut Vec<u32>) {
+    /// Walks down the tree to triangles with a key below `before`, boxes with a lower bound first. The order is always
+    /// the same.
+    pub fn walk(&self, by: &Keys, before: u32, state: &mut impl Walk, stack: &mut Vec<(f64, u32)>) {
         stack.clear();
-        if !self.nodes.is_empty() {
-            stack.push(0);
+        let there = |at: u32| by.of_node[at as usize][0] < before;
+        if !self.nodes.is_empty() && there(0) {
+            stack.push((state.bound(&self.nodes[0]), 0));
         }
-        while let Some(at) = stack.pop() {
-            let node = &self.nodes[at as usize];
-            if by.of_node[at as usize][0] >= before || !state.enter(node) {
+        while let Some((bound, at)) = stack.pop() {
+            if !state.matters(bound) {
                 continue;
             }
+            let node = &self.nodes[at as usize];
             if node.count == 0 {
-                stack.extend([node.first, at + 1]);
+                let [one, other] = [at + 1, node.first].map(|child| {
+                    let bound = if there(child) { state.bound(&self.nodes[child as usize]) } else { f64::INFINITY };
+                    (bound, child)
+                });
+                let (first, second) = if one.0 <= other.0 { (one, other) } else { (other, one) };
+                stack.extend([second, first].into_iter().filter(|child| state.matters(child.0)));
                 continue;
             }
             for triangle in node.range() {
-                if by.of_triangle[triangle] < before && state.see(triangle, &self.triangles[triangle]) {
+                if by.of_triangle[triangle] < before && state.see(&self.triangles[triangle]) {
                     return;
                 }
             }
@@ -224,12 +226,14 @@ impl Tree {
     }
 }
 
-/// What a walk does.
+/// What a walk looks for.
 pub(in crate::surface) trait Walk {
-    /// Whether to look into a box.
-    fn enter(&mut self, node: &Node) -> bool;
+    /// No point of a box can be worth less than this.
+    fn bound(&self, node: &Node) -> f64;
+    /// Whether something worth that little still matters.
+    fn matters(&self, bound: f64) -> bool;
     /// Looks at a triangle; whether to stop.
-    fn see(&mut self, number: usize, triangle: &Triangle) -> bool;
+    fn see(&mut self, triangle: &Triangle) -> bool;
 }
 
 impl Node {

@@ -1,0 +1,177 @@
+//! Directions along paths and a nozzle freed of gouging: wavy layers with a zigzag each, and a small part beside a slow twin.
+//!
+//! The baseline is what the words say, without any search: for each waypoint a look at every earlier triangle, for the
+//! closest point, and for the clearance of the nozzle at points a tenth of a layer apart. On the small part (4 layers, 1,800
+//! triangles) both run, and the waypoints that gouge must be the same ones but for those within that tenth of the
+//! limit, which is asserted. The baseline's time grows with waypoints times triangles.
+#![allow(missing_docs)] // of what criterion's macros make
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_toolpath::nalgebra::{Point3, Vector3};
+use curvlay_toolpath::surface::{
+    BuiltLayer, GougingOptions, LayerCurve, LayerStack, Nozzle, OrientOptions, Oriented, ToolPath,
+};
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+const HEIGHT: f64 = 0.8;
+
+struct Layer {
+    vertices: Vec<Point3<f64>>,
+    triangles: Vec<[u32; 3]>,
+    spacing: Vec<f64>,
+    line: Vec<Point3<f64>>,
+    widths: Vec<f64>,
+}
+
+/// Hills steep enough for the cone to touch the slope beside it.
+fn ground(x: f64, y: f64) -> f64 {
+    6.0 * (x / 3.5).sin() * (y / 4.5).cos()
+}
+
+/// A part of `layers` layers of `n` by `n` squares of 0.8 mm, each with a zigzag on it.
+fn part(n: usize, layers: usize) -> Vec<Layer> {
+    let at = |i: usize, j: usize| (i + (n + 1) * j) as u32;
+    let square =
+        |i: usize, j: usize| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+    let layer = |k: usize| {
+        let place = |i: usize, j: usize| {
+            let (x, y) = (HEIGHT * i as f64, HEIGHT * j as f64);
+            Point3::new(x, y, 20.0 + HEIGHT * k as f64 + ground(x, y))
+        };
+        let vertices = (0..=n).flat_map(|j| (0..=n).map(move |i| place(i, j))).collect();
+        let triangles: Vec<_> = (0..n).flat_map(|j| (0..n).flat_map(move |i| square(i, j))).collect();
+        let along = |j: usize| (1..n).map(move |i| if j % 2 == 0 { place(i, j) } else { place(n - i, j) });
+        let line: Vec<_> = (1..n).flat_map(along).collect();
+        Layer { vertices, spacing: vec![HEIGHT; triangles.len()], triangles, widths: vec![HEIGHT; line.len()], line }
+    };
+    (0..layers).map(layer).collect()
+}
+
+fn with_stack<T>(part: &[Layer], work: impl FnOnce(&[BuiltLayer]) -> T) -> T {
+    let curves: Vec<_> =
+        part.iter().map(|l| [LayerCurve { points: &l.line, widths: &l.widths, closed: false }]).collect();
+    let built: Vec<_> = part
+        .iter()
+        .zip(&curves)
+        .map(|(layer, curves)| BuiltLayer {
+            vertices: &layer.vertices,
+            triangles: &layer.triangles,
+            spacing: &layer.spacing,
+            curves,
+        })
+        .collect();
+    work(&built)
+}
+
+fn go_on(_: curvlay_toolpath::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn earlier() -> GougingOptions {
+    GougingOptions { own_layer: false, ..GougingOptions::default() }
+}
+
+fn orient(stack: &LayerStack) -> Oriented {
+    stack.orient(&OrientOptions::default(), &go_on).expect("sound")
+}
+
+/// Where the nozzle gouges: no tilt is allowed, so each such waypoint is listed.
+fn gouging(stack: &LayerStack, paths: &[ToolPath]) -> Vec<[usize; 2]> {
+    let options = GougingOptions { max_tilt: 0.0, ..earlier() };
+    let freed = stack.free(paths.to_vec(), &Nozzle::default(), &options, &go_on).expect("sound");
+    freed.left.iter().map(|gouge| [gouge.path, gouge.waypoint]).collect()
+}
+
+/// For each waypoint the least clearance at points of all sheets of earlier layers.
+fn slow(part: &[Layer], paths: &[ToolPath]) -> Vec<Vec<f64>> {
+    let nozzle = Nozzle::default();
+    let raster = |layer: &Layer| -> Vec<Point3<f64>> {
+        let mut normals = vec![Vector3::zeros(); layer.vertices.len()];
+        let corners = |t: &[u32; 3]| t.map(|v| layer.vertices[v as usize]);
+        for t in &layer.triangles {
+            let [a, b, c] = corners(t);
+            t.iter().for_each(|&v| normals[v as usize] += (b - a).cross(&(c - a)));
+        }
+        let of_triangle = |t: &[u32; 3]| {
+            let ([a, b, c], n) = (corners(t), t.map(|v| normals[v as usize].normalize()));
+            let at = move |i: usize, j: usize| {
+                let w = [i, j, 10 - i - j].map(|k| k as f64 / 10.0);
+                let p = Point3::from(a.coords * w[0] + b.coords * w[1] + c.coords * w[2]);
+                let normal = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
+                [-0.25, 0.0, 0.25].map(|share| p + normal * (share * HEIGHT))
+            };
+            (0..=10).flat_map(move |i| (0..=10 - i).flat_map(move |j| at(i, j))).collect::<Vec<_>>()
+        };
+        layer.triangles.iter().flat_map(of_triangle).collect()
+    };
+    let rasters: Vec<_> = part.iter().map(raster).collect();
+    let of_path = |path: &ToolPath| {
+        let least = |w: &curvlay_toolpath::surface::Waypoint| {
+            let clearance = |p: &Point3<f64>| {
+                let v = p - w.tip;
+                let z = v.dot(&w.direction);
+                nozzle.clearance(z, (v - w.direction.into_inner() * z).norm())
+            };
+            rasters[..path.layer as usize].iter().flatten().map(clearance).fold(f64::INFINITY, f64::min)
+        };
+        path.waypoints.iter().map(least).collect()
+    };
+    paths.iter().map(of_path).collect()
+}
+
+fn orientation(c: &mut Criterion) {
+    let mut group = c.benchmark_group("orientation");
+    group.sample_size(10);
+    let small = part(15, 4);
+    with_stack(&small, |layers| {
+        let stack = LayerStack::new(layers).expect("sound");
+        let paths = orient(&stack).paths;
+        let (found, twin) = (gouging(&stack, &paths), slow(&small, &paths));
+        for (path, lacks) in twin.iter().enumerate() {
+            for (waypoint, &lack) in lacks.iter().enumerate() {
+                let gouges = found.contains(&[path, waypoint]);
+                // Rims, which the twin does not leave out, only ever make it find more.
+                assert!(gouges || lack > -0.1 * HEIGHT || near_rim(&paths[path].waypoints[waypoint].tip), "{lack}");
+                assert!(!gouges || lack < 0.1 * HEIGHT, "{lack}");
+            }
+        }
+        let count: usize = paths.iter().map(|path| path.waypoints.len()).sum();
+        eprintln!("small: {} triangles, {count} waypoints, {} gouge", stack.triangles(), found.len());
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(BenchmarkId::new("gouging", "small"), |b| b.iter(|| gouging(&stack, black_box(&paths))));
+        group.bench_function(BenchmarkId::new("baseline_all_triangles", "small"), |b| {
+            b.iter(|| slow(&small, black_box(&paths)));
+        });
+    });
+    let large = part(50, 40);
+    with_stack(&large, |layers| {
+        let stack = LayerStack::new(layers).expect("sound");
+        let oriented = orient(&stack);
+        let free = |paths: &[ToolPath]| {
+            stack.free(paths.to_vec(), &Nozzle::default(), &GougingOptions::default(), &go_on).expect("sound")
+        };
+        let (count, freed) = (oriented.after.steps, free(&oriented.paths));
+        eprintln!(
+            "large: {} triangles, {count} steps, {} gouge, {} left, turns {:?} to {:?}",
+            stack.triangles(),
+            freed.gouging_before,
+            freed.left.len(),
+            oriented.before,
+            freed.turns
+        );
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(BenchmarkId::new("stack", "large"), |b| b.iter(|| LayerStack::new(black_box(layers))));
+        group.bench_function(BenchmarkId::new("orient", "large"), |b| b.iter(|| orient(black_box(&stack))));
+        group.bench_function(BenchmarkId::new("free", "large"), |b| b.iter(|| free(black_box(&oriented.paths))));
+    });
+    group.finish();
+}
+
+/// Whether the nozzle is so near the edge of the small part that it can touch it there.
+fn near_rim(tip: &Point3<f64>) -> bool {
+    [tip.x, tip.y].iter().any(|c| !(2.0..10.0).contains(c))
+}
+
+criterion_group!(benches, orientation);
+criterion_main!(benches);

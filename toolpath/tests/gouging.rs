@@ -1,0 +1,435 @@
+//! Nozzles freed by the least tilt: closed forms, slow twins, and what is refused.
+//!
+//! The slow twin knows nothing of trees, bounds and caps: it looks at a dense raster of points on every sheet of every
+//! triangle.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+#[path = "common/layers.rs"]
+mod layers;
+
+use common::{go_on, rng, rough};
+use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use curvlay_toolpath::surface::{
+    Freed, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle, OrientOptions, ToolPath,
+};
+use layers::{Layer, path, with_stack};
+use proptest::prelude::*;
+use rand::RngExt;
+use std::f64::consts::{FRAC_PI_4, PI};
+use std::ops::ControlFlow;
+
+const H: f64 = 0.8;
+/// What searches may be off by, in millimetres: pieces of a fiftieth of a layer, and the same again as slack of caps.
+const PIECE: f64 = 0.02 * H;
+
+fn free_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> Freed {
+    with_stack(layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+}
+
+/// Nothing but earlier layers, and no smoothing for paths of two waypoints.
+fn alone() -> GougingOptions {
+    GougingOptions { max_turn: PI, own_layer: false, plate: false, ..GougingOptions::default() }
+}
+
+/// A triangle far below everything: a layer for paths.
+fn nowhere() -> Layer {
+    Layer::sheet([0.0, 0.0, -900.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 1, H)
+}
+
+/// Frees a nozzle at one place, given twice.
+fn at(
+    layers: &[Layer],
+    tip: Point3<f64>,
+    direction: Vector3<f64>,
+    options: &GougingOptions,
+) -> (Freed, UnitVector3<f64>) {
+    let all: Vec<Layer> = layers.iter().cloned().chain([nowhere()]).collect();
+    let freed = free_with(&all, &[path(layers.len() as u32, &[(tip, direction), (tip, direction)])], options);
+    let [one, other] = [0, 1].map(|k| freed.paths[0].waypoints[k].direction);
+    assert_eq!(one, other);
+    (freed, one)
+}
+
+/// True distance from a point to the nozzle, outside of it: to the profile, a polygon in the plane of the axis.
+fn true_distance(z: f64, rho: f64) -> f64 {
+    let profile = [[0.0, 0.0], [0.0, 0.5], [8.0, 8.5], [8.0, 10.0], [1e4, 10.0]];
+    let to_side = |a: [f64; 2], b: [f64; 2]| {
+        let (dz, dr) = (b[0] - a[0], b[1] - a[1]);
+        let t = (((z - a[0]) * dz + (rho - a[1]) * dr) / (dz * dz + dr * dr)).clamp(0.0, 1.0);
+        (z - a[0] - t * dz).hypot(rho - a[1] - t * dr)
+    };
+    profile.windows(2).map(|side| to_side(side[0], side[1])).fold(f64::INFINITY, f64::min)
+}
+
+fn inside(z: f64, rho: f64) -> bool {
+    (z > 0.0 && z <= 8.0 && rho < 0.5 + z) || (z >= 8.0 && rho < 10.0)
+}
+
+proptest! {
+    #[test]
+    fn clearance_is_a_distance_but_before_edges(z in -6.0_f64..20.0, rho in 0.0_f64..18.0) {
+        let (clearance, distance) = (Nozzle::default().clearance(z, rho), true_distance(z, rho));
+        if inside(z, rho) {
+            prop_assert!(clearance <= 0.0 && -clearance <= distance + 1e-12);
+        } else {
+            prop_assert!(clearance >= -1e-12 && clearance <= distance + 1e-12, "{clearance} {distance}");
+            prop_assert!(clearance >= distance * (3.0 * PI / 8.0).cos() - 1e-12, "{clearance} {distance}");
+        }
+    }
+
+    #[test]
+    fn clearance_changes_no_more_than_the_point_moves(a in prop::array::uniform2(-3.0_f64..14.0), b in prop::array::uniform2(-3.0_f64..14.0)) {
+        let [c, d] = [a, b].map(|[z, rho]| Nozzle::default().clearance(z, rho));
+        prop_assert!((c - d).abs() <= (a[0] - b[0]).hypot(a[1] - b[1]) + 1e-12);
+    }
+}
+
+#[test]
+fn over_a_level_layer_nothing_gouges() {
+    let level = |k: u32| Layer::sheet([0.0, 0.0, H * (f64::from(k) + 0.5)], [20.0, 0.0, 0.0], [0.0, 20.0, 0.0], 9, H);
+    let z = |k: u32| H * (f64::from(k) + 0.5);
+    let zigzag = |k: u32| {
+        let row = |r: u32| {
+            let y = 5.0 + 0.8 * f64::from(r);
+            let x = [4.0, 16.0];
+            let (from, to) = if r % 2 == 0 { (x[0], x[1]) } else { (x[1], x[0]) };
+            [[from, y, z(k)], [to, y, z(k)]]
+        };
+        level(k).with(&(0..8).flat_map(row).collect::<Vec<_>>(), 0.8)
+    };
+    let layers = [zigzag(0), zigzag(1), zigzag(2)];
+    let (paths, freed) = with_stack(&layers, |stack| {
+        let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
+        let freed = stack.free(oriented.paths.clone(), &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap();
+        (oriented.paths, freed)
+    });
+    assert_eq!((freed.gouging_before, freed.tilted, freed.left.len(), freed.added), (0, 0, 0, 0));
+    assert_eq!(freed.paths, paths);
+    // With the tip in the middle of the layer, beads beside the nozzle are in the way of its tip.
+    let sunk = with_stack(&layers, |stack| {
+        let oriented = stack.orient(&OrientOptions { lift: 0.0, ..OrientOptions::default() }, &go_on).unwrap();
+        stack.free(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap()
+    });
+    assert!(sunk.gouging_before > 0);
+}
+
+/// An upright wall at x = 0, facing +x, much higher than the nozzle is wide.
+fn wall() -> Layer {
+    Layer::sheet([0.0, -40.0, -30.0], [0.0, 80.0, 0.0], [0.0, 0.0, 90.0], 12, H)
+}
+
+#[test]
+fn in_front_of_a_wall_it_leans_away_by_the_closed_form() {
+    // What is left of the wall without its skin is H / 4 thick on either side. Leaning by t, the lower edge of the block comes
+    // as near as 10 cos t - 8 sin t; grown by the slack m of caps, (10 + m) cos t - (8 - m) sin t.
+    let lean = |distance: f64, m: f64| {
+        let (radius, height) = (10.0 + m, 8.0 - m);
+        (distance / f64::hypot(radius, height)).acos() - (height / radius).atan()
+    };
+    for distance in [1.5, 3.0, 6.0, 9.0] {
+        let (freed, direction) = at(&[wall()], Point3::new(distance, 0.0, 0.0), Vector3::z(), &alone());
+        assert_eq!((freed.gouging_before, freed.left.len(), freed.tilted), (2, 0, 2));
+        let tilt = direction.angle(&Vector3::z());
+        let (least, most) = (lean(distance - H / 4.0, 0.0), lean(distance - H / 4.0, PIECE));
+        assert!(tilt >= least - 2e-3 && tilt <= most + 1e-6, "{distance}: {least} {tilt} {most}");
+        // Sideways it may be off as far as the slack lets it.
+        assert!(direction.x > 0.0 && direction.y.abs() < 0.06, "{direction:?}");
+        assert!((freed.max_tilt - tilt).abs() < 1e-9);
+    }
+    // Beyond the block it may stand upright.
+    let (freed, _) = at(&[wall()], Point3::new(10.0 + H / 4.0 + 1e-6, 0.0, 0.0), Vector3::z(), &alone());
+    assert_eq!(freed.gouging_before, 0);
+}
+
+#[test]
+fn a_later_layer_is_not_in_the_way() {
+    let tip = Point3::new(3.0, 0.0, 0.0);
+    let paths = [path(0, &[(tip, Vector3::z()), (tip, Vector3::z())])];
+    assert_eq!(free_with(&[nowhere(), wall()], &paths, &alone()).gouging_before, 0);
+    let paths = [path(1, &[(tip, Vector3::z()), (tip, Vector3::z())])];
+    assert_eq!(free_with(&[wall(), nowhere()], &paths, &alone()).gouging_before, 2);
+}
+
+#[test]
+fn above_the_plate_it_leans_no_farther_than_the_plate_lets_it() {
+    let options = GougingOptions { plate: true, ..alone() };
+    let lying = Vector3::new(1.0, 0.0, 0.2);
+    for (height, expected) in [(1.0, 0.8_f64.atan() + (1.0 / 164_f64.sqrt()).asin()), (0.2, 0.4_f64.asin())] {
+        let (freed, direction) = at(&[], Point3::new(0.0, 0.0, height), lying, &options);
+        assert_eq!((freed.gouging_before, freed.left.len()), (2, 0));
+        assert!((direction.angle(&Vector3::z()) - expected).abs() < 1e-6, "{height}: {direction:?}");
+        assert!(direction.y.abs() < 1e-9 && direction.x > 0.0);
+    }
+    // Below the plate there is no way out.
+    let (freed, _) = at(&[], Point3::new(0.0, 0.0, -0.3), Vector3::z(), &options);
+    assert_eq!((freed.left.len(), freed.left[0].obstacle), (2, Obstacle::Plate));
+    assert!((freed.left[0].depth - 0.3).abs() < 1e-12);
+}
+
+/// A groove along y: two sides that lean by `angle` from the upright, `gap` wide at the height of the tip.
+fn groove(angle: f64, gap: f64) -> Layer {
+    let (sin, cos) = angle.sin_cos();
+    let side = |sign: f64| {
+        let foot = [sign * (gap / 2.0 - 2.0 * angle.tan()), sign * 40.0, -2.0];
+        let up = [sign * 40.0 * sin, 0.0, 40.0 * cos];
+        Layer::sheet(foot, up, [0.0, -sign * 80.0, 0.0], 10, H)
+    };
+    side(1.0).and(&side(-1.0))
+}
+
+#[test]
+fn a_wide_groove_leaves_it_upright_and_a_narrow_one_no_way_out() {
+    let tip = Point3::new(0.0, 0.0, 0.0);
+    // The block's edge is at 51.3 degrees from the tip.
+    let (freed, direction) = at(&[groove(0.95, 2.0)], tip, Vector3::z(), &alone());
+    assert_eq!((freed.gouging_before, direction), (0, Vector3::z_axis()));
+    let (freed, _) = at(&[groove(0.3, 2.0)], tip, Vector3::z(), &alone());
+    assert_eq!(freed.left.len(), 2);
+    assert_eq!((freed.left[0].path, freed.left[0].waypoint, freed.left[0].obstacle), (0, 0, Obstacle::Layer(0)));
+    let depth = slow_depth(&sheets(&[groove(0.3, 2.0)], 0.1), tip, &freed.paths[0].waypoints[0].direction);
+    assert!((freed.left[0].depth - depth).abs() < 0.05, "{} {depth}", freed.left[0].depth);
+    // In a groove that leans, it leans along.
+    let by = Isometry3::rotation(Vector3::y() * 0.6);
+    let (freed, direction) = at(&[groove(0.95, 2.0).moved(&by)], tip, Vector3::z(), &alone());
+    assert_eq!(freed.left.len(), 0);
+    assert!(freed.gouging_before == 2 && direction.x > 0.0 && direction.angle(&Vector3::z()) < 0.6);
+}
+
+#[test]
+fn the_side_of_a_layer_may_be_entered_by_a_quarter() {
+    // A level sheet at the height of the nozzle's tip edge, its edge beside the tip flat of radius 0.5.
+    let sheet = |x: f64| Layer::sheet([x, -5.0, 0.05], [9.0, 0.0, 0.0], [0.0, 10.0, 0.0], 12, H);
+    let gouges = |x: f64| at(&[sheet(x)], Point3::origin(), Vector3::z(), &alone()).0.gouging_before > 0;
+    // Sheets are at 0.05 and 0.25, where the nozzle is 0.55 and 0.75 wide.
+    assert!(!gouges(0.75 - H / 4.0 + 0.02));
+    assert!(gouges(0.75 - H / 4.0 - 0.02));
+}
+
+/// How deep a nozzle is in layers, by a look at a raster of `step` on all sheets. Clearance as the crate defines it, which
+/// has its own tests.
+fn slow_depth(sheets: &[Point3<f64>], tip: Point3<f64>, direction: &UnitVector3<f64>) -> f64 {
+    0.25 * H - slow_lack(sheets, tip, direction)
+}
+
+fn slow_lack(sheets: &[Point3<f64>], tip: Point3<f64>, direction: &UnitVector3<f64>) -> f64 {
+    let nozzle = Nozzle::default();
+    let clearance = |p: &Point3<f64>| {
+        let v = p - tip;
+        let z = v.dot(direction);
+        nozzle.clearance(z, (v - direction.into_inner() * z).norm())
+    };
+    sheets.iter().map(clearance).fold(f64::INFINITY, f64::min)
+}
+
+/// Points of what is left of layers if a quarter is taken off as a skin.
+fn sheets(layers: &[Layer], step: f64) -> Vec<Point3<f64>> {
+    let mut points = Vec::new();
+    for layer in layers {
+        let corners = |t: &[u32; 3]| t.map(|v| layer.vertices[v as usize]);
+        let mut normals = vec![Vector3::zeros(); layer.vertices.len()];
+        let mut edges = std::collections::BTreeMap::new();
+        for t in &layer.triangles {
+            let [a, b, c] = corners(t);
+            t.iter().for_each(|&v| normals[v as usize] += (b - a).cross(&(c - a)));
+            let sides = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+            sides.iter().for_each(|&[a, b]| *edges.entry([a.min(b), a.max(b)]).or_insert(0) += 1);
+        }
+        let single = edges.iter().filter(|(_, count)| **count == 1);
+        let rims: Vec<_> = single.map(|(edge, _)| edge.map(|v| layer.vertices[v as usize])).collect();
+        for t in &layer.triangles {
+            let [a, b, c] = corners(t);
+            let n = t.map(|v| normals[v as usize].normalize());
+            let parts = ((b - a).norm().max((c - a).norm()).max((c - b).norm()) / step).ceil() as usize;
+            for (i, j) in (0..=parts).flat_map(|i| (0..=parts - i).map(move |j| (i, j))) {
+                let w = [i, j, parts - i - j].map(|k| k as f64 / parts as f64);
+                let p = Point3::from(a.coords * w[0] + b.coords * w[1] + c.coords * w[2]);
+                if rims.iter().all(|r| common::to_segment(p, r[0], r[1]) >= 0.25 * H) {
+                    let normal = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
+                    points.extend([-1.0, 0.0, 1.0].map(|side| p + normal * (side * 0.25 * H)));
+                }
+            }
+        }
+    }
+    points
+}
+
+/// A rough layer with hills of up to 8 mm, and tips over it, some of them close to its slopes.
+fn hills(seed: u64) -> (Layer, Vec<Point3<f64>>) {
+    let mesh = rough(7, seed, 1.6, |i, j| (i, j) == (3, 4));
+    let vertices: Vec<_> = mesh.vertices().iter().map(|p| Point3::new(2.0 * p.x, 2.0 * p.y, 5.0 * p.z)).collect();
+    let layer = Layer::new(&vertices, mesh.triangles(), H);
+    let mut rng = rng(seed);
+    let tip = |_| {
+        let t = mesh.triangles()[rng.random_range(0..mesh.triangles().len())].map(|v| vertices[v as usize]);
+        let w = common::random_barycentric(&mut rng);
+        let p = Point3::from(t[0].coords * w[0] + t[1].coords * w[1] + t[2].coords * w[2]);
+        let normal = (t[1] - t[0]).cross(&(t[2] - t[0])).normalize();
+        p + normal * rng.random_range(0.6 * H..2.5 * H)
+    };
+    (layer, (0..6).map(tip).collect())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn what_is_freed_is_free_and_what_is_left_is_that_deep(seed in 0_u64..300) {
+        let (layer, tips) = hills(seed);
+        let raster = sheets(std::slice::from_ref(&layer), 0.08);
+        for tip in tips {
+            let (freed, direction) = at(&[layer.clone()], tip, Vector3::z(), &alone());
+            let depth = slow_depth(&raster, tip, &direction);
+            match freed.left.first() {
+                None => prop_assert!(depth <= 0.25 * H + PIECE + 1e-9, "{depth}"),
+                // A raster of 0.08 mm is at most 0.05 mm from the worst point.
+                Some(left) => prop_assert!(left.depth >= depth - PIECE && left.depth <= depth + 0.06, "{left:?} {depth}"),
+            }
+            let upright = slow_depth(&raster, tip, &Vector3::z_axis());
+            if upright > 0.25 * H + PIECE {
+                prop_assert!(freed.gouging_before == 2);
+            }
+            if upright < 0.25 * H - 0.06 {
+                prop_assert!(freed.gouging_before == 0 && direction == Vector3::z_axis());
+            }
+        }
+    }
+
+    #[test]
+    fn no_smaller_tilt_frees(seed in 0_u64..300) {
+        let (layer, tips) = hills(seed);
+        // A direction is clear for sure if the raster lacks nothing with its own error and the slack of caps on top.
+        let spread = 0.18;
+        let raster = sheets(std::slice::from_ref(&layer), 0.3);
+        for tip in tips.into_iter().take(2) {
+            let (freed, direction) = at(&[layer.clone()], tip, Vector3::z(), &GougingOptions { max_tilt: 1.3, ..alone() });
+            if freed.gouging_before == 0 {
+                continue;
+            }
+            let least = if freed.left.is_empty() { direction.angle(&Vector3::z()) } else { 1.3 };
+            for k in 0..400 {
+                // Spread evenly over the cap of directions with less tilt: a sunflower.
+                let share = (f64::from(k) + 0.5) / 400.0;
+                let tilt = (1.0 - share * (1.0 - least.cos())).acos();
+                let (sin, cos) = (f64::from(k) * PI * (3.0 - 5_f64.sqrt())).sin_cos();
+                let other = Vector3::new(cos * tilt.sin(), sin * tilt.sin(), tilt.cos());
+                let lack = slow_lack(&raster, tip, &UnitVector3::new_normalize(other));
+                prop_assert!(lack < spread + PIECE, "tilt {tilt} of {least} keeps {lack}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_rigid_motion_moves_the_tilts(seed in 0_u64..300, turn in prop::array::uniform3(-3.0_f64..3.0)) {
+        let by = Isometry3::new(Vector3::new(7.0, -3.0, 5.0), Vector3::from(turn));
+        let (layer, tips) = hills(seed);
+        for tip in tips {
+            let (here, direction) = at(&[layer.clone()], tip, Vector3::z(), &alone());
+            let (there, moved) = at(&[layer.moved(&by)], by * tip, by * Vector3::z(), &alone());
+            // Rounding may make other cuts: both are then within the slack of caps from the least.
+            prop_assert_eq!(here.left.len(), there.left.len());
+            let tilts = [direction.angle(&Vector3::z()), moved.angle(&(by * Vector3::z()))];
+            prop_assert!((tilts[0] - tilts[1]).abs() < 0.05 || !here.left.is_empty(), "{tilts:?}");
+        }
+    }
+}
+
+/// A path over a plain, with a wall beside it for a while.
+fn past_a_wall() -> Vec<Layer> {
+    let plain = Layer::sheet([-30.0, -60.0, 9.6], [60.0, 0.0, 0.0], [0.0, 120.0, 0.0], 40, H);
+    let line: Vec<[f64; 3]> = vec![[7.0, -45.0, 10.4], [7.0, 45.0, 10.4]];
+    let floor = Layer::sheet([-30.0, -60.0, 10.4], [60.0, 0.0, 0.0], [0.0, 120.0, 0.0], 40, H).with(&line, 0.8);
+    let wall = Layer::sheet([0.0, -10.0, 10.4], [0.0, 20.0, 0.0], [0.0, 0.0, 30.0], 20, H);
+    vec![plain, wall, floor]
+}
+
+fn along_the_wall(options: &GougingOptions) -> (Vec<ToolPath>, Freed) {
+    with_stack(&past_a_wall(), |stack| {
+        let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
+        let freed = stack.free(oriented.paths.clone(), &Nozzle::default(), options, &go_on).unwrap();
+        (oriented.paths, freed)
+    })
+}
+
+#[test]
+fn tilts_are_ramped_along_the_path() {
+    let (before, freed) = along_the_wall(&GougingOptions::default());
+    assert!(freed.gouging_before > 20 && freed.left.is_empty() && freed.sharp.is_empty(), "{freed:?}");
+    assert!(freed.tilted > freed.gouging_before);
+    assert!(freed.turns.largest <= 10_f64.to_radians() + 1e-8);
+    // Tips stay, far from the wall directions too, and everything is still free.
+    let waypoints = &freed.paths[0].waypoints;
+    for w in &before[0].waypoints {
+        assert!(waypoints.iter().any(|v| v.tip == w.tip));
+    }
+    assert_eq!(waypoints[0].direction, before[0].waypoints[0].direction);
+    let raster = sheets(&past_a_wall()[1..2], 0.1);
+    for w in waypoints.iter().step_by(5) {
+        assert!(slow_depth(&raster, w.tip, &w.direction) <= 0.25 * H + PIECE);
+    }
+    // A narrower limit takes a longer ramp.
+    let (_, gentle) = along_the_wall(&GougingOptions { max_turn: 2_f64.to_radians(), ..GougingOptions::default() });
+    assert!(gentle.turns.largest <= 2_f64.to_radians() + 1e-8 && gentle.left.is_empty(), "{:?}", gentle.turns);
+    assert!(gentle.tilted > freed.tilted, "{} {}", gentle.tilted, freed.tilted);
+}
+
+#[test]
+fn threads_change_nothing() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| along_the_wall(&GougingOptions::default()))
+    };
+    assert_eq!(on(1), on(4));
+}
+
+#[test]
+fn nozzles_that_cannot_be_are_named() {
+    let angle = FRAC_PI_4;
+    for (value, given) in
+        [(0.0, [0.0, 8.0, 20.0]), (f64::NAN, [1.0, f64::NAN, 20.0]), (f64::INFINITY, [1.0, 8.0, f64::INFINITY])]
+    {
+        let error = Nozzle::new(given[0], angle, given[1], given[2]).unwrap_err();
+        assert!(matches!(error, NozzleError::Measure { value: v, .. } if v.to_bits() == value.to_bits()), "{error}");
+    }
+    for half_angle in [0.0, -1.0, PI / 2.0, f64::NAN] {
+        assert!(matches!(Nozzle::new(1.0, half_angle, 8.0, 20.0), Err(NozzleError::HalfAngle { .. })));
+    }
+    assert_eq!(Nozzle::new(9.0, 0.1, 8.0, 20.0), Err(NozzleError::WiderThanHigh { tip_flat: 9.0, height: 8.0 }));
+    let block = Nozzle::new(1.0, angle, 8.0, 16.0).unwrap_err();
+    assert!(matches!(block, NozzleError::Block { block, cone } if block < cone), "{block}");
+}
+
+#[test]
+fn paths_and_options_that_cannot_be_used_are_named() {
+    let layers = [nowhere(), nowhere()];
+    let error = |paths: &[ToolPath], options: &GougingOptions| {
+        with_stack(&layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap_err())
+    };
+    let default = GougingOptions::default();
+    let good = path(1, &[(Point3::origin(), Vector3::z()), (Point3::new(1.0, 0.0, 0.0), Vector3::z())]);
+    for (name, options) in [
+        ("allowed_depth", GougingOptions { allowed_depth: 0.6, ..default }),
+        ("allowed_depth", GougingOptions { allowed_depth: f64::NAN, ..default }),
+        ("max_tilt", GougingOptions { max_tilt: 4.0, ..default }),
+        ("max_turn", GougingOptions { max_turn: 0.0, ..default }),
+    ] {
+        let error = error(std::slice::from_ref(&good), &options);
+        assert!(matches!(error, GougingError::Option { option, .. } if option == name), "{error}");
+    }
+    let later = ToolPath { layer: 2, ..good.clone() };
+    assert_eq!(error(&[good.clone(), later], &default), GougingError::Layer { path: 1, layer: 2, layers: 2 });
+    let back = ToolPath { layer: 0, ..good.clone() };
+    assert_eq!(error(&[good.clone(), back], &default), GougingError::Layer { path: 1, layer: 0, layers: 2 });
+    let one = ToolPath { waypoints: good.waypoints[..1].to_vec(), ..good.clone() };
+    assert_eq!(error(&[one], &default), GougingError::FewWaypoints { path: 0, waypoints: 1 });
+    let mut nan = good.clone();
+    nan.waypoints[1].tip.x = f64::NAN;
+    assert_eq!(error(&[nan], &default), GougingError::BadWaypoint { path: 0, waypoint: 1 });
+    let mut zero = good.clone();
+    zero.waypoints[0].direction = UnitVector3::new_unchecked(Vector3::zeros());
+    assert_eq!(error(&[zero], &default), GougingError::BadWaypoint { path: 0, waypoint: 0 });
+    let cancelled = with_stack(&layers, |stack| {
+        stack.free(vec![good.clone()], &Nozzle::default(), &default, &|_| ControlFlow::Break(())).unwrap_err()
+    });
+    assert_eq!(cancelled, GougingError::Cancelled);
+}
