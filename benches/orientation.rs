@@ -41,7 +41,7 @@ fn part(n: usize, layers: usize) -> Vec<Layer> {
         };
         let vertices = (0..=n).flat_map(|j| (0..=n).map(move |i| place(i, j))).collect();
         let triangles: Vec<_> = (0..n).flat_map(|j| (0..n).flat_map(move |i| square(i, j))).collect();
-        let along = |j: usize| (1..n).map(move |i| if j % 2 == 0 { place(i, j) } else { place(n - i, j) });
+        let along = |j: usize| (1..n).map(move |i| if j.is_multiple_of(2) { place(i, j) } else { place(n - i, j) });
         let line: Vec<_> = (1..n).flat_map(along).collect();
         Layer { vertices, spacing: vec![HEIGHT; triangles.len()], triangles, widths: vec![HEIGHT; line.len()], line }
     };

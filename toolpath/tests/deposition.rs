@@ -182,3 +182,26 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     assert_eq!(bad(&|w| w.direction = Unit::new_unchecked(Vector3::zeros())), error);
     assert!(deposit(&[], &default).unwrap().moves.is_empty());
 }
+
+/// Two beads of 0.9 mm, 0.6 mm apart: 1.5 mm of surface for both.
+#[test]
+fn beads_that_overlap_share_the_surface() {
+    let layer = layers::Layer::sheet([0.0, 0.0, 0.25], [20.0, 0.0, 0.0], [0.0, 10.0, 0.0], 30, 0.5);
+    let layer =
+        layer.with(&[[2.0, 5.0, 0.25], [18.0, 5.0, 0.25]], 0.9).with(&[[18.0, 5.6, 0.25], [2.0, 5.6, 0.25]], 0.9);
+    let oriented = |share: bool| {
+        let options = OrientOptions { share, ..OrientOptions::default() };
+        layers::with_stack(std::slice::from_ref(&layer), |stack| stack.orient(&options, &go_on).unwrap())
+    };
+    let shared = oriented(true);
+    for path in &shared.paths {
+        // Away from the ends, whose round caps count, too.
+        path.waypoints[2..15].iter().for_each(|w| assert!((w.width - 0.75).abs() < 0.04, "{w:?}"));
+    }
+    let sum = |paths: &[ToolPath]| deposit(paths, &DepositionOptions::default()).unwrap().extruded_mm3;
+    // Two half discs of 0.45 mm at each end, less what they have in common, on top of 16 by 1.5 mm.
+    let half = (0.3_f64 / 0.45).acos();
+    let caps = 2.0 * 0.45 * 0.45 * (PI - half + half.sin() * half.cos());
+    assert!((sum(&shared.paths) / ((16.0 * 1.5 + caps) * 0.5) - 1.0).abs() < 0.02, "{}", sum(&shared.paths));
+    assert!((sum(&oriented(false).paths) - 2.0 * 16.0 * 0.9 * 0.5).abs() < 1e-9);
+}

@@ -93,7 +93,7 @@ fn over_a_level_layer_nothing_gouges() {
         let row = |r: u32| {
             let y = 5.0 + 0.8 * f64::from(r);
             let x = [4.0, 16.0];
-            let (from, to) = if r % 2 == 0 { (x[0], x[1]) } else { (x[1], x[0]) };
+            let (from, to) = if r.is_multiple_of(2) { (x[0], x[1]) } else { (x[1], x[0]) };
             [[from, y, z(k)], [to, y, z(k)]]
         };
         level(k).with(&(0..8).flat_map(row).collect::<Vec<_>>(), 0.8)
@@ -278,7 +278,7 @@ proptest! {
         let (layer, tips) = hills(seed);
         let raster = sheets(std::slice::from_ref(&layer), 0.08);
         for tip in tips {
-            let (freed, direction) = at(&[layer.clone()], tip, Vector3::z(), &alone());
+            let (freed, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &alone());
             let depth = slow_depth(&raster, tip, &direction);
             match freed.left.first() {
                 None => prop_assert!(depth <= 0.25 * H + PIECE + 1e-9, "{depth}"),
@@ -302,7 +302,7 @@ proptest! {
         let spread = 0.18;
         let raster = sheets(std::slice::from_ref(&layer), 0.3);
         for tip in tips.into_iter().take(2) {
-            let (freed, direction) = at(&[layer.clone()], tip, Vector3::z(), &GougingOptions { max_tilt: 1.3, ..alone() });
+            let (freed, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &GougingOptions { max_tilt: 1.3, ..alone() });
             if freed.gouging_before == 0 {
                 continue;
             }
@@ -324,7 +324,7 @@ proptest! {
         let by = Isometry3::new(Vector3::new(7.0, -3.0, 5.0), Vector3::from(turn));
         let (layer, tips) = hills(seed);
         for tip in tips {
-            let (here, direction) = at(&[layer.clone()], tip, Vector3::z(), &alone());
+            let (here, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &alone());
             let (there, moved) = at(&[layer.moved(&by)], by * tip, by * Vector3::z(), &alone());
             // Rounding may make other cuts: both are then within the slack of caps from the least.
             prop_assert_eq!(here.left.len(), there.left.len());

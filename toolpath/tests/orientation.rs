@@ -40,7 +40,7 @@ fn degrees(a: &UnitVector3<f64>, b: &Vector3<f64>) -> f64 {
 fn level_layers_point_up_and_the_tip_is_on_top_of_the_bead() {
     let layers = [0, 1, 2]
         .map(|k| level(k).with(&[[1.0, 2.0, H * (f64::from(k) + 0.5)], [9.0, 5.0, H * (f64::from(k) + 0.5)]], 0.9));
-    let found = oriented(&layers, &OrientOptions::default());
+    let found = oriented(&layers, &OrientOptions { share: false, ..OrientOptions::default() });
     assert_eq!((found.paths.len(), found.added, found.by_normal), (3, 0, 0));
     assert!(found.before.largest < 1e-7 && found.sharp.is_empty());
     for (k, path) in found.paths.iter().enumerate() {

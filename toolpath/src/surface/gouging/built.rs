@@ -53,7 +53,9 @@ fn touched(stack: &LayerStack, path: &ToolPath, start: u32) -> Vec<(u32, u32)> {
         else {
             continue;
         };
-        stack.tree.within(&stack.keys, foot.point, layer, waypoint.width / 2.0, |t| touched.push((t as u32, done)));
+        // Where beads share a place they are narrow, but lie there all the same.
+        let reach = waypoint.width.max(waypoint.height) / 2.0;
+        stack.tree.within(&stack.keys, foot.point, layer, reach, |t| touched.push((t as u32, done)));
     }
     touched
 }

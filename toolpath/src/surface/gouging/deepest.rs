@@ -17,7 +17,7 @@ use crate::surface::stack::{Keys, Node, Tree, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 /// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
-/// A quarter layer is allowed, so a fiftieth is little; halving it again would double the time near contact.
+/// A quarter layer is allowed, so a fiftieth is little. Less takes longer near contact, more proves less.
 pub(super) const PIECE: f64 = 0.02;
 
 /// A worse point counts if it is worse by this share: the search for a cut need not be exact.

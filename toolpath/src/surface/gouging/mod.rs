@@ -171,7 +171,7 @@ impl LayerStack<'_> {
     /// [`GougingError`].
     ///
     /// # Cost
-    /// Some 10 microseconds for a waypoint that is free, a fraction of a millisecond for one that is not. With the
+    /// Some 30 microseconds for a waypoint on the layers of a real part, one in thirty of which gouges. With the
     /// feature `rayon` paths are shared out among threads; the result is the same.
     ///
     /// # Example

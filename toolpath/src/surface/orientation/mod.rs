@@ -5,11 +5,13 @@
 //! 1. `resample`: points an even step apart along it; corners stay.
 //! 2. `toward`: the direction away from the closest point of what is built below.
 //! 3. `smooth`: a low-pass where neighbours differ by more than a threshold, then more points where they still do.
-//! 4. The tip is lifted from the surface, which runs through the middle of the layer, to the top of the bead.
+//! 4. `share`: where beads cover the same place, each gets a share of it.
+//! 5. The tip is lifted from the surface, which runs through the middle of the layer, to the top of the bead.
 //!
 //! The nozzle is not looked at yet: see [`LayerStack::free`] for that.
 
 mod resample;
+mod share;
 mod smooth;
 mod toward;
 
@@ -42,12 +44,22 @@ pub struct OrientOptions {
     /// How far the tip stands above the surface of the layer, along its direction, in heights of the layer: 0.5, the top
     /// of the bead, since surfaces run through the middle of layers.
     pub lift: f64,
+    /// Whether beads that cover the same place share it: yes. Widths are then what each gets of the surface by its length,
+    /// and the volume of the beads is that of the layer where it is covered. Otherwise widths are those given.
+    pub share: bool,
 }
 
 impl Default for OrientOptions {
     fn default() -> Self {
         let degrees = |angle: f64| angle.to_radians();
-        OrientOptions { step: 1.0, corner: degrees(30.0), max_turn: degrees(10.0), low_pass_rounds: 8, lift: 0.5 }
+        OrientOptions {
+            step: 1.0,
+            corner: degrees(30.0),
+            max_turn: degrees(10.0),
+            low_pass_rounds: 8,
+            lift: 0.5,
+            share: true,
+        }
     }
 }
 
@@ -212,13 +224,13 @@ impl LayerStack<'_> {
     /// Samples the curves of all layers and gives each point the direction in which the nozzle stands.
     ///
     /// # Arguments
-    /// * `progress`: called with the stage `orient` for each curve; may cancel.
+    /// * `progress`: called with the stages `orient` and `share`; may cancel.
     ///
     /// # Errors
     /// [`OrientError`].
     ///
     /// # Cost
-    /// `O(log n)` for each sample and `n` triangles, some 5 microseconds. With the feature `rayon` curves are shared out among
+    /// `O(log n)` for each sample and `n` triangles, some 10 microseconds. With the feature `rayon` curves are shared out among
     /// threads; the result is the same.
     ///
     /// # Example
@@ -274,9 +286,25 @@ impl LayerStack<'_> {
             smoothed(path, options);
             oriented.added += path.waypoints.len() - samples;
         }
+        if options.share {
+            self.share(&mut oriented.paths, progress).ok_or(OrientError::Cancelled)?;
+        }
+        for waypoint in oriented.paths.iter_mut().flat_map(|path| &mut path.waypoints) {
+            waypoint.tip += waypoint.direction.into_inner() * (options.lift * waypoint.height);
+        }
         oriented.after = Turns::of(&oriented.paths);
         oriented.sharp = sharp_turns(&oriented.paths, options.max_turn);
         Ok(oriented)
+    }
+
+    /// Widths, layer by layer; `None` if cancelled.
+    fn share(&self, paths: &mut [ToolPath], progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Option<()> {
+        let of_layers: Vec<&[ToolPath]> = paths.chunk_by(|a, b| a.layer == b.layer).collect();
+        let work = |_: usize, paths: &&[ToolPath]| share::widths(self, paths);
+        let widths = parallel::map(&of_layers, "share", progress, work)?;
+        let waypoints = paths.iter_mut().flat_map(|path| &mut path.waypoints);
+        waypoints.zip(widths.into_iter().flatten()).for_each(|(waypoint, width)| waypoint.width = width);
+        Some(())
     }
 
     fn line(&self, layer: usize, curve: usize) -> Line {
@@ -300,7 +328,7 @@ impl LayerStack<'_> {
     }
 }
 
-/// Filters the directions of a path, adds points and lifts the tips.
+/// Filters the directions of a path and adds points.
 fn smoothed(path: &mut ToolPath, options: &OrientOptions) {
     let mut directions: Vec<_> = path.waypoints.iter().map(|waypoint| waypoint.direction).collect();
     smooth::low_pass(&mut directions, options.max_turn, options.low_pass_rounds);
@@ -311,9 +339,6 @@ fn smoothed(path: &mut ToolPath, options: &OrientOptions) {
             waypoints.extend(between(&last, waypoint, options.max_turn));
         }
         waypoints.push(*waypoint);
-    }
-    for waypoint in &mut waypoints {
-        waypoint.tip += waypoint.direction.into_inner() * (options.lift * waypoint.height);
     }
     path.waypoints = waypoints;
 }
