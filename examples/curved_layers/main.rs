@@ -7,6 +7,7 @@
 //! Without `--mesh` it takes a jug made in code. `--help` lists the options, the README the files that it writes.
 
 mod field;
+mod machine;
 mod outputs;
 mod paths;
 mod surfaces;
@@ -19,6 +20,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::shapes::jug;
 use curvlay_layers::curved::surface::SavedField;
 use field::FieldRun;
+use machine::MachineRun;
 use paths::PathsRun;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -35,7 +37,7 @@ struct Args {
     #[command(flatten)]
     grow: GrowArgs,
     /// The last stage to run
-    #[arg(long, default_value = "paths")]
+    #[arg(long, default_value = "gcode")]
     stage: Stage,
     /// Distance of the layers in millimetres [default: the edge of a cell]
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
@@ -43,6 +45,18 @@ struct Args {
     /// Width of a bead in millimetres [default: the distance of the layers]
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     bead: Option<f64>,
+    /// Diameter of the filament in millimetres
+    #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
+    filament: f64,
+    /// Temperature of the nozzle, for the machine file, in degrees Celsius
+    #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
+    nozzle_celsius: Option<f64>,
+    /// Temperature of the plate, for the machine file, in degrees Celsius
+    #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
+    bed_celsius: Option<f64>,
+    /// Writes a machine file for a table that tilts (B) and turns (C) as well
+    #[arg(long)]
+    rotary: bool,
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell"])]
     resume: Option<PathBuf>,
@@ -59,6 +73,8 @@ enum Stage {
     Surfaces,
     /// Tool paths: continuous curves that fill the surfaces.
     Paths,
+    /// The machine file: how the nozzle stands and what it lays down.
+    Gcode,
 }
 
 fn main() -> ExitCode {
@@ -72,7 +88,7 @@ fn main() -> ExitCode {
         bars.finish();
         results.field.findings.iter().for_each(warn);
         outputs::write(&args, &part, &results, &folder)?;
-        Ok(Outcome::of(results.field.audit.is_ok()))
+        Ok(Outcome::of(results.is_ok()))
     })
 }
 
@@ -81,6 +97,14 @@ struct Results {
     field: FieldRun,
     surfaces: Option<SurfacesRun>,
     paths: Option<PathsRun>,
+    machine: Option<MachineRun>,
+}
+
+impl Results {
+    fn is_ok(&self) -> bool {
+        let machine = self.machine.as_ref();
+        self.field.audit.is_ok() && machine.is_none_or(|machine| machine.failed_checks().is_empty())
+    }
 }
 
 /// Runs the stages.
@@ -90,7 +114,9 @@ fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Res
         let (field, surfaces) = layers(args, part, saved, bars)?;
         let filled = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths);
         let paths = filled.map(|surfaces| paths::run(args, surfaces, bars)).transpose()?;
-        Ok(Results { field, surfaces, paths })
+        let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
+        let machine = filled.map(|(surfaces, paths)| machine::run(args, surfaces, paths, bars)).transpose()?;
+        Ok(Results { field, surfaces, paths, machine })
     })
 }
 
@@ -119,6 +145,11 @@ fn layers(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> R
         _ => unbuilt.0.growth.missed.len() < incremental.0.growth.missed.len(),
     };
     Ok(if is_better { unbuilt } else { incremental })
+}
+
+/// A temperature, for clap.
+fn celsius(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value| (0.0..=600.0).contains(value)).ok_or_else(|| "must be from 0 to 600".to_owned())
 }
 
 /// Any error as one line.

@@ -3,6 +3,7 @@
 //! One module a stage, each with its products, its figures (`summary`, `rows`) and its chapter of the report.
 
 mod field;
+mod machine;
 mod paths;
 mod pictures;
 mod surfaces;
@@ -19,7 +20,7 @@ use std::time::Duration;
 type Picture = (String, Vec<u8>);
 
 pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<(), Failure> {
-    let Results { field: run, surfaces, paths } = results;
+    let Results { field: run, surfaces, paths, machine } = results;
     let mut summary = Summary::new();
     let mut table = Table::new(["", ""]);
 
@@ -37,6 +38,12 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         paths::rows(run, &mut table);
     }
 
+    if let Some(run) = machine {
+        let written = machine::products(args, run, folder)?;
+        machine::summary(run, &written, &mut summary)?;
+        machine::rows(run, &written, &mut table);
+    }
+
     let mut report = Report::new(&format!("Curved layers: {}", part.name));
     field::report(run, &table, &mut report)?;
     if let Some(surfaces) = surfaces {
@@ -45,6 +52,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
             paths::report(surfaces, paths, &mut report);
         }
     }
+    machine.iter().for_each(|machine| machine::report(machine, &mut report));
     field::comparison(part, run, &mut report);
     folder.write("report.html", report.to_html())?;
     // The summary comes last: where it is, all is there.

@@ -26,8 +26,10 @@ const LINE: f64 = 0.22;
 /// Pixels of the histogram.
 const HISTOGRAM: [u32; 2] = [640, 300];
 
-const PLAIN: [u8; 3] = [190, 196, 204];
-const EVEN: [u8; 3] = [11, 122, 117];
+/// What the plain method gives.
+pub const PLAIN: [u8; 3] = [190, 196, 204];
+/// What ours gives.
+pub const EVEN: [u8; 3] = [11, 122, 117];
 const INK: [u8; 3] = [31, 38, 48];
 
 fn from_the_front() -> Camera {

@@ -37,6 +37,9 @@ pub type SurfaceSlices<'a> = (&'a [Point3<f64>], &'a [[u32; 3]]);
 pub struct Spacing {
     /// For each surface, for each triangle: the spacing in millimetres; `None` where no neighbour is in reach.
     pub values_mm: Vec<Vec<Option<f64>>>,
+    /// The same for the thickness of the layer: half the distance to each neighbour, half a layer height where there is
+    /// none.
+    pub thickness_mm: Vec<Vec<f64>>,
     /// Mean spacing; 0 if nothing was measured, like the figures that follow.
     pub mean_mm: f64,
     /// Standard deviation of the spacing.
@@ -55,8 +58,7 @@ pub struct Spacing {
     pub measured_mm2: f64,
     /// Share of the area that has another surface, whichever, within [`SQUEEZED`] layer heights along its normal.
     pub squeezed_share: f64,
-    /// Area by the thickness of the layer there, summed up: half the distance to each neighbour, and half a layer
-    /// height where there is none.
+    /// Area by the thickness of the layer there, summed up.
     pub volume_mm3: f64,
 }
 
@@ -107,6 +109,10 @@ impl Found {
             (Some(above), Some(below)) => Some((above + below) / 2.0),
             (one, other) => one.or(other),
         }
+    }
+
+    fn thickness(&self, height_mm: f64) -> f64 {
+        (self.above.unwrap_or(height_mm) + self.below.unwrap_or(height_mm)) / 2.0
     }
 }
 
@@ -187,13 +193,14 @@ fn summed_up(found: &[Vec<Found>], height_mm: f64) -> Spacing {
     let bar_mm = HISTOGRAM_END * height_mm / BARS as f64;
     let mut spacing = Spacing { bar_mm, histogram_mm2: vec![0.0; BARS], ..Spacing::default() };
     spacing.values_mm = found.iter().map(|surface| surface.iter().map(Found::spacing).collect()).collect();
+    let thickness = |found: &Found| found.thickness(height_mm);
+    spacing.thickness_mm = found.iter().map(|surface| surface.iter().map(thickness).collect()).collect();
     let mut weighted = Vec::new();
     let mut squeezed = 0.0;
     for found in found.iter().flatten() {
         spacing.area_mm2 += found.area;
         squeezed += if found.squeezed { found.area } else { 0.0 };
-        let halves = found.above.unwrap_or(height_mm) + found.below.unwrap_or(height_mm);
-        spacing.volume_mm3 += found.area * halves / 2.0;
+        spacing.volume_mm3 += found.area * found.thickness(height_mm);
         if let Some(value) = found.spacing() {
             weighted.push((value, found.area));
             spacing.measured_mm2 += found.area;

@@ -1,0 +1,152 @@
+//! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
+
+use crate::paths::{Layer, PathsRun};
+use crate::surfaces::SurfacesRun;
+use crate::{Args, failure};
+use curvlay_examples::args::Failure;
+use curvlay_examples::bars::Bars;
+use curvlay_toolpath::gcode;
+use curvlay_toolpath::nalgebra::Point3;
+use curvlay_toolpath::surface::{
+    BuiltLayer, Deposition, DepositionOptions, Freed, GougingOptions, LayerCurve, LayerStack, MoveKind, Nozzle,
+    OrientOptions, ToolPath, Turns, deposit,
+};
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Layers thinner than this share of their height are taken for as thick: beads of no height are none.
+const LEAST_HEIGHT: f64 = 0.02;
+
+/// Share of the waypoints that may gouge, listed, before a run counts as failed.
+pub const GOUGING_SHARE: f64 = 1e-3;
+
+/// How far the volume of the beads may be off that of what they cover.
+pub const VOLUME_SHARE: f64 = 0.02;
+
+/// What came of the stage.
+pub struct MachineRun {
+    /// Turns between neighbours when every nozzle points away from the closest point below.
+    pub raw: Turns,
+    /// The paths with the directions that they are printed with.
+    pub freed: Freed,
+    pub deposition: Deposition,
+    /// Area that beads cover by the thickness of the layer there.
+    pub covered_mm3: f64,
+    /// The longest path, with the directions before and after.
+    pub example: Option<[ToolPath; 2]>,
+    pub times: Times,
+}
+
+/// How long the steps took, on the clock.
+#[derive(Clone, Copy, Default)]
+pub struct Times {
+    /// Waypoints and their directions, gouging included.
+    pub orientation: Duration,
+    pub gouging: Duration,
+    pub deposition: Duration,
+}
+
+impl MachineRun {
+    pub fn waypoints(&self) -> usize {
+        self.freed.paths.iter().map(|path| path.waypoints.len()).sum()
+    }
+
+    /// Whether what is left of gouging, and the volume, are within bounds.
+    pub fn failed_checks(&self) -> Vec<String> {
+        let mut failed = Vec::new();
+        let (left, waypoints) = (self.freed.left.len(), self.waypoints());
+        if left as f64 > GOUGING_SHARE * waypoints as f64 {
+            failed.push(format!("{left} of {waypoints} waypoints gouge"));
+        }
+        let (laid, covered) = (self.deposition.extruded_mm3, self.covered_mm3);
+        if (laid - covered).abs() > VOLUME_SHARE * covered {
+            failed.push(format!("{laid:.1} mm3 are laid on {covered:.1} mm3"));
+        }
+        failed
+    }
+
+    /// The moves of the machine file.
+    pub fn moves(&self) -> impl Iterator<Item = gcode::Move> {
+        self.deposition.moves.iter().map(|plan| {
+            let (tip, direction, feed_mm_s) = (plan.tip, plan.direction, plan.feed);
+            match plan.kind {
+                MoveKind::Retract => gcode::Move::Retract { filament_mm: -plan.filament, feed_mm_s },
+                MoveKind::Prime => gcode::Move::Prime { filament_mm: plan.filament, feed_mm_s },
+                MoveKind::Print => gcode::Move::Print { tip, direction, filament_mm: plan.filament, feed_mm_s },
+                _ => gcode::Move::Travel { tip, direction, feed_mm_s },
+            }
+        })
+    }
+}
+
+/// The points and widths of the curves of a layer.
+type Curves = Vec<(Vec<Point3<f64>>, Vec<f64>, bool)>;
+
+fn curves(layer: &Layer) -> Curves {
+    let of = |path: &curvlay_toolpath::surface::SurfacePath| {
+        let (points, widths) = path.points.iter().map(|point| (point.at.position, point.width)).unzip();
+        (points, widths, path.closed)
+    };
+    layer.paths.paths.iter().map(of).collect()
+}
+
+/// Orients, frees and deposits.
+pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -> Result<MachineRun, Failure> {
+    let progress = |p: curvlay_toolpath::Progress| {
+        bars.update(p.stage, p.done, p.total);
+        ControlFlow::Continue(())
+    };
+    let start = Instant::now();
+    let least = LEAST_HEIGHT * surfaces.height_mm;
+    let floor = |thickness: &Vec<f64>| thickness.iter().map(|thickness| thickness.max(least)).collect();
+    let thickness: Vec<Vec<f64>> = surfaces.spacing.thickness_mm.iter().map(floor).collect();
+    let curves: Vec<Curves> = paths.layers.iter().map(|layer| layer.as_ref().map(curves).unwrap_or_default()).collect();
+    let borrowed: Vec<Vec<LayerCurve>> = curves
+        .iter()
+        .map(|curves| {
+            curves.iter().map(|(points, widths, closed)| LayerCurve { points, widths, closed: *closed }).collect()
+        })
+        .collect();
+    let layers: Vec<BuiltLayer> = (surfaces.sheets.iter().zip(&thickness).zip(&borrowed))
+        .map(|((sheet, spacing), curves)| BuiltLayer {
+            vertices: &sheet.vertices,
+            triangles: &sheet.triangles,
+            spacing,
+            curves,
+        })
+        .collect();
+    let stack = LayerStack::new(&layers).map_err(failure)?;
+    let oriented = stack.orient(&OrientOptions::default(), &progress).map_err(failure)?;
+    let raw = oriented.before;
+    let before_gouging = Instant::now();
+    let freed = stack.free(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &progress);
+    let freed = freed.map_err(failure)?;
+    let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
+
+    let start = Instant::now();
+    let options = DepositionOptions { filament_diameter: args.filament, ..DepositionOptions::default() };
+    let deposition = deposit(&freed.paths, &options).map_err(failure)?;
+    times.deposition = start.elapsed();
+
+    // What the closest points say, unfiltered, for the picture of one path.
+    let unfiltered = OrientOptions { max_turn: PI, low_pass_rounds: 0, ..OrientOptions::default() };
+    let unfiltered = stack.orient(&unfiltered, &progress).map_err(failure)?;
+    let longest = (0..freed.paths.len()).max_by_key(|&path| freed.paths[path].waypoints.len());
+    let example = longest.map(|path| [unfiltered.paths[path].clone(), freed.paths[path].clone()]);
+
+    let covered = |(layer, (sheet, thickness)): (&Option<Layer>, (&_, &Vec<f64>))| {
+        layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * volume(sheet, thickness))
+    };
+    let covered_mm3 = paths.layers.iter().zip(surfaces.sheets.iter().zip(&thickness)).map(covered).sum();
+    Ok(MachineRun { raw, freed, deposition, covered_mm3, example, times })
+}
+
+/// Area by thickness.
+fn volume(sheet: &curvlay_layers::curved::trim::TrimmedSheet, thickness: &[f64]) -> f64 {
+    let area = |corners: &[u32; 3]| {
+        let [a, b, c]: [Point3<f64>; 3] = corners.map(|corner| sheet.vertices[corner as usize]);
+        (b - a).cross(&(c - a)).norm() / 2.0
+    };
+    sheet.triangles.iter().zip(thickness).map(|(corners, thickness)| area(corners) * thickness).sum()
+}

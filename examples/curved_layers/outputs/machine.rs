@@ -1,0 +1,115 @@
+//! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
+
+use super::{pictures, seconds};
+use crate::machine::MachineRun;
+use crate::{Args, failure};
+use curvlay_examples::args::Failure;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::plot::Plot;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
+use curvlay_toolpath::surface::{Obstacle, ToolPath};
+use std::io;
+
+/// Writes the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
+pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
+    let options =
+        WriteOptions { nozzle_celsius: args.nozzle_celsius, bed_celsius: args.bed_celsius, ..WriteOptions::default() };
+    let written = write(run, &options, "toolpath.gcode", folder)?;
+    if args.rotary {
+        let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
+        write(run, &options, "toolpath-bc.gcode", folder)?;
+    }
+    if !run.freed.left.is_empty() {
+        folder.write_with("gouging.csv", |out| {
+            writeln!(out, "path,waypoint,obstacle,depth_mm")?;
+            run.freed.left.iter().try_for_each(|gouge| {
+                let obstacle = match gouge.obstacle {
+                    Obstacle::Layer(layer) => format!("layer {}", layer + 1),
+                    _ => "plate".to_owned(),
+                };
+                writeln!(out, "{},{},{obstacle},{:.4}", gouge.path, gouge.waypoint, gouge.depth)
+            })
+        })?;
+    }
+    Ok(written)
+}
+
+fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFolder) -> Result<Written, Failure> {
+    let mut written = Ok(Written::default());
+    folder
+        .write_with(name, |out| {
+            written = write_gcode(run.moves(), options, out);
+            // What is wrong is told below, in words.
+            written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
+        })
+        .or_else(|error| if written.is_ok() { Err(error) } else { Ok(()) })?;
+    written.map_err(|error| failure(format!("{name}: {error}")))
+}
+
+pub fn summary(run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
+    let (freed, deposition, times) = (&run.freed, &run.deposition, &run.times);
+    summary
+        .set("waypoints", run.waypoints())?
+        .set_seconds("orientation_s", times.orientation)?
+        .set_seconds("gouging_s", times.gouging)?
+        .set("raw_mean_turn_deg", run.raw.mean.to_degrees())?
+        .set("raw_max_turn_deg", run.raw.largest.to_degrees())?
+        .set("mean_turn_deg", freed.turns.mean.to_degrees())?
+        .set("max_turn_deg", freed.turns.largest.to_degrees())?
+        .set("sharp_orientation_turns", freed.sharp.len())?
+        .set("gouging_before", freed.gouging_before)?
+        .set("gouging_waypoints", freed.left.len())?
+        .set("max_tilt_deg", freed.max_tilt.to_degrees())?
+        .set("extruded_mm3", deposition.extruded_mm3)?
+        .set("covered_mm3", run.covered_mm3)?
+        .set("filament_mm", deposition.filament_mm)?
+        .set("print_time_s", deposition.total_s)?
+        .set("travel_mm", deposition.travel_mm)?
+        .set("retractions", deposition.retractions)?
+        .set("gcode_bytes", written.bytes)?
+        .set("machine_checks", run.failed_checks().join("; "))?;
+    Ok(())
+}
+
+pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
+    let (freed, deposition, times) = (&run.freed, &run.deposition, &run.times);
+    let turns = |turns: &curvlay_toolpath::surface::Turns| {
+        format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
+    };
+    table
+        .row(["waypoints".to_owned(), run.waypoints().to_string()])
+        .row(["turns, raw".to_owned(), turns(&run.raw)])
+        .row(["turns".to_owned(), turns(&freed.turns)])
+        .row(["gouging".to_owned(), format!("{} waypoints before, {} after", freed.gouging_before, freed.left.len())])
+        .row(["tilted".to_owned(), format!("{}, by at most {:.1} degrees", freed.tilted, freed.max_tilt.to_degrees())])
+        .row(["extruded".to_owned(), format!("{:.1} mm3 on {:.1} mm3", deposition.extruded_mm3, run.covered_mm3)])
+        .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
+        .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
+        .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
+        .row(["orientation".to_owned(), format!("{}, gouging {}", seconds(times.orientation), seconds(times.gouging))]);
+}
+
+pub fn report(run: &MachineRun, report: &mut Report) {
+    run.failed_checks().iter().for_each(|check| _ = report.notice(check));
+    let Some([raw, printed]) = &run.example else { return };
+    let turns = |path: &ToolPath| -> Vec<[f64; 2]> {
+        let pairs = path.waypoints.windows(2);
+        pairs.map(|pair| [pair[1].arc, pair[0].direction.angle(&pair[1].direction).to_degrees()]).collect()
+    };
+    let tilts = |path: &ToolPath| -> Vec<[f64; 2]> {
+        path.waypoints.iter().map(|w| [w.arc, w.direction.z.clamp(-1.0, 1.0).acos().to_degrees()]).collect()
+    };
+    let plot = |y: &str, of: &dyn Fn(&ToolPath) -> Vec<[f64; 2]>| {
+        let mut plot = Plot::new("along the path, mm", y);
+        plot.line("away from the closest point", pictures::PLAIN, of(raw));
+        plot.line("as printed", pictures::EVEN, of(printed));
+        plot
+    };
+    report
+        .heading("How the nozzle stands along one path")
+        .plot(&format!("layer {}, turn from waypoint to waypoint", raw.layer + 1), &plot("degrees", &turns))
+        .plot(&format!("layer {}, lean from the vertical", raw.layer + 1), &plot("degrees", &tilts));
+}
