@@ -1,8 +1,11 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
+use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
+use curvlay_toolpath::nalgebra::Point3;
 use serde_json::Value;
 use std::fs;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -171,6 +174,24 @@ fn a_curve_fills_each_layer() {
     assert_eq!((count("g layer_"), count("l ")), (4, 4));
     let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 20 + 3 + 1 + 3 + 1);
+
+    // The machine file holds what the figures say, and can be read back.
+    assert_eq!((figure("gouging_before"), figure("gouging_waypoints")), (0.0, 0.0));
+    assert!(figure("max_turn_deg") < 1e-6);
+    assert!((figure("extruded_mm3") / 1000.0 - 1.0).abs() < 0.02, "{}", figure("extruded_mm3"));
+    let file = fs::File::open(Path::new(&out).join("toolpath.gcode")).unwrap();
+    assert_eq!(file.metadata().unwrap().len() as f64, figure("gcode_bytes"));
+    let options = ReadOptions { home: Some(Point3::origin()), ..ReadOptions::default() };
+    let moves = GcodeReader::new(BufReader::new(file), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+    let filament = |step: &Move| if let Move::Print { filament_mm, .. } = step { Some(*filament_mm) } else { None };
+    let beads: Vec<f64> = moves.iter().filter_map(filament).collect();
+    assert_eq!(beads.len() as f64, figure("waypoints") - figure("curves"));
+    let volume = beads.iter().sum::<f64>() * std::f64::consts::PI / 4.0 * 1.75 * 1.75;
+    assert!((volume - figure("extruded_mm3")).abs() < 0.01, "{volume}");
+    let retracts = moves.iter().filter(|step| matches!(step, Move::Retract { .. })).count();
+    assert_eq!(retracts as f64, figure("retractions"));
+    let above = |step: &&Move| matches!(step, Move::Print { direction, .. } if direction.z > 1.0 - 1e-12);
+    assert_eq!(moves.iter().filter(above).count(), beads.len());
 }
 
 #[test]
