@@ -53,7 +53,8 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
         .set("unfillable_fraction", totals.unfillable_fraction)?
         .set("largest_gap_mm", totals.largest_gap_mm)?
         .set("sharp_turns", totals.sharp_turns)?
-        .set("self_crossings", totals.self_crossings)?;
+        .set("self_crossings", totals.self_crossings)?
+        .set("layers_with_even_beads", totals.even_layers)?;
     Ok(())
 }
 
