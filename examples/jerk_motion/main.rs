@@ -49,7 +49,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Cells::Both)]
     robots: Cells,
     /// Waypoints in the study of noise, from the first on; 0 leaves it out
-    #[arg(long = "noise", value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(0..=20_000))]
+    #[arg(long = "noise", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=20_000))]
     noise_count: u32,
     #[command(flatten)]
     common: Common,

@@ -4,14 +4,14 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::Placed;
 use curvlay_trajectory::{
-    Bounds, FEWEST_WAYPOINTS, FilterOptions, LadderOptions, RunIn, Rung, Timeline, Trajectory, filter_locally,
-    jerk_measure, plan_ladder,
+    Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderOptions, Quantity, RunIn, Rung, Timeline, Trajectory,
+    filter_locally, jerk_measure, plan_ladder, smooth_globally,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 /// The methods, by the words of the summary.
-pub const METHODS: [&str; 3] = ["ladder", "local", "grid"];
+pub const METHODS: [&str; 4] = ["ladder", "local", "global", "grid"];
 
 /// A motion by one method.
 #[derive(Clone, Debug)]
@@ -39,8 +39,11 @@ pub struct Figures {
     /// How far joints are from their waypoints.
     pub missed_mm: f64,
     pub missed_rad: f64,
-    /// Bounds that do not hold everywhere, in words.
+    /// Bounds that do not hold everywhere, in words, and how many of them are not on jerk.
     pub violations: Vec<String>,
+    pub hard_violations: usize,
+    /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
+    pub jerk_lower_bound: Option<f64>,
 }
 
 impl Figures {
@@ -90,17 +93,28 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
     for (robot, times) in robots.iter().zip(times) {
         let bounds = robot.bounds(plan.makers_speeds);
         let (ladder, ladder_time) = climb(robot, times, &bounds, [4; F], plan.doublings, bars)?;
+        let mut local = None;
         for &method in plan.methods {
             let started = Instant::now();
+            let (mut lower_bound, mut whole) = (None, None);
             let (motion, time) = match method {
                 "local" => {
                     let motion = smoothed(robot, times, &bounds, &ladder, bars)?;
+                    local = Some((motion.clone(), started.elapsed()));
                     (motion, ladder_time + started.elapsed())
+                }
+                "global" => {
+                    let (start, before) = better(&ladder, local.as_ref(), times)?;
+                    let (motion, trajectories, bound) = globally(robot, times, &bounds, start, bars)?;
+                    (lower_bound, whole) = (bound, Some(trajectories));
+                    (motion, ladder_time + before + started.elapsed())
                 }
                 "grid" => climb(robot, times, &bounds, plan.grid, 0, bars)?,
                 _ => (ladder.clone(), ladder_time),
             };
-            let planned = measured(method, robot, times, &bounds, &motion, motion.splines(times)?, time);
+            let trajectories = whole.map_or_else(|| motion.splines(times), Ok)?;
+            let mut planned = measured(method, robot, times, &bounds, &motion, trajectories, time);
+            planned.figures.jerk_lower_bound = lower_bound;
             match all.iter_mut().find(|known| known.method == method) {
                 Some(known) => known.append(planned),
                 None => all.push(planned),
@@ -149,6 +163,51 @@ fn smoothed<const N: usize, const F: usize, R: Placed<N, F>>(
     Ok(motion)
 }
 
+/// The ladder's path or the local filter's, whichever has less jerk as a spline, and the time that it took beyond the
+/// ladder.
+fn better<'a, const N: usize, const F: usize>(
+    ladder: &'a Motion<N, F>,
+    local: Option<&'a (Motion<N, F>, Duration)>,
+    times: &[f64],
+) -> Result<(&'a Motion<N, F>, Duration), Failure> {
+    let jerk = |motion: &Motion<N, F>| -> Result<f64, Failure> {
+        Ok(motion.splines(times)?.iter().map(Trajectory::squared_jerk).sum())
+    };
+    let Some((filtered, time)) = local else { return Ok((ladder, Duration::ZERO)) };
+    Ok((if jerk(filtered)? < jerk(ladder)? { filtered } else { ladder }, *time))
+}
+
+/// A motion by the global filter, its trajectories, and the lower bound of its greatest jerk.
+type Global<const N: usize, const F: usize> = (Motion<N, F>, Vec<Trajectory<N>>, Option<f64>);
+
+/// The global filter on every run that is long enough.
+fn globally<const N: usize, const F: usize, R: Placed<N, F>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    start: &Motion<N, F>,
+    bars: &Bars,
+) -> Result<Global<N, F>, Failure> {
+    let (mut motion, mut trajectories, mut lower_bound) = (start.clone(), start.splines(times)?, None);
+    for (run, trajectory) in start.runs.iter().zip(&mut trajectories).filter(|(run, _)| run.len() >= FEWEST_WAYPOINTS) {
+        let line = Timeline::new(&times[run.clone()], RunIn::default())?;
+        let (part, rungs) = (robot.part(run.clone()), &start.rungs[run.clone()]);
+        let found = smooth_globally(&part, &line, rungs, bounds, &GlobalOptions::default(), &|step| {
+            bars.update(step.stage, step.done, step.total);
+            ControlFlow::Continue(())
+        })?;
+        motion.rungs[run.clone()].copy_from_slice(&found.rungs);
+        lower_bound = greater(lower_bound, found.peak.map(|peak| peak.lower_bound));
+        *trajectory = found.trajectory;
+    }
+    Ok((motion, trajectories, lower_bound))
+}
+
+/// The greater of what there is.
+fn greater(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    a.into_iter().chain(b).reduce(f64::max)
+}
+
 fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
     method: &'static str,
     robot: &R,
@@ -169,6 +228,8 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
         missed_mm: 0.0,
         missed_rad: 0.0,
         violations: Vec::new(),
+        hard_violations: 0,
+        jerk_lower_bound: None,
     };
     for (waypoint, rung) in motion.rungs.iter().enumerate() {
         let (mm, rad) = robot.missed(waypoint, &rung.joints);
@@ -184,7 +245,9 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
             figures.velocity = figures.velocity.max(joint.velocity.value.abs());
             figures.acceleration = figures.acceleration.max(joint.acceleration.value.abs());
         }
-        figures.violations.extend(trajectory.violations(bounds, 1e-6).iter().map(ToString::to_string));
+        let violations = trajectory.violations(bounds, 1e-6);
+        figures.hard_violations += violations.iter().filter(|violation| violation.quantity != Quantity::Jerk).count();
+        figures.violations.extend(violations.iter().map(ToString::to_string));
     }
     Planned { method, trajectories, figures }
 }
@@ -203,6 +266,8 @@ impl<const N: usize> Planned<N> {
         ours.missed_mm = ours.missed_mm.max(theirs.missed_mm);
         ours.missed_rad = ours.missed_rad.max(theirs.missed_rad);
         ours.violations.extend(theirs.violations);
+        ours.hard_violations += theirs.hard_violations;
+        ours.jerk_lower_bound = greater(ours.jerk_lower_bound, theirs.jerk_lower_bound);
         self.trajectories.extend(next.trajectories);
     }
 }

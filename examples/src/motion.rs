@@ -17,7 +17,7 @@ const SPEED_RAD_S: f64 = 1.0;
 const ACCELERATION_RAD_S2: f64 = 5.0;
 const JERK_RAD_S3: f64 = 1.0;
 
-/// How far the table may tilt to either side.
+/// How far the table may tilt to either side at a waypoint; its own stops are farther.
 const MOST_TILT: f64 = PI / 3.0;
 
 /// Numbers of ours that make no cell; never seen.
@@ -187,8 +187,8 @@ impl Placed<8, 3> for OverTable {
         let (arm, table) = (self.cell.arm().limits(), self.cell.positioner().limits());
         let joined = |arm: [f64; 6], table: [f64; 2]| eight(&arm, table);
         let limits = JointLimits {
-            lower: joined(arm.lower, [-MOST_TILT, table.lower[1]]),
-            upper: joined(arm.upper, [MOST_TILT, table.upper[1]]),
+            lower: joined(arm.lower, table.lower),
+            upper: joined(arm.upper, table.upper),
             velocity: joined(arm.velocity, table.velocity),
             ..JointLimits::NONE
         };

@@ -47,13 +47,14 @@ fn the_spiral_is_planned_on_both_robots() {
     );
     let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key}"));
     for robot in ["ur3", "cell8"] {
-        for method in ["ladder", "local", "grid"] {
+        for method in ["ladder", "local", "global", "grid"] {
             for key in ["j", "spline_jerk", "max_jerk", "max_velocity", "plan_s"] {
                 assert!(figure(&format!("{robot}_{method}_{key}")) > 0.0);
             }
             assert!(figure(&format!("{robot}_{method}_missed_mm")) <= 1e-6);
         }
         assert!(figure(&format!("{robot}_local_j")) <= figure(&format!("{robot}_ladder_j")) * (1.0 + 1e-9));
+        assert!(figure(&format!("{robot}_global_spline_jerk")) < figure(&format!("{robot}_ladder_spline_jerk")));
         for degrees in [5, 10, 15] {
             let [before, after] =
                 ["ladder", "local"].map(|method| figure(&format!("{robot}_noise{degrees}_{method}_j")));
