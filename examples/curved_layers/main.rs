@@ -8,6 +8,7 @@
 
 mod field;
 mod machine;
+mod motion;
 mod outputs;
 mod paths;
 mod surfaces;
@@ -21,6 +22,7 @@ use curvlay_examples::shapes::jug;
 use curvlay_layers::curved::surface::SavedField;
 use field::FieldRun;
 use machine::MachineRun;
+use motion::MotionRun;
 use paths::PathsRun;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -75,6 +77,8 @@ enum Stage {
     Paths,
     /// The machine file: how the nozzle stands and what it lays down.
     Gcode,
+    /// Joint trajectories of a UR3 that holds the part, transfers included; only on demand.
+    Motion,
 }
 
 fn main() -> ExitCode {
@@ -98,12 +102,16 @@ struct Results {
     surfaces: Option<SurfacesRun>,
     paths: Option<PathsRun>,
     machine: Option<MachineRun>,
+    motion: Option<MotionRun>,
 }
 
 impl Results {
     fn is_ok(&self) -> bool {
         let machine = self.machine.as_ref();
-        self.field.audit.is_ok() && machine.is_none_or(|machine| machine.failed_checks().is_empty())
+        let motion = self.motion.as_ref();
+        self.field.audit.is_ok()
+            && machine.is_none_or(|machine| machine.failed_checks().is_empty())
+            && motion.is_none_or(|motion| motion.collisions == 0 && motion.bounds_missed == 0)
     }
 }
 
@@ -116,7 +124,9 @@ fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Res
         let paths = filled.map(|surfaces| paths::run(args, surfaces, bars)).transpose()?;
         let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
         let machine = filled.map(|(surfaces, paths)| machine::run(args, surfaces, paths, bars)).transpose()?;
-        Ok(Results { field, surfaces, paths, machine })
+        let filled = surfaces.as_ref().zip(machine.as_ref()).filter(|_| args.stage >= Stage::Motion);
+        let motion = filled.map(|(surfaces, machine)| motion::run(&field, surfaces, machine, bars)).transpose()?;
+        Ok(Results { field, surfaces, paths, machine, motion })
     })
 }
 

@@ -73,6 +73,21 @@ impl PartInHand {
         let part = Isometry3::translation(0.0, 0.0, 45.0);
         Ok(PartInHand { cell: Cell::part_in_hand(Arm::new(&robots::UR3)?, part, nozzle)?, waypoints })
     }
+
+    /// The cell.
+    pub fn cell(&self) -> &Cell {
+        &self.cell
+    }
+
+    /// A waypoint.
+    pub fn at(&self, waypoint: usize) -> Waypoint {
+        self.waypoints[waypoint]
+    }
+
+    /// The same cell with other waypoints.
+    pub fn with(&self, waypoints: Vec<Waypoint>) -> Self {
+        PartInHand { cell: self.cell, waypoints }
+    }
 }
 
 impl Robot<6, 1> for PartInHand {

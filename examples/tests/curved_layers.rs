@@ -180,7 +180,7 @@ fn a_curve_fills_each_layer() {
     assert!(figure("max_turn_deg") < 1e-6);
     assert!((figure("extruded_mm3") / 1000.0 - 1.0).abs() < 0.02, "{}", figure("extruded_mm3"));
     let file = fs::File::open(Path::new(&out).join("toolpath.gcode")).unwrap();
-    assert_eq!(file.metadata().unwrap().len() as f64, figure("gcode_bytes"));
+    assert_eq!(Some(file.metadata().unwrap().len()), figures["gcode_bytes"].as_u64());
     let options = ReadOptions { home: Some(Point3::origin()), ..ReadOptions::default() };
     let moves = GcodeReader::new(BufReader::new(file), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
     let filament = |step: &Move| if let Move::Print { filament_mm, .. } = step { Some(*filament_mm) } else { None };
@@ -193,6 +193,33 @@ fn a_curve_fills_each_layer() {
     assert_eq!(retracts, count("retractions"));
     let above = |step: &&Move| matches!(step, Move::Print { direction, .. } if direction.z > 1.0 - 1e-12);
     assert_eq!(moves.iter().filter(above).count(), beads.len());
+}
+
+/// A small block in the hand of a UR3: every waypoint is met, nothing touches, every layer is reached.
+#[test]
+fn a_robot_prints_a_block() {
+    let scratch = Scratch::new("motion");
+    let mesh = scratch.path("block.stl");
+    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [16.0, 12.0, 4.0]]])).unwrap();
+    let out = scratch.path("out");
+    let output = run(&["--mesh", &mesh, "--cell", "2", "--stage", "motion", "--quiet", "--out", &out]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    let count = |key: &str| figures[key].as_u64().unwrap();
+    assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
+    assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
+    assert_eq!((count("collisions"), count("bounds_missed")), (0, 0));
+    assert!(figures["waypoint_error_mm"].as_f64().unwrap() < 1e-6);
+    // The robot moves at least as long as the plan of the deposition prints, and its time rises from line to line.
+    let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let times: Vec<f64> = lines.iter().map(|line| line[0].parse().unwrap()).collect();
+    assert!(times.windows(2).all(|pair| pair[0] <= pair[1]));
+    let robot_s = figures["robot_time_s"].as_f64().unwrap();
+    assert!((times[times.len() - 1] - robot_s).abs() < 1e-3 && robot_s > 192.0 * 4.0 / 8.0);
+    let printed = lines.iter().filter(|line| line[7] == "print").count() as u64;
+    assert_eq!(printed, count("waypoints"));
+    assert!(lines.iter().any(|line| line[7] == "transfer") && lines.iter().any(|line| line[7] == "run"));
 }
 
 #[test]

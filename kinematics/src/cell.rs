@@ -174,6 +174,16 @@ impl Cell {
         &self.arm
     }
 
+    /// Where what the arm holds is on its flange: the part, or the nozzle.
+    pub fn held(&self) -> Isometry3<f64> {
+        self.flange_held
+    }
+
+    /// Where what the arm does not hold is in the base: the nozzle, or the part.
+    pub fn other(&self) -> Isometry3<f64> {
+        self.base_other
+    }
+
     /// Where the flange must be for a waypoint at a tool angle, `base_flange`: Eq. 2.3 solved for it.
     pub fn flange(&self, waypoint: &Waypoint, tool_angle: f64) -> Isometry3<f64> {
         let part_deposition = waypoint.frame(tool_angle);

@@ -4,6 +4,7 @@
 
 mod field;
 mod machine;
+mod motion;
 mod paths;
 mod pictures;
 mod surfaces;
@@ -20,7 +21,7 @@ use std::time::Duration;
 type Picture = (String, Vec<u8>);
 
 pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<(), Failure> {
-    let Results { field: run, surfaces, paths, machine } = results;
+    let Results { field: run, surfaces, paths, machine, motion } = results;
     let mut summary = Summary::new();
     let mut table = Table::new(["", ""]);
 
@@ -43,6 +44,11 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         machine::summary(run, &written, &mut summary)?;
         machine::rows(run, &written, &mut table);
     }
+    if let Some(run) = motion {
+        motion::products(run, folder)?;
+        motion::summary(run, &mut summary)?;
+        motion::rows(run, &mut table);
+    }
 
     let mut report = Report::new(&format!("Curved layers: {}", part.name));
     field::report(run, &table, &mut report)?;
@@ -53,6 +59,9 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         }
     }
     machine.iter().for_each(|machine| machine::report(machine, &mut report));
+    if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
+        motion::report(surfaces, motion, &mut report)?;
+    }
     field::comparison(part, run, &mut report);
     folder.write("report.html", report.to_html())?;
     // The summary comes last: where it is, all is there.
