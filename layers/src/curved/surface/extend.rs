@@ -16,6 +16,11 @@ use crate::curved::Cells;
 /// slow; with a higher one a cell would hold more surfaces than any nozzle can lay.
 pub const JUMP: f64 = 2.0;
 
+/// Cells that a thread takes at least: a few hundred microseconds of work. With fewer the threads spend more on sharing
+/// out, with more a small part keeps one of them busy.
+#[cfg(feature = "rayon")]
+const LEAST_SHARE: usize = 1024;
+
 /// Rings of cells around the part that get a value.
 const RINGS: i32 = 2;
 
@@ -71,7 +76,8 @@ impl ExtendedField {
 /// If `cells` are of a grid of other dimensions than the field.
 ///
 /// # Cost
-/// `O(n)` for `n` cells of the grid, 9 bytes each, and some tenths of a microsecond for each ring cell.
+/// `O(n)` for `n` cells of the grid, some 30 bytes each, and some tenths of a microsecond for each ring cell. With the
+/// feature `rayon` cells are shared out among threads; the result is the same.
 ///
 /// # Example
 /// ```
@@ -106,8 +112,8 @@ pub fn extend(field: &LayerField, cells: &Cells) -> ExtendedField {
         is_ring[node_of(cell)] = false;
     }
     let ring: Vec<usize> = (0..is_ring.len()).filter(|&node| is_ring[node]).collect();
-    let slopes = Slopes::new(&lattice);
-    let continued: Vec<Option<(f64, usize)>> = ring.iter().map(|&node| continued(&lattice, &slopes, node)).collect();
+    let forecast = Forecast::new(&lattice);
+    let continued = in_parallel(ring.len(), |k| forecast.at(ring[k]));
 
     // The owner of each node: itself, or that of the ring cell.
     let mut owner: Vec<u32> = vec![u32::MAX; lattice.values.len()];
@@ -159,52 +165,75 @@ fn shifted(node: usize, offset: [i32; 3], strides: [usize; 3]) -> usize {
     node.wrapping_add_signed(step)
 }
 
-/// Slopes of the part's own cells, worked out once.
-struct Slopes {
-    of: Vec<[f32; 3]>,
-}
-
-impl Slopes {
-    /// Slopes of all nodes that have a value and lack a joined neighbour within two steps, or might.
-    fn new(lattice: &Lattice) -> Self {
-        let slopes = |node: usize| {
-            if lattice.values[node].is_nan() {
-                return [0.0; 3];
-            }
-            [0, 1, 2].map(|axis| lattice.slope(node, axis) as f32)
-        };
-        Slopes { of: (0..lattice.values.len()).map(slopes).collect() }
+/// `of` for all numbers below `count`, in their order; by several threads with the feature `rayon`.
+fn in_parallel<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().with_min_len(LEAST_SHARE).map(of).collect()
     }
+    #[cfg(not(feature = "rayon"))]
+    (0..count).map(of).collect()
 }
 
-/// What the part foretells for a ring cell, and the node that owns it.
-fn continued(lattice: &Lattice, slopes: &Slopes, node: usize) -> Option<(f64, usize)> {
-    let strides = lattice.strides();
-    let place = lattice.position(node);
-    let within =
-        |offset: &[i32; 3]| (0..3).all(|k| place[k].checked_add_signed(offset[k]).is_some_and(|c| c < lattice.dims[k]));
-    let forecast = |offset: [i32; 3]| {
-        let from = shifted(node, offset, strides);
-        let value = lattice.values[from];
-        (!value.is_nan()).then(|| {
-            let ahead: f64 = (0..3).map(|k| f64::from(slopes.of[from][k]) * -f64::from(offset[k])).sum();
-            (value + ahead, from)
-        })
-    };
-    let squared = |offset: &[i32; 3]| offset.iter().map(|o| o * o).sum::<i32>();
-    let near = || BLOCK.iter().copied().filter(within);
-    let (_, nearest) = near().filter_map(|offset| Some((squared(&offset), forecast(offset)?))).min_by_key(|n| n.0)?;
-    let (mut sum, mut weights) = (0.0, 0.0);
-    for offset in near() {
-        if let Some((value, _)) = forecast(offset)
-            && (value - nearest.0).abs() < JUMP
-        {
-            let weight = f64::from(squared(&offset)).powi(-2);
+/// What the part foretells for the cells around it.
+struct Forecast<'a> {
+    values: &'a [f64],
+    /// Slopes of the part's own cells, worked out once.
+    slopes: Vec<[f32; 3]>,
+    reach: [Reach; BLOCK.len()],
+}
+
+/// A step to a node that may foretell something.
+#[derive(Clone, Copy)]
+struct Reach {
+    step: isize,
+    /// The way back.
+    back: [f64; 3],
+    squared: i32,
+    weight: f64,
+}
+
+impl<'a> Forecast<'a> {
+    fn new(lattice: &'a Lattice) -> Self {
+        let strides = lattice.strides().map(|stride| stride as isize);
+        let reach = BLOCK.map(|offset| {
+            let squared = offset.iter().map(|o| o * o).sum::<i32>();
+            let step = (0..3).map(|k| offset[k] as isize * strides[k]).sum();
+            Reach { step, back: offset.map(|o| -f64::from(o)), squared, weight: f64::from(squared).powi(-2) }
+        });
+        let slopes = in_parallel(lattice.values.len(), |node| {
+            if lattice.values[node].is_nan() { [0.0; 3] } else { lattice.slopes(node).map(|slope| slope as f32) }
+        });
+        Forecast { values: &lattice.values, slopes, reach }
+    }
+
+    /// The value of a ring cell, and the node that owns it.
+    ///
+    /// A step across the border of the lattice ends in the room at the other side, which is empty as yet.
+    fn at(&self, node: usize) -> Option<(f64, usize)> {
+        let mut foretold = [(0.0, 0.0); BLOCK.len()];
+        let mut count = 0;
+        let mut nearest: Option<(i32, f64, usize)> = None;
+        for reach in &self.reach {
+            let from = node.wrapping_add_signed(reach.step);
+            let Some(value) = self.values.get(from).filter(|value| !value.is_nan()) else { continue };
+            let ahead: f64 = (0..3).map(|k| f64::from(self.slopes[from][k]) * reach.back[k]).sum();
+            let value = value + ahead;
+            foretold[count] = (value, reach.weight);
+            count += 1;
+            if nearest.is_none_or(|(squared, ..)| reach.squared < squared) {
+                nearest = Some((reach.squared, value, from));
+            }
+        }
+        let (_, own, owner) = nearest?;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (value, weight) in foretold[..count].iter().filter(|(value, _)| (value - own).abs() < JUMP) {
             sum += weight * value;
             weights += weight;
         }
+        Some((sum / weights, owner))
     }
-    Some((sum / weights, nearest.1))
 }
 
 /// Who hangs together with whom in the part itself.

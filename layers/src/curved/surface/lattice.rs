@@ -74,17 +74,23 @@ impl Lattice {
         is_cut.then(|| [a + self.slope(low, axis) / 2.0, b - self.slope(high, axis) / 2.0])
     }
 
-    /// Slope at a node along an axis: over both joined neighbours, or the one that there is. Along an axis that is cut
-    /// on both sides it is what is missing to a layer a cell, towards what comes later; without neighbours it is zero.
+    /// Slope at a node along an axis, as [`Lattice::slopes`] has it.
     pub(super) fn slope(&self, node: usize, axis: usize) -> f64 {
+        self.joined_slope(node, axis).unwrap_or_else(|| self.slopes(node)[axis])
+    }
+
+    /// Slope at a node along each axis: over both joined neighbours, or the one that there is. Along an axis that is cut
+    /// on both sides it is what is missing to a layer a cell, towards what comes later; without neighbours it is zero.
+    pub(super) fn slopes(&self, node: usize) -> [f64; 3] {
         let known = [0, 1, 2].map(|axis| self.joined_slope(node, axis));
-        if let Some(slope) = known[axis] {
-            return slope;
+        if let [Some(x), Some(y), Some(z)] = known {
+            return [x, y, z];
         }
         let ways = [0, 1, 2].map(|axis| if known[axis].is_some() { 0.0 } else { self.later(node, axis) });
         let cut: f64 = ways.iter().map(|way| way * way).sum();
         let missing = 1.0 - known.iter().flatten().map(|slope| slope * slope).sum::<f64>();
-        if cut > 0.0 { ways[axis] * (missing.max(0.0) / cut).sqrt() } else { 0.0 }
+        let share = if cut > 0.0 { (missing.max(0.0) / cut).sqrt() } else { 0.0 };
+        [0, 1, 2].map(|axis| known[axis].unwrap_or(ways[axis] * share))
     }
 
     fn joined_slope(&self, node: usize, axis: usize) -> Option<f64> {
@@ -128,7 +134,7 @@ impl Lattice {
     /// Mean slope, in any direction, over all nodes at which there is one.
     pub(super) fn mean_slope(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
-        for slope in self.slopes() {
+        for slope in self.steepness() {
             sum += slope;
             count += 1.0;
         }
@@ -139,7 +145,7 @@ impl Lattice {
     /// slope is steep there is more of a surface, so each node counts by its slope.
     pub(super) fn unevenness(&self) -> f64 {
         let (mut weight, mut mean, mut square) = (0.0, 0.0, 0.0);
-        for slope in self.slopes() {
+        for slope in self.steepness() {
             weight += slope;
             mean += 1.0; // slope * (1 / slope)
             square += 1.0 / slope;
@@ -147,10 +153,10 @@ impl Lattice {
         if weight > 0.0 { (square * weight / (mean * mean) - 1.0f64).max(0.0).sqrt() } else { 0.0 }
     }
 
-    /// The slopes of the nodes that have one.
-    fn slopes(&self) -> impl Iterator<Item = f64> {
-        let slope = |node: usize| [0, 1, 2].map(|axis| self.slope(node, axis).powi(2)).iter().sum::<f64>().sqrt();
-        (0..self.values.len()).filter(|&node| !self.values[node].is_nan()).map(slope).filter(|&slope| slope > 0.0)
+    /// The slopes, in any direction, of the nodes that have one.
+    fn steepness(&self) -> impl Iterator<Item = f64> {
+        let steepness = |node: usize| self.slopes(node).map(|slope| slope.powi(2)).iter().sum::<f64>().sqrt();
+        (0..self.values.len()).filter(|&node| !self.values[node].is_nan()).map(steepness).filter(|&slope| slope > 0.0)
     }
 
     /// Pairs of neighbours whose values are `jump` or more apart.
