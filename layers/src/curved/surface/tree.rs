@@ -1,12 +1,12 @@
-//! A tree of boxes over the triangles of many surfaces, for rays that are short.
+//! A tree of boxes over the triangles of many surfaces, for short lines across them.
 
 use super::spacing::SurfaceSlices;
 use nalgebra::{Point3, Vector3};
 
-/// Triangles in a leaf. Fewer make the tree deeper, more make rays look at triangles in vain.
+/// Triangles in a leaf. Fewer make the tree deeper, more make lines look at triangles in vain.
 const LEAF: usize = 4;
 
-/// How far beyond its edge a triangle still counts, as a share of the triangle: a ray through an edge that two
+/// How far beyond its edge a triangle still counts, as a share of the triangle: a line through an edge that two
 /// triangles share meets at least one of them.
 const OVERLAP: f64 = 1e-9;
 
@@ -31,12 +31,14 @@ struct Triangle {
     surface: u32,
 }
 
-/// What a ray met.
+/// What a line met. Distances are not negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Hit {
-    /// Distance to the neighbour that was asked for.
-    pub(super) neighbour: Option<f64>,
-    /// Whether another surface than the ray's own is near.
+pub(super) struct Hits {
+    /// Distance along the line to the next surface.
+    pub(super) above: Option<f64>,
+    /// Distance against it to the surface before.
+    pub(super) below: Option<f64>,
+    /// Whether another surface than the line's own is near.
     pub(super) near: bool,
 }
 
@@ -89,32 +91,23 @@ impl Tree {
         at
     }
 
-    /// Follows a ray from `start`, a point of `own`, and looks for the surface `neighbour` within `reach` where its
-    /// normal goes along `normal`, and for any other surface within `near`.
-    #[allow(clippy::too_many_arguments)] // one question, asked in one place
-    pub(super) fn cast(
-        &self,
-        start: Point3<f64>,
-        direction: Vector3<f64>,
-        normal: &Vector3<f64>,
-        own: usize,
-        neighbour: Option<usize>,
-        reach: f64,
-        near: f64,
-    ) -> Hit {
-        let inverse = direction.map(|d| 1.0 / d);
-        let mut hit = Hit::default();
+    /// Follows a line both ways from `start`, a point of the surface `own`, and looks for the surfaces before and after
+    /// it within `reach`, below and above, where their normals go along the line; and for any other surface within
+    /// `near`. `normal` is the way of the line, one long.
+    pub(super) fn cast(&self, start: Point3<f64>, normal: &Vector3<f64>, own: u32, reach: [f64; 2], near: f64) -> Hits {
+        let inverse = normal.map(|d| 1.0 / d);
+        let mut hits = Hits::default();
         if self.nodes.is_empty() {
-            return hit;
+            return hits;
         }
+        let [mut below, mut above] = reach.map(|reach| reach.max(near));
         // Triangles are halved on the way down: no tree of 2^32 of them is deeper.
         let (mut stack, mut waiting) = ([0; 33], 1);
         while waiting > 0 {
             waiting -= 1;
             let at = stack[waiting];
             let node = &self.nodes[at];
-            let limit = if neighbour.is_none() { near } else { hit.neighbour.unwrap_or(reach).max(near) };
-            if !node.meets(&start, &inverse, limit) {
+            if !node.meets(&start, &inverse, -below, above) {
                 continue;
             }
             if node.count == 0 {
@@ -124,33 +117,43 @@ impl Tree {
                 continue;
             }
             for triangle in &self.triangles[node.first as usize..][..node.count as usize] {
-                if triangle.surface as usize == own {
+                if triangle.surface == own {
                     continue;
                 }
-                let Some(distance) = triangle.distance(&start, &direction) else { continue };
-                hit.near |= distance < near;
-                if Some(triangle.surface as usize) == neighbour
-                    && distance < hit.neighbour.unwrap_or(reach)
-                    && triangle.sides[0].cross(&triangle.sides[1]).dot(normal) > 0.0
+                let Some(along) = triangle.place_along(&start, normal) else { continue };
+                let distance = along.abs();
+                hits.near |= distance < near;
+                let faces = || triangle.sides[0].cross(&triangle.sides[1]).dot(normal) > 0.0;
+                if triangle.surface == own + 1 && along >= 0.0 {
+                    if distance < hits.above.unwrap_or(reach[1]) && faces() {
+                        hits.above = Some(distance);
+                        above = distance.max(near);
+                    }
+                } else if triangle.surface + 1 == own
+                    && along <= 0.0
+                    && distance < hits.below.unwrap_or(reach[0])
+                    && faces()
                 {
-                    hit.neighbour = Some(distance);
+                    hits.below = Some(distance);
+                    below = distance.max(near);
                 }
             }
         }
-        hit
+        hits
     }
 }
 
 impl Node {
-    /// Whether a ray comes through the box within `limit`. Where it runs along a side, not-a-number is left out.
-    fn meets(&self, start: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
-        let (mut enter, mut leave) = (0.0f64, limit);
+    /// Whether a line comes through the box between two places on it, as far as rounding allows. Where it runs along a
+    /// side, not-a-number is left out.
+    fn meets(&self, start: &Point3<f64>, inverse: &Vector3<f64>, from: f64, to: f64) -> bool {
+        let (mut enter, mut leave) = (from, to);
         for k in 0..3 {
             let [a, b] = [self.low[k], self.high[k]].map(|side| (side - start[k]) * inverse[k]);
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
-        enter <= leave * (1.0 + 1e-12)
+        enter <= leave + 1e-12 * (to - from)
     }
 }
 
@@ -163,19 +166,19 @@ impl Triangle {
         [0, 1, 2].map(|k| self.corner[k] + (self.sides[0][k] + self.sides[1][k]) / 3.0)
     }
 
-    /// How far along the ray the triangle is met (Moller and Trumbore 1997).
-    fn distance(&self, start: &Point3<f64>, direction: &Vector3<f64>) -> Option<f64> {
+    /// Where on the line the triangle is met (Moller and Trumbore 1997); less than 0 before its start.
+    fn place_along(&self, start: &Point3<f64>, direction: &Vector3<f64>) -> Option<f64> {
         let [e1, e2] = &self.sides;
         let across = direction.cross(e2);
         let det = e1.dot(&across);
-        if det == 0.0 {
-            return None;
-        }
         let from = start - self.corner;
         let u = from.dot(&across) / det;
+        // Where the line runs along the triangle, this is not a number or without end.
+        if !(-OVERLAP..=1.0 + 2.0 * OVERLAP).contains(&u) {
+            return None;
+        }
         let turned = from.cross(e1);
         let v = direction.dot(&turned) / det;
-        let distance = e2.dot(&turned) / det;
-        (u >= -OVERLAP && v >= -OVERLAP && u + v <= 1.0 + OVERLAP && distance >= 0.0).then_some(distance)
+        (v >= -OVERLAP && u + v <= 1.0 + OVERLAP).then(|| e2.dot(&turned) / det)
     }
 }
