@@ -12,8 +12,9 @@
 //! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
 //! are tried, and the field with the more even slope and fewer waits is taken.
 //!
-//! The result is audited. If it fails, or a cell is left over, the clock is held closer to the order, and at last
-//! the order itself is the field. So what comes out always passes the audit.
+//! The result is audited. If it fails, it is the turn of the less even one. If that fails too, or a cell is left over,
+//! the clock is held closer to the order, and at last the order itself is the field. So what comes out always passes
+//! the audit.
 
 use super::extend::JUMP;
 use super::field::{FieldError, LayerField, plain_field};
@@ -94,8 +95,9 @@ pub enum EvenError {
 /// [`EvenError`].
 ///
 /// # Cost
-/// About twice that of growing the order with incremental prevention and of an audit, on two threads with the feature
-/// `rayon`; twice as much where fronts often wait, more if it has to try again. The same input gives the same field on any number of threads.
+/// About that of growing the order twice with incremental prevention, on two threads with the feature `rayon`, and of an
+/// audit; twice as much where fronts often wait, more if it has to try again. The same input gives the same field on
+/// any number of threads.
 ///
 /// # Example
 /// ```
@@ -126,19 +128,17 @@ pub fn even(
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
     let layers = order.field(plain.values().len());
     for lag in LAGS {
-        let attempt = |stays_level: bool, restart: f64| -> Result<Option<(f64, Even)>, EvenError> {
+        let attempt = |stays_level: bool, restart: f64| -> Result<Option<Attempt>, EvenError> {
             let release = layers.iter().map(|&layer| (f64::from(layer) - lag).max(0.0)).collect();
             let clocked = grow_by_clock(&built, platform, rules, release, stays_level, restart, progress)?;
             if !clocked.complete {
                 return Ok(None);
             }
             let field = LayerField::new(cells, clocked.times, 1.0)?;
-            let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
             let lattice = Lattice::of(&field, JUMP);
             let jumps = lattice.jumps(JUMP);
             let unevenness = lattice.unevenness() + jumps as f64 / field.count() as f64;
-            let method = EvenMethod::Clock { lag, stays_level };
-            Ok(audit.is_ok().then_some((unevenness, Even { field, method, audit, jumps })))
+            Ok(Some(Attempt { field, method: EvenMethod::Clock { lag, stays_level }, jumps, unevenness }))
         };
         let mut best = None;
         for restart in RESTARTS {
@@ -146,11 +146,15 @@ pub fn even(
             let (level, turning) = rayon::join(|| attempt(true, restart), || attempt(false, restart));
             #[cfg(not(feature = "rayon"))]
             let (level, turning) = (attempt(true, restart), attempt(false, restart));
-            let evener = match (level?, turning?) {
-                (Some(level), Some(turning)) => Some(if level.0 <= turning.0 { level.1 } else { turning.1 }),
-                (one, other) => one.or(other).map(|only| only.1),
-            };
-            best = evener.or(best);
+            let mut attempts: Vec<Attempt> = [level?, turning?].into_iter().flatten().collect();
+            attempts.sort_by(|a, b| a.unevenness.total_cmp(&b.unevenness));
+            for Attempt { field, method, jumps, .. } in attempts {
+                let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
+                if audit.is_ok() {
+                    best = Some(Even { field, method, audit, jumps });
+                    break;
+                }
+            }
             if best.as_ref().is_some_and(|even| even.jumps as f64 <= MANY_JUMPS * even.field.count() as f64) {
                 break;
             }
@@ -166,6 +170,15 @@ pub fn even(
     } else {
         Err(EvenError::Order(Box::new(audit)))
     }
+}
+
+/// What came of one run of the clock; not audited yet.
+struct Attempt {
+    field: LayerField,
+    method: EvenMethod,
+    jumps: usize,
+    /// What the best has least of.
+    unevenness: f64,
 }
 
 /// The bits of the cells of an order, which are in the grid.
