@@ -121,15 +121,17 @@ fn a_roof_on_a_mast_gets_layers_half_as_uneven_as_hop_counts() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_field() {
+fn the_same_input_gives_the_same_field_on_any_number_of_threads() {
     let rows = rows_of([20, 12, 16], |[x, y, z]| z < 3 && x < 9 || (x + z) % 9 < 4 && y > 2 || z == 9);
     let cells = Cells::new([20, 12, 16], &rows).unwrap();
     let platform = Platform::under(&cells, 30.0).unwrap();
     let (growth, missed) = grown(&cells, &platform);
     let run = || even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
     let bits = |field: &[f64]| field.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-    let (one, other) = (run(), run());
+    let with = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
+    let (one, other) = (with(1), with(4));
     assert_eq!(bits(one.field.values()), bits(other.field.values()));
+    assert_eq!((one.method, &one.audit, one.jumps), (other.method, &other.audit, other.jumps));
 }
 
 #[test]

@@ -320,19 +320,41 @@ fn nothing_reaches_into_missed_cells() {
     assert!(within.clone().count() > 0 && within.clone().all(|p| p.x <= 3.01));
 }
 
+/// All numbers of an extended field around the cells, of surfaces and of their spacing, bit by bit.
+fn bits_of(cells: &Cells, field: &LayerField, levels: &[f64]) -> Vec<u64> {
+    let extended = extend(field, cells);
+    let [nx, ny, nz] = cells.dims().map(|side| -2..side as i32 + 2);
+    let places = nz.flat_map(|z| ny.clone().map(move |y| (y, z))).flat_map(|(y, z)| nx.clone().map(move |x| [x, y, z]));
+    let mut bits: Vec<u64> = places.map(|place| extended.value(place).map_or(u64::MAX, f64::to_bits)).collect();
+    let surfaces = contour(&extended, levels, 0.7, Point3::new(0.1, -0.2, 0.3)).unwrap();
+    for surface in &surfaces {
+        bits.extend(surface.points.iter().flat_map(|p| p.iter()).map(|c| c.to_bits()));
+        bits.extend(surface.triangles.iter().flatten().map(|&v| u64::from(v)));
+    }
+    let spacing = measure_spacing(&slices(&surfaces), 0.7).unwrap();
+    bits.extend(spacing.values_mm.iter().flatten().map(|value| value.map_or(u64::MAX, f64::to_bits)));
+    bits.extend(spacing.thickness_mm.iter().flatten().chain(&spacing.histogram_mm2).map(|value| value.to_bits()));
+    let sums = [spacing.mean_mm, spacing.std_mm, spacing.area_mm2, spacing.squeezed_share, spacing.volume_mm3];
+    bits.extend(sums.map(f64::to_bits));
+    bits
+}
+
 #[test]
-fn threads_change_nothing() {
-    let rows = rows_of([30, 20, 20], |[x, y, z]| (x * 7 + y * 5 + z * 3) % 11 != 0);
-    let cells = Cells::new([30, 20, 20], &rows).unwrap();
-    let field = field_of(&cells, |p| (p - Point3::new(3.0, 4.0, -20.0)).norm() - 19.0);
-    let levels: Vec<f64> = (0..20).map(|k| f64::from(k) + 0.5).collect();
-    let run = || {
-        let surfaces = surfaces_of(&cells, &field, &levels);
-        let spacing = measure_spacing(&slices(&surfaces), 1.0).unwrap();
-        (surfaces, spacing)
-    };
-    let with = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
-    assert_eq!(with(1), with(4));
+fn threads_change_no_bit() {
+    let rows = rows_of([40, 30, 20], |[x, y, z]| (x * 7 + y * 5 + z * 3) % 11 != 0);
+    let cells = Cells::new([40, 30, 20], &rows).unwrap();
+    let smooth = |p: Point3<f64>| (p - Point3::new(3.0, 4.0, -20.0)).norm() - 19.0;
+    // Waits across slopes and of single cells.
+    let waits =
+        |p: Point3<f64>| smooth(p) + if p.x > p.z + 9.0 || (p.x * 5.0 + p.y).floor() % 7.0 < 1.0 { 5.3 } else { 0.0 };
+    let levels: Vec<f64> = (0..30).map(|k| f64::from(k) + 0.5).collect();
+    for field in [field_of(&cells, smooth), field_of(&cells, waits)] {
+        let run = || bits_of(&cells, &field, &levels);
+        let with = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
+        let [one, four] = [1, 4].map(with);
+        assert!(one.len() > 100_000, "{}", one.len());
+        assert!(one == four);
+    }
 }
 
 #[test]
