@@ -15,6 +15,7 @@ use super::super::rules::Rules;
 pub(super) fn put_off(cells: &Cells, rules: &Rules, order: &LayerOrder, chances: &[u32]) -> LayerOrder {
     let mut plan = Plan {
         all: CellSet::of(cells),
+        left: CellSet::none(cells),
         offsets: rules.neighbours.offsets(),
         layer_of: order.field(chances.len()),
         chances,
@@ -22,7 +23,7 @@ pub(super) fn put_off(cells: &Cells, rules: &Rules, order: &LayerOrder, chances:
     let mut layers: Vec<Vec<u32>> = order.iter().map(<[u32]>::to_vec).collect();
     for at in 1..layers.len() {
         let mut stay = Vec::with_capacity(layers[at].len());
-        for patch in plan.patches(&layers[at], at as u32 + 1) {
+        for patch in plan.patches(&layers[at]) {
             let later = if patch.len() < SMALL_PATCH { plan.better_layer(&patch, at as u32 + 1) } else { None };
             match later {
                 Some(later) => {
@@ -45,6 +46,8 @@ pub(super) fn put_off(cells: &Cells, rules: &Rules, order: &LayerOrder, chances:
 /// Layers are counted from 1; 0 is for cells without one.
 struct Plan<'a> {
     all: CellSet,
+    /// What a walk has not reached yet; empty between walks.
+    left: CellSet,
     offsets: &'a [[i32; 3]],
     layer_of: Vec<u32>,
     chances: &'a [u32],
@@ -56,11 +59,9 @@ impl Plan<'_> {
     }
 
     /// The patches of a layer.
-    fn patches(&self, layer: &[u32], number: u32) -> Vec<Vec<u32>> {
-        let mut left: CellSet = self.all.clone();
-        left.clear();
+    fn patches(&mut self, layer: &[u32]) -> Vec<Vec<u32>> {
+        let left = &mut self.left;
         layer.iter().for_each(|&cell| _ = left.insert(cell));
-        debug_assert!(layer.iter().all(|&cell| self.layer_of[cell as usize] == number));
         let mut patches = Vec::new();
         for &start in layer {
             if !left.contains(start) {
@@ -70,9 +71,9 @@ impl Plan<'_> {
             let mut patch = vec![start];
             let mut done = 0;
             while let Some(&cell) = patch.get(done) {
-                let around: Vec<u32> = left.around(cell, self.offsets).collect();
-                around.iter().for_each(|&next| left.remove(next));
-                patch.extend(around);
+                let around = patch.len();
+                patch.extend(left.around(cell, self.offsets));
+                left.remove_all(patch[around..].iter().copied());
                 done += 1;
             }
             patches.push(patch);
