@@ -1,71 +1,29 @@
 //! Growth against a slow twin, and the properties that every growth has to have.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_hull::{ConvexHull, ConvexHull2, Depth};
+mod common;
+
+use common::{Part, are_neighbours, centre, go, hull_of, parts, rules};
+use curvlay_hull::{ConvexHull2, Depth};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::{
-    Candidates, Cells, Growth, GrowthError, GrowthOptions, MissedReason, Neighbours, PeelError, Platform, Prevention,
-    Rules, RulesError, SheetField, audit, grow, peel,
+    Candidates, Cells, Growth, GrowthError, GrowthOptions, MissedReason, PeelError, Platform, Prevention, Rules,
+    RulesError, SheetField, audit, grow, peel,
 };
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 
-fn go(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-/// A solid in a small grid, and a platform under it.
-#[derive(Clone, Debug)]
-struct Part {
-    dims: [u32; 3],
-    rows: Vec<u64>,
-    platform: Platform,
-}
-
 impl Part {
-    fn cells(&self) -> Cells<'_> {
-        Cells::new(self.dims, &self.rows).unwrap()
-    }
-
     fn grow(&self, rules: &Rules, prevention: Prevention) -> Growth {
         let options = GrowthOptions { prevention, ..GrowthOptions::default() };
         grow(&self.cells(), &self.platform, rules, &options, None, &go).unwrap()
     }
 }
 
-fn centre([x, y, z]: [u32; 3]) -> [i32; 3] {
-    [x, y, z].map(|c| 2 * c as i32 + 1)
-}
-
-/// The hull of the platform and the given cells, made afresh.
-fn hull_of(part: &Part, rules: &Rules, built: impl IntoIterator<Item = u32>) -> ConvexHull {
-    let depth = Depth::new(2.0 * rules.eps).unwrap();
-    let mut hull = ConvexHull::column(part.platform.corners(), part.platform.top(), depth).unwrap();
-    let points: Vec<_> = built.into_iter().map(|cell| centre(part.cells().position(cell))).collect();
-    hull.insert(&points).unwrap();
-    hull
-}
-
-fn are_neighbours(cells: &Cells, a: u32, b: u32, rule: Neighbours) -> bool {
-    let (a, b) = (cells.position(a), cells.position(b));
-    let apart = [0, 1, 2].map(|k| a[k].abs_diff(b[k]));
-    let norm: u32 = apart.iter().sum();
-    (1..=2).contains(&norm) && (rule == Neighbours::OneNorm || apart.iter().all(|&d| d <= 1))
-}
-
-fn standing(part: &Part) -> Vec<u32> {
-    let cells = part.cells();
-    cells
-        .iter()
-        .filter(|&cell| cells.position(cell)[2] == 0)
-        .filter(|&cell| part.platform.carries([0, 1].map(|k| centre(cells.position(cell))[k]), false))
-        .collect()
-}
-
 /// Algorithm 1 with everything made afresh for each layer.
 fn slow_greedy(part: &Part, rules: &Rules) -> Vec<Vec<u32>> {
     let cells = part.cells();
-    let mut layers = vec![standing(part)];
+    let mut layers = vec![part.standing()];
     loop {
         let built = layers.concat();
         let hull = hull_of(part, rules, built.iter().copied());
@@ -99,45 +57,18 @@ fn slow_peel(part: &Part, rules: &Rules) -> Vec<u32> {
     sheets
 }
 
-/// Random solids with holes, overhangs and loose pieces, on platforms that cover them, or not.
-fn parts() -> impl Strategy<Value = Part> {
-    let dims = [1u32..8, 1..6, 1..8];
-    (dims, any::<u64>(), 1u32..8, any::<bool>()).prop_filter_map("stands", |(dims, seed, sparse, small)| {
-        let [nx, ny, nz] = dims;
-        let mut state = seed;
-        let rows: Vec<u64> = (0..ny * nz)
-            .map(|_| {
-                (0..nx).fold(0, |row, x| {
-                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                    row | u64::from(state >> 33 & 7 >= u64::from(sparse) / 2) << x
-                })
-            })
-            .collect();
-        let size = if small { 2.0 } else { 12.0 };
-        let platform = Platform::polygon(&[[-1.0, -1.0], [size, -1.0], [size, size], [-1.0, size]]).unwrap();
-        let part = Part { dims, rows, platform };
-        (!standing(&part).is_empty()).then_some(part)
-    })
-}
-
-fn rules() -> impl Strategy<Value = Rules> {
-    let eps = prop::sample::select(vec![0.0, 0.3, 0.5, 1.0, 1.25, 2.0]);
-    let neighbours = prop::sample::select(vec![Neighbours::FaceOrEdge, Neighbours::OneNorm]);
-    (eps, neighbours).prop_map(|(eps, neighbours)| Rules { eps, neighbours, flat: false })
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn greedy_agrees_with_the_slow_twin(part in parts(), rules in rules()) {
+    fn greedy_agrees_with_the_slow_twin(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules()) {
         let growth = part.grow(&rules, Prevention::None);
         let layers: Vec<Vec<u32>> = growth.order.iter().map(<[u32]>::to_vec).collect();
         prop_assert_eq!(layers, slow_greedy(&part, &rules));
     }
 
     #[test]
-    fn peeling_agrees_with_the_slow_twin(part in parts(), rules in rules()) {
+    fn peeling_agrees_with_the_slow_twin(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules()) {
         // On the surface only, the slow twin would never end at eps 0.
         prop_assume!(rules.eps > 0.0);
         let field = peel(&part.cells(), &part.platform, &rules, &go).unwrap();
@@ -146,7 +77,7 @@ proptest! {
     }
 
     #[test]
-    fn every_growth_passes_the_audit_and_knows_what_it_missed(part in parts(), rules in rules(), governed: bool, which in 0usize..4, last: bool) {
+    fn every_growth_passes_the_audit_and_knows_what_it_missed(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules(), governed: bool, which in 0usize..4, last: bool) {
         let cells = part.cells();
         let prevention = [Prevention::None, Prevention::Incremental, Prevention::Adaptive, Prevention::FewerThanAll][which];
         let candidates = if last { Candidates::OfLastLayer } else { Candidates::OfAllLayers };
@@ -158,7 +89,7 @@ proptest! {
         prop_assert!(report.is_ok(), "{:?}", report.faults);
         prop_assert_eq!(growth.order.cells().len() + missed.len(), cells.count());
 
-        let mut joined = standing(&part);
+        let mut joined = part.standing();
         let mut done = 0;
         while done < joined.len() {
             let next: Vec<u32> = cells.iter().filter(|&c| are_neighbours(&cells, c, joined[done], rules.neighbours)).collect();
@@ -187,7 +118,7 @@ proptest! {
 
     /// A field of one value governs nothing.
     #[test]
-    fn a_constant_field_changes_nothing(part in parts(), rules in rules()) {
+    fn a_constant_field_changes_nothing(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules()) {
         let cells = part.cells();
         let mut values = vec![0; part.dims.iter().product::<u32>() as usize];
         cells.iter().for_each(|cell| values[cell as usize] = 1);
