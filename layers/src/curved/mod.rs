@@ -16,6 +16,7 @@
 mod audit;
 mod bits;
 mod body;
+mod boxes;
 mod cells;
 mod growth;
 mod order;

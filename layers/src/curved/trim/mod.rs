@@ -28,7 +28,6 @@ mod sheet;
 mod slivers;
 mod solid;
 mod surface;
-mod tree;
 mod winding;
 
 use nalgebra::Point3;

@@ -9,7 +9,7 @@ use super::crossing::{End, meet, pierce};
 use super::patch::{NEAR, NONE, Patch, SIDE};
 use super::sheet::Sheet;
 use super::solid::Solid;
-use super::tree::Bounds;
+use crate::curved::boxes::Bounds;
 use nalgebra::Point3;
 
 /// A sheet in pieces: a manifold of triangles that covers the sheet.

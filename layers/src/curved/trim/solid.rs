@@ -3,9 +3,9 @@
 use super::crossing::leaves;
 use super::edges::Edges;
 use super::surface::altitude;
-use super::tree::{Bounds, Tree};
 use super::winding::Dipoles;
 use super::{Input, MIN_ALTITUDE_MM, TrimError, check};
+use crate::curved::boxes::{Bounds, Tree};
 use nalgebra::Point3;
 
 /// Triangles lower than this are left out of a mesh that is closed without them, mm. What they add to a winding number

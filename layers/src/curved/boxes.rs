@@ -1,22 +1,22 @@
-//! A tree of boxes over the triangles of the mesh, built once for all sheets.
+//! A tree of boxes over triangles, built once for many questions.
 //!
 //! Halved at the median of the middles along the longest axis; nodes stand in the order of a walk that goes down first,
 //! each with the number of the node after its last descendant, so that a search needs no stack.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// Triangles in a leaf. Fewer cost visits, more cost tests; flat between 2 and 8.
 const LEAF: usize = 4;
 
 /// A box: its least and greatest corner.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
-    pub(super) low: Point3<f64>,
-    pub(super) high: Point3<f64>,
+pub(in crate::curved) struct Bounds {
+    pub(in crate::curved) low: Point3<f64>,
+    pub(in crate::curved) high: Point3<f64>,
 }
 
 impl Bounds {
-    pub(super) fn of<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> Bounds {
+    pub(in crate::curved) fn of<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> Bounds {
         let none = Point3::from([f64::INFINITY; 3]);
         let empty = Bounds { low: none, high: -none };
         points.into_iter().fold(empty, |all, p| Bounds { low: all.low.inf(p), high: all.high.sup(p) })
@@ -24,6 +24,18 @@ impl Bounds {
 
     fn meets(&self, other: &Bounds) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+
+    /// Whether a line comes through the box between two places on it, as far as rounding allows. `inverse` is one over
+    /// its direction. Where it runs along a side, not-a-number is left out.
+    fn is_passed(&self, start: &Point3<f64>, inverse: &Vector3<f64>, from: f64, to: f64) -> bool {
+        let (mut enter, mut leave) = (from, to);
+        for k in 0..3 {
+            let [a, b] = [self.low[k], self.high[k]].map(|side| (side - start[k]) * inverse[k]);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        enter <= leave + 1e-12 * (to - from)
     }
 
     fn distance_sq(&self, p: &Point3<f64>) -> f64 {
@@ -43,7 +55,7 @@ struct Node {
 }
 
 #[derive(Debug)]
-pub(super) struct Tree {
+pub(in crate::curved) struct Tree {
     nodes: Vec<Node>,
     /// The triangles, leaf after leaf, and their boxes.
     order: Vec<u32>,
@@ -52,7 +64,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// `boxes` are those of the triangles.
-    pub(super) fn new(boxes: &[Bounds]) -> Tree {
+    pub(in crate::curved) fn new(boxes: &[Bounds]) -> Tree {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut nodes = Vec::with_capacity(boxes.len());
         grow(&mut nodes, boxes, &mut order, 0);
@@ -60,12 +72,12 @@ impl Tree {
         Tree { nodes, order, boxes }
     }
 
-    pub(super) fn bounds(&self) -> &Bounds {
+    pub(in crate::curved) fn bounds(&self) -> &Bounds {
         &self.nodes[0].bounds
     }
 
     /// Hands over the triangles whose box meets a box, touching included.
-    pub(super) fn meeting(&self, bounds: &Bounds, mut take: impl FnMut(u32)) {
+    pub(in crate::curved) fn meeting(&self, bounds: &Bounds, mut take: impl FnMut(u32)) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             if node.bounds.meets(bounds) {
@@ -79,8 +91,34 @@ impl Tree {
         }
     }
 
+    /// The triangles, leaf after leaf.
+    pub(in crate::curved) fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Hands over the places in [`Tree::order`] of the triangles in the leaves that a line from `start` comes through, as
+    /// far against its direction and along it as `reach` says; `take` may shorten it.
+    pub(in crate::curved) fn along(
+        &self,
+        start: &Point3<f64>,
+        direction: &Vector3<f64>,
+        mut reach: [f64; 2],
+        mut take: impl FnMut(usize, &mut [f64; 2]),
+    ) {
+        let inverse = direction.map(|d| 1.0 / d);
+        let mut at = 0;
+        while let Some(node) = self.nodes.get(at) {
+            if node.bounds.is_passed(start, &inverse, -reach[0], reach[1]) {
+                (node.first..node.first + node.count).for_each(|place| take(place as usize, &mut reach));
+                at += 1;
+            } else {
+                at = node.next as usize;
+            }
+        }
+    }
+
     /// Least of the squared distances that `distance_sq` gives for the triangles, or `bound` if that is smaller.
-    pub(super) fn nearest_sq(&self, p: &Point3<f64>, bound: f64, distance_sq: impl Fn(u32) -> f64) -> f64 {
+    pub(in crate::curved) fn nearest_sq(&self, p: &Point3<f64>, bound: f64, distance_sq: impl Fn(u32) -> f64) -> f64 {
         let (mut best, mut at) = (bound, 0);
         while let Some(node) = self.nodes.get(at) {
             if node.bounds.distance_sq(p) < best {
@@ -94,7 +132,7 @@ impl Tree {
     }
 
     /// For each node, those after it first: its children or its triangles, put together into one value.
-    pub(super) fn fold<T: Clone>(&self, leaf: impl Fn(&[u32]) -> T, join: impl Fn(&T, &T) -> T) -> Vec<T> {
+    pub(in crate::curved) fn fold<T: Clone>(&self, leaf: impl Fn(&[u32]) -> T, join: impl Fn(&T, &T) -> T) -> Vec<T> {
         let mut values: Vec<Option<T>> = vec![None; self.nodes.len()];
         for (at, node) in self.nodes.iter().enumerate().rev() {
             let children = || {
@@ -107,7 +145,7 @@ impl Tree {
     }
 
     /// A walk over the nodes by number: `far` says whether a node is done with; if not, its triangles go to `near`.
-    pub(super) fn walk(&self, mut far: impl FnMut(usize) -> bool, mut near: impl FnMut(u32)) {
+    pub(in crate::curved) fn walk(&self, mut far: impl FnMut(usize) -> bool, mut near: impl FnMut(u32)) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             if far(at) {
