@@ -5,22 +5,25 @@
 //! [`Pattern::Spirals`]. The other patterns stand beside it for comparison.
 //!
 //! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
-//! * `spacing`: where rings lie, and how wide beads are. `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves.
+//! * `spacing`: where rings lie, and how wide beads are. `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves. `crossing`: whether these cross. `thin`: fewer points.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
 //! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the
 //! distance on it proves that it crosses no ring. Curves are not smoothed: away from bridges, every point is on a level.
 
 mod chains;
+mod crossing;
 mod curve;
 mod narrow;
 mod plan;
 mod spacing;
 mod spirals;
+mod thin;
 
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use curve::Loop;
 use spacing::Spacing;
+use thin::{Curve, thinned};
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.
 const MOST_LEVELS: usize = 100_000;
@@ -157,8 +160,8 @@ impl LevelField<'_> {
     /// ([`PathOptions::fitted`]) are as wide as asked for along the boundary; those towards the medial axis share what
     /// is left of the way across. With
     /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
-    /// Where rings nowhere run side by side (rare: very small rings in narrow places) a region gets more than one;
-    /// compare the number of paths with `regions`.
+    /// Where rings nowhere run side by side (rare: small rings in narrow places) a region gets more than one; compare
+    /// the number of paths with `regions`. Those shorter than about two beads are left out there: a gap of about a bead.
     ///
     /// # Errors
     /// [`PathError`].
@@ -199,38 +202,41 @@ impl LevelField<'_> {
         let mesh = self.distance().mesh();
         let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
         let mut found = LayerPaths { regions, ..LayerPaths::default() };
-        let path = |points: &[SurfacePoint], region: u32, closed: bool| {
-            let points = thinned(points, THIN * bead)
-                .into_iter()
-                .map(|at| PathPoint { at, width: spacing.width(&at) })
-                .collect();
-            SurfacePath { points, closed, region }
-        };
-        match options.pattern {
+        let mut curves = match options.pattern {
             Pattern::Spirals => {
                 let rings = spirals::Rings { mesh, sets: &sets, spacing: &spacing, loops: &loops, bead };
-                let curves = spirals::connect(&rings, &chains).curves(mesh, &loops);
-                found.paths = curves.iter().map(|(points, region)| path(points, *region, false)).collect();
+                let curves = spirals::connect(&rings, &chains).curves(mesh, &loops).into_iter();
+                let curve = |(points, region)| Curve { points, closed: false, region, least: THIN * bead };
+                curves.map(curve).collect::<Vec<_>>()
             }
             Pattern::Rings => {
                 let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r, chain.region)));
-                let points =
-                    |(r, region): (u32, u32)| loops[r as usize].as_ref().map(|on| path(on.points(), region, true));
-                found.paths = rings.filter_map(points).collect();
+                let curve = |(r, region): (u32, u32)| {
+                    let points = loops[r as usize].as_ref()?.points().to_vec();
+                    Some(Curve { points, closed: true, region, least: THIN * bead })
+                };
+                rings.filter_map(curve).collect()
             }
-        }
-        found.paths.sort_by_key(|path| path.region);
+        };
+        curves.sort_by_key(|curve| curve.region);
+        let wide = curves.len();
         let on_boundary = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
         let is_ring: Vec<bool> = on_boundary.map(|(_, on)| on.is_some()).collect();
-        for points in narrow::single_beads(self, &spacing, bead, &is_ring) {
-            let single = |at: SurfacePoint| {
-                let value = self.distance().at(at.triangle, at.barycentric).distance;
-                PathPoint { at, width: spacing.single(value) }
-            };
-            let points = thinned(&points, SINGLE_THIN * bead).into_iter().map(single).collect();
-            found.paths.push(SurfacePath { points, closed: false, region: found.regions as u32 });
-            found.regions += 1;
+        let singles = narrow::single_beads(self, &spacing, bead, &is_ring);
+        for (points, region) in singles.into_iter().zip(found.regions as u32..) {
+            curves.push(Curve { points, closed: false, region, least: SINGLE_THIN * bead });
         }
+        found.regions += curves.len() - wide;
+        thinned(mesh, &mut curves, bead);
+        let width = |number: usize, at: &SurfacePoint| match number < wide {
+            true => spacing.width(at),
+            false => spacing.single(self.distance().at(at.triangle, at.barycentric).distance),
+        };
+        let path = |(number, curve): (usize, Curve)| {
+            let points = curve.points.into_iter().map(|at| PathPoint { at, width: width(number, &at) }).collect();
+            SurfacePath { points, closed: curve.closed, region: curve.region }
+        };
+        found.paths = curves.into_iter().enumerate().map(path).collect();
         found.unfilled = self.unfilled(&found.paths);
         Ok(found)
     }
@@ -271,20 +277,4 @@ impl LevelField<'_> {
         }
         found.into_iter().flatten().map(|(unfilled, _)| unfilled).collect()
     }
-}
-
-/// Points without those nearer than `least` to the one kept before; the first and the last stay.
-fn thinned(points: &[SurfacePoint], least: f64) -> Vec<SurfacePoint> {
-    let mut kept: Vec<SurfacePoint> = Vec::with_capacity(points.len());
-    for (k, point) in points.iter().enumerate() {
-        let near = kept.last().is_some_and(|last| (last.position - point.position).norm() < least);
-        if near && k + 1 < points.len() {
-            continue;
-        }
-        if near && kept.len() > 1 {
-            kept.pop();
-        }
-        kept.push(*point);
-    }
-    kept
 }

@@ -58,6 +58,11 @@ impl Plan {
         })
     }
 
+    /// Whether a ring is not cut at all.
+    pub fn is_whole(&self, ring: u32) -> bool {
+        self.of_ring[ring as usize].is_empty()
+    }
+
     /// The longest arc that is left of a ring: where it begins, and its length.
     pub fn longest_arc(&self, on: &Loop, ring: u32) -> (f64, f64) {
         let arcs = self.of_ring[ring as usize].iter().map(|&c| {

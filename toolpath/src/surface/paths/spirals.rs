@@ -18,15 +18,18 @@
 //! lead into the parent, at places next to each other, or are entry and exit of the region.
 //!
 //! A bridge is made of points between matching places of two rings, brought down to the surface. It counts only if the
-//! distance there lies between the levels of these rings: then it crosses no ring, whatever the surface does. And
+//! distance there lies between the levels of these rings: then it crosses no ring, whatever the surface does. It must not
+//! cross itself or the ends of the rings that it joins, as it may where a ring turns back on itself. And
 //! it must keep away from other bridges in the same band. Places are tried with wide windows first, those where the
 //! rings run side by side best. Where no line crosses all rings, a chain is joined to itself half way in; where no bridge
-//! is found for a single ring, it becomes a curve of its own.
+//! is found for a single ring, it becomes a curve of its own, or is left out if it is very small.
 
 use super::chains::{Beside, Chain};
+use super::crossing::crosses_itself;
 use super::curve::{Loop, locate};
 use super::plan::{End, Plan, Side};
 use super::spacing::Spacing;
+use super::thin::SAME;
 use crate::surface::level_set::{LevelSets, SurfacePoint};
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Point3;
@@ -51,6 +54,10 @@ const BETWEEN_SHARE: f64 = 0.02;
 const CLEAR: f64 = 0.3;
 /// How far a bridge may be from straight, in beads: sheets that bend more sharply have no place for it.
 const BEND: f64 = 0.3;
+/// A ring that no bridge leads to is left out if it is shorter, in beads: it goes round less than the width of a bead.
+const BLOT: f64 = 2.1;
+/// How far along the rings that it joins a bridge is held against them, in beads.
+const BESIDE: f64 = 2.0;
 /// Points of a bridge for each bead of length.
 const STEPS: f64 = 8.0;
 
@@ -126,6 +133,8 @@ impl<'a> Weaver<'a> {
         };
         match rings {
             _ if joined => {}
+            // Nothing hangs on it, and by itself it would be a blot: the gap is less.
+            [ring] if !parents.is_empty() && self.is_blot(*ring) => {}
             [ring] => self.open(*ring, chain),
             _ => {
                 let (outer, inner) = rings.split_at(rings.len() / 2);
@@ -135,6 +144,12 @@ impl<'a> Weaver<'a> {
                 self.join(outer, parents, chain);
             }
         }
+    }
+
+    /// Whether a ring is short and still whole.
+    fn is_blot(&self, ring: u32) -> bool {
+        let length = self.rings.loops[ring as usize].as_ref().map_or(0.0, Loop::length);
+        length < BLOT * self.rings.bead && self.plan.is_whole(ring)
     }
 
     /// A single ring, opened in the middle of its longest arc.
@@ -160,7 +175,7 @@ impl<'a> Weaver<'a> {
             for (_, rungs) in rated.iter_mut().take(CLOSE_LOOKS) {
                 for _way_round in 0..2 {
                     let bridges = self.stations(rungs, beside.is_some());
-                    if let Some(points) = self.lay(rungs, &bridges) {
+                    if let Some(points) = self.lay(rungs, beside.is_some(), &bridges) {
                         self.commit(rungs, chain, beside.is_some(), points);
                         return true;
                     }
@@ -262,7 +277,7 @@ impl<'a> Weaver<'a> {
     }
 
     /// Points of bridges; none if one of them leaves its band or comes too near to another.
-    fn lay(&self, rungs: &[Rung], bridges: &[Stations]) -> Option<Vec<Vec<SurfacePoint>>> {
+    fn lay(&self, rungs: &[Rung], parented: bool, bridges: &[Stations]) -> Option<Vec<Vec<SurfacePoint>>> {
         let mut laid: Vec<Vec<SurfacePoint>> = Vec::with_capacity(bridges.len());
         let mut in_band: Vec<Vec<(usize, Point3<f64>)>> = vec![Vec::new(); rungs.len() - 1];
         for (number, stations) in bridges.iter().enumerate() {
@@ -286,6 +301,9 @@ impl<'a> Weaver<'a> {
                 in_band[k].push((number, point.position));
                 points.push(point);
             }
+            if self.crosses(rungs, number, parented, &points) {
+                return None;
+            }
             laid.push(points);
         }
         for (k, points) in in_band.iter().enumerate() {
@@ -300,6 +318,37 @@ impl<'a> Weaver<'a> {
             }
         }
         Some(laid)
+    }
+
+    /// Whether a bridge crosses itself or what is left of the rings that it joins: levels alone do not tell, where a ring
+    /// turns back on itself. Bridges have the numbers of [`Self::stations`].
+    fn crosses(&self, rungs: &[Rung], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
+        let last = rungs.len() - 1;
+        let (before, after) = match number {
+            0 if parented => (Some((1, 1.0)), (0, 0.5)),
+            0 => (None, (1, 1.0)),
+            _ if number == last => (Some((last - 1, -1.0)), (last, -0.5)),
+            _ => (Some((number - 1, -1.0)), (number + 1, 1.0)),
+        };
+        let mut all: Vec<SurfacePoint> = before.map_or(Vec::new(), |(k, share)| self.arc(&rungs[k], share));
+        all.reverse();
+        all.extend(points);
+        all.extend(self.arc(&rungs[after.0], after.1));
+        crosses_itself(self.rings.mesh, &all, SAME * self.rings.bead)
+    }
+
+    /// A ring from one end of its window on, away from the window.
+    fn arc(&self, rung: &Rung, share: f64) -> Vec<SurfacePoint> {
+        let (on, mesh, place) = (rung.on, self.rings.mesh, rung.at(share));
+        let reach = (BESIDE * self.rings.bead).min(0.25 * on.length());
+        match rung.side(share > 0.0) {
+            Side::To => on.forward(mesh, place, place + reach),
+            Side::From => {
+                let mut points = on.forward(mesh, place - reach, place);
+                points.reverse();
+                points
+            }
+        }
     }
 
     /// The band between two rungs.

@@ -1,0 +1,178 @@
+//! Curves with fewer points, that cross no more than before.
+//!
+//! Points near the one kept before are left out. Where a curve turns back on itself, a chord past what is left out might
+//! cut off its neighbour. So each chord is held against all stretches of the curves as they were; where it meets one,
+//! the points stay. Two chords that each keep clear of the curves as they were cannot cross each other either: between a
+//! chord and what it replaces there is then no other stretch, and no way in. Points stay too where a chord would turn back
+//! on its neighbour: over a crest both run down the same side then, and what is straight there is not clear.
+
+use super::crossing::cross;
+use crate::surface::level_set::SurfacePoint;
+use crate::surface::mesh::SurfaceMesh;
+use nalgebra::{Point3, Vector3};
+
+/// Points nearer together than this share of a bead are one.
+pub(super) const SAME: f64 = 1e-9;
+/// Side of a cell in which stretches are looked up, in beads. Smaller ones take more of them, larger ones more tests.
+const CELL: f64 = 0.5;
+
+/// A curve that is to be thinned.
+pub(super) struct Curve {
+    pub points: Vec<SurfacePoint>,
+    pub closed: bool,
+    pub region: u32,
+    /// Points nearer to the one kept before are left out; in millimetres.
+    pub least: f64,
+}
+
+/// For each curve the points that are kept; the first and the last are.
+pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64) {
+    curves.iter_mut().for_each(|curve| drop_near(&mut curve.points, SAME * bead, |_| true));
+    let stretches = Stretches::new(curves, CELL * bead);
+    let kept: Vec<Vec<SurfacePoint>> = (0_u32..)
+        .zip(curves.iter())
+        .map(|(number, curve)| {
+            let mut points = curve.points.clone();
+            drop_near(&mut points, curve.least, |[before, from, to]| {
+                !turns_back(curve, [before, from, to]) && !stretches.meet(mesh, curves, number, from, to)
+            });
+            points
+        })
+        .collect();
+    curves.iter_mut().zip(kept).for_each(|(curve, points)| curve.points = points);
+}
+
+/// Leaves out points nearer than `least` to the one kept before, if a chord past them is `clear`: given the point kept
+/// before it, and both of its ends.
+fn drop_near(points: &mut Vec<SurfacePoint>, least: f64, clear: impl Fn([usize; 3]) -> bool) {
+    let mut kept: Vec<usize> = Vec::with_capacity(points.len());
+    for (k, point) in points.iter().enumerate() {
+        let near = kept.last().is_some_and(|&last| (points[last].position - point.position).norm() < least);
+        if near && k + 1 < points.len() {
+            continue;
+        }
+        if near && kept.len() > 1 {
+            kept.pop();
+        }
+        if let Some(&last) = kept.last()
+            && k > last + 1
+            && !clear([kept[kept.len().saturating_sub(2)], last, k])
+        {
+            kept.extend(last + 1..k);
+        }
+        kept.push(k);
+    }
+    *points = kept.into_iter().map(|k| points[k]).collect();
+}
+
+/// Whether a chord from the second point to the third turns by more than a right angle from the stretch before it, or
+/// the stretch after it from the chord.
+fn turns_back(curve: &Curve, [before, from, to]: [usize; 3]) -> bool {
+    let after = if to + 1 < curve.points.len() || !curve.closed { to + 1 } else { 0 };
+    let way = |from: usize, to: usize| Some(curve.points.get(to)?.position - curve.points.get(from)?.position);
+    let back = |other: Option<Vector3<f64>>| match (way(from, to), other) {
+        (Some(chord), Some(other)) => chord.dot(&other) < 0.0,
+        _ => false,
+    };
+    back(way(before, from)) || back(way(to, after))
+}
+
+/// All stretches of curves by the cells of a grid.
+struct Stretches {
+    side: f64,
+    /// Cells with the numbers of a curve and of a stretch of it, sorted.
+    cells: Vec<([i64; 3], [u32; 2])>,
+}
+
+impl Stretches {
+    fn new(curves: &[Curve], side: f64) -> Self {
+        let mut cells = Vec::new();
+        for (number, curve) in (0..).zip(curves) {
+            let count = curve.points.len();
+            for k in 0..if curve.closed { count } else { count.saturating_sub(1) } {
+                let ends = [k, (k + 1) % count].map(|k| curve.points[k].position);
+                let first = cells.len();
+                for p in samples(ends, side) {
+                    let entry = (cell(p, side), [number, k as u32]);
+                    if !cells[first..].contains(&entry) {
+                        cells.push(entry);
+                    }
+                }
+            }
+        }
+        cells.sort_unstable();
+        Stretches { side, cells }
+    }
+
+    /// Whether the chord from one point of a curve to another meets a stretch but for those it replaces and their
+    /// neighbours.
+    fn meet(&self, mesh: &SurfaceMesh, curves: &[Curve], number: u32, from: usize, to: usize) -> bool {
+        let curve = &curves[number as usize];
+        let count = curve.points.len();
+        let chord = [from, to].map(|k| &curve.points[k]);
+        let own = |k: usize| {
+            let before = if from > 0 { from - 1 } else { count - 1 };
+            (from..=to).contains(&k) || k == before
+        };
+        let meets = |[other, k]: [u32; 2]| {
+            let k = k as usize;
+            if other == number && own(k) {
+                return false;
+            }
+            let points = &curves[other as usize].points;
+            cross(mesh, chord, [&points[k], &points[(k + 1) % points.len()]])
+        };
+        samples(chord.map(|p| p.position), self.side).any(|p| {
+            let [x, y, z] = cell(p, self.side);
+            // Samples are a quarter of a side from what they stand for at most, so what crosses is in the next cell.
+            (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j])).any(|[x, y]| {
+                let start = self.cells.partition_point(|entry| entry.0 < [x, y, z - 1]);
+                let near = self.cells[start..].iter().take_while(|entry| entry.0 <= [x, y, z + 1]);
+                near.into_iter().any(|entry| meets(entry.1))
+            })
+        })
+    }
+}
+
+/// Points along a stretch, half a side apart at most, both ends included.
+fn samples([a, b]: [Point3<f64>; 2], side: f64) -> impl Iterator<Item = Point3<f64>> {
+    let steps = (2.0 * (b - a).norm() / side).ceil().max(1.0);
+    (0..=steps as usize).map(move |k| a + (b - a) * (k as f64 / steps))
+}
+
+fn cell(p: Point3<f64>, side: f64) -> [i64; 3] {
+    [p.x, p.y, p.z].map(|x| (x / side).floor() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chord_that_would_cut_off_a_neighbour_keeps_its_points() {
+        let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let mesh = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let at = |x: f64, y: f64| {
+            let (triangle, weights) = match x >= y {
+                true => (0, [9.0 - x, x - y, y + 9.0]),
+                false => (1, [9.0 - y, x + 9.0, y - x]),
+            };
+            SurfacePoint { triangle, barycentric: weights.map(|w| w / 18.0), position: Point3::new(x, y, 0.0) }
+        };
+        let curve = |points: &[[f64; 2]]| {
+            let points = points.iter().map(|p| at(p[0], p[1])).collect();
+            Curve { points, closed: false, region: 0, least: 0.02 }
+        };
+        // A line with a bulge over the tip of another: the chord past the bulge would cut the tip off.
+        let bulge = curve(&[[0.0, 0.0], [1.0, 0.0], [1.01, 0.015], [1.02, 0.0], [2.0, 0.0]]);
+        let tip = curve(&[[1.01, -1.0], [1.01, 0.01]]);
+        let mut both = [bulge, tip];
+        thinned(&mesh, &mut both, 1.0);
+        assert_eq!(both[0].points.len(), 5);
+        // Without the tip it goes.
+        let [bulge, _] = both;
+        let mut alone = [bulge];
+        thinned(&mesh, &mut alone, 1.0);
+        assert_eq!(alone[0].points.len(), 4);
+    }
+}
