@@ -193,8 +193,8 @@ fn report(args: &Args, results: &Results) -> Report {
     if args.noise_count > 0 {
         report.paragraph(&format!(
             "The rows with noise are over the first {} waypoints, their directions turned by up to 5, 10 and 15 degrees, \
-             with the makers' greatest speeds: at 1 rad/s there is no such path. The dissertation's layers are not \
-             public, so its rows are those of other paths of that length.",
+             with the makers' greatest speeds. The dissertation's layers are not public, so its rows are those of other \
+             paths of that length.",
             args.noise_count
         ));
     }

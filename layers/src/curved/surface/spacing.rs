@@ -127,7 +127,7 @@ impl Found {
 /// [`SpacingError`].
 ///
 /// # Cost
-/// `O(n log n)` for `n` triangles, one or two microseconds each. With the feature `rayon` surfaces are shared out
+/// `O(n log n)` for `n` triangles, two or three microseconds each. With the feature `rayon` surfaces are shared out
 /// among threads; the result is the same.
 ///
 /// # Example
