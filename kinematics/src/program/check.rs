@@ -2,6 +2,7 @@
 
 use super::{Goal, Move, Step, Zone};
 use crate::limits::JointLimits;
+use nalgebra::Vector3;
 use std::io;
 
 /// What a controller takes.
@@ -263,6 +264,11 @@ pub(super) fn check_option(what: &'static str, value: f64, fits: bool, need: &'s
 pub(super) fn check_frame(what: &'static str, pose: &nalgebra::Isometry3<f64>) -> Result<(), WriteError> {
     let off = (pose.rotation.as_ref().norm() - 1.0).abs();
     check_option(what, off, off <= UNIT, "its quaternion must be of length 1")?;
-    let far = pose.translation.vector.iter().fold(0.0, |far: f64, x| if x.is_nan() { *x } else { far.max(x.abs()) });
+    let far = farthest(&pose.translation.vector);
     check_option(what, far, far <= LARGEST, "its place must be finite and within 1e6 mm")
+}
+
+/// The largest coordinate, by size; not a number as soon as one is none.
+pub(super) fn farthest(place: &Vector3<f64>) -> f64 {
+    if place.iter().any(|x| x.is_nan()) { f64::NAN } else { place.amax() }
 }

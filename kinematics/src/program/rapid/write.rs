@@ -1,7 +1,7 @@
 //! RAPID, written.
 
 use super::{DEGREES, MM, NAMED_TURN_RAD_S, QUATERNION, RapidOptions, SPEEDS, TOOL0, WOBJ0, ZONES};
-use crate::program::check::{Checker, check_frame, check_name, check_option};
+use crate::program::check::{Checker, check_frame, check_name, check_option, farthest};
 use crate::program::text::Text;
 use crate::program::{Goal, Move, Speed, Step, Target, WriteError, Zone};
 use nalgebra::Isometry3;
@@ -123,7 +123,7 @@ fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
     check_frame("work_object.frame", &options.work_object.frame)?;
     let mass = options.tool.mass_kg;
     check_option("tool.mass_kg", mass, mass > 0.0 && mass < 1e5, "it must be above 0")?;
-    let far = options.tool.centre.coords.amax();
+    let far = farthest(&options.tool.centre.coords);
     check_option("tool.centre", far, far <= 1e5, "it must be finite and within 1e5 mm")?;
     let most = options.moves_per_module;
     check_option("moves_per_module", f64::from(most), most >= 1, "it must be 1 or more")
