@@ -208,7 +208,8 @@ fn compare(problem: &Plain) -> Result<QpStatus, TestCaseError> {
             }
             prop_assert!(right < 0.0 && left.iter().all(|v| v.abs() < -1e-5 * right), "{} {:?}", right, left);
         }
-        other => prop_assert!(false, "clarabel: {:?}", other),
+        // Once in a hundred thousand clarabel itself comes to no end.
+        _ => prop_assume!(false),
     }
     Ok(ours.status)
 }
@@ -224,6 +225,27 @@ proptest! {
     #[test]
     fn agrees_with_clarabel_on_what_has_no_solution(seed in 0u64..1 << 40) {
         compare(&random(seed, true))?;
+    }
+}
+
+/// Problems without room inside their bounds, with equations that repeat each other or with flat directions: on each the
+/// solver once stalled, cycled, or lost all digits.
+#[test]
+fn what_once_stalled_is_solved() {
+    for seed in [387, 24507, 27453, 30157, 36025, 37624, 45178, 52066, 52906, 61958, 121220] {
+        assert_eq!(compare(&random(seed, false)).unwrap(), QpStatus::Solved, "{seed}");
+    }
+    for (seed, status) in [
+        (874, QpStatus::Infeasible),
+        (8832, QpStatus::Solved),
+        (28135, QpStatus::Infeasible),
+        (28606, QpStatus::Infeasible),
+        (41469, QpStatus::Infeasible),
+        (44614, QpStatus::Solved),
+        (67829, QpStatus::Solved),
+        (918105144076, QpStatus::Infeasible),
+    ] {
+        assert_eq!(compare(&random(seed, true)).unwrap(), status, "{seed}");
     }
 }
 
@@ -246,14 +268,14 @@ fn what_falls_for_ever_is_unbounded() {
 }
 
 #[test]
-fn without_rows_one_step_is_enough() {
+fn without_rows_one_step_and_its_refinement_are_enough() {
     let mut qp = BandedQp::new(&[1; 50], 1);
     for i in 0..50 {
         qp.add_square(&[(i, 1.0), (50, 1.0)], i as f64, 1.0);
         qp.add_square(&[(i, 1.0)], 0.0, 1.0);
     }
     let found = qp.solve(&QpOptions::default(), None).unwrap();
-    assert_eq!((found.status, found.iterations), (QpStatus::Solved, 1));
+    assert_eq!((found.status, found.iterations), (QpStatus::Solved, 2));
     // x_i = (i - b) / 2 and the sum of (i - b - x_i) = 0: b is the mean of i.
     assert!((found.x[50] - 24.5).abs() < 1e-9 && (found.x[0] + 12.25).abs() < 1e-9);
     let mut empty = BandedQp::new(&[], 0);

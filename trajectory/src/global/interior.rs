@@ -19,6 +19,16 @@ const FRACTION: f64 = 0.995;
 /// A corrected step shorter than this is replaced by one towards the central path.
 const SHORT: f64 = 0.1;
 
+/// A corrected step aims at products `s z` of at most this many times their mean: what the second order of a short
+/// step foretells is not worth more.
+const MOST: f64 = 10.0;
+
+/// Share by which a step towards the central path lessens the products and the residuals.
+const TO_THE_MIDDLE: f64 = 0.5;
+
+/// Where rounding allows no further step, the best iterate counts as a solution up to this many tolerances.
+const NEARLY: f64 = 100.0;
+
 /// A proof of infeasibility or unboundedness holds to this, relative to its own size.
 const PROOF: f64 = 1e-8;
 
@@ -47,6 +57,15 @@ pub(super) struct Interior<'a> {
     pub(super) schur: Option<LU<f64, Dyn, Dyn>>,
     /// Weight of each row.
     pub(super) weights: Vec<f64>,
+}
+
+/// An iterate: the variables, the multipliers of the equations, the sides, and how far it is from a solution.
+struct Iterate {
+    x: Vec<f64>,
+    multipliers: Vec<f64>,
+    sides: Vec<Side>,
+    /// The worst of residuals and gap, in tolerances.
+    worst: f64,
 }
 
 /// Residuals of an iterate.
@@ -184,63 +203,60 @@ impl<'a> Interior<'a> {
             start.filter(|start| start.len() == variables).map_or_else(|| vec![0.0; variables], <[f64]>::to_vec);
         let mut multipliers = vec![0.0; self.equations.len()];
         self.first_sides(&x);
-        let status;
+        let mut best: Option<Iterate> = None;
         let mut iterations = 0;
         let mut stuck = 0;
         let mut residuals = self.residuals(&x, &multipliers);
-        loop {
-            let pairs = self.complementarity();
+        let status = loop {
+            let (products, count) = self.complementarity();
             let linear: f64 = x.iter().zip(&self.qp.linear).map(|(x, g)| x * g).sum();
             let scale_value = 1.0 + (0.5 * residuals.curved).abs() + linear.abs();
-            if residuals.worst_primal <= options.tolerance * residuals.scale_primal
-                && residuals.worst_dual <= options.tolerance * residuals.scale_dual
-                && pairs.0 <= options.tolerance * scale_value
-            {
-                status = QpStatus::Solved;
-                break;
+            let primal = residuals.worst_primal / residuals.scale_primal;
+            let dual = residuals.worst_dual / residuals.scale_dual;
+            let worst = primal.max(dual).max(products / scale_value) / options.tolerance;
+            if worst <= 1.0 {
+                break QpStatus::Solved;
             }
-            let lost = stuck >= 5 || !residuals.worst_dual.is_finite() || !residuals.worst_primal.is_finite();
-            let over = lost || iterations >= options.iterations;
+            if best.as_ref().is_none_or(|best| worst < best.worst) {
+                best =
+                    Some(Iterate { x: x.clone(), multipliers: multipliers.clone(), sides: self.sides.clone(), worst });
+            }
             if let Some(proof) = self.proof(&x, &multipliers) {
-                status = proof;
-                break;
+                break proof;
             }
-            if over {
-                status = if lost { QpStatus::Stalled } else { QpStatus::Iterations };
-                break;
-            }
-            iterations += 1;
-            let mean = if pairs.1 > 0 { pairs.0 / pairs.1 as f64 } else { 0.0 };
-            self.assemble();
-            // Predictor.
-            for side in &mut self.sides {
-                side.want = -side.s * side.z;
-                side.want_soft = -side.p * side.w;
-            }
-            let (mut dx, mut dl) = self.direction(&residuals);
-            if pairs.1 > 0 {
-                let reach = self.reach();
-                let after = self.complementarity_after(reach) / pairs.1 as f64;
-                // Not below what is asked for: there is nothing to gain, and the weights lose their digits.
-                let least = (0.1 * options.tolerance * scale_value / pairs.1 as f64).min(mean);
-                let centre = ((after / mean).powi(3).min(1.0) * mean).max(least);
-                for side in &mut self.sides {
-                    side.want = centre - side.s * side.z - side.ds * side.dz;
-                    if side.is_soft() {
-                        side.want_soft = centre - side.p * side.w - side.dp * side.dw;
+            let lost = stuck >= 5 || !(primal + dual).is_finite();
+            if lost || iterations >= options.iterations {
+                let mut end = if lost { QpStatus::Stalled } else { QpStatus::Iterations };
+                if let Some(best) = best {
+                    (x, multipliers, self.sides) = (best.x, best.multipliers, best.sides);
+                    residuals = self.residuals(&x, &multipliers);
+                    if best.worst <= NEARLY {
+                        end = QpStatus::Solved;
                     }
                 }
-                (dx, dl) = self.direction(&residuals);
+                break end;
+            }
+            iterations += 1;
+            let mean = if count > 0 { products / count as f64 } else { 0.0 };
+            self.assemble();
+            // Predictor.
+            self.aim(|_| 0.0);
+            let (mut dx, mut dl) = self.direction(&residuals, 1.0);
+            if count > 0 {
+                let reach = self.reach().min(1.0);
+                let after = self.complementarity_after(reach) / count as f64;
+                // Not below what is asked for: there is nothing to gain, and the weights lose their digits.
+                let least = (0.1 * options.tolerance * scale_value / count as f64).min(mean);
+                let kept = (after / mean).powi(3).min(1.0);
+                let centre = (kept * mean).max(least);
+                // The products of the predictor's steps, as far as these can be gone.
+                self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MOST * mean));
+                (dx, dl) = self.direction(&residuals, 1.0 - kept);
                 let reach = self.reach();
-                if reach < SHORT || self.complementarity_after(FRACTION * reach) > pairs.0 {
-                    // The products of the predictor's steps mislead from a badly centred point: back to the middle.
-                    for side in &mut self.sides {
-                        side.want = 0.5 * mean - side.s * side.z;
-                        if side.is_soft() {
-                            side.want_soft = 0.5 * mean - side.p * side.w;
-                        }
-                    }
-                    (dx, dl) = self.direction(&residuals);
+                if reach < SHORT || self.complementarity_after((FRACTION * reach).min(1.0)) > products {
+                    // They mislead from a badly centred point: back to the middle.
+                    self.aim(|_| TO_THE_MIDDLE * mean);
+                    (dx, dl) = self.direction(&residuals, TO_THE_MIDDLE);
                 }
             }
             let reach = self.reach();
@@ -253,16 +269,21 @@ impl<'a> Interior<'a> {
                 *value += step * by;
             }
             for side in &mut self.sides {
-                side.s += step * side.ds;
-                side.z += step * side.dz;
-                if side.is_soft() {
-                    side.p += step * side.dp;
-                    side.w += step * side.dw;
-                }
+                side.go(step);
             }
             residuals = self.residuals(&x, &multipliers);
-        }
+        };
         self.finish(status, x, &multipliers, &residuals, iterations)
+    }
+
+    /// Sets what each product `s z` and `p w` shall become: a number made from the product of their last steps.
+    fn aim(&mut self, product: impl Fn(f64) -> f64) {
+        for side in &mut self.sides {
+            side.want = product(side.ds * side.dz) - side.s * side.z;
+            if side.is_soft() {
+                side.want_soft = product(side.dp * side.dw) - side.p * side.w;
+            }
+        }
     }
 
     /// The first sides. Soft ones begin on the central path: `s - p` is the room that the row has, and `s z = p w` is
@@ -324,7 +345,6 @@ impl<'a> Interior<'a> {
     }
 
     fn complementarity_after(&self, step: f64) -> f64 {
-        let step = step.min(1.0);
         let after = |value: f64, by: f64| value + step * by;
         self.sides
             .iter()
@@ -398,30 +418,32 @@ impl<'a> Interior<'a> {
         Residuals { dual, equations, worst_primal, worst_dual, scale_primal, scale_dual, curved }
     }
 
-    /// The Newton step for the present `want`s; the sides' steps are left in them.
-    fn direction(&mut self, residuals: &Residuals) -> (Vec<f64>, Vec<f64>) {
+    /// The Newton step for the present `want`s that takes this share off the residuals; the sides' steps are left in
+    /// them.
+    fn direction(&mut self, residuals: &Residuals, share: f64) -> (Vec<f64>, Vec<f64>) {
         let qp = self.qp;
-        let mut right: Vec<f64> = residuals.dual.iter().map(|value| -value).collect();
+        let mut right: Vec<f64> = residuals.dual.iter().map(|value| -share * value).collect();
         for side in &self.sides {
-            let pull = side.sign * side.weight * side.constant();
+            let pull = side.sign * side.weight * side.constant(share);
             for &(variable, by) in qp.terms_of(side.row as usize) {
                 right[variable as usize] -= by * pull;
             }
         }
-        let (dx, dl) = self.refined(&right, &residuals.equations);
+        let equations: Vec<f64> = residuals.equations.iter().map(|value| share * value).collect();
+        let (dx, dl) = self.refined(&right, &equations);
         let mut at = (u32::MAX, 0.0);
         for side in &mut self.sides {
             if at.0 != side.row {
                 at = (side.row, dot(qp.terms_of(side.row as usize), &dx));
             }
-            side.dz = side.weight * (side.sign * at.1 + side.constant());
+            side.dz = side.weight * (side.sign * at.1 + side.constant(share));
             if side.is_soft() {
                 let dull = side.dull();
                 side.dw = dull - side.dz;
                 side.dp = (side.want_soft - side.p * side.dw) / side.w;
             }
             // From the row and not from `s z`, so that the slack stays true when `z` is tiny.
-            side.ds = side.miss + side.dp - side.sign * at.1;
+            side.ds = share * side.miss + side.dp - side.sign * at.1;
         }
         (dx, dl)
     }

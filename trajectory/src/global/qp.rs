@@ -82,7 +82,7 @@ impl Default for QpOptions {
 /// How a solution came to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QpStatus {
-    /// Within the tolerance.
+    /// Within the tolerance, or within 100 times of it where rounding allows no further step.
     Solved,
     /// The hard rows contradict each other; `duals` prove it.
     Infeasible,
@@ -97,7 +97,7 @@ pub enum QpStatus {
 /// What came out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QpSolution {
-    /// How it ended; in all cases the other fields hold the last iterate.
+    /// How it ended; in all cases the other fields hold the best iterate, or the one that proves the end.
     pub status: QpStatus,
     /// The variables, border last.
     pub x: Vec<f64>,

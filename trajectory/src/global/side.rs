@@ -1,5 +1,8 @@
 //! A side of a row in the interior-point method: its slack, its multiplier, and for a soft row the miss and its price.
 
+/// Least slack, relative to the bound: what is less is rounding, and would cut all later steps short.
+const ROUNDING: f64 = 3e-14;
+
 /// One finite bound of a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
@@ -31,14 +34,24 @@ impl Side {
         self.penalty < f64::INFINITY
     }
 
-    /// What the step of `z` is when the row does not move, over the weight.
-    pub fn constant(&self) -> f64 {
+    /// What the step of `z` is when the row does not move, over the weight, where this share of the miss is made good.
+    pub fn constant(&self, share: f64) -> f64 {
         let soft = if self.is_soft() { (self.want_soft - self.p * self.dull()) / self.w } else { 0.0 };
-        self.want / self.z - soft - self.miss
+        self.want / self.z - soft - share * self.miss
     }
 
     /// `penalty - z - w`, which rounding alone keeps from zero.
     pub fn dull(&self) -> f64 {
         self.penalty - self.z - self.w
+    }
+
+    /// Goes this share of the step.
+    pub fn go(&mut self, step: f64) {
+        self.s = (self.s + step * self.ds).max(ROUNDING * (1.0 + self.bound.abs()));
+        self.z += step * self.dz;
+        if self.is_soft() {
+            self.p += step * self.dp;
+            self.w += step * self.dw;
+        }
     }
 }
