@@ -2,18 +2,13 @@
 
 use curvlay_examples::args::Failure;
 use curvlay_examples::mesh::Up;
+use curvlay_examples::waypoints::read_waypoints;
 use curvlay_kinematics::nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Places and directions of growth, in the order of travel.
 pub type Path6 = (Vec<Point3<f64>>, Vec<Vector3<f64>>);
-
-/// Longest line of a file, and the most lines.
-const LONGEST_LINE: u64 = 4096;
-const MOST_WAYPOINTS: usize = 200_000;
 
 /// Distance of waypoints along the spiral, and of its lines: those of the synthetic paths that the figures use.
 const STEP_MM: f64 = 0.8843;
@@ -108,37 +103,8 @@ pub fn upright((positions, normals): &Path6, up: Up) -> Path6 {
     (positions, normals.iter().map(turned).collect())
 }
 
-/// Waypoints of a file, `px py pz nx ny nz` a line; empty lines are passed over.
+/// Waypoints of a file. What is not finite is a defect that the planner names.
 pub fn read(path: &Path) -> Result<Path6, Failure> {
-    let failed = |what: &dyn std::fmt::Display| Failure::new(format!("{}: {what}", path.display()));
-    let mut reader = BufReader::new(File::open(path).map_err(|error| failed(&error))?);
-    let (mut positions, mut normals) = (Vec::new(), Vec::new());
-    let (mut line, mut number) = (Vec::new(), 0u64);
-    loop {
-        line.clear();
-        let read = reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line).map_err(|error| failed(&error))?;
-        if read == 0 {
-            break;
-        }
-        number += 1;
-        if read as u64 == LONGEST_LINE {
-            return Err(failed(&format!("line {number} is longer than {LONGEST_LINE} bytes")));
-        }
-        let text = String::from_utf8_lossy(&line);
-        let cells: Vec<&str> = text.split([' ', '\t', ',', '\r', '\n']).filter(|cell| !cell.is_empty()).collect();
-        if cells.is_empty() {
-            continue;
-        }
-        // What is no finite number is a defect that the planner names; what is no number is another file.
-        let values: Vec<f64> = cells.iter().filter_map(|cell| cell.parse().ok()).collect();
-        let (6, 6) = (values.len(), cells.len()) else {
-            return Err(failed(&format!("line {number} must be six numbers `px py pz nx ny nz`")));
-        };
-        if positions.len() == MOST_WAYPOINTS {
-            return Err(failed(&format!("more than {MOST_WAYPOINTS} waypoints")));
-        }
-        positions.push(Point3::new(values[0], values[1], values[2]));
-        normals.push(Vector3::new(values[3], values[4], values[5]));
-    }
-    if positions.is_empty() { Err(failed(&"there are no waypoints in it")) } else { Ok((positions, normals)) }
+    let place = |[x, y, z, nx, ny, nz]: [f64; 6]| (Point3::new(x, y, z), Vector3::new(nx, ny, nz));
+    Ok(read_waypoints(path)?.iter().map(|line| place(line.values)).unzip())
 }

@@ -13,6 +13,7 @@ pub mod report;
 pub mod shapes;
 pub mod summary;
 pub mod table;
+pub mod waypoints;
 
 pub use nalgebra;
 

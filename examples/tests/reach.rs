@@ -6,14 +6,15 @@
 #[path = "../reach/main.rs"]
 mod example;
 
+mod common;
+
 use clap::Parser;
+use common::summary;
 use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::output::OutputFolder;
 use example::Args;
-use serde_json::{Map, Value};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 fn arguments(words: &[&str]) -> Result<Args, clap::Error> {
     Args::try_parse_from(["reach"].iter().chain(words))
@@ -21,14 +22,9 @@ fn arguments(words: &[&str]) -> Result<Args, clap::Error> {
 
 /// Runs the example in a folder of its own.
 fn run(name: &str, words: &[&str]) -> (PathBuf, Outcome) {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reach").join(name);
-    let folder = OutputFolder::create(&path).unwrap();
+    let folder = common::folder("reach", name);
     let (_, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder).unwrap();
-    (path, outcome)
-}
-
-fn summary(folder: &Path) -> Map<String, Value> {
-    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
+    (common::place("reach", name), outcome)
 }
 
 const ARMS: [&str; 6] = ["ur3", "ur3e", "ur5", "ur5e", "irb120", "irb1200"];
@@ -85,8 +81,7 @@ fn arguments_out_of_range_are_refused() {
 /// Too few samples for any frame in front: told, and nothing is left behind.
 #[test]
 fn no_frame_at_all_is_told() {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reach").join("nothing");
-    let folder = OutputFolder::create(&path).unwrap();
+    let (path, folder) = (common::place("reach", "nothing"), common::folder("reach", "nothing"));
     let args = arguments(&["--samples", "1", "--front", "5000"]).unwrap();
     let failure = example::work(&args, &Bars::new(true), &folder).map(|_| ()).unwrap_err();
     assert_eq!(failure.message(), "there are no frames: none of the samples meets the options");

@@ -6,33 +6,30 @@
 #[path = "../stewart_table/main.rs"]
 mod example;
 
+mod common;
+
 use clap::Parser;
+use common::summary;
 use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::output::OutputFolder;
 use example::Args;
-use serde_json::{Map, Value};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 fn arguments(words: &[&str]) -> Result<Args, clap::Error> {
     Args::try_parse_from(["stewart_table"].iter().chain(words))
 }
 
 fn place(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join("stewart_table").join(name)
+    common::place("stewart_table", name)
 }
 
 /// Runs the example in a folder of its own.
 fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
-    let folder = OutputFolder::create(&place(name)).unwrap();
+    let folder = common::folder("stewart_table", name);
     let (_, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder)
         .map_err(|failure| failure.message().to_owned())?;
     Ok((place(name), outcome))
-}
-
-fn summary(folder: &Path) -> Map<String, Value> {
-    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 
 #[test]
