@@ -9,3 +9,9 @@ pub(crate) fn root(parents: &mut [u32], mut item: u32) -> u32 {
     }
     item
 }
+
+/// Joins the sets of two items. The lower of their roots becomes the root of both.
+pub(crate) fn join(parents: &mut [u32], one: u32, other: u32) {
+    let [a, b] = [one, other].map(|item| root(parents, item));
+    parents[a.max(b) as usize] = a.min(b);
+}

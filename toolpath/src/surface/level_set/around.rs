@@ -1,6 +1,7 @@
 //! Which half-edges leave each vertex of the refined mesh.
 
 use super::field::LevelField;
+use crate::surface::mesh::previous;
 
 /// Half-edges out of each vertex.
 pub(in crate::surface) struct Around {
@@ -26,5 +27,10 @@ impl Around {
     pub fn of(&self, vertex: u32) -> &[u32] {
         let [from, to] = [0, 1].map(|k| self.starts[vertex as usize + k] as usize);
         &self.half_edges[from..to]
+    }
+
+    /// The vertices that edges join with a vertex of the field, those inside twice.
+    pub fn neighbours<'a>(&'a self, field: &'a LevelField, vertex: u32) -> impl Iterator<Item = u32> + 'a {
+        self.of(vertex).iter().flat_map(|&h| [field.head(h), field.tail(previous(h))])
     }
 }

@@ -7,7 +7,7 @@ use super::field::LevelField;
 use super::levels::Levels;
 use super::rings::trace;
 use super::{LevelSetError, Ring, SurfacePoint};
-use crate::surface::union::root;
+use crate::surface::union::{join, root};
 use nalgebra::Point3;
 
 /// A connected part of the surface between two levels that follow each other.
@@ -135,11 +135,8 @@ impl Pieces {
             }
             let [one, other] = [field.tail(h), field.head(h)].map(|v| self.slabs[v as usize]);
             for slab in one.min(other)..=one.max(other) {
-                let [a, b] = [h, twin].map(|h| {
-                    let piece = self.of(h / 3, slab);
-                    root(&mut self.parents, piece)
-                });
-                self.parents[a.max(b) as usize] = a.min(b);
+                let [a, b] = [h, twin].map(|h| self.of(h / 3, slab));
+                join(&mut self.parents, a, b);
             }
         }
     }

@@ -8,7 +8,7 @@
 use super::SurfacePoint;
 use super::around::Around;
 use super::field::LevelField;
-use crate::surface::mesh::{NONE, previous};
+use crate::surface::mesh::NONE;
 use crate::surface::union::root;
 
 /// A summit of the distance and the region around it, down to the saddle where a pocket with a higher summit begins.
@@ -61,26 +61,24 @@ impl LevelField<'_> {
         let mut ends: Vec<Option<(u32, u32)>> = vec![None; self.values.len()];
         for &v in &order {
             (region[v as usize], summit[v as usize]) = (v, v);
-            for &h in around.of(v) {
-                for other in [self.head(h), self.tail(previous(h))] {
-                    if region[other as usize] == NONE {
-                        continue;
-                    }
-                    let [here, there] = [v, other].map(|v| root(&mut region, v));
-                    if here == there {
-                        continue;
-                    }
-                    // The vertex itself is a summit only until it meets a neighbour.
-                    let [one, two] = [here, there].map(|r| summit[r as usize]);
-                    let before = |a: u32, b: u32| {
-                        let [va, vb] = [a, b].map(|v| self.values[v as usize]);
-                        va > vb || (va >= vb && a < b)
-                    };
-                    let [high, low] = if before(one, two) { [one, two] } else { [two, one] };
-                    ends[low as usize] = Some((v, high));
-                    region[there as usize] = here;
-                    summit[here as usize] = high;
+            for other in around.neighbours(self, v) {
+                if region[other as usize] == NONE {
+                    continue;
                 }
+                let [here, there] = [v, other].map(|v| root(&mut region, v));
+                if here == there {
+                    continue;
+                }
+                // The vertex itself is a summit only until it meets a neighbour.
+                let [one, two] = [here, there].map(|r| summit[r as usize]);
+                let before = |a: u32, b: u32| {
+                    let [va, vb] = [a, b].map(|v| self.values[v as usize]);
+                    va > vb || (va >= vb && a < b)
+                };
+                let [high, low] = if before(one, two) { [one, two] } else { [two, one] };
+                ends[low as usize] = Some((v, high));
+                region[there as usize] = here;
+                summit[here as usize] = high;
             }
         }
         let rises = |v: u32| match ends[v as usize] {

@@ -7,8 +7,7 @@
 
 use super::spacing::Spacing;
 use crate::surface::level_set::{Around, LevelField, Levels, SurfacePoint};
-use crate::surface::mesh::previous;
-use crate::surface::union::root;
+use crate::surface::union::{join, root};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -31,15 +30,14 @@ pub(super) fn single_beads(
     bead: f64,
     is_ring: &[bool],
 ) -> Vec<Vec<SurfacePoint>> {
-    let graph = Graph { field, half_edges: Around::new(field) };
+    let graph = Graph { field, around: Around::new(field) };
     // What lies inside of rings is covered, and what is near.
     let over = |v: u32| field.values[v as usize] > spacing.at(0, v);
     let mut parents: Vec<u32> = (0..field.values.len() as u32).collect();
     for h in 0..field.half_edges() {
         let ends = [field.tail(h), field.head(h)];
         if ends.iter().all(|&v| over(v)) {
-            let [a, b] = ends.map(|v| root(&mut parents, v));
-            parents[a.max(b) as usize] = a.min(b);
+            join(&mut parents, ends[0], ends[1]);
         }
     }
     let mut inside = vec![false; field.values.len()];
@@ -52,7 +50,8 @@ pub(super) fn single_beads(
     let roots: Vec<u32> = all.clone().map(|v| root(&mut parents, v)).collect();
     // Only from its rim.
     let is_inner = |v: u32| over(v) && inside[roots[v as usize] as usize];
-    let rim: Vec<u32> = all.clone().filter(|&v| is_inner(v) && graph.around(v).any(|other| !is_inner(other))).collect();
+    let rim: Vec<u32> =
+        all.clone().filter(|&v| is_inner(v) && graph.neighbours(v).any(|other| !is_inner(other))).collect();
     let near = graph.reach(&rim, |v| !is_inner(v), |length, _| length, COVERED * bead);
     let mut open: Vec<bool> = all
         .clone()
@@ -70,20 +69,19 @@ pub(super) fn single_beads(
         found.extend(graph.longest(&part, &open).filter(|(_, length)| *length >= SHORTEST * bead).map(|(way, _)| way));
         part.iter().for_each(|&v| open[v as usize] = false);
     }
-    let point = |v: u32| field.surface_point(graph.half_edges.of(v)[0] / 3, field.points[v as usize]);
+    let point = |v: u32| field.surface_point(graph.around.of(v)[0] / 3, field.points[v as usize]);
     found.into_iter().map(|way| way.into_iter().map(point).collect()).collect()
 }
 
 /// Vertices and edges of the refined mesh.
 struct Graph<'a, 'd> {
     field: &'a LevelField<'d>,
-    half_edges: Around,
+    around: Around,
 }
 
 impl Graph<'_, '_> {
-    /// Neighbours, those inside twice.
-    fn around(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
-        self.half_edges.of(v).iter().flat_map(|&h| [self.field.head(h), self.field.tail(previous(h))])
+    fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
+        self.around.neighbours(self.field, v)
     }
 
     /// Dijkstra's algorithm. The cost of a step depends on its length and the mean distance on it.
@@ -99,7 +97,7 @@ impl Graph<'_, '_> {
             let Some((here, length, _)) = reached[v as usize].filter(|(here, ..)| here.to_bits() == bits) else {
                 continue;
             };
-            for other in self.around(v).filter(|&other| open(other)) {
+            for other in self.neighbours(v).filter(|&other| open(other)) {
                 let [p, q] = [v, other].map(|v| self.field.points[v as usize]);
                 let mean = 0.5 * (self.field.values[v as usize] + self.field.values[other as usize]);
                 let step = (q - p).norm();
@@ -119,7 +117,7 @@ impl Graph<'_, '_> {
         let mut seen = std::collections::BTreeSet::from([v]);
         let mut k = 0;
         while k < part.len() {
-            for other in self.around(part[k]) {
+            for other in self.neighbours(part[k]) {
                 if open[other as usize] && seen.insert(other) {
                     part.push(other);
                 }

@@ -209,13 +209,11 @@ fn numbers(field: &LevelField, around: &Around, ridge: &[f64], bead: f64) -> Vec
     }
     let spread = |number: &mut [f64], queue: &mut VecDeque<u32>| {
         while let Some(v) = queue.pop_front() {
-            for &h in around.of(v) {
-                for other in [field.head(h), field.tail(previous(h))] {
-                    if number[other as usize].is_nan() {
-                        let fewer = fits[other as usize].0;
-                        number[other as usize] = number[v as usize].clamp(fewer, fewer + 1.0);
-                        queue.push_back(other);
-                    }
+            for other in around.neighbours(field, v) {
+                if number[other as usize].is_nan() {
+                    let fewer = fits[other as usize].0;
+                    number[other as usize] = number[v as usize].clamp(fewer, fewer + 1.0);
+                    queue.push_back(other);
                 }
             }
         }
@@ -251,10 +249,7 @@ fn limit(field: &LevelField, around: &Around, values: &mut [f64], slope: f64) {
         if values[v as usize].to_bits() != bits {
             continue;
         }
-        for &h in around.of(v) {
-            lower(values, &mut queue, v, field.head(h));
-            lower(values, &mut queue, v, field.tail(previous(h)));
-        }
+        around.neighbours(field, v).for_each(|other| lower(values, &mut queue, v, other));
     }
 }
 
