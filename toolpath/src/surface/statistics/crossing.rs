@@ -8,7 +8,8 @@
 use super::curve::Piece;
 use super::sheet::Sheet;
 use super::trace::STEPS;
-use std::collections::BTreeMap;
+use crate::surface::union::join;
+use std::collections::BTreeSet;
 
 /// Up to so many pieces in a triangle all pairs are tested; beyond, those with a cell of a grid in common.
 const FEW: usize = 16;
@@ -46,12 +47,13 @@ fn contact([a, b]: [Lattice; 2], [c, d]: [Lattice; 2]) -> Contact {
 }
 
 struct Meetings<'p> {
+    sheet: &'p Sheet,
     pieces: &'p [Piece],
     /// First piece of each curve, and their number at the end.
     first: Vec<u32>,
     closed: &'p [bool],
     crossings: usize,
-    touches: BTreeMap<(u32, u32), usize>,
+    touches: BTreeSet<(u32, u32)>,
 }
 
 /// Counts the places where curves meet. Pieces are in order, curves from 0 on.
@@ -59,7 +61,7 @@ pub(super) fn count(sheet: &Sheet, pieces: &[Piece], closed: &[bool]) -> usize {
     let mut first = vec![0u32; closed.len() + 1];
     pieces.iter().for_each(|p| first[p.curve as usize + 1] += 1);
     (0..closed.len()).for_each(|c| first[c + 1] += first[c]);
-    let mut meetings = Meetings { pieces, first, closed, crossings: 0, touches: BTreeMap::new() };
+    let mut meetings = Meetings { sheet, pieces, first, closed, crossings: 0, touches: BTreeSet::new() };
     let mut order: Vec<u32> = (0..pieces.len() as u32).collect();
     order.sort_by_key(|&p| pieces[p as usize].triangle); // stable: pieces stay in order
     for group in order.chunk_by(|&a, &b| pieces[a as usize].triangle == pieces[b as usize].triangle) {
@@ -71,7 +73,7 @@ pub(super) fn count(sheet: &Sheet, pieces: &[Piece], closed: &[bool]) -> usize {
             Cells::new(pieces, group).pairs(|a, b| meetings.test(a, b));
         }
     }
-    meetings.at_edges(sheet);
+    meetings.at_edges();
     meetings.crossings + meetings.groups()
 }
 
@@ -104,32 +106,18 @@ impl Meetings<'_> {
             Contact::None => {}
             Contact::Crossing => self.crossings += 1,
             Contact::Touch => {
-                if !self.is_joint(a, b) {
-                    self.touches.insert((a, b), 0);
+                if !self.ends_meet(a, b) {
+                    self.touches.insert((a, b));
                 }
             }
         }
     }
 
-    /// Whether the end of a curve is at the end of a curve.
-    fn is_joint(&self, a: u32, b: u32) -> bool {
-        let ends = |piece: u32| {
-            let p = &self.pieces[piece as usize];
-            let curve = p.curve as usize;
-            let open = !self.closed[curve];
-            let is_first = open && piece == self.first[curve];
-            let is_last = open && piece + 1 == self.first[curve + 1];
-            [is_first.then_some(p.weights[0]), is_last.then_some(p.weights[1])]
-        };
-        let (of_a, of_b) = (ends(a), ends(b));
-        of_a.iter().flatten().any(|w| of_b.iter().flatten().any(|v| v == w))
-    }
-
     /// Contacts of pieces of different triangles.
-    fn at_edges(&mut self, sheet: &Sheet) {
+    fn at_edges(&mut self) {
         let mut points = Vec::new();
         for (number, piece) in self.pieces.iter().enumerate() {
-            let corners = sheet.flats[piece.triangle as usize].corners;
+            let corners = self.sheet.flats[piece.triangle as usize].corners;
             let ends = if piece.weights[0] == piece.weights[1] { 1 } else { 2 };
             for weights in &piece.weights[..ends] {
                 let mut on = (0..3).filter(|&k| weights[k] != 0).map(|k| (corners[k], weights[k]));
@@ -147,20 +135,20 @@ impl Meetings<'_> {
                 let (a, b) = (pair[0].1, pair[1].1);
                 let is_visit_of_one = a == b || self.adjacent(a, b);
                 let one_triangle = self.pieces[a as usize].triangle == self.pieces[b as usize].triangle;
-                if !is_visit_of_one && !one_triangle && !self.ends_meet(sheet, a, b) {
-                    self.touches.insert((a, b), 0);
+                if !is_visit_of_one && !one_triangle && !self.ends_meet(a, b) {
+                    self.touches.insert((a, b));
                 }
             }
         }
     }
 
-    /// As `is_joint`, for pieces of two triangles.
-    fn ends_meet(&self, sheet: &Sheet, a: u32, b: u32) -> bool {
+    /// Whether the end of a curve is at the end of a curve.
+    fn ends_meet(&self, a: u32, b: u32) -> bool {
         let ends = |piece: u32| {
             let p = &self.pieces[piece as usize];
             let curve = p.curve as usize;
             let open = !self.closed[curve];
-            let corners = sheet.flats[p.triangle as usize].corners;
+            let corners = self.sheet.flats[p.triangle as usize].corners;
             let key = |weights: [i64; 3]| {
                 let mut key: Vec<_> = (0..3).filter(|&k| weights[k] != 0).map(|k| (corners[k], weights[k])).collect();
                 key.sort_unstable();
@@ -175,20 +163,10 @@ impl Meetings<'_> {
     }
 
     /// Contacts are one place if pieces of one come right before or after those of the other, or are the same.
-    fn groups(&mut self) -> usize {
-        let pairs: Vec<(u32, u32)> = self.touches.keys().copied().collect();
-        pairs.iter().enumerate().for_each(|(k, pair)| {
-            self.touches.insert(*pair, k);
-        });
-        let mut root: Vec<usize> = (0..pairs.len()).collect();
-        fn find(root: &mut [usize], mut k: usize) -> usize {
-            while root[k] != k {
-                root[k] = root[root[k]];
-                k = root[k];
-            }
-            k
-        }
-        for (k, &(a, b)) in pairs.iter().enumerate() {
+    fn groups(&self) -> usize {
+        let pairs: Vec<(u32, u32)> = self.touches.iter().copied().collect();
+        let mut parents: Vec<u32> = (0..pairs.len() as u32).collect();
+        for (k, &(a, b)) in (0..).zip(&pairs) {
             let mut near_a = vec![a];
             near_a.extend(self.after(a));
             let mut near_b = vec![b];
@@ -205,13 +183,12 @@ impl Meetings<'_> {
                 others.extend(before.map(|y| (x.min(y), x.max(y))));
             }
             for other in others {
-                if let Some(&l) = self.touches.get(&other) {
-                    let (p, q) = (find(&mut root, k), find(&mut root, l));
-                    root[p.max(q)] = p.min(q);
+                if let Ok(l) = pairs.binary_search(&other) {
+                    join(&mut parents, k, l as u32);
                 }
             }
         }
-        (0..pairs.len()).filter(|&k| root[k] == k).count()
+        (0..).zip(parents).filter(|&(k, parent)| parent == k).count()
     }
 
     fn before(&self, piece: u32) -> Option<u32> {
