@@ -733,3 +733,17 @@ fn what_is_refused() {
         assert_eq!(found, StatisticsError::Cancelled, "{stage}");
     }
 }
+
+#[test]
+fn no_more_is_done_than_there_is() {
+    // The gap is held against the boundary too: 1,400 edges here, and a line of far fewer pieces.
+    let mesh = grid(700, 1, 0.0, |_, j| j > 0, |p| Point3::new(p.x, p.y, 0.0));
+    let (points, widths) = flat_line(&[[0.0, 0.5], [9.0, 0.5]], 0.5);
+    let curve = BeadCurve { points: &points, widths: &widths };
+    let sound = |p: curvlay_toolpath::Progress| {
+        assert!(p.done <= p.total, "{p:?}");
+        ControlFlow::Continue(())
+    };
+    let options = StatisticsOptions { samples_per_width: 3.0, ..StatisticsOptions::default() };
+    path_statistics(mesh.vertices(), mesh.triangles(), &[curve], &options, &sound).unwrap();
+}

@@ -62,7 +62,7 @@ pub(super) fn largest(
     raster: &Raster,
     walker: &mut Walker,
     pieces: &[Piece],
-    tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    tick: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Option<Gap>, StatisticsError> {
     let sheet = raster.sheet;
     let mut bare = Bare { raster, first: vec![0], samples: Vec::new(), worst: Vec::new() };
@@ -77,10 +77,9 @@ pub(super) fn largest(
         return Ok(None);
     }
     let rims: Vec<Piece> = rim(raster);
-    let all = rims.iter().chain(pieces);
-    let all: Vec<&Piece> = all.collect();
+    let all: Vec<&Piece> = rims.iter().chain(pieces).collect();
     for (done, k) in strided(all.len()).enumerate() {
-        if tick(done).is_break() {
+        if tick(done, all.len()).is_break() {
             return Err(StatisticsError::Cancelled);
         }
         let piece = all[k];

@@ -329,8 +329,8 @@ pub fn path_statistics(
     }
     spilled += laid.iter().flat_map(|l| &l.fans).map(|fan| spill::around(&sheet, fan)).sum::<f64>();
     spilled += laid.iter().map(|l| l.off_area).sum::<f64>();
-    let mut tick = |done: usize| match done % PIECES_A_TICK {
-        0 => report("gap", done, pieces.len()),
+    let mut tick = |done: usize, total: usize| match done % PIECES_A_TICK {
+        0 => report("gap", done, total),
         _ => ControlFlow::Continue(()),
     };
     let largest_gap = gap::largest(&raster, &mut walker, &pieces, &mut tick)?;
