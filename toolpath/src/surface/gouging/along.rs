@@ -16,7 +16,8 @@ use nalgebra::{Unit, UnitVector3, Vector3};
 /// Depths, in layer heights, that are tried where none frees: the least of them is taken.
 const DEEPER: [f64; 6] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0];
 
-/// How often points are put between. Each time halves turns at least; four times make a turn of 180 degrees less than 10.
+/// How often points are put between: each time as many as an even turn needs, so more than once only where the new ones
+/// have to be tilted as well. Where that does not do either, the turn is listed.
 const INSERTIONS: usize = 3;
 
 /// Rounds of step 4, and how far around a tilted waypoint it goes.

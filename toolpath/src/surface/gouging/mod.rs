@@ -17,7 +17,7 @@ mod deepest;
 mod nozzle;
 mod tilt;
 
-use super::orientation::{SharpTurn, ToolPath, Turns, sharp_turns};
+use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
 use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
@@ -147,7 +147,7 @@ pub enum GougingError {
 
 impl GougingOptions {
     fn check(&self) -> Result<(), GougingError> {
-        let turn = (0.1_f64.to_radians()..=PI).contains(&self.max_turn);
+        let turn = (LEAST_TURN..=PI).contains(&self.max_turn);
         let sound = [
             ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
             ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),

@@ -27,7 +27,7 @@ use std::ops::ControlFlow;
 const MOST_SAMPLES: f64 = 1e8;
 
 /// Least turn that may be asked for, in radians: 0.1 degrees. Below it a crest would take thousands of points.
-const LEAST_TURN: f64 = 0.1 * std::f64::consts::PI / 180.0;
+pub(super) const LEAST_TURN: f64 = 0.1_f64.to_radians();
 
 /// How paths are sampled and oriented.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +51,10 @@ pub struct OrientOptions {
 
 impl Default for OrientOptions {
     fn default() -> Self {
-        let degrees = |angle: f64| angle.to_radians();
         OrientOptions {
             step: 1.0,
-            corner: degrees(30.0),
-            max_turn: degrees(10.0),
+            corner: 30_f64.to_radians(),
+            max_turn: 10_f64.to_radians(),
             low_pass_rounds: 8,
             lift: 0.5,
             share: true,

@@ -52,8 +52,7 @@ pub(super) fn low_pass(directions: &mut [UnitVector3<f64>], limit: f64, rounds: 
     }
 }
 
-/// The waypoints to be put between two that differ by more than `limit`, none if they do not or are opposite. `place`
-/// gives tip and width at an arc length.
+/// The waypoints to be put between two that differ by more than `limit`, evenly; none if they do not or are opposite.
 pub(in crate::surface) fn between(from: &Waypoint, to: &Waypoint, limit: f64) -> Vec<Waypoint> {
     let parts = (angle(&from.direction, &to.direction) / limit - ROUNDING).ceil().max(1.0) as usize;
     let part = |k: usize| {
