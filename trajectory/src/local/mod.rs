@@ -7,8 +7,9 @@
 //!
 //! Departs from the text: the sum for a window has the jerks of two more waypoints on either side, whose stencils reach
 //! into it. Without them nearly every window that succeeds makes the jerk beside it worse, and J rises. Where the text
-//! leaves a choice: a window succeeds when its sum falls by [`FilterOptions::gain`]. The indicator of collisions is the robot's own: a posture that collides is none. Speeds and accelerations are those of
-//! Eq. 4.7, at waypoints; what is beyond a bound at the start is not driven further.
+//! leaves a choice: a window succeeds when its sum falls by [`FilterOptions::gain`]. The indicator of collisions is the
+//! robot's own: a posture that collides is none. Speeds and accelerations are those of Eq. 4.7, at waypoints; what is
+//! beyond a bound at the start is not driven further.
 
 mod program;
 mod window;

@@ -28,7 +28,7 @@ const ROUNDS: usize = 6;
 const DAMPING: f64 = 1e-9;
 
 /// What is beyond a bound by this share of it counts as on it.
-pub(super) const SLACK: f64 = 1e-6;
+const SLACK: f64 = 1e-6;
 
 /// A trajectory under the filter's hands.
 #[derive(Clone, Debug)]
@@ -82,15 +82,13 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     /// Lowers the jerk over the window, and says whether that went. Bounds that hold at waypoints go on holding, and
     /// those that do not are not broken further.
     pub fn minimise(&self, motion: &mut Motion<N, F>, window: Range<usize>, gain: f64) -> bool {
-        // Waypoints whose derivatives change with the window.
-        let touched = self.whole(window.start.saturating_sub(2)..window.end + 2);
-        let start = self.jerk(&motion.postures, touched.clone());
-        let caps = self.caps(&motion.postures, &touched, &window);
+        let window = self.window(&motion.postures, window);
+        let start = self.jerk(&motion.postures, window.touched.clone());
         let mut trial = motion.clone();
         let mut now = start;
         for _ in 0..MOST_STEPS {
-            let Some(step) = self.step(&trial, &window, &touched, &caps) else { break };
-            let Some((next, value)) = self.moved(&trial, &window, &touched, &caps, &step, now) else { break };
+            let Some(step) = self.step(&trial, &window) else { break };
+            let Some((next, value)) = self.moved(&trial, &window, &step, now) else { break };
             let done = value > now * (1.0 - CONVERGED);
             (trial, now) = (next, value);
             if done {
@@ -104,42 +102,35 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         well
     }
 
-    /// What each bounded quantity may be: its bound, or where it stands if that is beyond.
-    fn caps(&self, postures: &[Posture<N, F>], touched: &Range<usize>, window: &Range<usize>) -> Caps<N> {
+    /// A window over these waypoints, with what each bounded quantity may be: its bound, or where it stands if that is
+    /// beyond.
+    fn window(&self, postures: &[Posture<N, F>], inner: Range<usize>) -> Window<N> {
+        let touched = self.whole(inner.start.saturating_sub(2)..inner.end + 2);
         let cap = |bounds: &[f64; N], values: [f64; N]| -> [f64; N] {
             std::array::from_fn(|j| bounds[j].max(values[j].abs()))
         };
-        Caps {
-            velocity: touched.clone().map(|i| cap(&self.bounds.velocity, self.derivative(postures, i, 1))).collect(),
-            acceleration: touched
-                .clone()
-                .map(|i| cap(&self.bounds.acceleration, self.derivative(postures, i, 2)))
-                .collect(),
-            lower: window
-                .clone()
-                .map(|i| std::array::from_fn(|j| self.bounds.lower[j].min(postures[i].joints[j])))
-                .collect(),
-            upper: window
-                .clone()
-                .map(|i| std::array::from_fn(|j| self.bounds.upper[j].max(postures[i].joints[j])))
-                .collect(),
+        let speed = |i| cap(&self.bounds.velocity, self.derivative(postures, i, 1));
+        let acceleration = |i| cap(&self.bounds.acceleration, self.derivative(postures, i, 2));
+        let lower = |i: usize| std::array::from_fn(|j| self.bounds.lower[j].min(postures[i].joints[j]));
+        let upper = |i: usize| std::array::from_fn(|j| self.bounds.upper[j].max(postures[i].joints[j]));
+        Window {
+            velocity: touched.clone().map(speed).collect(),
+            acceleration: touched.clone().map(acceleration).collect(),
+            lower: inner.clone().map(lower).collect(),
+            upper: inner.clone().map(upper).collect(),
+            inner,
+            touched,
         }
     }
 
     /// The step that the quadratic program says; `None` when there is none.
-    fn step(
-        &self,
-        motion: &Motion<N, F>,
-        window: &Range<usize>,
-        touched: &Range<usize>,
-        caps: &Caps<N>,
-    ) -> Option<Vec<f64>> {
-        let n = window.len() * F;
+    fn step(&self, motion: &Motion<N, F>, window: &Window<N>) -> Option<Vec<f64>> {
+        let n = window.inner.len() * F;
         let (mut p, mut q) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        for i in touched.clone() {
+        for i in window.touched.clone() {
             let jerk = self.derivative(&motion.postures, i, 3);
             for (j, jerk) in jerk.into_iter().enumerate() {
-                let row = self.tangent(motion, window, i, 3, j);
+                let row = self.tangent(motion, &window.inner, i, 3, j);
                 for &(a, slope) in &row {
                     q[a] += self.weights[j] * slope * jerk;
                     row.iter().for_each(|&(b, other)| p[(a, b)] += self.weights[j] * slope * other);
@@ -148,8 +139,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         }
         let damping = DAMPING * p.diagonal().max();
         (0..n).for_each(|k| p[(k, k)] += damping);
-        let mut rows = self.box_rows(motion, window);
-        let bounds = self.bound_rows(motion, window, touched, caps);
+        let mut rows = self.box_rows(motion, &window.inner);
+        let bounds = self.bound_rows(motion, window);
         let mut taken = vec![false; bounds.len()];
         let mut step = least(&p, &q, &rows)?;
         for _ in 0..ROUNDS {
@@ -213,13 +204,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     }
 
     /// All linearised bounds, two for each quantity that has any.
-    fn bound_rows(
-        &self,
-        motion: &Motion<N, F>,
-        window: &Range<usize>,
-        touched: &Range<usize>,
-        caps: &Caps<N>,
-    ) -> Vec<Row> {
+    fn bound_rows(&self, motion: &Motion<N, F>, window: &Window<N>) -> Vec<Row> {
         let mut rows = Vec::new();
         let mut both = |coefficients: Vec<(usize, f64)>, value: f64, lower: f64, upper: f64| {
             if lower.is_finite() {
@@ -230,38 +215,30 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
                 rows.push(Row { coefficients, most: upper - value });
             }
         };
-        for (at, i) in touched.clone().enumerate() {
-            for (order, cap) in [(1, &caps.velocity[at]), (2, &caps.acceleration[at])] {
+        for (at, i) in window.touched.clone().enumerate() {
+            for (order, cap) in [(1, &window.velocity[at]), (2, &window.acceleration[at])] {
                 let value = self.derivative(&motion.postures, i, order);
                 for j in (0..N).filter(|&j| cap[j].is_finite()) {
-                    both(self.tangent(motion, window, i, order, j), value[j], -cap[j], cap[j]);
+                    both(self.tangent(motion, &window.inner, i, order, j), value[j], -cap[j], cap[j]);
                 }
             }
         }
-        for (at, i) in window.clone().enumerate() {
+        for (at, i) in window.inner.clone().enumerate() {
             for j in 0..N {
                 let angle = motion.postures[i].joints[j];
-                both(self.tangent(motion, window, i, 0, j), angle, caps.lower[at][j], caps.upper[at][j]);
+                both(self.tangent(motion, &window.inner, i, 0, j), angle, window.lower[at][j], window.upper[at][j]);
             }
         }
         rows
     }
 
-    /// The motion after as much of the step as lowers the sum and keeps within the caps, and the sum there.
-    fn moved(
-        &self,
-        motion: &Motion<N, F>,
-        window: &Range<usize>,
-        touched: &Range<usize>,
-        caps: &Caps<N>,
-        step: &[f64],
-        now: f64,
-    ) -> Option<(Motion<N, F>, f64)> {
+    /// The motion after as much of the step as lowers the sum and keeps within the window's bounds, and the sum there.
+    fn moved(&self, motion: &Motion<N, F>, window: &Window<N>, step: &[f64], now: f64) -> Option<(Motion<N, F>, f64)> {
         let range = self.robot.free();
         let mut share = 1.0;
         'halving: for _ in 0..MOST_HALVINGS {
             let mut next = motion.clone();
-            for (at, i) in window.clone().enumerate() {
+            for (at, i) in window.inner.clone().enumerate() {
                 for f in 0..F {
                     next.free[i][f] += share * step[at * F + f];
                     if let FreeRange::Within(from, to) = range[f] {
@@ -274,8 +251,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
                 };
                 next.postures[i] = posture;
             }
-            let value = self.jerk(&next.postures, touched.clone());
-            if value < now && self.within(&next.postures, window, touched, caps) {
+            let value = self.jerk(&next.postures, window.touched.clone());
+            if value < now && self.within(&next.postures, window) {
                 return Some((next, value));
             }
             share *= 0.5;
@@ -283,29 +260,28 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         None
     }
 
-    fn within(
-        &self,
-        postures: &[Posture<N, F>],
-        window: &Range<usize>,
-        touched: &Range<usize>,
-        caps: &Caps<N>,
-    ) -> bool {
-        let slow = touched.clone().enumerate().all(|(at, i)| {
+    fn within(&self, postures: &[Posture<N, F>], window: &Window<N>) -> bool {
+        let slow = window.touched.clone().enumerate().all(|(at, i)| {
             let (v, a) = (self.derivative(postures, i, 1), self.derivative(postures, i, 2));
             (0..N).all(|j| {
-                v[j].abs() <= caps.velocity[at][j] * (1.0 + SLACK)
-                    && a[j].abs() <= caps.acceleration[at][j] * (1.0 + SLACK)
+                v[j].abs() <= window.velocity[at][j] * (1.0 + SLACK)
+                    && a[j].abs() <= window.acceleration[at][j] * (1.0 + SLACK)
             })
         });
-        slow && window.clone().enumerate().all(|(at, i)| {
+        slow && window.inner.clone().enumerate().all(|(at, i)| {
             let joints = &postures[i].joints;
-            (0..N).all(|j| caps.lower[at][j] <= joints[j] && joints[j] <= caps.upper[at][j])
+            (0..N).all(|j| window.lower[at][j] <= joints[j] && joints[j] <= window.upper[at][j])
         })
     }
 }
 
-/// Bounds at the waypoints that a window touches (angles: that it moves).
-struct Caps<const N: usize> {
+/// A window, and what is allowed in it.
+struct Window<const N: usize> {
+    /// Waypoints that it moves.
+    inner: Range<usize>,
+    /// Those whose derivatives change with them.
+    touched: Range<usize>,
+    /// What speeds and accelerations may be at the waypoints touched, and angles at those moved.
     velocity: Vec<[f64; N]>,
     acceleration: Vec<[f64; N]>,
     lower: Vec<[f64; N]>,
