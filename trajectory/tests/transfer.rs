@@ -46,7 +46,7 @@ fn assert_within<const N: usize>(transfer: &Transfer<N>, bounds: &Bounds<N>) {
         let state = transfer.at(middle);
         let mut ends = [[0.0; 3]; N];
         for j in 0..N {
-            let (q, v, a, jerk) = (state.joints[j], state.velocity[j], state.acceleration[j], state.jerk[j]);
+            let (q, v, a, jerk) = (state.position[j], state.velocity[j], state.acceleration[j], state.jerk[j]);
             assert!(jerk.abs() <= bounds.jerk[j]);
             let at = |t: f64| {
                 let place = q + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0;
@@ -62,8 +62,8 @@ fn assert_within<const N: usize>(transfer: &Transfer<N>, bounds: &Bounds<N>) {
             // What the pieces say and what is given out agree at ends and between.
             for t in [-0.9 * half, 0.3 * half] {
                 let given = transfer.at(middle + t);
-                assert!((given.joints[j] - at(t)[0]).abs() < 1e-9 && (given.velocity[j] - at(t)[1]).abs() < 1e-7);
-                assert!((bounds.lower[j]..=bounds.upper[j]).contains(&given.joints[j]));
+                assert!((given.position[j] - at(t)[0]).abs() < 1e-9 && (given.velocity[j] - at(t)[1]).abs() < 1e-7);
+                assert!((bounds.lower[j]..=bounds.upper[j]).contains(&given.position[j]));
             }
             if let Some(before) = before {
                 let here = at(-half);
@@ -78,7 +78,7 @@ fn assert_within<const N: usize>(transfer: &Transfer<N>, bounds: &Bounds<N>) {
         let rest = transfer.at(time);
         assert_eq!((rest.velocity, rest.acceleration), ([0.0; N], [0.0; N]));
         let end = if time > 0.0 { transfer.corners().last() } else { transfer.corners().first() };
-        assert_eq!(Some(&rest.joints), end);
+        assert_eq!(Some(&rest.position), end);
     }
 }
 
@@ -274,12 +274,12 @@ fn trivial_motions() {
     let free = |_: &[f64; 2], _: &[f64; 2]| true;
     let plan = |to| plan_transfer("", &[0.5, 0.5], &to, &bounds(1.0, 2.0, 4.0), &free, &TransferOptions::default());
     let still = plan([0.5, 0.5]).unwrap().found().unwrap();
-    assert_eq!((still.duration(), still.at(0.3).joints), (0.0, [0.5, 0.5]));
+    assert_eq!((still.duration(), still.at(0.3).position), (0.0, [0.5, 0.5]));
     let straight = plan([2.5, 0.5]).unwrap().found().unwrap();
     assert_eq!((straight.corners().len(), straight.iterations()), (2, 0));
     approx::assert_relative_eq!(straight.duration(), slow_duration(2.0, 1.0, 2.0, 4.0), max_relative = 1e-8);
     let nothing = Transfer::<2>::through(vec![], &bounds(1.0, 1.0, 1.0)).unwrap();
-    assert_eq!((nothing.duration(), nothing.at(1.0).joints, nothing.knots()), (0.0, [0.0; 2], vec![0.0]));
+    assert_eq!((nothing.duration(), nothing.at(1.0).position, nothing.knots()), (0.0, [0.0; 2], vec![0.0]));
     assert_eq!(SCurve::new(1.0, f64::INFINITY, 1.0, 1.0), None);
     assert_eq!(SCurve::new(f64::NAN, 1.0, 1.0, 1.0), None);
     assert_eq!(SCurve::new(1.0, 1.0, 0.0, 1.0), None);

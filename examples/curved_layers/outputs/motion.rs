@@ -46,7 +46,7 @@ fn write_csv(run: &MotionRun, out: &mut dyn Write) -> io::Result<()> {
         start += last - first;
         if let Some(Some(transfer)) = run.transfers.get(number) {
             for time in transfer.knots() {
-                line(start + time, &transfer.at(time).joints, "transfer", motion.layer, motion.path)?;
+                line(start + time, &transfer.at(time).position, "transfer", motion.layer, motion.path)?;
             }
             start += transfer.duration();
         }

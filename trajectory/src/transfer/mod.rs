@@ -18,6 +18,7 @@ pub use timing::{SCurve, SState};
 
 use crate::bounds::Bounds;
 use crate::random::Random;
+use crate::spline::State;
 
 /// How a transfer is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,19 +144,6 @@ pub enum TransferError {
     },
 }
 
-/// Joints at a time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<const N: usize> {
-    /// Radians.
-    pub joints: [f64; N],
-    /// rad/s.
-    pub velocity: [f64; N],
-    /// rad/s^2.
-    pub acceleration: [f64; N],
-    /// rad/s^3.
-    pub jerk: [f64; N],
-}
-
 /// A motion from rest to rest through corners, straight in joint space between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer<const N: usize> {
@@ -211,8 +199,8 @@ impl<const N: usize> Transfer<N> {
         let moving = self.curves.get(line).filter(|_| time < self.duration);
         let Some(curve) = moving else {
             let end = if time < self.duration { self.corners.first() } else { self.corners.last() };
-            let joints = end.copied().unwrap_or([0.0; N]);
-            return State { joints, velocity: [0.0; N], acceleration: [0.0; N], jerk: [0.0; N] };
+            let position = end.copied().unwrap_or([0.0; N]);
+            return State { position, velocity: [0.0; N], acceleration: [0.0; N], jerk: [0.0; N] };
         };
         let (from, to) = (self.corners[line], self.corners[line + 1]);
         let state = curve.at(time - self.starts[line]);
@@ -227,7 +215,7 @@ impl<const N: usize> Transfer<N> {
             share.clamp(from[j].min(to[j]), from[j].max(to[j]))
         };
         State {
-            joints: std::array::from_fn(joint),
+            position: std::array::from_fn(joint),
             velocity: times(state.velocity),
             acceleration: times(state.acceleration),
             jerk: times(state.jerk),
@@ -302,7 +290,7 @@ fn check_bounds<const N: usize>(bounds: &Bounds<N>) -> Result<(), TransferError>
 /// let planned = plan_transfer("around the wall", &ends.0, &ends.1, &bounds, &free, &TransferOptions::default())?;
 /// let transfer = planned.found().unwrap();
 /// assert!(transfer.corners().len() >= 3 && transfer.duration() < 4.0);
-/// assert_eq!(transfer.at(transfer.duration()).joints, ends.1);
+/// assert_eq!(transfer.at(transfer.duration()).position, ends.1);
 /// # Ok::<(), curvlay_trajectory::transfer::TransferError>(())
 /// ```
 pub fn plan_transfer<const N: usize>(
