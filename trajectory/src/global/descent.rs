@@ -23,6 +23,9 @@ const DAMPING: [f64; 3] = [1e-2, 1e-9, 1e9];
 /// Waypoints on each side that share the damping of one out of reach.
 const NEIGHBOURS: usize = 8;
 
+/// How each linearised problem is solved.
+const EXACT: QpOptions = QpOptions { iterations: 40, tolerance: 1e-8 };
+
 /// The merit of a point and its parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Merit {
@@ -85,10 +88,9 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
         model: &mut Model<'_, N, F>,
         peak_price: f64,
         tolerance: f64,
-        options: &QpOptions,
     ) -> Result<Round<N, F>, QpError> {
         let peak = (peak_price > 0.0).then_some(PeakTerm { price: peak_price, height: self.merit.peak });
-        let step = model.step(&self.point, &self.damping, peak, options)?;
+        let step = model.step(&self.point, &self.damping, peak, &EXACT)?;
         let before = self.merit.total(peak_price);
         let promised = before - step.solution.value;
         if promised <= tolerance * before.abs() {

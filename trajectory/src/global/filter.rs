@@ -13,7 +13,7 @@ use super::descent::{Descent, Round};
 use super::model::Model;
 use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
-use super::qp::{QpError, QpOptions};
+use super::qp::QpError;
 use crate::{Bounds, BoundsError, FreeRange, Progress, Robot, Rung, Timeline, Trajectory, TrajectoryError, Violation};
 use std::ops::ControlFlow;
 
@@ -234,7 +234,6 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let mut model = Model::new(line, bounds, ranges, options, false);
     let mut descent = Descent::new(robot, branches, options.steep, start, &mut model);
     let begin = descent.merit.squared_jerk;
-    let exact = QpOptions { iterations: 40, tolerance: 1e-8 };
     let mut rounds = [0; 2];
     let mut stuck = 0;
     let mut settled = false;
@@ -246,7 +245,7 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     while rounds[0] < options.rounds && !settled {
         tell("smooth", rounds[0])?;
         let tolerance = if model.penalty > 0.0 { options.tolerance } else { options.tolerance.max(ROUGH) };
-        match descent.round(&mut model, 0.0, tolerance, &exact)? {
+        match descent.round(&mut model, 0.0, tolerance)? {
             Round::Fell(..) => stuck = 0,
             Round::Still(_) => settled = true,
             Round::Stuck => stuck += 1,

@@ -11,7 +11,7 @@
 use super::descent::{Descent, Round};
 use super::filter::{GlobalError, GlobalOptions, MOST_STUCK, PeakReport};
 use super::model::Model;
-use super::qp::{QpOptions, QpStatus};
+use super::qp::QpStatus;
 use crate::{Bounds, FreeRange, Robot, Timeline, jerk_measure};
 
 /// The price rises or falls by at most this factor in a round.
@@ -52,14 +52,13 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
     let mut lower_bound = 1.0f64;
     let (mut rounds, mut stuck) = (0, 0);
     let mut settled = false;
-    let qp = QpOptions { iterations: 40, tolerance: 1e-8 };
     // Bounds passed before keep their rows.
     model.price(&descent.point);
     while rounds < options.rounds && !settled && stuck < MOST_STUCK {
         tell("lower the peak", rounds)?;
         rounds += 1;
         let damped = descent.damping[0];
-        let round = descent.round(&mut model, price, options.tolerance, &qp)?;
+        let round = descent.round(&mut model, price, options.tolerance)?;
         let merit = descent.merit;
         let better = merit.peak < best.1.peak || (merit.peak <= 1.0 && merit.squared_jerk < best.1.squared_jerk);
         let rise = merit.squared_jerk - before.squared_jerk;
