@@ -6,10 +6,8 @@ mod common;
 use common::quiet;
 use common::ur3::{STEP, Ur3, read};
 use curvlay_trajectory::{
-    FilterOptions, Ladder, LadderOptions, LadderSearch, PathOptions, RunIn, Timeline, Timing, Trajectory,
-    filter_locally, jerk_measure, plan_ladder, timed_path,
+    FilterOptions, Ladder, LadderOptions, LadderSearch, PathOptions, Timing, filter_locally, plan_ladder, timed_path,
 };
-use std::time::Instant;
 
 fn grid(search: LadderSearch, samples: u32) -> LadderOptions<6, 1> {
     LadderOptions { samples: [samples], doublings: 0, search, ..LadderOptions::default() }
@@ -63,61 +61,9 @@ fn the_defects_of_published_paths_are_found() {
         let (positions, normals): (Vec<_>, Vec<_>) = path.iter().copied().unzip();
         let timed = timed_path(&positions, &normals, Timing::Feed(5.0), &PathOptions::default()).unwrap();
         let kept: usize = timed.pieces.iter().map(|piece| piece.waypoints.len()).sum();
-        println!("{name}: {} waypoints, {} pieces, {} defects", path.len(), timed.pieces.len(), timed.defects.len());
         assert!(kept > path.len() * 9 / 10, "{kept} of {}", path.len());
         all[0] += timed.pieces.len();
         all[1] += timed.defects.len();
     }
     assert!(all[0] > names.len() && all[1] > 0);
-}
-
-/// `cargo test --release -p curvlay-trajectory --test figures -- --ignored --nocapture`
-#[test]
-#[ignore = "prints times; run it with --release"]
-fn figures() {
-    for name in ["smooth_2545", "smooth_4681", "2545", "4681"] {
-        let Some(path) = read(&format!("syn_dev_{name}.txt")) else { return };
-        let robot = Ur3::new(&path);
-        let (times, bounds) = (robot.times(), robot.bounds());
-        let line = Timeline::new(&times, RunIn::default()).unwrap();
-        let show = |method: &str, joints: &[[f64; 6]], seconds: f64| {
-            let trajectory = Trajectory::through(&line, joints).unwrap();
-            let peak = |f: fn(&curvlay_trajectory::Extremes) -> f64| {
-                trajectory.extremes().iter().map(|e| f(e).abs()).fold(0.0, f64::max)
-            };
-            println!(
-                "{name:12} {method:16} J {:12.2} spline {:12.2} jerk {:9.2} acceleration {:7.3} speed {:6.3} in {seconds:.3} s",
-                jerk_measure(&times, joints),
-                trajectory.squared_jerk(),
-                peak(|e| e.jerk.value),
-                peak(|e| e.acceleration.value),
-                peak(|e| e.velocity.value),
-            );
-        };
-        let climb = |options: &LadderOptions<6, 1>| {
-            let start = Instant::now();
-            let ladder = plan_ladder(&robot, &times, &bounds, options, &quiet);
-            ladder.inspect(|ladder| assert_met(&robot, ladder)).map(|ladder| (ladder, start.elapsed().as_secs_f64()))
-        };
-        // The hard crest with 4,681 waypoints asks for more than 1 rad/s.
-        let (ladder, seconds) = match climb(&LadderOptions::default()) {
-            Ok(found) => found,
-            Err(error) => {
-                println!("{name}: {error}");
-                continue;
-            }
-        };
-        println!("{name}: {:?} samples", ladder.samples);
-        show("ladder", &ladder.joints(), seconds);
-        let (least, seconds) = climb(&grid(LadderSearch::Exact, 360)).unwrap();
-        show("grid", &least.joints(), seconds);
-        let (near, seconds) = climb(&grid(LadderSearch::CoarseToFine, 360)).unwrap();
-        show("coarse to fine", &near.joints(), seconds);
-        println!("{name}: cost {} grid, {} coarse to fine, {} ladder", least.cost, near.cost, ladder.cost);
-        let start = Instant::now();
-        let local = filter_locally(&robot, &times, &ladder.rungs, &bounds, &FilterOptions::default(), &quiet).unwrap();
-        let joints: Vec<_> = local.rungs.iter().map(|rung| rung.joints).collect();
-        show("local", &joints, start.elapsed().as_secs_f64());
-        println!("{name}: {:?} after {} windows, {} successes", local.status, local.iterations, local.successes);
-    }
 }

@@ -1,0 +1,77 @@
+//! The global filter where more than the tool angle is free: a UR3 with a tilt cone, and eight axes.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+
+use common::quiet;
+use common::tilt::{Table, Tilting};
+use common::ur3::{STEP, Ur3};
+use curvlay_trajectory::nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
+use curvlay_trajectory::{
+    Bounds, Cone, GlobalOptions, GlobalStatus, LadderOptions, LadderSearch, RunIn, Rung, Timeline, plan_ladder,
+    smooth_globally,
+};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+type Path = Vec<(Point3<f64>, Vector3<f64>)>;
+
+/// Normals turned by up to `most` radians, each its own way.
+fn noisy(path: &Path, most: f64) -> Path {
+    let mut rng = Pcg64::seed_from_u64(14);
+    let turn = |(p, n): &(Point3<f64>, Vector3<f64>)| {
+        let any = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+        let turn = UnitQuaternion::from_axis_angle(&Unit::new_normalize(n.cross(&any)), rng.random_range(0.0..most));
+        (*p, turn * n)
+    };
+    path.iter().map(turn).collect()
+}
+
+fn line(count: usize) -> Timeline {
+    Timeline::new(&(0..count).map(|k| STEP * k as f64).collect::<Vec<_>>(), RunIn::default()).unwrap()
+}
+
+fn ladder(robot: &Ur3) -> Vec<Rung<6, 1>> {
+    let options = LadderOptions { samples: [32], search: LadderSearch::CoarseToFine, ..LadderOptions::default() };
+    plan_ladder(robot, &robot.times(), &robot.bounds(), &options, &quiet).unwrap().rungs
+}
+
+/// Rungs without tilt.
+fn upright(rungs: &[Rung<6, 1>]) -> Vec<Rung<6, 3>> {
+    rungs.iter().map(|r| Rung { joints: r.joints, free: [r.free[0], 0.0, 0.0], branch: r.branch }).collect()
+}
+
+#[test]
+fn a_cone_smooths_noisy_normals_and_is_kept() {
+    let dome = Ur3::dome(150);
+    let path: Path = dome.waypoints.iter().map(|w| (w.position, w.axis.into_inner())).collect();
+    let (half_angle, count) = (10f64.to_radians(), path.len());
+    let robot = Ur3::new(&noisy(&path, half_angle));
+    let (start, line) = (ladder(&robot), line(count));
+    let options = GlobalOptions { lower_peak: false, ..GlobalOptions::default() };
+    let plain = smooth_globally(&robot, &line, &start, &Bounds::NONE, &options, &quiet).unwrap();
+    let tilting = Tilting { robot };
+    tilting.check_rates(7, &[0.4, 0.1, -0.07], start[7].branch);
+    let with = GlobalOptions { cone: Some(Cone { tilts: [1, 2], half_angle }), ..options };
+    let found = smooth_globally(&tilting, &line, &upright(&start), &Bounds::NONE, &with, &quiet).unwrap();
+    assert!(found.trajectory.squared_jerk() < 0.1 * plain.trajectory.squared_jerk());
+    for (rung, waypoint) in found.rungs.iter().zip(&tilting.robot.waypoints) {
+        let nozzle = tilting.robot.cell.nozzle_on_part(&rung.joints);
+        assert!((nozzle.translation.vector - waypoint.position.coords).norm() < 1e-6);
+        assert!((nozzle.rotation * Vector3::z()).angle(&waypoint.axis) < half_angle + 1e-9);
+        assert!(rung.free[1].hypot(rung.free[2]) < half_angle + 1e-12);
+    }
+}
+
+#[test]
+fn eight_axes_are_smoother_than_six() {
+    let dome = Ur3::dome(150);
+    let robot = Table::new(&dome.waypoints);
+    let (start, line) = (robot.level_start(), line(150));
+    robot.check_rates(11, &start[11].free, start[11].branch);
+    let options = GlobalOptions { lower_peak: false, ..GlobalOptions::default() };
+    let found = smooth_globally(&robot, &line, &start, &robot.bounds(), &options, &quiet).unwrap();
+    assert!(found.status != GlobalStatus::BoundsMissed, "{:?}", found.violations);
+    let held = smooth_globally(&robot.with_fixed_table(), &line, &start, &robot.bounds(), &options, &quiet).unwrap();
+    assert!(found.trajectory.squared_jerk() < 0.9 * held.trajectory.squared_jerk());
+}
