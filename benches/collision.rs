@@ -10,6 +10,7 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_benches::time_questions;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3};
 use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, links};
 use curvlay_kinematics::{Arm, robots};
@@ -20,7 +21,6 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
-use std::time::Instant;
 
 const POSTURES: usize = 500;
 /// Around and along the part; twice their product is the number of triangles.
@@ -144,19 +144,6 @@ fn postures() -> Vec<Posture> {
     found
 }
 
-/// Prints the median time of one of `count` questions over 51 runs.
-fn median(name: &str, count: usize, mut run: impl FnMut()) {
-    let mut times: Vec<f64> = (0..51)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    eprintln!("{name}: median {:.2} us", 1e6 * times[25] / count as f64);
-}
-
 fn bench(c: &mut Criterion) {
     let scene = scene(vase());
     let baseline = Baseline::new(&scene);
@@ -177,12 +164,14 @@ fn bench(c: &mut Criterion) {
     );
 
     for (name, some) in [("all", &all), ("free", &free)] {
-        median(&format!("boolean_{name}/scene"), some.len(), || some.iter().for_each(|p| _ = black_box(touches(p))));
+        time_questions(&format!("boolean_{name}/scene"), some.len(), || {
+            some.iter().for_each(|p| _ = black_box(touches(p)))
+        });
         let theirs = || some.iter().for_each(|p| _ = black_box(baseline.touching(p)));
-        median(&format!("boolean_{name}/baseline_parry"), some.len(), theirs);
+        time_questions(&format!("boolean_{name}/baseline_parry"), some.len(), theirs);
     }
-    median("distance_free/scene", free.len(), || free.iter().for_each(|p| _ = black_box(distance(p))));
-    median("distance_free/baseline_parry", free.len(), || {
+    time_questions("distance_free/scene", free.len(), || free.iter().for_each(|p| _ = black_box(distance(p))));
+    time_questions("distance_free/baseline_parry", free.len(), || {
         free.iter().for_each(|p| _ = black_box(baseline.distance(p)))
     });
 
@@ -204,8 +193,8 @@ fn bench(c: &mut Criterion) {
     // What is proven free has no sample that touches.
     assert!(free.iter().all(|p| !sweep(p) || sampled(p)));
     eprintln!("{} of {} short motions are free", free.iter().filter(|p| sweep(p)).count(), free.len());
-    median("sweep/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep(p))));
-    median("sweep/baseline_50_samples", free.len(), || free.iter().for_each(|p| _ = black_box(sampled(p))));
+    time_questions("sweep/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep(p))));
+    time_questions("sweep/baseline_50_samples", free.len(), || free.iter().for_each(|p| _ = black_box(sampled(p))));
     group.bench_function("sweep", |b| b.iter(|| free.iter().filter(|p| sweep(p)).count()));
     group.bench_function("sweep_baseline_50_samples", |b| b.iter(|| free.iter().filter(|p| sampled(p)).count()));
     group.finish();
@@ -242,7 +231,7 @@ fn growing(c: &mut Criterion) {
     let all = postures();
     let touches = |posture: &Posture| anew.touching(posture).expect("angles").is_some();
     let free: Vec<Posture> = all.iter().filter(|posture| !touches(posture)).copied().collect();
-    median("boolean_free_3M_cells/scene", free.len(), || free.iter().for_each(|p| _ = black_box(touches(p))));
+    time_questions("boolean_free_3M_cells/scene", free.len(), || free.iter().for_each(|p| _ = black_box(touches(p))));
     let mut group = c.benchmark_group("layer");
     group.sample_size(10);
     group.bench_function("add_cells", |b| {

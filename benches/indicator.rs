@@ -13,6 +13,7 @@
 mod cell;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use curvlay_benches::time_questions;
 use curvlay_kinematics::scene::Posture;
 use curvlay_trajectory::indicator::geometric::DistanceGrid;
 use curvlay_trajectory::indicator::svm::{Svm, SvmOptions};
@@ -23,20 +24,6 @@ use curvlay_trajectory::nalgebra::Point3;
 use std::collections::VecDeque;
 use std::hint::black_box;
 use std::time::Instant;
-
-/// Prints the least and the median time of one of `count` questions over 51 runs.
-fn median(name: &str, count: usize, mut run: impl FnMut()) {
-    let mut times: Vec<f64> = (0..51)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    let one = 1e6 / count as f64;
-    eprintln!("{name}: least {:.3} us, median {:.3} us", one * times[0], one * times[25]);
-}
 
 fn indicators(c: &mut Criterion) {
     let scene = cell::scene();
@@ -73,7 +60,7 @@ fn indicators(c: &mut Criterion) {
     let all: Vec<[f64; 6]> = near.iter().map(|sample| sample.joints).collect();
     let free: Vec<[f64; 6]> = near.iter().filter(|sample| !sample.collides).map(|sample| sample.joints).collect();
     let timed = |name: &str, some: &[[f64; 6]], ask: &dyn Fn(&[f64; 6]) -> f64| {
-        median(name, some.len(), || some.iter().for_each(|q| _ = black_box(ask(q))));
+        time_questions(name, some.len(), || some.iter().for_each(|q| _ = black_box(ask(q))));
     };
     timed("geometric value", &all, &|q| geometric.value(q));
     timed("geometric gradient", &all, &|q| geometric.gradient(q).0);

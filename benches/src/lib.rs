@@ -7,12 +7,21 @@ use std::time::Instant;
 
 /// The least time of so many runs, in seconds: on a machine that others share it varies least.
 pub fn least_seconds(runs: u32, mut run: impl FnMut()) -> f64 {
-    let time = |_| {
-        let start = Instant::now();
-        run();
-        start.elapsed().as_secs_f64()
-    };
-    (0..runs).map(time).fold(f64::INFINITY, f64::min)
+    (0..runs).map(|_| seconds(&mut run)).fold(f64::INFINITY, f64::min)
+}
+
+/// Prints the least and the median time of one of `count` questions over 51 runs.
+pub fn time_questions(name: &str, count: usize, mut run: impl FnMut()) {
+    let mut times: Vec<f64> = (0..51).map(|_| seconds(&mut run)).collect();
+    times.sort_by(f64::total_cmp);
+    let one = 1e6 / count as f64;
+    eprintln!("{name}: least {:.3} us, median {:.3} us", one * times[0], one * times[25]);
+}
+
+fn seconds(run: &mut impl FnMut()) -> f64 {
+    let start = Instant::now();
+    run();
+    start.elapsed().as_secs_f64()
 }
 
 /// A hollow ball on a stem, with an arm that hangs down beside it, in a cube of `side` cells.
