@@ -6,7 +6,7 @@
 
 use super::check::Checker;
 use super::tokens::Tokens;
-use super::{ConfData, Goal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone};
+use super::{ConfData, Goal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone, until_error};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::io::{BufRead, Write};
 
@@ -121,10 +121,8 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
 /// The steps of a CSV, one after the other, in constant memory. Ends after the first error.
 #[derive(Debug)]
 pub struct CsvReader<R> {
-    lines: Tokens<R>,
+    row: Row<R>,
     over: bool,
-    /// Ends of the cells of a line.
-    ends: [usize; COLUMNS],
 }
 
 impl<R: BufRead> CsvReader<R> {
@@ -138,9 +136,20 @@ impl<R: BufRead> CsvReader<R> {
         if !any || lines.line().trim_ascii_end() != HEADER.as_bytes() {
             return Err(unexpected(&lines, 0, "the header of a program", lines.line()));
         }
-        Ok(CsvReader { lines, over: false, ends: [0; COLUMNS] })
+        Ok(CsvReader { row: Row { lines, ends: [0; COLUMNS] }, over: false })
     }
+}
 
+/// A line, cut into its cells.
+#[derive(Debug)]
+struct Row<R> {
+    lines: Tokens<R>,
+    /// Ends of the cells.
+    ends: [usize; COLUMNS],
+}
+
+impl<R: BufRead> Row<R> {
+    /// The step of the next line; `None` at the end of the file.
     fn step(&mut self) -> Result<Option<Step>, ReadError> {
         if !self.lines.next_line()? {
             return Ok(None);
@@ -263,11 +272,6 @@ impl<R: BufRead> Iterator for CsvReader<R> {
     type Item = Result<Step, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.over {
-            return None;
-        }
-        let step = self.step().transpose();
-        self.over = !matches!(step, Some(Ok(_)));
-        step
+        until_error(&mut self.over, || self.row.step())
     }
 }

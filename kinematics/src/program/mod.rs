@@ -144,3 +144,14 @@ pub enum Step {
     /// The extruder goes on or off.
     Extruder(bool),
 }
+
+/// What `next` returns of a stream of steps that ends after the last one and after the first error; `over` is its note
+/// that it has ended.
+fn until_error<E>(over: &mut bool, step: impl FnOnce() -> Result<Option<Step>, E>) -> Option<Result<Step, E>> {
+    if *over {
+        return None;
+    }
+    let step = step().transpose();
+    *over = !matches!(step, Some(Ok(_)));
+    step
+}

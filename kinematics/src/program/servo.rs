@@ -4,7 +4,7 @@
 //! neighbours (through the first or last three at the ends; the straight line when there are only two). So the stream
 //! passes through every sample, its velocity has no jumps, and what moves uniformly accelerated comes out exactly.
 
-use super::Step;
+use super::{Step, until_error};
 use std::collections::VecDeque;
 
 /// A sample of a trajectory.
@@ -83,7 +83,7 @@ pub fn resample(
     samples: impl IntoIterator<Item = TimedJoints>,
     rate: ServoRate,
 ) -> impl Iterator<Item = Result<Step, ResampleError>> {
-    Resampler {
+    let mut resampler = Resampler {
         samples: samples.into_iter(),
         period: rate.seconds(),
         read: 0,
@@ -92,8 +92,9 @@ pub fn resample(
         first_time: 0.0,
         extruding: false,
         tick: 0,
-        ended: false,
-    }
+    };
+    let mut over = false;
+    std::iter::from_fn(move || until_error(&mut over, || resampler.step()))
 }
 
 struct Resampler<I> {
@@ -101,14 +102,13 @@ struct Resampler<I> {
     period: f64,
     /// Samples read.
     read: u64,
-    /// Up to four samples; the span at hand begins at number `at` of them.
+    /// Up to four samples, none at the end; the span at hand begins at number `at` of them.
     window: VecDeque<TimedJoints>,
     at: usize,
     first_time: f64,
     extruding: bool,
     /// Number of the next step.
     tick: u64,
-    ended: bool,
 }
 
 impl<I: Iterator<Item = TimedJoints>> Resampler<I> {
@@ -137,9 +137,9 @@ impl<I: Iterator<Item = TimedJoints>> Resampler<I> {
         if self.read == 0 {
             // The first parabola needs three samples.
             while self.window.len() < 3 && self.read()? {}
-            if self.window.is_empty() {
-                return Ok(None);
-            }
+        }
+        if self.window.is_empty() {
+            return Ok(None);
         }
         let time = self.first_time + self.tick as f64 * self.period;
         // On to the span in which the time lies; its end may belong to it.
@@ -165,7 +165,7 @@ impl<I: Iterator<Item = TimedJoints>> Resampler<I> {
         let begin = self.window[self.at];
         let Some(end) = self.window.get(self.at + 1) else {
             // At or beyond the last sample: it is reached in one step more, and that is all.
-            self.ended = true;
+            self.window.clear();
             return Ok(Some(Step::Servo { joints: begin.joints, seconds: self.period }));
         };
         let span = end.time_s - begin.time_s;
@@ -197,18 +197,5 @@ impl<I: Iterator<Item = TimedJoints>> Resampler<I> {
             let t = self.window[at].time_s;
             first + bend * ((t - a.time_s) + (t - b.time_s))
         })
-    }
-}
-
-impl<I: Iterator<Item = TimedJoints>> Iterator for Resampler<I> {
-    type Item = Result<Step, ResampleError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
-            return None;
-        }
-        let step = self.step().transpose();
-        self.ended |= !matches!(step, Some(Ok(_)));
-        step
     }
 }

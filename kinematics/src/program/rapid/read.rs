@@ -4,7 +4,7 @@
 
 use super::{NAMED_TURN_RAD_S, NO_AXIS, RapidTool, RapidWorkObject, SPEEDS, ZONES};
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, Goal, Move, ReadError, Speed, Step, Target, Zone};
+use crate::program::{ConfData, Goal, Move, ReadError, Speed, Step, Target, Zone, until_error};
 use nalgebra::{Isometry3, Point3, Translation3};
 use std::io::{self, BufRead};
 
@@ -172,48 +172,48 @@ impl<R: BufRead> RapidPart<R> {
         tokens.marks("()")?;
         Ok(RapidPart { tokens, over: false })
     }
+}
 
-    fn step(&mut self) -> Result<Option<Step>, ReadError> {
-        let tokens = &mut self.tokens;
-        let token = tokens.next()?;
-        let goal: fn(Target) -> Goal = if tokens.is_word(token, "MoveL") {
-            Goal::Line
-        } else if tokens.is_word(token, "MoveJ") {
-            Goal::Swing
-        } else if tokens.is_word(token, "MoveAbsJ") {
-            tokens.marks("[")?;
-            let joints = tokens.numbers::<6>()?.map(f64::to_radians);
-            let table = table(tokens)?;
-            return rest(tokens, Goal::Joints(joints), table).map(Some);
-        } else if tokens.is_word(token, "SetDO") {
-            tokens.name("the signal")?;
-            tokens.marks(",")?;
-            let value = tokens.whole()?;
-            if !(0..=1).contains(&value) {
-                return Err(tokens.wrong("a digital signal", f64::from(value)));
-            }
-            tokens.marks(";")?;
-            return Ok(Some(Step::Extruder(value == 1)));
-        } else if tokens.is_word(token, "ENDPROC") {
-            end(tokens)?;
-            return Ok(None);
-        } else {
-            return Err(tokens.unexpected("MoveL, MoveJ, MoveAbsJ, SetDO or ENDPROC", token));
-        };
-        let pose = open_pose(tokens)?;
-        tokens.marks(",[")?;
-        let mut conf = [0; 4];
-        for (k, entry) in conf.iter_mut().enumerate() {
-            if k > 0 {
-                tokens.marks(",")?;
-            }
-            *entry = tokens.whole()?;
-        }
-        tokens.marks("]")?;
-        let [cf1, cf4, cf6, cfx] = conf;
+/// The next step; `None` at the end of the module.
+fn step(tokens: &mut Tokens<impl BufRead>) -> Result<Option<Step>, ReadError> {
+    let token = tokens.next()?;
+    let goal: fn(Target) -> Goal = if tokens.is_word(token, "MoveL") {
+        Goal::Line
+    } else if tokens.is_word(token, "MoveJ") {
+        Goal::Swing
+    } else if tokens.is_word(token, "MoveAbsJ") {
+        tokens.marks("[")?;
+        let joints = tokens.numbers::<6>()?.map(f64::to_radians);
         let table = table(tokens)?;
-        rest(tokens, goal(Target { pose, conf: ConfData { cf1, cf4, cf6, cfx } }), table).map(Some)
+        return rest(tokens, Goal::Joints(joints), table).map(Some);
+    } else if tokens.is_word(token, "SetDO") {
+        tokens.name("the signal")?;
+        tokens.marks(",")?;
+        let value = tokens.whole()?;
+        if !(0..=1).contains(&value) {
+            return Err(tokens.wrong("a digital signal", f64::from(value)));
+        }
+        tokens.marks(";")?;
+        return Ok(Some(Step::Extruder(value == 1)));
+    } else if tokens.is_word(token, "ENDPROC") {
+        end(tokens)?;
+        return Ok(None);
+    } else {
+        return Err(tokens.unexpected("MoveL, MoveJ, MoveAbsJ, SetDO or ENDPROC", token));
+    };
+    let pose = open_pose(tokens)?;
+    tokens.marks(",[")?;
+    let mut conf = [0; 4];
+    for (k, entry) in conf.iter_mut().enumerate() {
+        if k > 0 {
+            tokens.marks(",")?;
+        }
+        *entry = tokens.whole()?;
     }
+    tokens.marks("]")?;
+    let [cf1, cf4, cf6, cfx] = conf;
+    let table = table(tokens)?;
+    rest(tokens, goal(Target { pose, conf: ConfData { cf1, cf4, cf6, cfx } }), table).map(Some)
 }
 
 /// The external axes and the end of the target.
@@ -291,12 +291,7 @@ impl<R: BufRead> Iterator for RapidPart<R> {
     type Item = Result<Step, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.over {
-            return None;
-        }
-        let step = self.step().transpose();
-        self.over = !matches!(step, Some(Ok(_)));
-        step
+        until_error(&mut self.over, || step(&mut self.tokens))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::MM_PER_M;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, Goal, Move, ReadError, Speed, Step, Target, Zone};
+use crate::program::{ConfData, Goal, Move, ReadError, Speed, Step, Target, Zone, until_error};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::io::BufRead;
 
@@ -53,59 +53,59 @@ impl<R: BufRead> UrScriptReader<R> {
     pub fn tool(&self) -> &Isometry3<f64> {
         &self.tool
     }
+}
 
-    fn step(&mut self) -> Result<Option<Step>, ReadError> {
-        let tokens = &mut self.tokens;
-        loop {
+/// The next step; `None` at the end of the program.
+fn step(tokens: &mut Tokens<impl BufRead>) -> Result<Option<Step>, ReadError> {
+    loop {
+        let token = tokens.next()?;
+        if tokens.is_word(token, "movel") || tokens.is_word(token, "movep") {
+            tokens.marks("(")?;
+            let goal = Goal::Line(target(tokens)?);
+            let [mm_s, radius] = speed_and_blend(tokens)?;
+            let speed = Speed { mm_s: mm_s * MM_PER_M, ..Speed::default() };
+            return Ok(Some(step_of(goal, speed, radius)));
+        } else if tokens.is_word(token, "movej") {
+            tokens.marks("(")?;
+            let goal = match tokens.peek()? {
+                Token::Mark(b'[') => Goal::Joints(tokens.numbers()?),
+                _ => Goal::Swing(target(tokens)?),
+            };
+            let [rad_s, radius] = speed_and_blend(tokens)?;
+            return Ok(Some(step_of(goal, Speed { rad_s, ..Speed::default() }, radius)));
+        } else if tokens.is_word(token, "servoj") {
+            tokens.marks("(")?;
+            let joints = tokens.numbers()?;
+            argument(tokens, "t")?;
+            let seconds = tokens.positive("a time")?;
+            argument(tokens, "lookahead_time")?;
+            tokens.number()?;
+            argument(tokens, "gain")?;
+            tokens.number()?;
+            tokens.marks(")")?;
+            return Ok(Some(Step::Servo { joints, seconds }));
+        } else if tokens.is_word(token, "set_standard_digital_out") {
+            tokens.marks("(")?;
+            tokens.whole()?;
+            tokens.marks(",")?;
             let token = tokens.next()?;
-            if tokens.is_word(token, "movel") || tokens.is_word(token, "movep") {
-                tokens.marks("(")?;
-                let goal = Goal::Line(target(tokens)?);
-                let [mm_s, radius] = speed_and_blend(tokens)?;
-                let speed = Speed { mm_s: mm_s * MM_PER_M, ..Speed::default() };
-                return Ok(Some(step_of(goal, speed, radius)));
-            } else if tokens.is_word(token, "movej") {
-                tokens.marks("(")?;
-                let goal = match tokens.peek()? {
-                    Token::Mark(b'[') => Goal::Joints(tokens.numbers()?),
-                    _ => Goal::Swing(target(tokens)?),
-                };
-                let [rad_s, radius] = speed_and_blend(tokens)?;
-                return Ok(Some(step_of(goal, Speed { rad_s, ..Speed::default() }, radius)));
-            } else if tokens.is_word(token, "servoj") {
-                tokens.marks("(")?;
-                let joints = tokens.numbers()?;
-                argument(tokens, "t")?;
-                let seconds = tokens.positive("a time")?;
-                argument(tokens, "lookahead_time")?;
-                tokens.number()?;
-                argument(tokens, "gain")?;
-                tokens.number()?;
-                tokens.marks(")")?;
-                return Ok(Some(Step::Servo { joints, seconds }));
-            } else if tokens.is_word(token, "set_standard_digital_out") {
-                tokens.marks("(")?;
-                tokens.whole()?;
-                tokens.marks(",")?;
-                let token = tokens.next()?;
-                let on = tokens.is_word(token, "True");
-                if !on && !tokens.is_word(token, "False") {
-                    return Err(tokens.unexpected("True or False", token));
-                }
-                tokens.marks(")")?;
-                return Ok(Some(Step::Extruder(on)));
-            } else if tokens.is_word(token, "stopj") {
-                tokens.marks("(")?;
-                tokens.number()?;
-                tokens.marks(")")?;
-            } else if tokens.is_word(token, "end") {
-                return match tokens.next()? {
-                    Token::End => Ok(None),
-                    more => Err(tokens.unexpected("the end of the file", more)),
-                };
-            } else {
-                return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal or end", token));
+            let on = tokens.is_word(token, "True");
+            if !on && !tokens.is_word(token, "False") {
+                return Err(tokens.unexpected("True or False", token));
             }
+            tokens.marks(")")?;
+            return Ok(Some(Step::Extruder(on)));
+        } else if tokens.is_word(token, "stopj") {
+            tokens.marks("(")?;
+            tokens.number()?;
+            tokens.marks(")")?;
+        } else if tokens.is_word(token, "end") {
+            return match tokens.next()? {
+                Token::End => Ok(None),
+                more => Err(tokens.unexpected("the end of the file", more)),
+            };
+        } else {
+            return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal or end", token));
         }
     }
 }
@@ -160,11 +160,6 @@ impl<R: BufRead> Iterator for UrScriptReader<R> {
     type Item = Result<Step, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.over {
-            return None;
-        }
-        let step = self.step().transpose();
-        self.over = !matches!(step, Some(Ok(_)));
-        step
+        until_error(&mut self.over, || step(&mut self.tokens))
     }
 }
