@@ -8,6 +8,7 @@
 //! stay without a value: nothing reaches into them.
 
 use super::field::LayerField;
+use super::in_parallel;
 use super::lattice::{Lattice, ROOM};
 use crate::curved::Cells;
 
@@ -18,7 +19,6 @@ pub const JUMP: f64 = 2.0;
 
 /// Cells that a thread takes at least: a few hundred microseconds of work. With fewer the threads spend more on sharing
 /// out, with more a small part keeps one of them busy.
-#[cfg(feature = "rayon")]
 const LEAST_SHARE: usize = 1024;
 
 /// Rings of cells around the part that get a value.
@@ -104,7 +104,7 @@ pub fn extend(field: &LayerField, cells: &Cells) -> ExtendedField {
         let inner = (0..3).all(|axis| [true, false].iter().all(|&way| lattice.is_joined(node, axis, way)));
         if !inner {
             for offset in BLOCK {
-                is_ring[shifted(node, offset, strides)] = true;
+                is_ring[node.wrapping_add_signed(step_of(offset, strides))] = true;
             }
         }
     }
@@ -113,7 +113,7 @@ pub fn extend(field: &LayerField, cells: &Cells) -> ExtendedField {
     }
     let ring: Vec<usize> = (0..is_ring.len()).filter(|&node| is_ring[node]).collect();
     let forecast = Forecast::new(&lattice);
-    let continued = in_parallel(ring.len(), |k| forecast.at(ring[k]));
+    let continued = in_parallel(ring.len(), LEAST_SHARE, |k| forecast.at(ring[k]));
 
     // The owner of each node: itself, or that of the ring cell.
     let mut owner: Vec<u32> = vec![u32::MAX; lattice.values.len()];
@@ -160,20 +160,9 @@ const BLOCK: [[i32; 3]; 125] = {
     block
 };
 
-fn shifted(node: usize, offset: [i32; 3], strides: [usize; 3]) -> usize {
-    let step: isize = (0..3).map(|k| offset[k] as isize * strides[k] as isize).sum();
-    node.wrapping_add_signed(step)
-}
-
-/// `of` for all numbers below `count`, in their order; by several threads with the feature `rayon`.
-fn in_parallel<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        (0..count).into_par_iter().with_min_len(LEAST_SHARE).map(of).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    (0..count).map(of).collect()
+/// How much farther a node is stored that lies at this offset.
+fn step_of(offset: [i32; 3], strides: [usize; 3]) -> isize {
+    (0..3).map(|k| offset[k] as isize * strides[k] as isize).sum()
 }
 
 /// What the part foretells for the cells around it.
@@ -196,13 +185,17 @@ struct Reach {
 
 impl<'a> Forecast<'a> {
     fn new(lattice: &'a Lattice) -> Self {
-        let strides = lattice.strides().map(|stride| stride as isize);
+        let strides = lattice.strides();
         let reach = BLOCK.map(|offset| {
             let squared = offset.iter().map(|o| o * o).sum::<i32>();
-            let step = (0..3).map(|k| offset[k] as isize * strides[k]).sum();
-            Reach { step, back: offset.map(|o| -f64::from(o)), squared, weight: f64::from(squared).powi(-2) }
+            Reach {
+                step: step_of(offset, strides),
+                back: offset.map(|o| -f64::from(o)),
+                squared,
+                weight: f64::from(squared).powi(-2),
+            }
         });
-        let slopes = in_parallel(lattice.values.len(), |node| {
+        let slopes = in_parallel(lattice.values.len(), LEAST_SHARE, |node| {
             if lattice.values[node].is_nan() { [0.0; 3] } else { lattice.slopes(node).map(|slope| slope as f32) }
         });
         Forecast { values: &lattice.values, slopes, reach }

@@ -34,3 +34,16 @@ pub use field::{FieldError, LayerField, plain_field};
 pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing};
 pub use store::{OtherMesh, ReadFieldError, SavedField, mesh_stamp};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};
+
+/// `of` for all numbers below `count`, in their order; with the feature `rayon` by several threads, each of which takes at
+/// least `least_share` of them.
+#[cfg_attr(not(feature = "rayon"), allow(unused_variables))]
+fn in_parallel<R: Send>(count: usize, least_share: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().with_min_len(least_share).map(of).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    (0..count).map(of).collect()
+}

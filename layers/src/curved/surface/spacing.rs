@@ -10,6 +10,7 @@
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
+use super::in_parallel;
 use super::tree::Tree;
 use nalgebra::Point3;
 
@@ -163,14 +164,7 @@ pub fn measure_spacing(surfaces: &[SurfaceSlices], height_mm: f64) -> Result<Spa
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         triangles.iter().map(|t| found(&tree, surface as u32, has, corners(t), height_mm)).collect()
     };
-    #[cfg(feature = "rayon")]
-    let found: Vec<Vec<Found>> = {
-        use rayon::prelude::*;
-        (0..surfaces.len()).into_par_iter().map(of_surface).collect()
-    };
-    #[cfg(not(feature = "rayon"))]
-    let found: Vec<Vec<Found>> = (0..surfaces.len()).map(of_surface).collect();
-    Ok(summed_up(&found, height_mm))
+    Ok(summed_up(&in_parallel(surfaces.len(), 1, of_surface), height_mm))
 }
 
 /// `has` says whether there is a surface before, and one after.

@@ -20,6 +20,7 @@
 mod cube;
 
 use super::extend::ExtendedField;
+use super::in_parallel;
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
@@ -157,14 +158,8 @@ pub fn contour(
     check_cell(cell_mm, origin)?;
     let crossings = crossings(field, levels);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
-    let one = |(level, found): (&f64, &Vec<Crossing>)| Contour::new(field, *level).run(found, cell_mm, low);
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        Ok(levels.par_iter().zip(&crossings).map(one).collect())
-    }
-    #[cfg(not(feature = "rayon"))]
-    Ok(levels.iter().zip(&crossings).map(one).collect())
+    let one = |k: usize| Contour::new(field, levels[k]).run(&crossings[k], cell_mm, low);
+    Ok(in_parallel(levels.len(), 1, one))
 }
 
 /// A place where a surface crosses the lattice: twice [`place_of`] an edge, and 1 more for the half at the upper end
