@@ -115,22 +115,45 @@ proptest! {
 
     #[test]
     fn spacing_is_that_of_the_slow_twin((dims, values) in wild()) {
-        let rows = rows_of(dims, |[x, y, z]| values[(x + dims[0] * (y + dims[1] * z)) as usize].is_some());
-        let cells = Cells::new(dims, &rows).unwrap();
-        let numbers = values.iter().map(|v| v.unwrap_or(f64::NAN)).collect();
-        let Ok(field) = LayerField::new(&cells, numbers, 1.0) else { return Ok(()) };
-        let surfaces = surfaces_of(&cells, &field, &[0.5, 1.25, 2.0]);
-        let spacing = measure_spacing(&slices(&surfaces), 0.75).unwrap();
-        for (i, surface) in surfaces.iter().enumerate() {
-            for (triangle, value) in surface.triangles.iter().zip(&spacing.values_mm[i]) {
-                let slow = slow_spacing(&surfaces, i, triangle, 3.0 * 0.75);
-                match (value, slow) {
-                    (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-9, "{a} {b}"),
-                    (a, b) => prop_assert_eq!(*a, b),
-                }
+        spacing_is_slow(dims, &values)?;
+    }
+}
+
+fn spacing_is_slow(dims: [u32; 3], values: &[Option<f64>]) -> Result<(), TestCaseError> {
+    let rows = rows_of(dims, |[x, y, z]| values[(x + dims[0] * (y + dims[1] * z)) as usize].is_some());
+    let cells = Cells::new(dims, &rows).unwrap();
+    let numbers = values.iter().map(|v| v.unwrap_or(f64::NAN)).collect();
+    let Ok(field) = LayerField::new(&cells, numbers, 1.0) else { return Ok(()) };
+    let surfaces = surfaces_of(&cells, &field, &[0.5, 1.25, 2.0]);
+    let spacing = measure_spacing(&slices(&surfaces), 0.75).unwrap();
+    for (i, surface) in surfaces.iter().enumerate() {
+        for (triangle, value) in surface.triangles.iter().zip(&spacing.values_mm[i]) {
+            let slow = slow_spacing(&surfaces, i, triangle, 3.0 * 0.75);
+            match (value, slow) {
+                (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-9, "{a} {b}"),
+                (a, b) => prop_assert_eq!(*a, b),
             }
         }
     }
+    Ok(())
+}
+
+/// The line from the middle of a triangle runs along the side of boxes, and through the edge of two triangles.
+#[test]
+fn a_line_along_the_side_of_a_box_comes_through_it() {
+    const N: Option<f64> = None;
+    #[rustfmt::skip]
+    let values = [
+        Some(2.5), Some(1.0), Some(2.5), N, Some(1.0), Some(0.0), N, Some(2.160158223631476), N, N,
+        Some(2.5719775451673144), N, Some(2.7602855545894425), Some(2.19053116453393), Some(4.026180727230657),
+        Some(1.5), Some(1.0), Some(2.5), N, Some(1.5), Some(4.809524014335714), Some(1.486200454409573), Some(0.0),
+        N, Some(0.2755713403711263), Some(2.0), Some(0.0), N, N, Some(0.5), N, N, N, Some(0.0), N, N, Some(2.0), N,
+        N, Some(1.5), Some(6.872577798348462), Some(0.5), N, Some(2.0), Some(2.5492850951388193), N, Some(0.0),
+        Some(0.09736512496002224), Some(0.0), N, Some(0.6543582816920858), N, Some(0.0), Some(2.0), N,
+        Some(2.432001726081554), Some(0.0), Some(2.5), Some(0.0), Some(2.545866679479971), N, N, Some(2.0), N, N,
+        Some(0.0), N, N, N, Some(8.907002964108122), Some(0.5), Some(1.5),
+    ];
+    spacing_is_slow([3, 6, 4], &values).unwrap();
 }
 
 /// The spacing at a triangle by a look at every triangle of the neighbours.

@@ -8,6 +8,10 @@ use nalgebra::{Point3, Vector3};
 /// Triangles in a leaf. Fewer cost visits, more cost tests; flat between 2 and 8.
 const LEAF: usize = 4;
 
+/// By this share of the size of all, a line may pass a box and still come through it: where it runs along a side, rounding
+/// would decide.
+const ROOM: f64 = 1e-9;
+
 /// A box: its least and greatest corner.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::curved) struct Bounds {
@@ -26,16 +30,17 @@ impl Bounds {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
-    /// Whether a line comes through the box between two places on it, as far as rounding allows. `inverse` is one over
-    /// its direction. Where it runs along a side, not-a-number is left out.
-    fn is_passed(&self, start: &Point3<f64>, inverse: &Vector3<f64>, from: f64, to: f64) -> bool {
+    /// Whether a line comes through the box, made larger by `room`, between two places on it. `inverse` is one over its
+    /// direction. Where it runs along a side, not-a-number is left out.
+    fn is_passed(&self, start: &Point3<f64>, inverse: &Vector3<f64>, [from, to]: [f64; 2], room: f64) -> bool {
         let (mut enter, mut leave) = (from, to);
         for k in 0..3 {
-            let [a, b] = [self.low[k], self.high[k]].map(|side| (side - start[k]) * inverse[k]);
+            let [low, high] = [self.low[k] - room, self.high[k] + room];
+            let [a, b] = [low, high].map(|side| (side - start[k]) * inverse[k]);
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
-        enter <= leave + 1e-12 * (to - from)
+        enter <= leave
     }
 
     fn distance_sq(&self, p: &Point3<f64>) -> f64 {
@@ -106,9 +111,10 @@ impl Tree {
         mut take: impl FnMut(usize, &mut [f64; 2]),
     ) {
         let inverse = direction.map(|d| 1.0 / d);
+        let size = self.nodes.first().map_or(0.0, |root| (root.bounds.high - root.bounds.low).max());
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
-            if node.bounds.is_passed(start, &inverse, -reach[0], reach[1]) {
+            if node.bounds.is_passed(start, &inverse, [-reach[0], reach[1]], ROOM * size) {
                 (node.first..node.first + node.count).for_each(|place| take(place as usize, &mut reach));
                 at += 1;
             } else {
