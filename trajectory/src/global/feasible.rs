@@ -14,20 +14,13 @@ const NOTHING: f64 = 1e-6;
 pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f64>> {
     // An equation may reach over three stages, which a soft row may not: it gets a variable for its miss, placed in the
     // middle stage behind the variables of that stage.
-    let stages = qp.first.len() - 1;
     let mut sizes: Vec<usize> = qp.first.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let mut homes = Vec::new();
-    for (row, bounds) in qp.rows.iter().enumerate() {
-        if bounds.is_equation() {
-            let touched = qp.terms_of(row).iter().filter_map(|&(variable, _)| qp.stage(variable as usize));
-            let (low, high) = touched.fold((stages, 0), |(low, high), stage| (stage.min(low), stage.max(high)));
-            homes.push((row, if low > high { None } else { Some((low + high) / 2) }));
-        }
-    }
+    let equations = (0..qp.rows.len()).filter(|&row| qp.rows[row].is_equation());
+    let homes: Vec<Option<usize>> = equations.map(|row| qp.home(row)).collect();
     // An equation over border variables alone joins them in the border.
-    let border = qp.border + homes.iter().filter(|home| home.1.is_none()).count();
+    let border = qp.border + homes.iter().filter(|home| home.is_none()).count();
     let mut behind = sizes.clone();
-    for stage in homes.iter().filter_map(|home| home.1) {
+    for &stage in homes.iter().flatten() {
         sizes[stage] += 1;
     }
     let mut loose = BandedQp::new(&sizes, border);
@@ -56,7 +49,7 @@ pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f6
         terms.clear();
         terms.extend(qp.terms_of(row).iter().map(|&(variable, by)| (place[variable as usize], by)));
         if bounds.is_equation() {
-            let miss = match homes.next()?.1 {
+            let miss = match homes.next()? {
                 Some(stage) => {
                     behind[stage] += 1;
                     loose.first[stage] + behind[stage] - 1

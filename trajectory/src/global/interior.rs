@@ -7,11 +7,9 @@
 //! costs no more unknowns than a hard one. What is left is `(H + A^T S A) dx + E^T dl`, `E dx`: block-tridiagonal with
 //! the multiplier of each equation in a stage that it touches, and bordered by the few variables that all may share.
 
-use super::band::Band;
 use super::qp::{BandedQp, QpOptions, QpSolution, QpStatus};
 use super::side::Side;
-use super::system::{dot, largest};
-use nalgebra::{DMatrix, Dyn, LU};
+use super::system::{System, dot, largest};
 
 /// How near to the boundary a step may come: with more, later steps are short; with less, all are.
 const FRACTION: f64 = 0.995;
@@ -34,29 +32,9 @@ const PROOF: f64 = 1e-8;
 
 /// The working state.
 pub(super) struct Interior<'a> {
-    pub(super) qp: &'a BandedQp,
-    /// Number of variables before the border.
-    pub(super) banded: usize,
-    /// Unknown of the linear system of each variable before the border.
-    pub(super) unknown: Vec<u32>,
-    /// Equations: the row and its unknown.
-    pub(super) equations: Vec<(u32, u32)>,
-    pub(super) sides: Vec<Side>,
-    pub(super) band: Band,
-    /// Slots of the entries of `H` (those of border variables unused).
-    pub(super) slots_h: Vec<usize>,
-    /// Slots of the products of terms, for each row that has sides, one after another.
-    pub(super) slots_a: Vec<usize>,
-    pub(super) slots_e: Vec<usize>,
-    pub(super) diagonal: Vec<usize>,
-    pub(super) signs: Vec<f64>,
-    /// Border columns of the linear system, its corner, and the solutions of the columns.
-    pub(super) columns: Vec<Vec<f64>>,
-    pub(super) corner: DMatrix<f64>,
-    pub(super) solved: Vec<Vec<f64>>,
-    pub(super) schur: Option<LU<f64, Dyn, Dyn>>,
-    /// Weight of each row.
-    pub(super) weights: Vec<f64>,
+    qp: &'a BandedQp,
+    sides: Vec<Side>,
+    system: System<'a>,
 }
 
 /// An iterate: the variables, the multipliers of the equations, the sides, and how far it is from a solution.
@@ -84,124 +62,14 @@ struct Residuals {
 
 impl<'a> Interior<'a> {
     pub fn new(qp: &'a BandedQp) -> Self {
-        let banded = qp.variables() - qp.border;
-        let stages = qp.first.len() - 1;
-        // The stage in which each equation's multiplier stands: with three stages touched, the middle one.
-        let mut homes: Vec<(u32, u32)> = Vec::new();
-        for (row, bounds) in qp.rows.iter().enumerate() {
-            if bounds.is_equation() {
-                let mut ends = None;
-                for &(variable, _) in qp.terms_of(row) {
-                    if let Some(stage) = qp.stage(variable as usize) {
-                        let (low, high) = ends.unwrap_or((stage, stage));
-                        ends = Some((stage.min(low), stage.max(high)));
-                    }
-                }
-                let (low, high) = ends.unwrap_or((0, 0));
-                homes.push((((low + high) / 2) as u32, row as u32));
-            }
-        }
-        homes.sort_unstable();
-        let mut sizes = vec![0; stages];
-        let mut signs = Vec::new();
-        let mut unknown = vec![0; banded];
-        let mut equations = Vec::with_capacity(homes.len());
-        let mut next = homes.iter().peekable();
-        for (stage, size) in sizes.iter_mut().enumerate() {
-            for slot in &mut unknown[qp.first[stage]..qp.first[stage + 1]] {
-                *slot = signs.len() as u32;
-                signs.push(1.0);
-                *size += 1;
-            }
-            while let Some(&(_, row)) = next.next_if(|home| home.0 as usize == stage) {
-                equations.push((row, signs.len() as u32));
-                signs.push(-1.0);
-                *size += 1;
-            }
-        }
-        // Equations over border variables alone, of a problem without stages.
-        let loose: Vec<u32> = next.map(|home| home.1).collect();
-        if !loose.is_empty() {
-            sizes.push(loose.len());
-            for row in loose {
-                equations.push((row, signs.len() as u32));
-                signs.push(-1.0);
-            }
-        }
-        let band = Band::new(&sizes, signs.clone());
-        let place = |variable: u32| unknown.get(variable as usize).map(|&at| at as usize);
-        let slot = |a: u32, b: u32| match (place(a), place(b)) {
-            (Some(a), Some(b)) => band.slot(a, b),
-            _ => usize::MAX,
-        };
-        let slots_h = qp.quadratic.iter().map(|&(a, b, _)| slot(a, b)).collect();
-        let (mut slots_a, mut slots_e, mut sides) = (Vec::new(), Vec::new(), Vec::new());
-        for (row, bounds) in qp.rows.iter().enumerate() {
-            if bounds.is_equation() || (bounds.lower == f64::NEG_INFINITY && bounds.upper == f64::INFINITY) {
-                continue;
-            }
-            let terms = qp.terms_of(row);
-            for (i, &(a, _)) in terms.iter().enumerate() {
-                slots_a.extend(terms[..=i].iter().map(|&(b, _)| slot(a, b)));
-            }
-            for (sign, bound) in [(1.0, bounds.upper), (-1.0, bounds.lower)] {
-                if bound.is_finite() {
-                    sides.push(Side {
-                        row: row as u32,
-                        sign,
-                        bound,
-                        penalty: bounds.penalty,
-                        s: 1.0,
-                        z: 1.0,
-                        p: 0.0,
-                        w: f64::INFINITY,
-                        ds: 0.0,
-                        dz: 0.0,
-                        dp: 0.0,
-                        dw: 0.0,
-                        miss: 0.0,
-                        weight: 0.0,
-                        want: 0.0,
-                        want_soft: 0.0,
-                    });
-                }
-            }
-        }
-        for &(row, multiplier) in &equations {
-            slots_e.extend(
-                qp.terms_of(row as usize)
-                    .iter()
-                    .map(|&(variable, _)| place(variable).map_or(usize::MAX, |at| band.slot(at, multiplier as usize))),
-            );
-        }
-        let diagonal = (0..signs.len()).map(|i| band.slot(i, i)).collect();
-        let columns = vec![vec![0.0; signs.len()]; qp.border];
-        let corner = DMatrix::zeros(qp.border, qp.border);
-        Interior {
-            qp,
-            banded,
-            unknown,
-            equations,
-            sides,
-            band,
-            slots_h,
-            slots_a,
-            slots_e,
-            diagonal,
-            signs,
-            solved: columns.clone(),
-            columns,
-            corner,
-            schur: None,
-            weights: vec![0.0; qp.rows.len()],
-        }
+        Interior { qp, sides: Side::all_of(qp), system: System::new(qp) }
     }
 
     pub fn solve(mut self, options: &QpOptions, start: Option<&[f64]>) -> QpSolution {
         let variables = self.qp.variables();
         let mut x =
             start.filter(|start| start.len() == variables).map_or_else(|| vec![0.0; variables], <[f64]>::to_vec);
-        let mut multipliers = vec![0.0; self.equations.len()];
+        let mut multipliers = vec![0.0; self.system.equations.len()];
         self.first_sides(&x);
         let mut best: Option<Iterate> = None;
         let mut iterations = 0;
@@ -238,7 +106,7 @@ impl<'a> Interior<'a> {
             }
             iterations += 1;
             let mean = if count > 0 { products / count as f64 } else { 0.0 };
-            self.assemble();
+            self.system.assemble(self.sides.iter_mut().map(|side| (side.row, side.weigh())));
             // Predictor.
             self.aim(|_| 0.0);
             let (mut dx, mut dl) = self.direction(&residuals, 1.0);
@@ -399,8 +267,8 @@ impl<'a> Interior<'a> {
                 dual[variable as usize] += by * push;
             }
         }
-        let mut equations = Vec::with_capacity(self.equations.len());
-        for (&(row, _), &push) in self.equations.iter().zip(multipliers) {
+        let mut equations = Vec::with_capacity(self.system.equations.len());
+        for (&(row, _), &push) in self.system.equations.iter().zip(multipliers) {
             let terms = qp.terms_of(row as usize);
             let value = dot(terms, x);
             let miss = qp.rows[row as usize].upper - value;
@@ -430,7 +298,7 @@ impl<'a> Interior<'a> {
             }
         }
         let equations: Vec<f64> = residuals.equations.iter().map(|value| share * value).collect();
-        let (dx, dl) = self.refined(&right, &equations);
+        let (dx, dl) = self.system.refined(&right, &equations);
         let mut at = (u32::MAX, 0.0);
         for side in &mut self.sides {
             if at.0 != side.row {
@@ -463,7 +331,7 @@ impl<'a> Interior<'a> {
         for side in self.sides.iter().filter(|side| !side.is_soft()) {
             take(side.row, side.sign * side.z, side.bound);
         }
-        for (&(row, _), &push) in self.equations.iter().zip(multipliers) {
+        for (&(row, _), &push) in self.system.equations.iter().zip(multipliers) {
             take(row, push, qp.rows[row as usize].upper);
         }
         if size > 0.0 && value < -PROOF * size && largest(&combined) * (1.0 + largest(x)) <= PROOF * -value {
@@ -486,7 +354,7 @@ impl<'a> Interior<'a> {
         let keeps = |row: u32, sign: f64| sign * dot(qp.terms_of(row as usize), x) <= 1e-6 * reach;
         let flat = largest(&hx) <= PROOF * falls
             && self.sides.iter().all(|side| side.is_soft() || keeps(side.row, side.sign))
-            && self.equations.iter().all(|&(row, _)| keeps(row, 1.0) && keeps(row, -1.0));
+            && self.system.equations.iter().all(|&(row, _)| keeps(row, 1.0) && keeps(row, -1.0));
         let price: f64 = self.sides.iter().filter(|side| side.is_soft()).map(|side| side.p * side.penalty).sum();
         (flat && falls > 2.0 * price).then_some(QpStatus::Unbounded)
     }
@@ -512,7 +380,7 @@ impl<'a> Interior<'a> {
                 value += side.penalty * over.max(0.0);
             }
         }
-        for (&(row, _), &push) in self.equations.iter().zip(multipliers) {
+        for (&(row, _), &push) in self.system.equations.iter().zip(multipliers) {
             duals[row as usize] = push;
             lower_bound -= push * qp.rows[row as usize].upper;
         }

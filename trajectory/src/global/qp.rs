@@ -270,6 +270,13 @@ impl BandedQp {
         self.stage.get(variable).map(|&stage| stage as usize)
     }
 
+    /// The stage in which a variable of a row's own belongs: with three stages touched, the middle one; `None` where the
+    /// row joins border variables alone.
+    pub(super) fn home(&self, row: usize) -> Option<usize> {
+        let stages = || self.terms_of(row).iter().filter_map(|&(variable, _)| self.stage(variable as usize));
+        Some((stages().min()? + stages().max()?) / 2)
+    }
+
     pub(super) fn terms_of(&self, row: usize) -> &[(u32, f64)] {
         &self.terms[self.starts[row]..self.starts[row + 1]]
     }

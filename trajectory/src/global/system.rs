@@ -3,8 +3,9 @@
 //! A row with sides adds its square, times the weight of its sides, to the matrix; an equation stands in it with its
 //! multiplier. Border variables are kept out of the band as columns and taken back in by their Schur complement.
 
-use super::interior::Interior;
-use nalgebra::DVector;
+use super::band::Band;
+use super::qp::BandedQp;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Added to the diagonal, so that the matrix is quasi-definite. It stays in the step, which so is one of the proximal
 /// point method (S. Pougkakiotis, J. Gondzio, "An interior point-proximal method of multipliers for convex quadratic
@@ -16,69 +17,147 @@ const REGULAR: f64 = 1e-7;
 /// Rounds of iterative refinement at most.
 const REFINEMENTS: usize = 8;
 
-/// Weights of rows are cut at one over this. Heavier rows drown the others in rounding; a tenth of the weight, and what
-/// has no room inside its bounds comes to its end too slowly.
-const LIGHTEST: f64 = 1e-14;
+/// No slot: one of the two is a border variable.
+const NONE: usize = usize::MAX;
 
-impl Interior<'_> {
-    /// Puts the matrix of the linear system together and factors it.
-    pub(super) fn assemble(&mut self) {
+/// The matrix, its layout and its factors.
+pub(super) struct System<'a> {
+    qp: &'a BandedQp,
+    /// Unknown of each variable before the border.
+    unknown: Vec<u32>,
+    /// Equations: the row and the unknown of its multiplier.
+    pub equations: Vec<(u32, u32)>,
+    band: Band,
+    /// Slots of the entries of `H`.
+    slots_h: Vec<usize>,
+    /// Slots of the products of terms, for each row that is no equation, one after another.
+    slots_a: Vec<usize>,
+    slots_e: Vec<usize>,
+    diagonal: Vec<usize>,
+    signs: Vec<f64>,
+    /// Border columns, the corner where they meet, and the solutions of the columns.
+    columns: Vec<Vec<f64>>,
+    corner: DMatrix<f64>,
+    solved: Vec<Vec<f64>>,
+    schur: Option<LU<f64, Dyn, Dyn>>,
+    /// Weight of the square of each row.
+    weights: Vec<f64>,
+}
+
+impl<'a> System<'a> {
+    pub fn new(qp: &'a BandedQp) -> Self {
+        let mut homes: Vec<(usize, u32)> = (0..qp.rows.len())
+            .filter(|&row| qp.rows[row].is_equation())
+            .map(|row| (qp.home(row).unwrap_or(0), row as u32))
+            .collect();
+        homes.sort_unstable();
+        // Stages with their variables and behind them the multipliers; a problem of border variables alone has one
+        // stage, for these.
+        let stages = (qp.first.len() - 1).max(1);
+        let (mut sizes, mut signs) = (Vec::new(), Vec::new());
+        let (mut unknown, mut equations) = (Vec::new(), Vec::new());
+        let mut next = homes.iter().peekable();
+        for stage in 0..stages {
+            let before = signs.len();
+            let variables = qp.first.get(stage + 1).map_or(0, |end| end - qp.first[stage]);
+            unknown.extend((before..before + variables).map(|at| at as u32));
+            signs.resize(before + variables, 1.0);
+            while let Some(&(_, row)) = next.next_if(|home| home.0 == stage) {
+                equations.push((row, signs.len() as u32));
+                signs.push(-1.0);
+            }
+            sizes.push(signs.len() - before);
+        }
+        let band = Band::new(&sizes, signs.clone());
+        let place = |variable: u32| unknown.get(variable as usize).map(|&at| at as usize);
+        let slot = |a: u32, b: u32| place(a).zip(place(b)).map_or(NONE, |(a, b)| band.slot(a, b));
+        let slots_h = qp.quadratic.iter().map(|&(a, b, _)| slot(a, b)).collect();
+        let (mut slots_a, mut slots_e) = (Vec::new(), Vec::new());
+        for row in (0..qp.rows.len()).filter(|&row| !qp.rows[row].is_equation()) {
+            let terms = qp.terms_of(row);
+            for (i, &(a, _)) in terms.iter().enumerate() {
+                slots_a.extend(terms[..=i].iter().map(|&(b, _)| slot(a, b)));
+            }
+        }
+        for &(row, multiplier) in &equations {
+            let slot =
+                |&(variable, _): &(u32, f64)| place(variable).map_or(NONE, |at| band.slot(at, multiplier as usize));
+            slots_e.extend(qp.terms_of(row as usize).iter().map(slot));
+        }
+        let diagonal = (0..signs.len()).map(|i| band.slot(i, i)).collect();
+        let columns = vec![vec![0.0; signs.len()]; qp.border];
+        System {
+            qp,
+            unknown,
+            equations,
+            band,
+            slots_h,
+            slots_a,
+            slots_e,
+            diagonal,
+            signs,
+            solved: columns.clone(),
+            columns,
+            corner: DMatrix::zeros(qp.border, qp.border),
+            schur: None,
+            weights: vec![0.0; qp.rows.len()],
+        }
+    }
+
+    /// Puts the matrix together for sides of these rows and weights, and factors it.
+    pub fn assemble(&mut self, sides: impl Iterator<Item = (u32, f64)>) {
+        self.weights.fill(0.0);
+        for (row, weight) in sides {
+            self.weights[row as usize] += weight;
+        }
+        self.add_all();
+        self.band.factor();
+        self.schur = None;
+        let border = self.qp.border;
+        if border > 0 {
+            let mut schur = self.corner.clone();
+            for i in 0..border {
+                self.solved[i].clone_from(&self.columns[i]);
+                self.band.solve(&mut self.solved[i]);
+                for j in 0..border {
+                    schur[(j, i)] -= self.columns[j].iter().zip(&self.solved[i]).map(|(a, b)| a * b).sum::<f64>();
+                }
+            }
+            for i in 0..border {
+                schur[(i, i)] += REGULAR;
+            }
+            self.schur = Some(schur.lu());
+        }
+    }
+
+    /// Adds up the entries of band, columns and corner.
+    fn add_all(&mut self) {
         let qp = self.qp;
         self.band.clear();
         self.corner.fill(0.0);
         for column in &mut self.columns {
             column.fill(0.0);
         }
-        self.weights.fill(0.0);
-        for side in &mut self.sides {
-            let soft = if side.is_soft() { side.p / side.w } else { 0.0 };
-            side.weight = 1.0 / (side.s / side.z + soft).max(LIGHTEST);
-            self.weights[side.row as usize] += side.weight;
+        for (entry, &(a, b, value)) in qp.quadratic.iter().enumerate() {
+            self.add(self.slots_h[entry], a, b, value);
         }
-        let banded = self.banded;
-        let mut border = |columns: &mut [Vec<f64>], unknown: &[u32], a: u32, b: u32, value: f64| {
-            let (a, b) = (a.max(b) as usize, a.min(b) as usize);
-            if b >= banded {
-                self.corner[(a - banded, b - banded)] += value;
-                if a != b {
-                    self.corner[(b - banded, a - banded)] += value;
-                }
-            } else {
-                columns[a - banded][unknown[b] as usize] += value;
-            }
-        };
-        for (&(a, b, value), &slot) in qp.quadratic.iter().zip(&self.slots_h) {
-            if slot == usize::MAX {
-                border(&mut self.columns, &self.unknown, a, b, value);
-            } else {
-                self.band.add(slot, value);
-            }
-        }
-        let mut slots = self.slots_a.iter();
-        let mut last = u32::MAX;
-        for side in &self.sides {
-            if side.row == last {
-                continue;
-            }
-            last = side.row;
-            let weight = self.weights[side.row as usize];
-            let terms = qp.terms_of(side.row as usize);
+        let mut at = 0;
+        for row in (0..qp.rows.len()).filter(|&row| !qp.rows[row].is_equation()) {
+            let weight = self.weights[row];
+            let terms = qp.terms_of(row);
             for (i, &(a, by)) in terms.iter().enumerate() {
-                let by = weight * by;
-                for (j, (&(b, other), &slot)) in terms[..=i].iter().zip(&mut slots).enumerate() {
+                for (j, &(b, other)) in terms[..=i].iter().enumerate() {
                     let twice = if a == b && j < i { 2.0 } else { 1.0 };
-                    if slot == usize::MAX {
-                        border(&mut self.columns, &self.unknown, a, b, twice * by * other);
-                    } else {
-                        self.band.add(slot, twice * by * other);
-                    }
+                    self.add(self.slots_a[at], a, b, twice * (weight * by) * other);
+                    at += 1;
                 }
             }
         }
+        let banded = self.unknown.len();
         let mut slots = self.slots_e.iter();
         for &(row, multiplier) in &self.equations {
             for (&(variable, by), &slot) in qp.terms_of(row as usize).iter().zip(&mut slots) {
-                if slot == usize::MAX {
+                if slot == NONE {
                     self.columns[variable as usize - banded][multiplier as usize] += by;
                 } else {
                     self.band.add(slot, by);
@@ -88,21 +167,23 @@ impl Interior<'_> {
         for (&slot, &sign) in self.diagonal.iter().zip(&self.signs) {
             self.band.add(slot, sign * REGULAR);
         }
-        self.band.factor();
-        self.schur = None;
-        if qp.border > 0 {
-            let mut schur = self.corner.clone();
-            for i in 0..qp.border {
-                self.solved[i].clone_from(&self.columns[i]);
-                self.band.solve(&mut self.solved[i]);
-                for j in 0..qp.border {
-                    schur[(j, i)] -= self.columns[j].iter().zip(&self.solved[i]).map(|(a, b)| a * b).sum::<f64>();
-                }
-            }
-            for i in 0..qp.border {
-                schur[(i, i)] += REGULAR;
-            }
-            self.schur = Some(schur.lu());
+    }
+
+    /// Adds to the entry of two variables, which has this slot.
+    fn add(&mut self, slot: usize, a: u32, b: u32, value: f64) {
+        if slot != NONE {
+            self.band.add(slot, value);
+            return;
+        }
+        let banded = self.unknown.len();
+        let (a, b) = (a.max(b) as usize, a.min(b) as usize);
+        if b < banded {
+            self.columns[a - banded][self.unknown[b] as usize] += value;
+            return;
+        }
+        self.corner[(a - banded, b - banded)] += value;
+        if a != b {
+            self.corner[(b - banded, a - banded)] += value;
         }
     }
 
@@ -130,7 +211,7 @@ impl Interior<'_> {
     }
 
     /// Solves the linear system with iterative refinement against the matrix as it is.
-    pub(super) fn refined(&self, right: &[f64], equations: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub fn refined(&self, right: &[f64], equations: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut dx = vec![0.0; right.len()];
         let mut dl = vec![0.0; equations.len()];
         let (mut left_x, mut left_e) = (right.to_vec(), equations.to_vec());
@@ -144,14 +225,14 @@ impl Interior<'_> {
             for (&(_, at), value) in self.equations.iter().zip(&left_e) {
                 mixed[at as usize] = *value;
             }
-            let mut border = left_x[self.banded..].to_vec();
+            let mut border = left_x[self.unknown.len()..].to_vec();
             self.solve_factored(&mut mixed, &mut border);
             let mut next_x = dx.clone();
             let mut next_l = dl.clone();
             for (value, &at) in next_x.iter_mut().zip(&self.unknown) {
                 *value += mixed[at as usize];
             }
-            for (value, by) in next_x[self.banded..].iter_mut().zip(&border) {
+            for (value, by) in next_x[self.unknown.len()..].iter_mut().zip(&border) {
                 *value += by;
             }
             for (value, &(_, at)) in next_l.iter_mut().zip(&self.equations) {
@@ -183,14 +264,9 @@ impl Interior<'_> {
                 rest_x[b] -= value * dx[a];
             }
         }
-        let mut last = u32::MAX;
-        for side in &self.sides {
-            if side.row == last {
-                continue;
-            }
-            last = side.row;
-            let terms = qp.terms_of(side.row as usize);
-            let pull = self.weights[side.row as usize] * dot(terms, dx);
+        for (row, &weight) in self.weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+            let terms = qp.terms_of(row);
+            let pull = weight * dot(terms, dx);
             for &(variable, by) in terms {
                 rest_x[variable as usize] -= by * pull;
             }
