@@ -6,6 +6,7 @@
 //!   nothing of how the curves were made.
 //! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part; and paths along them
 //!   that fill the surface with beads ([`LevelField::paths`]).
+//! * [`order_curves`]: in which order curves are travelled, and from which end, for short ways in between.
 //! * [`LayerStack`]: all layers of a part. It orients the nozzle along their curves ([`LayerStack::orient`]), and tilts
 //!   it where it would run into what is built ([`LayerStack::free`]).
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
@@ -15,6 +16,7 @@ mod geodesic;
 mod gouging;
 mod level_set;
 mod mesh;
+mod order;
 mod orientation;
 mod parallel;
 mod paths;
@@ -27,6 +29,7 @@ pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use gouging::{Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle};
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
+pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
 pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint};
 pub use paths::{LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason};
 pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};

@@ -21,6 +21,7 @@ mod spirals;
 mod thin;
 
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
+use super::order::Visit;
 use curve::Loop;
 use spacing::Spacing;
 use thin::{Curve, thinned};
@@ -90,6 +91,25 @@ impl SurfacePath {
             (true, Some(first), Some(last)) => steps + step(last, first),
             _ => steps,
         }
+    }
+
+    /// The same curve as it is travelled in an order: from another start if it is closed, or backward.
+    ///
+    /// # Panics
+    /// If `visit` starts a closed curve at a point that is not there.
+    pub fn travelled(&self, visit: &Visit) -> SurfacePath {
+        let mut path = self.clone();
+        let start = visit.start as usize;
+        match (self.closed, visit.reversed) {
+            (true, false) => path.points.rotate_left(start),
+            (true, true) => {
+                path.points.rotate_left(start + 1);
+                path.points.reverse();
+            }
+            (false, true) => path.points.reverse(),
+            (false, false) => {}
+        }
+        path
     }
 }
 

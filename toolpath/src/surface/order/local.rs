@@ -1,0 +1,151 @@
+//! Short orders of many curves: nearest neighbours, then 2-opt and or-opt.
+//!
+//! Turning a part of the order round turns its curves round as well, so the ways inside of it stay as long as they were.
+//! That makes each try a matter of four distances.
+
+use super::{TravelCurve, Way, gap, length};
+use nalgebra::Point3;
+
+/// Curves that are moved elsewhere together.
+const MOVED: usize = 3;
+
+/// A change must gain more than this share of the way, or rounding could go in circles.
+const LEAST_GAIN: f64 = 1e-12;
+
+/// Steps of the search at most: some seconds. On layers of up to a thousand curves it ends by itself.
+const MOST_STEPS: usize = 1 << 30;
+
+/// A short order from one place to another; the better of what nearest neighbours and the order given lead to.
+pub(super) fn order(
+    choice: &[Vec<Way>],
+    curves: &[TravelCurve],
+    from: Option<Point3<f64>>,
+    to: Option<Point3<f64>>,
+) -> Vec<Way> {
+    let given = choice.iter().map(|ways| ways[0]).collect();
+    let [near, given] = [nearest(choice, from), given].map(|mut order| {
+        improve(&mut order, curves, from, to);
+        order
+    });
+    if length(&given, from, to) < length(&near, from, to) { given } else { near }
+}
+
+/// Always on to the nearest start.
+fn nearest(choice: &[Vec<Way>], from: Option<Point3<f64>>) -> Vec<Way> {
+    let mut left: Vec<usize> = (0..choice.len()).collect();
+    let mut order: Vec<Way> = Vec::with_capacity(choice.len());
+    while !left.is_empty() {
+        let at = order.last().map_or(from, |way| Some(way.end));
+        let mut best: Option<(f64, usize, Way)> = None;
+        for (place, &curve) in left.iter().enumerate() {
+            for way in &choice[curve] {
+                let far = gap(at, Some(way.start));
+                if best.is_none_or(|(least, ..)| far < least) {
+                    best = Some((far, place, *way));
+                }
+            }
+        }
+        if let Some((_, place, way)) = best {
+            left.remove(place);
+            order.push(way);
+        }
+    }
+    order
+}
+
+/// Turns parts round and moves short parts elsewhere until neither shortens the way.
+pub(super) fn improve(
+    order: &mut Vec<Way>,
+    curves: &[TravelCurve],
+    from: Option<Point3<f64>>,
+    to: Option<Point3<f64>>,
+) {
+    let mut search = Search { order, curves, from, to, least: 0.0, steps: 0 };
+    search.least = LEAST_GAIN * length(search.order, from, to);
+    while search.steps < MOST_STEPS && (search.turn() | search.shift()) {}
+}
+
+struct Search<'a> {
+    order: &'a mut Vec<Way>,
+    curves: &'a [TravelCurve<'a>],
+    from: Option<Point3<f64>>,
+    to: Option<Point3<f64>>,
+    least: f64,
+    steps: usize,
+}
+
+impl Search<'_> {
+    /// Where one comes from before a place, and goes to after it.
+    fn before(&self, place: usize) -> Option<Point3<f64>> {
+        place.checked_sub(1).map_or(self.from, |k| Some(self.order[k].end))
+    }
+
+    fn after(&self, place: usize) -> Option<Point3<f64>> {
+        self.order.get(place + 1).map_or(self.to, |way| Some(way.start))
+    }
+
+    fn reverse(&mut self, from: usize, to: usize) {
+        self.order[from..=to].reverse();
+        for way in &mut self.order[from..=to] {
+            *way = way.back(&self.curves[way.visit.curve as usize]);
+        }
+    }
+
+    /// 2-opt, one curve alone included; whether anything was gained.
+    fn turn(&mut self) -> bool {
+        let mut gained = false;
+        for i in 0..self.order.len() {
+            for j in i..self.order.len() {
+                let (before, behind) = (self.before(i), self.after(j));
+                let (start, end) = (Some(self.order[i].start), Some(self.order[j].end));
+                let now = gap(before, start) + gap(end, behind);
+                if now - gap(before, end) - gap(start, behind) > self.least {
+                    self.reverse(i, j);
+                    gained = true;
+                }
+            }
+            self.steps += self.order.len();
+        }
+        gained
+    }
+
+    /// Or-opt: up to [`MOVED`] curves between two others, either way round; whether anything was gained.
+    fn shift(&mut self) -> bool {
+        let mut gained = false;
+        let count = self.order.len();
+        for size in 1..=MOVED.min(count.saturating_sub(1)) {
+            for i in 0..=count - size {
+                let (start, end) = (Some(self.order[i].start), Some(self.order[i + size - 1].end));
+                let (before, behind) = (self.before(i), self.after(i + size - 1));
+                let freed = gap(before, start) + gap(end, behind) - gap(before, behind);
+                // Between place k - 1 and place k, which are not of the part.
+                let mut best: Option<(f64, usize, bool)> = None;
+                for k in (0..i).chain(i + size + 1..=count) {
+                    let one = self.before(k);
+                    let other = self.order.get(k).map_or(self.to, |way| Some(way.start));
+                    let whole = gap(one, other);
+                    for (turned, first, last) in [(false, start, end), (true, end, start)] {
+                        let gain = freed + whole - gap(one, first) - gap(last, other);
+                        if gain > best.map_or(self.least, |best| best.0) {
+                            best = Some((gain, k, turned));
+                        }
+                    }
+                }
+                self.steps += count;
+                let Some((_, k, turned)) = best else {
+                    continue;
+                };
+                if turned {
+                    self.reverse(i, i + size - 1);
+                }
+                if k < i {
+                    self.order[k..i + size].rotate_right(size);
+                } else {
+                    self.order[i..k].rotate_left(size);
+                }
+                gained = true;
+            }
+        }
+        gained
+    }
+}
