@@ -9,7 +9,7 @@ use curvlay_toolpath::gcode;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
     BuiltLayer, Deposition, DepositionOptions, Freed, GougingOptions, LayerCurve, LayerStack, MoveKind, Nozzle,
-    OrientOptions, ToolPath, Turns, deposit,
+    OrientOptions, ToolPath, TravelOptions, Travels, Turns, deposit_along,
 };
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -30,6 +30,8 @@ pub struct MachineRun {
     pub raw: Turns,
     /// The paths with the directions that they are printed with.
     pub freed: Freed,
+    /// How the nozzle gets from path to path.
+    pub travels: Travels,
     pub deposition: Deposition,
     /// Area that beads cover by the thickness of the layer there.
     pub covered_mm3: f64,
@@ -44,6 +46,7 @@ pub struct Times {
     /// Waypoints and their directions, gouging included.
     pub orientation: Duration,
     pub gouging: Duration,
+    pub travels: Duration,
     pub deposition: Duration,
 }
 
@@ -52,12 +55,15 @@ impl MachineRun {
         self.freed.paths.iter().map(|path| path.waypoints.len()).sum()
     }
 
-    /// Whether what is left of gouging, and the volume, are within bounds.
+    /// Whether what is left of gouging, travels and the volume are within bounds.
     pub fn failed_checks(&self) -> Vec<String> {
         let mut failed = Vec::new();
         let (left, waypoints) = (self.freed.left.len(), self.waypoints());
         if left as f64 > GOUGING_SHARE * waypoints as f64 {
             failed.push(format!("{left} of {waypoints} waypoints gouge"));
+        }
+        if !self.travels.blocked.is_empty() {
+            failed.push(format!("{} travels are blocked", self.travels.blocked.len()));
         }
         let (laid, covered) = (self.deposition.extruded_mm3, self.covered_mm3);
         if (laid - covered).abs() > VOLUME_SHARE * covered {
@@ -125,8 +131,13 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
 
     let start = Instant::now();
+    let travels = stack.travels(&freed.paths, &Nozzle::default(), &TravelOptions::default(), &progress);
+    let travels = travels.map_err(failure)?;
+    times.travels = start.elapsed();
+
+    let start = Instant::now();
     let options = DepositionOptions { filament_diameter: args.filament, ..DepositionOptions::default() };
-    let deposition = deposit(&freed.paths, &options).map_err(failure)?;
+    let deposition = deposit_along(&freed.paths, &travels.ways, &options).map_err(failure)?;
     times.deposition = start.elapsed();
 
     // What the closest points say, unfiltered, for the picture of one path.
@@ -139,7 +150,7 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
         layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * volume(sheet, thickness))
     };
     let covered_mm3 = paths.layers.iter().zip(surfaces.sheets.iter().zip(&thickness)).map(covered).sum();
-    Ok(MachineRun { raw, freed, deposition, covered_mm3, example, times })
+    Ok(MachineRun { raw, freed, travels, deposition, covered_mm3, example, times })
 }
 
 /// Area by thickness.

@@ -8,7 +8,7 @@ use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
     BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, StatisticsOptions, SurfaceDistance, SurfaceMesh,
-    path_statistics,
+    TravelCurve, order_curves, path_statistics,
 };
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -53,6 +53,8 @@ pub struct Times {
     /// Level sets and curves.
     pub paths: Duration,
     pub statistics: Duration,
+    /// The order of the curves.
+    pub order: Duration,
     /// On the clock, from the first surface to the last.
     pub wall: Duration,
 }
@@ -65,6 +67,8 @@ pub struct Totals {
     /// From curve to curve within the layers and from layer to layer.
     pub jumps: usize,
     pub jump_mm: f64,
+    /// The same in the order in which the curves were found, all from their starts.
+    pub unordered_jump_mm: f64,
     pub path_mm: f64,
     pub covered_fraction: f64,
     pub overlap_fraction: f64,
@@ -89,14 +93,16 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun,
         bars.update("paths", done.fetch_add(1, Ordering::Relaxed) + 1, total);
         filled.map_err(|error| failure(format!("layer {}: {error}", number + 1)))
     };
-    let layers: Vec<_> = surfaces.sheets.par_iter().enumerate().map(layer).collect::<Result<_, _>>()?;
-    let mut times = Times { wall: start.elapsed(), ..Times::default() };
+    let mut layers: Vec<_> = surfaces.sheets.par_iter().enumerate().map(layer).collect::<Result<_, _>>()?;
+    let before_order = Instant::now();
+    let jumps = order(&mut layers)?;
+    let mut times = Times { order: before_order.elapsed(), wall: start.elapsed(), ..Times::default() };
     for layer in layers.iter().flatten() {
         times.geodesic += layer.times.geodesic;
         times.paths += layer.times.paths;
         times.statistics += layer.times.statistics;
     }
-    Ok(PathsRun { bead_mm, totals: totals(&layers), layers, times })
+    Ok(PathsRun { bead_mm, totals: totals(&layers, jumps), layers, times })
 }
 
 fn fill(sheet: &TrimmedSheet, bead: f64) -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
@@ -140,18 +146,37 @@ fn statistics(
     Ok(path_statistics(mesh.vertices(), mesh.triangles(), &curves, &StatisticsOptions::default(), &go_on)?)
 }
 
-fn totals(layers: &[Option<Layer>]) -> Totals {
-    let mut totals = Totals::default();
+/// Puts the curves of each layer in an order with short ways between them; the length of these before and after.
+fn order(layers: &mut [Option<Layer>]) -> Result<[f64; 2], Failure> {
+    let points: Vec<Vec<(Vec<Point3<f64>>, bool)>> = layers
+        .iter()
+        .map(|layer| {
+            let paths = layer.iter().flat_map(|layer| &layer.paths.paths);
+            paths.map(|path| (path.points.iter().map(|point| point.at.position).collect(), path.closed)).collect()
+        })
+        .collect();
+    let curves: Vec<Vec<TravelCurve>> = points
+        .iter()
+        .map(|layer| layer.iter().map(|(points, closed)| TravelCurve { points, closed: *closed }).collect())
+        .collect();
+    let found = order_curves(&curves).map_err(failure)?;
+    for (layer, visits) in layers.iter_mut().zip(&found.layers) {
+        if let Some(Layer { paths: LayerPaths { paths, .. }, .. }) = layer {
+            *paths = visits.iter().map(|visit| paths[visit.curve as usize].travelled(visit)).collect();
+        }
+    }
+    Ok([found.given_mm, found.travel_mm])
+}
+
+fn totals(layers: &[Option<Layer>], [unordered_jump_mm, jump_mm]: [f64; 2]) -> Totals {
+    let mut totals = Totals { unordered_jump_mm, jump_mm, ..Totals::default() };
     let (mut area, mut unfillable) = (0.0, 0.0);
-    let mut last_end: Option<Point3<f64>> = None;
     for Layer { paths, statistics, even, .. } in layers.iter().flatten() {
         totals.even_layers += usize::from(*even);
         area += statistics.area_mm2;
         unfillable += paths.unfilled.iter().map(|unfilled| unfilled.area).sum::<f64>();
         totals.regions += paths.regions;
         totals.curves += statistics.curves;
-        totals.jumps += statistics.jumps;
-        totals.jump_mm += statistics.jump_mm;
         totals.path_mm += statistics.path_mm;
         totals.covered_fraction += statistics.covered_fraction * statistics.area_mm2;
         totals.overlap_fraction += statistics.overlap_fraction * statistics.area_mm2;
@@ -161,18 +186,8 @@ fn totals(layers: &[Option<Layer>]) -> Totals {
         totals.largest_gap_mm = totals.largest_gap_mm.max(if gap.is_finite() { gap } else { 0.0 });
         totals.sharp_turns += statistics.sharp_turns;
         totals.self_crossings += statistics.self_crossings;
-        let ends = |point: Option<&curvlay_toolpath::surface::PathPoint>| point.map(|point| point.at.position);
-        let first = paths.paths.first().and_then(|path| ends(path.points.first()));
-        if let (Some(from), Some(to)) = (last_end, first) {
-            totals.jumps += 1;
-            totals.jump_mm += (to - from).norm();
-        }
-        let last = paths
-            .paths
-            .last()
-            .and_then(|path| ends(if path.closed { path.points.first() } else { path.points.last() }));
-        last_end = last.or(last_end);
     }
+    totals.jumps = totals.curves.saturating_sub(1);
     if area > 0.0 {
         for share in [&mut totals.covered_fraction, &mut totals.overlap_fraction, &mut totals.spill_fraction] {
             *share /= area;

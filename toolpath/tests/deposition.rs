@@ -78,7 +78,12 @@ fn between_paths_it_retracts_hops_and_primes() {
     // Nothing of that where one path goes on from another, or where it is not wanted.
     let mut on = path_of(vec![waypoint(2.0, 0.0, 0.8, 0.8), waypoint(3.0, 0.0, 0.8, 0.8)]);
     on.waypoints.iter_mut().for_each(|w| w.arc -= 2.0);
-    assert_eq!(kinds(&deposit(&[one.clone(), on], &options).unwrap()), [Travel, Travel, Print, Print]);
+    assert_eq!(kinds(&deposit(&[one.clone(), on.clone()], &options).unwrap()), [Travel, Travel, Print, Print]);
+    // Where only the direction changes it turns on the spot, which takes its time but has no speed of its own.
+    on.waypoints.iter_mut().for_each(|w| w.direction = Vector3::x_axis());
+    let plan = deposit(&[one.clone(), on], &options).unwrap();
+    assert_eq!(kinds(&plan), [Travel, Travel, Print, Travel, Print]);
+    assert!((plan.moves[3].seconds - 0.5).abs() < 1e-9 && plan.moves[3].feed >= options.travel_feed);
     let plain = DepositionOptions { retraction: 0.0, hop: 0.0, ..options };
     assert_eq!(kinds(&deposit(&[one, other], &plain).unwrap()), [Travel, Print, Travel, Print]);
 }

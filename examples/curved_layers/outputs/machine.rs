@@ -26,15 +26,27 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
         folder.write_with("gouging.csv", |out| {
             writeln!(out, "path,waypoint,obstacle,depth_mm")?;
             run.freed.left.iter().try_for_each(|gouge| {
-                let obstacle = match gouge.obstacle {
-                    Obstacle::Layer(layer) => format!("layer {}", layer + 1),
-                    _ => "plate".to_owned(),
-                };
-                writeln!(out, "{},{},{obstacle},{:.4}", gouge.path, gouge.waypoint, gouge.depth)
+                writeln!(out, "{},{},{},{:.4}", gouge.path, gouge.waypoint, name(gouge.obstacle), gouge.depth)
+            })
+        })?;
+    }
+    if !run.travels.blocked.is_empty() {
+        folder.write_with("blocked_travels.csv", |out| {
+            writeln!(out, "path,obstacle,x,y,z")?;
+            run.travels.blocked.iter().try_for_each(|travel| {
+                let (obstacle, tip) = (name(travel.obstacle), travel.tip);
+                writeln!(out, "{},{obstacle},{:.4},{:.4},{:.4}", travel.path, tip.x, tip.y, tip.z)
             })
         })?;
     }
     Ok(written)
+}
+
+fn name(obstacle: Obstacle) -> String {
+    match obstacle {
+        Obstacle::Layer(layer) => format!("layer {}", layer + 1),
+        _ => "plate".to_owned(),
+    }
 }
 
 fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFolder) -> Result<Written, Failure> {
@@ -68,6 +80,10 @@ pub fn summary(run: &MachineRun, written: &Written, summary: &mut Summary) -> Re
         .set("filament_mm", deposition.filament_mm)?
         .set("print_time_s", deposition.total_s)?
         .set("travel_mm", deposition.travel_mm)?
+        .set("lifted_travels", run.travels.lifted)?
+        .set("blocked_travels", run.travels.blocked.len())?
+        .set("max_lift_mm", run.travels.max_lift)?
+        .set_seconds("travels_s", times.travels)?
         .set("retractions", deposition.retractions)?
         .set("gcode_bytes", written.bytes)?
         .set("machine_checks", run.failed_checks().join("; "))?;
@@ -88,8 +104,22 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
         .row(["extruded".to_owned(), format!("{:.1} mm3 on {:.1} mm3", deposition.extruded_mm3, run.covered_mm3)])
         .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
         .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
+        .row(["travels".to_owned(), travels(run)])
         .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
         .row(["orientation".to_owned(), format!("{}, gouging {}", seconds(times.orientation), seconds(times.gouging))]);
+}
+
+fn travels(run: &MachineRun) -> String {
+    let travels = &run.travels;
+    format!(
+        "{:.1} m, {} of {} higher than the least, by at most {:.1} mm; {} blocked; {}",
+        run.deposition.travel_mm / 1000.0,
+        travels.lifted,
+        travels.ways.iter().filter(|way| !way.is_empty()).count(),
+        travels.max_lift,
+        travels.blocked.len(),
+        seconds(run.times.travels)
+    )
 }
 
 pub fn report(run: &MachineRun, report: &mut Report) {

@@ -46,6 +46,8 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
         .set("regions", totals.regions)?
         .set("jumps", totals.jumps)?
         .set("jump_mm", totals.jump_mm)?
+        .set("unordered_jump_mm", totals.unordered_jump_mm)?
+        .set_seconds("order_s", times.order)?
         .set("path_mm", totals.path_mm)?
         .set("covered_fraction", totals.covered_fraction)?
         .set("overlap_fraction", totals.overlap_fraction)?
@@ -65,7 +67,10 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row(["bead".to_owned(), format!("{:.3} mm wide", run.bead_mm)])
         .row(["curves".to_owned(), format!("{} in {} regions", totals.curves, totals.regions)])
         .row(["length".to_owned(), format!("{:.1} m", totals.path_mm / 1000.0)])
-        .row(["jumps".to_owned(), format!("{}, {:.1} mm in all", totals.jumps, totals.jump_mm)])
+        .row([
+            "jumps".to_owned(),
+            format!("{}, {:.1} mm in all; {:.1} mm as found", totals.jumps, totals.jump_mm, totals.unordered_jump_mm),
+        ])
         .row(["covered".to_owned(), share(totals.covered_fraction)])
         .row(["covered twice".to_owned(), share(totals.overlap_fraction)])
         .row(["past the boundary".to_owned(), share(totals.spill_fraction)])

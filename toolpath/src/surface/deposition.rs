@@ -8,10 +8,13 @@
 //! The flow of material is constant as long as the tip is neither slower nor faster than it may be. Where the nozzle turns
 //! faster than it may, the piece takes longer still, and less flows.
 //!
-//! Between paths that do not join, the filament is drawn back, the nozzle backs off along its direction, travels straight to
-//! above the next path, comes down, and the filament is pushed forward again. Whether the straight way is free is not looked
-//! at here.
+//! Between paths that do not join, the filament is drawn back, the nozzle backs off along its direction, travels to above the
+//! next path, comes down, and the filament is pushed forward again. It travels along given ways, which
+//! [`LayerStack::travels`] finds clear of all that is built, or else straight, whatever is in the way.
+//!
+//! [`LayerStack::travels`]: super::LayerStack::travels
 
+use super::gouging::Pose;
 use super::orientation::{ToolPath, Waypoint, angle};
 use nalgebra::{Point3, UnitVector3};
 use std::f64::consts::PI;
@@ -40,7 +43,7 @@ pub struct DepositionOptions {
     pub retract_feed: f64,
     /// Speed of the filament while it is pushed forward, in millimetres a second: 20.
     pub prime_feed: f64,
-    /// How far the nozzle backs off along its direction before and after a travel, in millimetres: 5.
+    /// How far the nozzle backs off along its direction before and after a travel whose way is not given, in millimetres: 5.
     pub hop: f64,
 }
 
@@ -91,7 +94,8 @@ pub struct Move {
     pub direction: UnitVector3<f64>,
     /// Filament pushed forward, in millimetres; below 0 for a retraction.
     pub filament: f64,
-    /// Speed in millimetres a second: of the tip; of the filament for retractions and primes.
+    /// Speed in millimetres a second: of the tip (the greatest for a turn on the spot); of the filament for retractions
+    /// and primes.
     pub feed: f64,
     /// How long it takes.
     pub seconds: f64,
@@ -160,6 +164,22 @@ pub enum DepositionError {
         /// The waypoint, from 0.
         waypoint: usize,
     },
+    /// There is not one way for each path.
+    #[error("{ways} ways to {paths} paths: there must be one to each")]
+    WayCount {
+        /// Ways given.
+        ways: usize,
+        /// Paths given.
+        paths: usize,
+    },
+    /// A pose that is not finite or has no unit direction.
+    #[error("pose {pose} on the way to path {path} is not finite or has no unit direction")]
+    BadPose {
+        /// The path, from 0.
+        path: usize,
+        /// The pose, from 0.
+        pose: usize,
+    },
 }
 
 impl DepositionOptions {
@@ -209,7 +229,8 @@ impl Planner<'_> {
     fn go(&mut self, kind: MoveKind, path: usize, waypoint: usize, tip: Point3<f64>, direction: UnitVector3<f64>) {
         let (length, turn) = self.at.map_or((0.0, 0.0), |(from, old)| ((tip - from).norm(), angle(&old, &direction)));
         let seconds = (length / self.options.travel_feed).max(turn / self.options.most_turn_rate);
-        let feed = if seconds > 0.0 { length / seconds } else { self.options.travel_feed };
+        // A turn on the spot has no speed.
+        let feed = if length > JOINED { length / seconds } else { self.options.travel_feed };
         self.plan.moves.push(Move { kind, path, waypoint, tip, direction, filament: 0.0, feed, seconds });
         self.plan.travel_mm += length;
         self.plan.total_s += seconds;
@@ -226,11 +247,13 @@ impl Planner<'_> {
         self.plan.total_s += seconds;
     }
 
-    /// From the end of the path before to the start of this one.
-    fn travel(&mut self, paths: &[ToolPath], path: usize) {
-        let to = &paths[path].waypoints[0];
-        let hop = |tip: Point3<f64>, direction: UnitVector3<f64>| tip + direction.into_inner() * self.options.hop;
-        let above = hop(to.tip, to.direction);
+    /// From the end of the path before to the start of this one, along a way or straight.
+    fn travel(&mut self, paths: &[ToolPath], path: usize, way: Option<&[Pose]>) {
+        let (to, hop) = (&paths[path].waypoints[0], self.options.hop);
+        let above = |tip: Point3<f64>, direction: UnitVector3<f64>| {
+            (hop > 0.0).then(|| Pose { tip: tip + direction.into_inner() * hop, direction })
+        };
+        let arrival = above(to.tip, to.direction);
         if let (Some((tip, direction)), Some(before)) = (self.at, path.checked_sub(1)) {
             if (tip - to.tip).norm() <= JOINED {
                 if direction != to.direction {
@@ -239,15 +262,15 @@ impl Planner<'_> {
                 return;
             }
             let (last, options) = (paths[before].waypoints.len() - 1, self.options);
-            let away = hop(tip, direction);
             self.push(MoveKind::Retract, before, last, -options.retraction, options.retract_feed);
             self.plan.retractions += usize::from(options.retraction > 0.0);
-            if options.hop > 0.0 {
-                self.go(MoveKind::Travel, before, last, away, direction);
+            let hops: Vec<Pose> = above(tip, direction).into_iter().chain(arrival).collect();
+            for (k, pose) in way.unwrap_or(&hops).iter().enumerate() {
+                let (path, waypoint) = if k == 0 { (before, last) } else { (path, 0) };
+                self.go(MoveKind::Travel, path, waypoint, pose.tip, pose.direction);
             }
-        }
-        if self.options.hop > 0.0 {
-            self.go(MoveKind::Travel, path, 0, above, to.direction);
+        } else if let Some(pose) = arrival {
+            self.go(MoveKind::Travel, path, 0, pose.tip, pose.direction);
         }
         self.go(MoveKind::Travel, path, 0, to.tip, to.direction);
         if path > 0 {
@@ -307,6 +330,59 @@ impl Planner<'_> {
 /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
 /// ```
 pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposition, DepositionError> {
+    planned(paths, None, options)
+}
+
+/// Plans the moves along `paths`, one after the other, and along the ways between them.
+///
+/// # Arguments
+/// * `ways`: for each path the poses between the end of the one before and its start, as [`LayerStack::travels`] gives
+///   them; that of the first path is not looked at.
+///
+/// # Errors
+/// [`DepositionError`].
+///
+/// # Cost
+/// `O(n)` for `n` waypoints and poses.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+/// use curvlay_toolpath::surface::{DepositionOptions, Pose, ToolPath, Waypoint, deposit_along};
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x };
+/// let path = |from, to| ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(from), at(to)] };
+/// let above = |x| Pose { tip: Point3::new(x, 0.0, 3.5), direction: Vector3::z_axis() };
+/// let ways = [Vec::new(), vec![above(10.0), above(20.0)]];
+/// let plan = deposit_along(&[path(0.0, 10.0), path(20.0, 30.0)], &ways, &DepositionOptions::default())?;
+/// // Down 5 mm to the first path, then up 3 mm, across, and down.
+/// assert!((plan.travel_mm - (5.0 + 3.0 + 10.0 + 3.0)).abs() < 1e-12);
+/// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
+/// ```
+///
+/// [`LayerStack::travels`]: super::LayerStack::travels
+pub fn deposit_along(
+    paths: &[ToolPath],
+    ways: &[Vec<Pose>],
+    options: &DepositionOptions,
+) -> Result<Deposition, DepositionError> {
+    if ways.len() != paths.len() {
+        return Err(DepositionError::WayCount { ways: ways.len(), paths: paths.len() });
+    }
+    let sound =
+        |pose: &Pose| pose.tip.iter().all(|n| n.is_finite()) && (pose.direction.norm_squared() - 1.0).abs() < 1e-6;
+    for (path, way) in ways.iter().enumerate() {
+        if let Some(pose) = way.iter().position(|pose| !sound(pose)) {
+            return Err(DepositionError::BadPose { path, pose });
+        }
+    }
+    planned(paths, Some(ways), options)
+}
+
+fn planned(
+    paths: &[ToolPath],
+    ways: Option<&[Vec<Pose>]>,
+    options: &DepositionOptions,
+) -> Result<Deposition, DepositionError> {
     options.check()?;
     for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {
         if waypoints.len() < 2 {
@@ -325,7 +401,7 @@ pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposi
     let plan = Deposition { of_path: vec![0.0; paths.len()], ..Deposition::default() };
     let mut planner = Planner { options, plan, at: None };
     for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {
-        planner.travel(paths, path);
+        planner.travel(paths, path, ways.map(|ways| &ways[path][..]));
         for (k, pair) in waypoints.windows(2).enumerate() {
             planner.print(path, k + 1, &pair[0], &pair[1]);
         }

@@ -8,7 +8,8 @@
 //!   that fill the surface with beads ([`LevelField::paths`]).
 //! * [`order_curves`]: in which order curves are travelled, and from which end, for short ways in between.
 //! * [`LayerStack`]: all layers of a part. It orients the nozzle along their curves ([`LayerStack::orient`]), and tilts
-//!   it where it would run into what is built ([`LayerStack::free`]).
+//!   it where it would run into what is built ([`LayerStack::free`]), and finds ways from path to path that keep clear
+//!   of it ([`LayerStack::travels`]).
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 
 mod deposition;
@@ -24,9 +25,12 @@ mod stack;
 mod statistics;
 mod union;
 
-pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit};
+pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit, deposit_along};
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
-pub use gouging::{Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle};
+pub use gouging::{
+    BlockedTravel, Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle, Pose, TravelOptions,
+    Travels,
+};
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};

@@ -16,6 +16,7 @@ mod built;
 mod deepest;
 mod nozzle;
 mod tilt;
+mod travel;
 
 use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
 use super::parallel;
@@ -25,6 +26,7 @@ use deepest::Scene;
 pub use nozzle::{Nozzle, NozzleError};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
+pub use travel::{BlockedTravel, Pose, TravelOptions, Travels};
 
 /// How gouging is corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
