@@ -20,6 +20,7 @@ use curvlay_examples::args::{
 use curvlay_examples::bars::Bars;
 use curvlay_examples::shapes::jug;
 use curvlay_layers::curved::surface::SavedField;
+use curvlay_toolpath::surface::Pattern;
 use field::FieldRun;
 use machine::MachineRun;
 use motion::MotionRun;
@@ -47,6 +48,9 @@ struct Args {
     /// Width of a bead in millimetres [default: the distance of the layers]
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     bead: Option<f64>,
+    /// How each layer is filled
+    #[arg(long, default_value = "spirals")]
+    pattern: Fill,
     /// Diameter of the filament in millimetres
     #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
     filament: f64,
@@ -64,6 +68,36 @@ struct Args {
     resume: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
+}
+
+/// How layers are filled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Fill {
+    /// Connected Fermat spirals: one curve a region.
+    Spirals,
+    /// Rings along the boundary, not connected.
+    Rings,
+    /// Rows to and fro: one curve for each part that no hole divides.
+    Zigzag,
+}
+
+impl Fill {
+    fn of_surface(self) -> Pattern {
+        match self {
+            Fill::Spirals => Pattern::Spirals,
+            Fill::Rings => Pattern::Rings,
+            Fill::Zigzag => Pattern::Zigzag,
+        }
+    }
+
+    /// As it is typed.
+    fn name(self) -> &'static str {
+        match self {
+            Fill::Spirals => "spirals",
+            Fill::Rings => "rings",
+            Fill::Zigzag => "zigzag",
+        }
+    }
 }
 
 /// How far to go.

@@ -7,8 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, StatisticsOptions, SurfaceDistance, SurfaceMesh,
-    TravelCurve, order_curves, path_statistics,
+    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, Pattern, StatisticsOptions, SurfaceDistance,
+    SurfaceMesh, TravelCurve, order_curves, path_statistics,
 };
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -21,6 +21,8 @@ const TOLERANCE: f64 = 0.0125;
 /// What came of the stage.
 pub struct PathsRun {
     pub bead_mm: f64,
+    /// How surfaces are filled, in a word.
+    pub pattern: &'static str,
     /// The paths of each surface, in the order of the surfaces; none for an empty surface.
     pub layers: Vec<Option<Layer>>,
     pub totals: Totals,
@@ -85,11 +87,12 @@ pub struct Totals {
 /// Fills all surfaces.
 pub fn run(args: &Args, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun, Failure> {
     let bead_mm = args.bead.unwrap_or(surfaces.height_mm);
+    let pattern = args.pattern.of_surface();
     let start = Instant::now();
     let done = AtomicU64::new(0);
     let total = surfaces.sheets.len() as u64;
     let layer = |(number, sheet): (usize, &TrimmedSheet)| {
-        let filled = (!sheet.triangles.is_empty()).then(|| fill(sheet, bead_mm)).transpose();
+        let filled = (!sheet.triangles.is_empty()).then(|| fill(sheet, bead_mm, pattern)).transpose();
         bars.update("paths", done.fetch_add(1, Ordering::Relaxed) + 1, total);
         filled.map_err(|error| failure(format!("layer {}: {error}", number + 1)))
     };
@@ -102,10 +105,14 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun,
         times.paths += layer.times.paths;
         times.statistics += layer.times.statistics;
     }
-    Ok(PathsRun { bead_mm, totals: totals(&layers, jumps), layers, times })
+    Ok(PathsRun { bead_mm, pattern: args.pattern.name(), totals: totals(&layers, jumps), layers, times })
 }
 
-fn fill(sheet: &TrimmedSheet, bead: f64) -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
+fn fill(
+    sheet: &TrimmedSheet,
+    bead: f64,
+    pattern: crate::Pattern,
+) -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
     let go_on = |_| ControlFlow::Continue(());
     let mut times = Times::default();
     let mesh = SurfaceMesh::new(sheet.vertices.clone(), sheet.triangles.clone())?;
@@ -116,7 +123,7 @@ fn fill(sheet: &TrimmedSheet, bead: f64) -> Result<Layer, Box<dyn std::error::Er
     let field = LevelField::new(&distance, TOLERANCE * bead, &go_on)?;
     lap(&mut times.paths);
     let mut filled = |even: bool| -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
-        let paths = field.paths(&PathOptions { bead, fitted: !even, ..PathOptions::default() })?;
+        let paths = field.paths(&PathOptions { bead, pattern, fitted: !even })?;
         lap(&mut times.paths);
         let statistics = statistics(&mesh, &paths)?;
         lap(&mut times.statistics);
@@ -125,6 +132,8 @@ fn fill(sheet: &TrimmedSheet, bead: f64) -> Result<Layer, Box<dyn std::error::Er
     // The figures know nothing of how the curves were made; what they find fault with is made anew.
     match filled(false) {
         Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
+        // Rows are even as they are.
+        fitted if pattern == Pattern::Zigzag => fitted,
         fitted => filled(true).or(fitted),
     }
 }

@@ -38,6 +38,7 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
     let (totals, times) = (&run.totals, &run.times);
     summary
         .set("bead_mm", run.bead_mm)?
+        .set("pattern", run.pattern)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
         .set_seconds("statistics_s", times.statistics)?

@@ -5,7 +5,7 @@
 //! [`Pattern::Spirals`]. The other patterns stand beside it for comparison.
 //!
 //! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
-//! * `spacing`: where rings lie, and how wide beads are. `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves. `crossing`: whether these cross. `thin`: fewer points.
+//! * `spacing`: where rings lie, and how wide beads are. `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves. `crossing`: whether these cross. `thin`: fewer points. `zigzag`: rows to and fro, from where `cut` cuts the surface.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
 //! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the
@@ -14,13 +14,16 @@
 mod chains;
 mod crossing;
 mod curve;
+mod cut;
 mod narrow;
 mod plan;
 mod spacing;
 mod spirals;
 mod thin;
+mod zigzag;
 
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
+use super::mesh::MeshError;
 use super::order::Visit;
 use curve::Loop;
 use spacing::Spacing;
@@ -42,6 +45,8 @@ pub enum Pattern {
     Spirals,
     /// Closed curves along the boundary, one inside the other, not connected.
     Rings,
+    /// Rows a bead apart, to and fro: one continuous curve for each part of a region that no hole and no bay divides.
+    Zigzag,
 }
 
 /// How paths are made.
@@ -53,6 +58,7 @@ pub struct PathOptions {
     pub pattern: Pattern,
     /// Whether widths follow the way across, from 0.75 to 1.25 times the bead, so that beads meet without gap where
     /// opposite sides face each other: so they do by default. Else all beads have the width asked for, as in the paper.
+    /// Those of a zigzag always have.
     pub fitted: bool,
 }
 
@@ -168,6 +174,9 @@ pub enum PathError {
     /// The distance is not that to the whole boundary.
     #[error("a level set ends at the boundary: paths need the distance to the whole boundary")]
     NotToBoundary,
+    /// The surface cannot be cut where the rows of a zigzag begin.
+    #[error("no rows: the surface cannot be cut: {0}")]
+    Cut(#[from] MeshError),
     /// The level sets cannot be made.
     #[error(transparent)]
     Levels(#[from] LevelSetError),
@@ -182,6 +191,8 @@ impl LevelField<'_> {
     /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
     /// Where rings nowhere run side by side (rare: small rings in narrow places) a region gets more than one; compare
     /// the number of paths with `regions`. Those shorter than about two beads are left out there: a gap of about a bead.
+    /// [`Pattern::Zigzag`] has rows instead, a bead apart by geodesic distance, and more than one curve where holes and bays
+    /// part them.
     ///
     /// # Errors
     /// [`PathError`].
@@ -210,7 +221,8 @@ impl LevelField<'_> {
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
         }
-        let spacing = Spacing::new(self, bead, self.reach(bead)?, options.fitted);
+        let fitted = options.fitted && options.pattern != Pattern::Zigzag;
+        let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted);
         let sets = self.sets(&spacing);
         if sets.rings.iter().any(|ring| !ring.closed) {
             return Err(PathError::NotToBoundary);
@@ -236,6 +248,14 @@ impl LevelField<'_> {
                     Some(Curve { points, closed: true, region, least: THIN * bead })
                 };
                 rings.filter_map(curve).collect()
+            }
+            Pattern::Zigzag => {
+                let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r as usize, chain.region)));
+                let outer = rings.filter(|&(r, _)| sets.rings[r].level == 0);
+                let rim = |(r, region): (usize, u32)| Some(zigzag::Rim { on: loops[r].as_ref()?, region });
+                let rims: Vec<zigzag::Rim> = outer.filter_map(rim).collect();
+                let curves = zigzag::curves(self, &rims, bead)?.into_iter();
+                curves.map(|(points, closed, region)| Curve { points, closed, region, least: THIN * bead }).collect()
             }
         };
         curves.sort_by_key(|curve| curve.region);
