@@ -191,9 +191,31 @@ fn rig() -> RapidOptions {
             name: "part".into(),
             in_hand: true,
             frame: Isometry3::translation(0.0, 0.0, 45.0),
+            unit: None,
         },
         ..RapidOptions::default()
     }
+}
+
+#[test]
+fn a_work_object_on_a_table_keeps_its_unit() {
+    let unit = |name: &str| {
+        let work_object = RapidWorkObject { in_hand: false, unit: Some(name.into()), ..rig().work_object };
+        RapidOptions { work_object, ..rig() }
+    };
+    let goal = Goal::Joints([0.1; 6]);
+    let steps = [Step::Move(Move { goal, table: Some([0.5, -1.0]), speed: Speed::default(), zone: Zone::Stop })];
+    let (files, _) = to_rapid(steps, &unit("STN1")).unwrap();
+    let text = String::from_utf8(files["dome.mod"].clone()).unwrap();
+    // The user frame is the unit's own, the object frame is where the part is on it.
+    let line = "wobjdata part:=[FALSE,FALSE,\"STN1\",[[0,0,0],[1,0,0,0]],[[0,0,45],[1,0,0,0]]];";
+    assert!(text.contains(line), "{text}");
+    let (main, again) = from_rapid(&files, "dome.mod").unwrap();
+    assert_eq!(main.work_object.unwrap(), unit("STN1").work_object);
+    let Step::Move(Move { table: Some([tilt, turn]), .. }) = again[0] else { panic!("{again:?}") };
+    assert!((tilt - 0.5).abs() < 1e-7 && (turn + 1.0).abs() < 1e-7);
+    let refused = to_rapid(steps, &unit("no name"));
+    assert!(matches!(refused, Err(WriteError::Name { what: "name of the mechanical unit", .. })));
 }
 
 proptest! {

@@ -39,8 +39,11 @@ pub struct RapidWorkObject {
     pub name: String,
     /// Whether the robot holds it.
     pub in_hand: bool,
-    /// Its frame (RAPID's user frame): `flange_work` in the hand, else `world_work`.
+    /// Its frame (RAPID's user frame): `flange_work` in the hand, else `world_work`. On a mechanical unit it is RAPID's
+    /// object frame in what the unit moves, `table_work`.
     pub frame: Isometry3<f64>,
+    /// The mechanical unit that moves it: the robot then follows the table, and speeds are those on the work object.
+    pub unit: Option<String>,
 }
 
 /// How a program is written.
@@ -72,7 +75,8 @@ impl Default for RapidOptions {
             mass_kg: 1.0,
             centre: Point3::new(0.0, 0.0, 1.0),
         };
-        let work_object = RapidWorkObject { name: WOBJ0.to_owned(), in_hand: false, frame: Isometry3::identity() };
+        let work_object =
+            RapidWorkObject { name: WOBJ0.to_owned(), in_hand: false, frame: Isometry3::identity(), unit: None };
         RapidOptions {
             name: "curvlay".to_owned(),
             tool,

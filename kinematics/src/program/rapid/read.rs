@@ -94,15 +94,16 @@ impl RapidMain {
             tokens.marks(":=[")?;
             let in_hand = truth(tokens)?;
             tokens.marks(",")?;
-            truth(tokens)?;
+            let fixed = truth(tokens)?;
             tokens.marks(",")?;
-            tokens.string("the name of a mechanical unit")?;
+            let unit = tokens.string("the name of a mechanical unit")?;
+            let unit = (!fixed).then_some(unit);
             tokens.marks(",")?;
             let user = pose(tokens)?;
             tokens.marks(",")?;
             let object = pose(tokens)?;
             tokens.marks("];")?;
-            self.work_object = Some(RapidWorkObject { name, in_hand, frame: user * object });
+            self.work_object = Some(RapidWorkObject { name, in_hand, frame: user * object, unit });
         } else {
             return Err(tokens.unexpected("tooldata or wobjdata", kind));
         }

@@ -116,6 +116,9 @@ fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
     check_name("name of the tool", &options.tool.name, LONGEST_WORD)?;
     check_name("name of the work object", &options.work_object.name, LONGEST_WORD)?;
     check_name("name of the signal", &options.signal, LONGEST_WORD)?;
+    if let Some(unit) = &options.work_object.unit {
+        check_name("name of the mechanical unit", unit, LONGEST_WORD)?;
+    }
     // A folder such as `HOME:` or `HOME:/parts`.
     let folder: String = options.folder.chars().filter(|c| !matches!(c, ':' | '/' | '-' | '.')).collect();
     check_name("folder", &folder, LONGEST_WORD)?;
@@ -255,9 +258,16 @@ fn write_main<W: Write>(
         text.word(",[1,0,0,0],0,0,0]];\n");
     }
     if work.name != WOBJ0 {
-        text.word("  PERS wobjdata ").word(&work.name).word(":=[").word(truth(work.in_hand)).word(",TRUE,\"\",");
-        write_pose(&mut text, &work.frame);
-        text.word("],[[0,0,0],[1,0,0,0]]];\n");
+        text.word("  PERS wobjdata ").word(&work.name).word(":=[").word(truth(work.in_hand));
+        if let Some(unit) = &work.unit {
+            text.word(",FALSE,\"").word(unit).word("\",[[0,0,0],[1,0,0,0]],");
+            write_pose(&mut text, &work.frame);
+            text.word("]];\n");
+        } else {
+            text.word(",TRUE,\"\",");
+            write_pose(&mut text, &work.frame);
+            text.word("],[[0,0,0],[1,0,0,0]]];\n");
+        }
     }
     text.word("  PROC main()\n    ConfJ\\On;\n    ConfL\\On;\n");
     for number in 1..=modules {
