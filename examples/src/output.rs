@@ -88,30 +88,63 @@ impl OutputFolder {
         name: &str,
         fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), OutputError> {
-        let temporary = self.temporary(name);
-        let target = self.path.join(name);
-        let written = File::create(&temporary).and_then(|file| {
+        let begun = self.begin(name).and_then(|(unfinished, file)| {
             let mut file = BufWriter::new(file);
             fill(&mut file)?;
             file.into_inner().map_err(io::IntoInnerError::into_error)?;
-            fs::rename(&temporary, &target)
+            Ok(unfinished)
         });
-        match written {
-            Ok(()) => {
-                self.written.set(true);
-                Ok(())
-            }
-            Err(source) => {
-                // It may not even be there; the error to report is the first one.
-                let _ = fs::remove_file(&temporary);
-                Err(OutputError::Write { path: target, source })
-            }
+        match begun {
+            Ok(unfinished) => unfinished.finish().map(|_| ()),
+            Err(source) => Err(OutputError::Write { path: self.path.join(name), source }),
         }
+    }
+
+    /// Begins a file under a temporary name, for files that belong together: begin all of them, fill them, finish them.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn begin(&self, name: &str) -> io::Result<(Unfinished<'_>, File)> {
+        let unfinished = Unfinished { folder: self, temporary: self.temporary(name), target: self.path.join(name) };
+        let file = File::create(&unfinished.temporary)?;
+        Ok((unfinished, file))
     }
 
     /// A name that no other run uses at the same time.
     fn temporary(&self, name: &str) -> PathBuf {
         self.path.join(format!(".{name}.{}.part", process::id()))
+    }
+}
+
+/// A file under its temporary name. Dropped, it goes away.
+#[derive(Debug)]
+#[must_use]
+pub struct Unfinished<'a> {
+    folder: &'a OutputFolder,
+    temporary: PathBuf,
+    target: PathBuf,
+}
+
+impl Unfinished<'_> {
+    /// Gives the file its name; to be called when all of it is written. Returns how many bytes it has.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] when the system says no; an earlier file of that name then stays as it was.
+    pub fn finish(self) -> Result<u64, OutputError> {
+        let named = fs::metadata(&self.temporary).and_then(|file| {
+            fs::rename(&self.temporary, &self.target)?;
+            Ok(file.len())
+        });
+        let bytes = named.map_err(|source| OutputError::Write { path: self.target.clone(), source })?;
+        self.folder.written.set(true);
+        Ok(bytes)
+    }
+}
+
+impl Drop for Unfinished<'_> {
+    fn drop(&mut self) {
+        // Finished, it has another name.
+        let _ = fs::remove_file(&self.temporary);
     }
 }
 

@@ -8,7 +8,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::{Summary, SummaryError};
 use curvlay_examples::table::Table;
 use std::fs;
-use std::io::Error;
+use std::io::{Error, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -43,6 +43,16 @@ fn files_are_whole_or_not_there() {
     assert_eq!(fs::read_to_string(path.join("a.txt")).unwrap(), "first");
     folder.write("a.txt", "third").unwrap();
     assert_eq!(fs::read_to_string(path.join("a.txt")).unwrap(), "third");
+    // Files that belong together: dropped, they were never there.
+    let (unfinished, mut file) = folder.begin("c.txt").unwrap();
+    file.write_all(b"four").unwrap();
+    assert_eq!(names(&path).len(), 2);
+    drop(unfinished);
+    let (unfinished, mut file) = folder.begin("a.txt").unwrap();
+    file.write_all(b"fifth").unwrap();
+    assert_eq!(fs::read_to_string(path.join("a.txt")).unwrap(), "third");
+    assert_eq!(unfinished.finish().unwrap(), 5);
+    assert_eq!(fs::read_to_string(path.join("a.txt")).unwrap(), "fifth");
     fs::create_dir(path.join("b.txt")).unwrap();
     assert!(matches!(folder.write("b.txt", ""), Err(OutputError::Write { .. })));
     drop(folder);
