@@ -23,7 +23,7 @@ use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::surface::Pattern;
 use field::FieldRun;
 use machine::MachineRun;
-use motion::MotionRun;
+use motion::{Motion, MotionArgs};
 use paths::PathsRun;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -66,6 +66,8 @@ struct Args {
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell"])]
     resume: Option<PathBuf>,
+    #[command(flatten)]
+    motion: MotionArgs,
     #[command(flatten)]
     common: Common,
 }
@@ -111,12 +113,13 @@ enum Stage {
     Paths,
     /// The machine file: how the nozzle stands and what it lays down.
     Gcode,
-    /// Joint trajectories of a UR3 that holds the part, transfers included; only on demand.
+    /// Joint trajectories and programs of a robot, transfers included; only on demand.
     Motion,
 }
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
+        args.motion.format()?;
         let folder = args.common.folder("curved_layers")?;
         let bars = Bars::new(args.common.quiet);
         let part = args.mesh.load("jug (made in code)", jug)?;
@@ -125,8 +128,8 @@ fn main() -> ExitCode {
         let results = work(&args, &part, saved, &bars)?;
         bars.finish();
         results.field.findings.iter().for_each(warn);
-        outputs::write(&args, &part, &results, &folder)?;
-        Ok(Outcome::of(results.is_ok()))
+        let is_whole = outputs::write(&args, &part, &results, &folder)?;
+        Ok(Outcome::of(is_whole && results.is_ok()))
     })
 }
 
@@ -136,7 +139,7 @@ struct Results {
     surfaces: Option<SurfacesRun>,
     paths: Option<PathsRun>,
     machine: Option<MachineRun>,
-    motion: Option<MotionRun>,
+    motion: Option<Motion>,
 }
 
 impl Results {
@@ -145,7 +148,7 @@ impl Results {
         let motion = self.motion.as_ref();
         self.field.audit.is_ok()
             && machine.is_none_or(|machine| machine.failed_checks().is_empty())
-            && motion.is_none_or(|motion| motion.collisions == 0 && motion.bounds_missed == 0)
+            && motion.is_none_or(Motion::is_ok)
     }
 }
 
@@ -159,7 +162,8 @@ fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Res
         let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
         let machine = filled.map(|(surfaces, paths)| machine::run(args, surfaces, paths, bars)).transpose()?;
         let filled = surfaces.as_ref().zip(machine.as_ref()).filter(|_| args.stage >= Stage::Motion);
-        let motion = filled.map(|(surfaces, machine)| motion::run(&field, surfaces, machine, bars)).transpose()?;
+        let motion = filled.map(|(surfaces, machine)| motion::run(&args.motion, &field, surfaces, machine, bars));
+        let motion = motion.transpose()?;
         Ok(Results { field, surfaces, paths, machine, motion })
     })
 }

@@ -40,6 +40,12 @@ pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
     /// The same cell with some of the waypoints.
     fn part(&self, waypoints: Range<usize>) -> Self;
 
+    /// The same cell with other waypoints.
+    fn with(&self, waypoints: Vec<Waypoint>) -> Self;
+
+    /// A waypoint.
+    fn at(&self, waypoint: usize) -> Waypoint;
+
     /// How far joints are from a waypoint: millimetres, and the angle of the axes in radians.
     fn missed(&self, waypoint: usize, joints: &[f64; N]) -> (f64, f64);
 
@@ -78,16 +84,6 @@ impl PartInHand {
     pub fn cell(&self) -> &Cell {
         &self.cell
     }
-
-    /// A waypoint.
-    pub fn at(&self, waypoint: usize) -> Waypoint {
-        self.waypoints[waypoint]
-    }
-
-    /// The same cell with other waypoints.
-    pub fn with(&self, waypoints: Vec<Waypoint>) -> Self {
-        PartInHand { cell: self.cell, waypoints }
-    }
 }
 
 impl Robot<6, 1> for PartInHand {
@@ -115,7 +111,15 @@ impl Robot<6, 1> for PartInHand {
 
 impl Placed<6, 1> for PartInHand {
     fn part(&self, waypoints: Range<usize>) -> Self {
-        PartInHand { cell: self.cell, waypoints: self.waypoints[waypoints].to_vec() }
+        self.with(self.waypoints[waypoints].to_vec())
+    }
+
+    fn with(&self, waypoints: Vec<Waypoint>) -> Self {
+        PartInHand { cell: self.cell, waypoints }
+    }
+
+    fn at(&self, waypoint: usize) -> Waypoint {
+        self.waypoints[waypoint]
     }
 
     fn missed(&self, waypoint: usize, joints: &[f64; 6]) -> (f64, f64) {
@@ -148,16 +152,28 @@ impl OverTable {
         Ok(OverTable { cell: TableCell::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity())?, waypoints })
     }
 
-    /// The cell with the table as the free parameters say. Its turn may have come round.
-    fn at(&self, free: &[f64; 3]) -> Option<([f64; 2], Cell)> {
+    /// The cell.
+    pub fn cell(&self) -> &TableCell {
+        &self.cell
+    }
+
+    /// The table and the cell with it as the free parameters say. Its turn may have come round.
+    pub fn turned(&self, free: &[f64; 3]) -> Option<([f64; 2], Cell)> {
         let table = [free[1], free[2] - TAU * (free[2] / TAU).round()];
         Some((table, self.cell.at(&table)?))
     }
 }
 
-fn eight(arm: &[f64; 6], table: [f64; 2]) -> [f64; 8] {
+/// Joints of the arm, then those of the table.
+pub fn eight(arm: &[f64; 6], table: [f64; 2]) -> [f64; 8] {
     let [a, b, c, d, e, f] = *arm;
     [a, b, c, d, e, f, table[0], table[1]]
+}
+
+/// The reverse of [`eight`].
+pub fn six_and_two(joints: &[f64; 8]) -> ([f64; 6], [f64; 2]) {
+    let [a, b, c, d, e, f, tilt, turn] = *joints;
+    ([a, b, c, d, e, f], [tilt, turn])
 }
 
 impl Robot<8, 3> for OverTable {
@@ -170,7 +186,7 @@ impl Robot<8, 3> for OverTable {
     }
 
     fn solutions(&self, waypoint: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 8])) {
-        let Some((table, cell)) = self.at(free) else { return };
+        let Some((table, cell)) = self.turned(free) else { return };
         let flange = cell.flange(&self.waypoints[waypoint], free[0]);
         for (branch, joints) in cell.arm().inverse(&flange).iter() {
             each(branch.slot() as u32, eight(joints, table));
@@ -178,7 +194,7 @@ impl Robot<8, 3> for OverTable {
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; 3], branch: u32) -> Option<Posture<8, 3>> {
-        let (table, cell) = self.at(free)?;
+        let (table, cell) = self.turned(free)?;
         let flange = cell.flange(&self.waypoints[waypoint], free[0]);
         let joints = *cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
         let [tool, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| rates.first);
@@ -189,13 +205,21 @@ impl Robot<8, 3> for OverTable {
 
 impl Placed<8, 3> for OverTable {
     fn part(&self, waypoints: Range<usize>) -> Self {
-        OverTable { cell: self.cell, waypoints: self.waypoints[waypoints].to_vec() }
+        self.with(self.waypoints[waypoints].to_vec())
+    }
+
+    fn with(&self, waypoints: Vec<Waypoint>) -> Self {
+        OverTable { cell: self.cell, waypoints }
+    }
+
+    fn at(&self, waypoint: usize) -> Waypoint {
+        self.waypoints[waypoint]
     }
 
     fn missed(&self, waypoint: usize, joints: &[f64; 8]) -> (f64, f64) {
-        let [a, b, c, d, e, f, tilt, turn] = *joints;
-        let Some(cell) = self.cell.at(&[tilt, turn]) else { return (f64::INFINITY, f64::INFINITY) };
-        apart(&cell.nozzle_on_part(&[a, b, c, d, e, f]), &self.waypoints[waypoint])
+        let (arm, table) = six_and_two(joints);
+        let Some(cell) = self.cell.at(&table) else { return (f64::INFINITY, f64::INFINITY) };
+        apart(&cell.nozzle_on_part(&arm), &self.waypoints[waypoint])
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<8> {

@@ -1,7 +1,8 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
+use curvlay_kinematics::program::{Goal, Move, Step, UrScriptReader, read_rapid};
+use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
 use curvlay_toolpath::nalgebra::Point3;
 use serde_json::Value;
 use std::fs;
@@ -185,15 +186,16 @@ fn a_curve_fills_each_layer() {
     assert_eq!(Some(file.metadata().unwrap().len()), figures["gcode_bytes"].as_u64());
     let options = ReadOptions { home: Some(Point3::origin()), ..ReadOptions::default() };
     let moves = GcodeReader::new(BufReader::new(file), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
-    let filament = |step: &Move| if let Move::Print { filament_mm, .. } = step { Some(*filament_mm) } else { None };
+    let filament =
+        |step: &gcode::Move| if let gcode::Move::Print { filament_mm, .. } = step { Some(*filament_mm) } else { None };
     let beads: Vec<f64> = moves.iter().filter_map(filament).collect();
     let count = |key: &str| figures[key].as_u64().unwrap() as usize;
     assert_eq!(beads.len() + count("curves"), count("waypoints"));
     let volume = beads.iter().sum::<f64>() * std::f64::consts::PI / 4.0 * 1.75 * 1.75;
     assert!((volume - figure("extruded_mm3")).abs() < 0.01, "{volume}");
-    let retracts = moves.iter().filter(|step| matches!(step, Move::Retract { .. })).count();
+    let retracts = moves.iter().filter(|step| matches!(step, gcode::Move::Retract { .. })).count();
     assert_eq!(retracts, count("retractions"));
-    let above = |step: &&Move| matches!(step, Move::Print { direction, .. } if direction.z > 1.0 - 1e-12);
+    let above = |step: &&gcode::Move| matches!(step, gcode::Move::Print { direction, .. } if direction.z > 1.0 - 1e-12);
     assert_eq!(moves.iter().filter(above).count(), beads.len());
 }
 
@@ -210,7 +212,7 @@ fn a_robot_prints_a_block() {
     let count = |key: &str| figures[key].as_u64().unwrap();
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
     assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
-    assert_eq!((count("collisions"), count("bounds_missed")), (0, 0));
+    assert_eq!((count("collisions"), count("bounds_missed"), count("slowed_motions")), (0, 0, 0));
     assert!(figures["waypoint_error_mm"].as_f64().unwrap() < 1e-6);
     // 768 mm3 at 8 mm3/s are 96 s less what no bead covers; its time rises from line to line.
     let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
@@ -222,6 +224,132 @@ fn a_robot_prints_a_block() {
     let printed = lines.iter().filter(|line| line[7] == "print").count() as u64;
     assert_eq!(printed, count("waypoints"));
     assert!(lines.iter().any(|line| line[7] == "transfer") && lines.iter().any(|line| line[7] == "run"));
+    assert!(!Path::new(&out).join("motion-faults.csv").exists());
+
+    // A line a layer, which add up to the whole.
+    let layers = fs::read_to_string(Path::new(&out).join("layers.csv")).unwrap();
+    let column = |name: &str| {
+        let at = layers.lines().next().unwrap().split(',').position(|known| known == name).unwrap();
+        layers.lines().skip(1).map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect::<Vec<f64>>()
+    };
+    assert_eq!((column("layer"), column("motions"), column("faults")), (vec![1.0, 2.0], vec![1.0; 2], vec![0.0; 2]));
+    assert_eq!(column("waypoints").iter().sum::<f64>() as u64, count("waypoints"));
+    assert!((column("robot_s").iter().sum::<f64>() - robot_s).abs() < 0.01);
+    let shares = column("realtime_factor");
+    let taken: Vec<f64> = ["plan_s", "check_s", "transfers_s"].iter().map(|name| column(name)[0]).collect();
+    assert!((taken.iter().sum::<f64>() / column("robot_s")[0] - shares[0]).abs() < 1e-3 && shares[0] > 0.0);
+
+    // The program is the same motion, 125 times a second: within the arm's speeds, through the posture of every knot.
+    let file = fs::File::open(Path::new(&out).join("print_001.script")).unwrap();
+    let reader = UrScriptReader::new(BufReader::new(file)).unwrap();
+    let steps = reader.collect::<Result<Vec<Step>, _>>().unwrap();
+    let of_line = |line: &[&str]| -> [f64; 6] { std::array::from_fn(|joint| line[joint + 1].parse().unwrap()) };
+    let apart = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let Step::Move(Move { goal: Goal::Joints(first), .. }) = steps[0] else { panic!("{:?}", steps[0]) };
+    assert!(apart(&first, &of_line(&lines[0])) < 2e-9);
+    let servo = |step: &Step| if let Step::Servo { joints, seconds: 0.008 } = step { Some(*joints) } else { None };
+    let stream: Vec<[f64; 6]> = [first].into_iter().chain(steps.iter().filter_map(servo)).collect();
+    assert_eq!(stream.len() as u64, count("program_steps") + 1);
+    // Two motions and a transfer, each rounded up to a tick.
+    assert!((stream.len() as f64 - 1.0) * 0.008 - robot_s < 3.0 * 0.008 && stream.len() as f64 * 0.008 > robot_s);
+    assert!(stream.windows(2).all(|pair| apart(&pair[0], &pair[1]) < 0.008 * std::f64::consts::TAU));
+    let on = |on: bool| steps.iter().filter(|step| **step == Step::Extruder(on)).count();
+    assert_eq!((on(true), on(false)), (2, 2));
+    let begin = steps.iter().position(|step| *step == Step::Extruder(true)).unwrap();
+    let end = steps.iter().position(|step| *step == Step::Extruder(false)).unwrap();
+    let printed: Vec<(f64, [f64; 6])> = lines
+        .iter()
+        .zip(&times)
+        .filter(|(line, _)| line[7] == "print")
+        .map(|(line, time)| (*time, of_line(line)))
+        .collect();
+    let layer = &printed[..printed.iter().position(|(time, _)| *time > end as f64 * 0.008 + 0.1).unwrap()];
+    // Steps count the approach and, behind it, the signals: step k is due at (k - 1) * 0.008 s after the first signal.
+    assert!((layer[0].0 - (begin - 1) as f64 * 0.008).abs() < 0.0081);
+    assert!((layer[layer.len() - 1].0 - (end - 2) as f64 * 0.008).abs() < 0.0081);
+    for (time, joints) in layer {
+        let tick = time / 0.008;
+        let [a, b] = [tick.floor(), tick.ceil()].map(|tick| stream[tick as usize]);
+        let share = tick - tick.floor();
+        let between = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share);
+        assert!(apart(&between, joints) < 1e-3, "{time}");
+    }
+    let bytes = fs::metadata(Path::new(&out).join("print_001.script")).unwrap().len();
+    assert_eq!((count("program_files"), count("program_bytes")), (1, bytes));
+
+    // In small files the steps are the same, but for the way to the first posture of each.
+    let cut = scratch.path("cut");
+    let small = ["--mesh", &mesh, "--cell", "2", "--stage", "motion", "--quiet", "--program-steps", "1000"];
+    let output = run(&[&small[..], &["--out", &cut]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let list = fs::read_to_string(Path::new(&cut).join("programs.csv")).unwrap();
+    let files: Vec<Vec<&str>> = list.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(files.len(), 2);
+    assert_eq!((files[0][4], files[1][4]), ("first", "where the one before ends"));
+    let mut joined: Vec<Step> = Vec::new();
+    for file in &files {
+        let file = fs::File::open(Path::new(&cut).join(file[0])).unwrap();
+        let all: Vec<Step> = UrScriptReader::new(BufReader::new(file)).unwrap().map(Result::unwrap).collect();
+        if let (Some(last), Step::Move(Move { goal: Goal::Joints(first), .. })) =
+            (joined.iter().rev().find_map(servo), all[0])
+        {
+            assert!(apart(&last, &first) <= 0.0);
+        }
+        joined.extend(&all[1..]);
+    }
+    assert_eq!(joined, steps[1..]);
+}
+
+/// A block on a table that tilts and turns: the program has every waypoint on the part, at the speed of the deposition.
+#[test]
+fn an_arm_over_a_table_prints_a_block() {
+    let scratch = Scratch::new("cell8");
+    let mesh = scratch.path("block.stl");
+    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [8.0, 6.0, 4.0]]])).unwrap();
+    let out = scratch.path("out");
+    let common = ["--mesh", &mesh, "--cell", "2", "--stage", "motion", "--cell8", "--quiet", "--out", &out];
+    let output = run(&common);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    let count = |key: &str| figures[key].as_u64().unwrap();
+    assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
+    assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
+    assert_eq!((count("collisions"), count("bounds_missed"), &figures["program_refused"]), (0, 0, &"".into()));
+    assert!(figures["waypoint_error_mm"].as_f64().unwrap() < 1e-6);
+    let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
+    assert!(text.starts_with("time_s,q1,q2,q3,q4,q5,q6,q7,q8,kind,layer,path\n"));
+
+    let open = |name: &str| Ok(BufReader::new(fs::File::open(Path::new(&out).join(name))?));
+    let program = read_rapid(open("print.mod").unwrap(), open).unwrap();
+    assert_eq!(program.main().work_object.as_ref().unwrap().unit.as_deref(), Some("STN1"));
+    let steps = program.collect::<Result<Vec<Step>, _>>().unwrap();
+    let lines = |step: &Step| matches!(step, Step::Move(Move { goal: Goal::Line(_), table: Some(_), .. }));
+    assert_eq!(steps.iter().filter(|step| lines(step)).count() as u64 + count("motions"), count("waypoints"));
+    let on = |on: bool| steps.iter().filter(|step| **step == Step::Extruder(on)).count();
+    assert_eq!((on(true), on(false)), (2, 2));
+    // What the targets say is what the machine file says: the same places, in the same order, in the same time.
+    let file = fs::File::open(Path::new(&out).join("toolpath.gcode")).unwrap();
+    let options = ReadOptions { home: Some(Point3::origin()), ..ReadOptions::default() };
+    let moves = GcodeReader::new(BufReader::new(file), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+    let tip = |step: &gcode::Move| match step {
+        gcode::Move::Print { tip, feed_mm_s, .. } => Some((*tip, *feed_mm_s)),
+        _ => None,
+    };
+    let tips: Vec<(Point3<f64>, f64)> = moves.iter().filter_map(tip).collect();
+    let target = |step: &Step| match step {
+        Step::Move(Move { goal: Goal::Line(target), speed, .. }) => Some((target.pose.translation.vector, speed.mm_s)),
+        _ => None,
+    };
+    let targets: Vec<_> = steps.iter().filter_map(target).collect();
+    assert_eq!(tips.len(), targets.len());
+    let shift = tips[0].0.coords - targets[0].0;
+    assert!(shift.z.abs() < 1e-3);
+    for ((tip, feed), (at, speed)) in tips.iter().zip(&targets) {
+        assert!(
+            (tip.coords - at - shift).norm() < 2e-3 && (speed / feed - 1.0).abs() < 0.01,
+            "{tip} {at} {feed} {speed}"
+        );
+    }
 }
 
 #[test]
@@ -240,12 +368,15 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 9] = [
+    let cases: [(&[&str], i32, &str); 12] = [
         (&["--voxels", "0"], 2, "--voxels"),
         (&["--cell", "-1"], 2, "--cell"),
         (&["--eps", "nan"], 2, "--eps"),
         (&["--strategy", "wild"], 2, "--strategy"),
         (&["--voxels", "9", "--cell", "1"], 2, "--cell"),
+        (&["--program-steps", "0"], 2, "--program-steps"),
+        (&["--program", "rapid"], 1, "--cell8"),
+        (&["--program", "urscript", "--cell8"], 1, "ABB"),
         (&["--mesh", "no-such-file.stl"], 1, "no-such-file.stl"),
         (&["--mesh", &scratch.path("")], 1, "not a file"),
         (&["--cell", "0.0001"], 1, "grid"),

@@ -1,9 +1,11 @@
-//! Stage `motion`: joint trajectories of a UR3 that holds the part under a standing nozzle, for the whole print.
+//! Stage `motion`: joint trajectories for the whole print, of a UR3 that holds the part under a standing nozzle or
+//! (`--cell8`) of an arm with the nozzle over a table that tilts and turns.
 //!
 //! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. Every path is split where waypoints are out of reach and where the joints
 //! cannot keep up with the feed; each run gets the motion of least jerk (`run`). Then every motion and the transfers in
 //! between are checked against the cell, with the part as it is built by then (`workcell`).
 
+pub mod robots;
 mod run;
 mod workcell;
 
@@ -11,54 +13,107 @@ use crate::failure;
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::surfaces::SurfacesRun;
+use clap::ValueEnum;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::PartInHand;
+use curvlay_examples::motion::{OverTable, PartInHand};
 use curvlay_kinematics::Waypoint;
 use curvlay_toolpath::surface::MoveKind;
 use curvlay_trajectory::transfer::Transfer;
 use curvlay_trajectory::{Bounds, Trajectory};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use robots::Printer;
 use std::time::{Duration, Instant};
 use workcell::Workcell;
 
-/// What came of the stage.
-pub struct MotionRun {
+/// Which cell, and what its controller is given.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct MotionArgs {
+    /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
+    #[arg(long)]
+    pub cell8: bool,
+    /// The robot programs of stage motion [default: urscript, with --cell8 rapid]
+    #[arg(long, value_name = "FORMAT")]
+    pub program: Option<ProgramFormat>,
+    /// Most steps of a program file; a motion that is longer has a file of its own [default: 100000, of RAPID 5000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub program_steps: Option<u32>,
+}
+
+/// What a program is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgramFormat {
+    /// For the UR3: joints 125 times a second
+    Urscript,
+    /// With --cell8, for the IRB 1200: targets on the part, with the table's axes
+    Rapid,
+    /// The same steps with every digit, for other programs
+    Csv,
+    /// None
+    None,
+}
+
+impl MotionArgs {
+    /// The format that is wanted.
+    pub fn format(&self) -> Result<ProgramFormat, Failure> {
+        match (self.program, self.cell8) {
+            (None, false) => Ok(ProgramFormat::Urscript),
+            (None, true) => Ok(ProgramFormat::Rapid),
+            (Some(ProgramFormat::Urscript), true) => Err(failure("--program urscript: not for --cell8, an ABB arm")),
+            (Some(ProgramFormat::Rapid), false) => Err(failure("--program rapid: only with --cell8, not for a UR3")),
+            (Some(format), _) => Ok(format),
+        }
+    }
+}
+
+/// What came of the stage, by the cell.
+pub enum Motion {
+    PartInHand(Box<MotionRun<6, 1, PartInHand>>),
+    OverTable(Box<MotionRun<8, 3, OverTable>>),
+}
+
+/// The whole print.
+pub struct MotionRun<const N: usize, const F: usize, R> {
+    /// The cell, without waypoints.
+    pub robot: R,
     /// In the order in which they are travelled.
-    pub runs: Vec<Run>,
+    pub runs: Vec<Run<N, F>>,
     /// From the end of each run to the start of the next; `None` where no way was found.
-    pub transfers: Vec<Option<Transfer<6>>>,
-    /// Waypoints that no tool angle reaches.
-    pub unreachable: usize,
-    /// Waypoints in reach at which something touches at every tool angle.
-    pub blocked: usize,
-    /// Where a path breaks off although the next waypoint is in reach: the joints are too slow for the feed.
-    pub breaks: usize,
-    /// Motions between waypoints that are not proven free.
-    pub collisions: usize,
-    /// What collides most often, in words.
-    pub worst: Option<String>,
-    /// How far from its waypoint a nozzle is at most.
-    pub missed_mm: f64,
-    /// Runs whose bounds do not hold everywhere.
-    pub bounds_missed: usize,
-    /// Places in the part frame, less this, are places over the flange.
+    pub transfers: Vec<Option<Transfer<N>>>,
+    /// Places in the part frame, less this, are places over what carries the part.
     pub shift: Vector3<f64>,
-    pub times: Times,
+    pub figures: Figures,
 }
 
 /// One unbroken motion along a path.
-pub struct Run {
+pub struct Run<const N: usize, const F: usize> {
     /// The path, by its place in the list.
     pub path: usize,
     pub layer: u32,
-    pub trajectory: Trajectory<6>,
-    /// Tool angle and waypoint at both ends.
-    ends: [(f64, Waypoint); 2],
+    pub trajectory: Trajectory<N>,
+    /// Free parameters and waypoint at both ends.
+    pub ends: [([f64; F], Waypoint); 2],
 }
 
-/// How long the steps took on the clock.
+/// What is said of the whole print.
+pub struct Figures {
+    /// The cell, in words.
+    pub name: &'static str,
+    pub motions: usize,
+    pub transfers: usize,
+    /// How far from its waypoint a nozzle is at most.
+    pub missed_mm: f64,
+    /// Least share of the planned feed at which a motion is printed.
+    pub least_feed: f64,
+    /// On the clock.
+    pub times: Times,
+    /// In the order of the print.
+    pub faults: Vec<Fault>,
+    pub layers: Vec<LayerFigures>,
+}
+
+/// How long the steps took.
 #[derive(Clone, Copy, Default)]
 pub struct Times {
     pub plan: Duration,
@@ -66,93 +121,231 @@ pub struct Times {
     pub transfers: Duration,
 }
 
-impl Run {
-    /// Whether a time lies behind the last waypoint.
-    pub fn is_after_print(&self, time: f64) -> bool {
-        let times = self.trajectory.times();
-        let behind = times.partition_point(|known| *known < 0.0) + self.trajectory.at_waypoints().len();
-        times.get(behind).is_some_and(|first| time >= *first)
+/// What is said of a layer. Transfers count with the layer that they leave.
+#[derive(Clone, Copy, Default)]
+pub struct LayerFigures {
+    pub layer: u32,
+    pub motions: usize,
+    pub waypoints: usize,
+    pub robot_s: f64,
+    /// On the threads that did it, added up: what a single one would have taken.
+    pub times: Times,
+    pub faults: usize,
+}
+
+/// Something that cannot be printed as it is, or not be reached.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    pub layer: u32,
+    pub path: usize,
+    pub kind: FaultKind,
+    /// The waypoint of the path; of a collision the knot of the motion.
+    pub waypoint: usize,
+    pub what: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// No tool angle (and no tilt and turn of the table) reaches the waypoint.
+    Unreachable,
+    /// In reach, but something touches at every tool angle.
+    Blocked,
+    /// The path breaks off before the waypoint: the joints are too slow for the feed.
+    Break,
+    /// A bound of the joints does not hold everywhere.
+    Bounds,
+    /// The motion is printed below the planned feed, since a joint is too slow for it.
+    Slowed,
+    /// A motion from knot to knot is not proven free.
+    Collision,
+    /// No way to the next run was found.
+    NoTransfer,
+}
+
+impl FaultKind {
+    pub fn name(self) -> &'static str {
+        match self {
+            FaultKind::Unreachable => "unreachable",
+            FaultKind::Blocked => "blocked",
+            FaultKind::Break => "break",
+            FaultKind::Bounds => "bounds",
+            FaultKind::Slowed => "slowed",
+            FaultKind::Collision => "collision",
+            FaultKind::NoTransfer => "no transfer",
+        }
     }
 }
 
-impl MotionRun {
+impl<const N: usize, const F: usize> Run<N, F> {
+    /// When the first and when the last waypoint is passed; run-in and run-out have as many knots.
+    pub fn printing(&self) -> [f64; 2] {
+        let times = self.trajectory.times();
+        let before = (times.len() - self.trajectory.at_waypoints().len()) / 2;
+        [times[before], times[times.len() - 1 - before]]
+    }
+
+    /// Seconds from rest to rest.
+    pub fn duration(&self) -> f64 {
+        let (first, last) = self.trajectory.span();
+        last - first
+    }
+}
+
+impl Times {
+    pub fn all(&self) -> Duration {
+        self.plan + self.check + self.transfers
+    }
+}
+
+impl LayerFigures {
+    /// Planning time by robot time.
+    pub fn factor(&self, times: impl Fn(&Times) -> Duration) -> f64 {
+        times(&self.times).as_secs_f64() / self.robot_s.max(f64::MIN_POSITIVE)
+    }
+}
+
+impl Figures {
     /// Seconds that the robot moves.
     pub fn robot_s(&self) -> f64 {
-        let span = |run: &Run| run.trajectory.span().1 - run.trajectory.span().0;
-        let transfers = self.transfers.iter().flatten().map(Transfer::duration);
-        self.runs.iter().map(span).sum::<f64>() + transfers.sum::<f64>()
+        self.layers.iter().map(|layer| layer.robot_s).sum()
     }
 
     pub fn plan_s(&self) -> f64 {
-        (self.times.plan + self.times.check + self.times.transfers).as_secs_f64()
+        self.times.all().as_secs_f64()
     }
 
-    pub fn without_transfer(&self) -> usize {
-        self.transfers.iter().filter(|transfer| transfer.is_none()).count()
+    pub fn count(&self, kind: FaultKind) -> usize {
+        self.faults.iter().filter(|fault| fault.kind == kind).count()
+    }
+
+    /// What collides most often.
+    pub fn worst(&self) -> Option<String> {
+        let mut all: Vec<&str> =
+            self.faults.iter().filter(|fault| fault.kind == FaultKind::Collision).map(|fault| &*fault.what).collect();
+        all.sort_unstable();
+        all.chunk_by(|a, b| a == b).max_by_key(|same| same.len()).map(|same| same[0].to_owned())
     }
 }
 
-/// Plans the whole print.
-pub fn run(field: &FieldRun, surfaces: &SurfacesRun, machine: &MachineRun, bars: &Bars) -> Result<MotionRun, Failure> {
+impl Motion {
+    pub fn figures(&self) -> &Figures {
+        match self {
+            Motion::PartInHand(run) => &run.figures,
+            Motion::OverTable(run) => &run.figures,
+        }
+    }
+
+    /// Whether nothing touches and all bounds hold.
+    pub fn is_ok(&self) -> bool {
+        [FaultKind::Collision, FaultKind::Bounds].iter().all(|&kind| self.figures().count(kind) == 0)
+    }
+}
+
+/// Plans the whole print on the cell that is wanted.
+pub fn run(
+    args: &MotionArgs,
+    field: &FieldRun,
+    surfaces: &SurfacesRun,
+    machine: &MachineRun,
+    bars: &Bars,
+) -> Result<Motion, Failure> {
+    if args.cell8 {
+        Ok(Motion::OverTable(Box::new(plan(field, surfaces, machine, bars)?)))
+    } else {
+        Ok(Motion::PartInHand(Box::new(plan(field, surfaces, machine, bars)?)))
+    }
+}
+
+fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
+    field: &FieldRun,
+    surfaces: &SurfacesRun,
+    machine: &MachineRun,
+    bars: &Bars,
+) -> Result<MotionRun<N, F, R>, Failure> {
     let paths = &machine.freed.paths;
     let tips = || paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip);
     let mean = tips().map(|tip| tip.coords).sum::<Vector3<f64>>() / tips().count().max(1) as f64;
-    // The plate stays where it is: z = 0 stands on the flange.
+    // The plate stays where it is: z = 0 stands on what carries it.
     let shift = Vector3::new(mean.x, mean.y, 0.0);
 
     let start = Instant::now();
     bars.update("plan motions", 0, 1);
     let steps = seconds_of(machine);
-    let mut cell = Workcell::new(field, surfaces, &shift)?;
+    let mut cell: Workcell<N, F, R> = Workcell::new(field, surfaces, &shift)?;
     let of_path = |(path, seconds): (usize, &Vec<f64>)| run::plan(path, &paths[path], seconds, &shift, &cell);
-    let planned: Vec<run::Planned> = steps.par_iter().enumerate().map(of_path).collect::<Result<_, _>>()?;
+    let planned: Vec<run::Planned<N, F>> = steps.par_iter().enumerate().map(of_path).collect::<Result<_, _>>()?;
     let mut times = Times { plan: start.elapsed(), ..Times::default() };
-
-    let [unreachable, blocked, breaks, bounds_missed] = [
-        planned.iter().map(|path| path.unreachable).sum(),
-        planned.iter().map(|path| path.blocked).sum(),
-        planned.iter().map(|path| path.breaks).sum(),
-        planned.iter().map(|path| path.bounds_missed).sum(),
-    ];
     let missed_mm = planned.iter().map(|path| path.missed_mm).fold(0.0, f64::max);
-    let runs: Vec<Run> = planned.into_iter().flat_map(|path| path.runs).collect();
-    let mut motion = MotionRun {
-        runs,
-        transfers: Vec::new(),
-        unreachable,
-        blocked,
-        breaks,
-        collisions: 0,
-        worst: None,
-        missed_mm,
-        bounds_missed,
-        shift,
-        times,
-    };
+    let least_feed = planned.iter().map(|path| path.least_feed).fold(1.0, f64::min);
+    let mut layers: Vec<LayerFigures> = Vec::new();
+    let mut faults: Vec<Fault> = Vec::new();
+    let mut runs: Vec<Run<N, F>> = Vec::new();
+    for (path, planned) in paths.iter().zip(planned) {
+        if layers.last().is_none_or(|last| last.layer != path.layer) {
+            layers.push(LayerFigures { layer: path.layer, ..LayerFigures::default() });
+        }
+        if let Some(layer) = layers.last_mut() {
+            layer.motions += planned.runs.len();
+            layer.waypoints += path.waypoints.len();
+            layer.robot_s += planned.runs.iter().map(Run::duration).sum::<f64>();
+            layer.times.plan += planned.took;
+        }
+        faults.extend(planned.faults);
+        runs.extend(planned.runs);
+    }
 
     // Layer by layer, since the part grows.
+    let mut transfers: Vec<Option<Transfer<N>>> = Vec::with_capacity(runs.len());
     let mut first = 0;
-    let mut reports: Vec<String> = Vec::new();
-    for layer in motion.runs.chunk_by(|a, b| a.layer == b.layer) {
-        bars.update("check motions", first as u64, motion.runs.len() as u64);
-        cell.build_up_to(layer[0].layer)?;
+    for layer in layers.iter_mut().filter(|layer| layer.motions > 0) {
+        let own = &runs[first..first + layer.motions];
+        bars.update("check motions", first as u64, runs.len() as u64);
+        cell.build_up_to(layer.layer)?;
         let checking = Instant::now();
-        let found: Vec<Vec<String>> = layer.par_iter().map(|run| cell.collisions(&run.trajectory)).collect();
-        reports.extend(found.into_iter().flatten());
+        let check = |run: &Run<N, F>| timed(|| cell.collisions(&run.trajectory));
+        let found: Vec<(Vec<(usize, String)>, Duration)> = own.par_iter().map(check).collect();
         times.check += checking.elapsed();
+        for (run, (found, took)) in own.iter().zip(found) {
+            layer.times.check += took;
+            let (layer, path, kind) = (run.layer, run.path, FaultKind::Collision);
+            faults.extend(found.into_iter().map(|(waypoint, what)| Fault { layer, path, kind, waypoint, what }));
+        }
         let moving = Instant::now();
         // From each run of the layer to the next one, which may be the first of the next layer.
-        let next = |k: usize| motion.runs.get(first + k + 1);
-        let transfer = |k: usize| next(k).map(|to| cell.transfer(first + k, &layer[k], to));
-        motion.transfers.par_extend((0..layer.len()).into_par_iter().filter_map(transfer));
+        let next = |k: usize| runs.get(first + k + 1);
+        let transfer = |k: usize| next(k).map(|to| timed(|| cell.transfer(first + k, &own[k], to)));
+        let found: Vec<(Result<Transfer<N>, String>, Duration)> =
+            (0..own.len()).into_par_iter().filter_map(transfer).collect();
         times.transfers += moving.elapsed();
-        first += layer.len();
+        for (run, (found, took)) in own.iter().zip(found) {
+            layer.times.transfers += took;
+            match &found {
+                Ok(transfer) => layer.robot_s += transfer.duration(),
+                Err(what) => faults.push(Fault {
+                    layer: run.layer,
+                    path: run.path,
+                    kind: FaultKind::NoTransfer,
+                    waypoint: paths[run.path].waypoints.len() - 1,
+                    what: what.clone(),
+                }),
+            }
+            transfers.push(found.ok());
+        }
+        first += layer.motions;
     }
-    motion.collisions = reports.len();
-    reports.sort_unstable();
-    motion.worst = reports.chunk_by(|a, b| a == b).max_by_key(|same| same.len()).map(|same| same[0].clone());
-    motion.times = times;
-    Ok(motion)
+    faults.sort_by_key(|fault| fault.path);
+    for layer in &mut layers {
+        layer.faults = faults.iter().filter(|fault| fault.layer == layer.layer).count();
+    }
+    let (motions, name) = (runs.len(), R::NAME);
+    let figures = Figures { name, motions, transfers: transfers.len(), missed_mm, least_feed, times, faults, layers };
+    Ok(MotionRun { robot: R::empty()?, runs, transfers, shift, figures })
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed())
 }
 
 /// For each path the seconds from waypoint to waypoint, as the plan of the deposition has them.
@@ -165,16 +358,11 @@ fn seconds_of(machine: &MachineRun) -> Vec<Vec<f64>> {
 }
 
 /// The arm's own stops and speeds; accelerations and jerks for transfers, which nothing else fixes.
-fn bounds(robot: &PartInHand) -> Bounds<6> {
-    use curvlay_examples::motion::Placed;
-    Bounds { acceleration: [f64::INFINITY; 6], jerk: [f64::INFINITY; 6], ..robot.bounds(true) }
+fn bounds<const N: usize, const F: usize>(robot: &impl Printer<N, F>) -> Bounds<N> {
+    Bounds { acceleration: [f64::INFINITY; N], jerk: [f64::INFINITY; N], ..robot.bounds(true) }
 }
 
-/// A waypoint over the flange.
+/// A waypoint over what carries the part.
 fn placed(waypoint: &curvlay_toolpath::surface::Waypoint, shift: &Vector3<f64>) -> Waypoint {
     Waypoint { position: waypoint.tip - shift, axis: waypoint.direction }
-}
-
-fn robot(waypoints: Vec<Waypoint>) -> Result<PartInHand, Failure> {
-    PartInHand::new(waypoints).map_err(failure)
 }

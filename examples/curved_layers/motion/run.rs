@@ -1,22 +1,20 @@
 //! The motions along one path.
 
+use super::robots::Printer;
 use super::workcell::Workcell;
-use super::{Run, bounds, placed, robot};
+use super::{Fault, FaultKind, Run, bounds, placed};
 use crate::failure;
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::{PartInHand, Placed};
 use curvlay_kinematics::Waypoint;
 use curvlay_toolpath::surface::ToolPath;
 use curvlay_trajectory::{
-    Bounds, FEWEST_WAYPOINTS, FreeRange, GlobalMotion, GlobalOptions, LadderOptions, Posture, Robot, RunIn, Rung,
-    Timeline, Trajectory, plan_ladder, smooth_globally,
+    Bounds, FEWEST_WAYPOINTS, FreeRange, GlobalMotion, GlobalOptions, LadderOptions, Posture, Quantity, Robot, RunIn,
+    Rung, Timeline, Trajectory, Violation, plan_ladder, smooth_globally,
 };
 use nalgebra::{UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
-
-/// Tool angles tried before a waypoint counts as out of reach, and samples of the ladder to begin with.
-const ANGLES: u32 = 24;
+use std::time::{Duration, Instant};
 
 /// Rounds of the filter, and seconds of each piece of run-in and run-out. Longer runs are gentler, but their tip leaves
 /// the path: by a millimetre at 10 mm/s. Where the motion touches something, less of both is tried.
@@ -25,87 +23,117 @@ const ATTEMPTS: [(usize, f64); 3] = [(40, 0.05), (6, 0.02), (2, 0.01)];
 /// Waypoints nearer in time than this, in seconds, are one: a controller's cycle is longer.
 const LEAST_STEP_S: f64 = 1e-3;
 
+/// By which share bounds may be passed before that counts.
+const SLACK: f64 = 1e-6;
+
 /// A robot without the postures at which something touches (section 3.5.3).
-struct Guarded<'a> {
-    robot: &'a PartInHand,
-    cell: &'a Workcell<'a>,
+struct Guarded<'a, const N: usize, const F: usize, R> {
+    robot: &'a R,
+    cell: &'a Workcell<'a, N, F, R>,
+    /// Waypoints that may be reached with less distance, since they are not with more.
+    close: &'a [bool],
 }
 
-impl Robot<6, 1> for Guarded<'_> {
+impl<const N: usize, const F: usize, R: Printer<N, F>> Robot<N, F> for Guarded<'_, N, F, R> {
     fn waypoints(&self) -> usize {
         self.robot.waypoints()
     }
 
-    fn free(&self) -> [FreeRange; 1] {
+    fn free(&self) -> [FreeRange; F] {
         self.robot.free()
     }
 
-    fn solutions(&self, waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
+    fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
         self.robot.solutions(waypoint, free, &mut |branch, joints| {
-            if self.cell.may_print(&joints) {
+            if self.cell.may_print(&joints, self.close[waypoint]) {
                 each(branch, joints);
             }
         });
     }
 
-    fn posture(&self, waypoint: usize, free: &[f64; 1], branch: u32) -> Option<Posture<6, 1>> {
+    fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
         self.robot.posture(waypoint, free, branch)
     }
 }
 
 /// What came of a path.
-#[derive(Default)]
-pub struct Planned {
-    pub runs: Vec<Run>,
-    pub unreachable: usize,
-    pub blocked: usize,
-    pub breaks: usize,
-    pub bounds_missed: usize,
+pub struct Planned<const N: usize, const F: usize> {
+    pub runs: Vec<Run<N, F>>,
+    pub faults: Vec<Fault>,
     pub missed_mm: f64,
+    /// Least share of the planned feed at which a run is printed.
+    pub least_feed: f64,
+    /// On its thread.
+    pub took: Duration,
 }
 
 /// Plans one path, given the seconds from waypoint to waypoint.
-pub fn plan(
+pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     number: usize,
     path: &ToolPath,
     seconds: &[f64],
     shift: &Vector3<f64>,
-    cell: &Workcell,
-) -> Result<Planned, Failure> {
-    let mut waypoints = vec![placed(&path.waypoints[0], shift)];
-    let mut times = vec![0.0];
+    cell: &Workcell<N, F, R>,
+) -> Result<Planned<N, F>, Failure> {
+    let start = Instant::now();
+    let (mut waypoints, mut kept, mut times) = (vec![placed(&path.waypoints[0], shift)], vec![0], vec![0.0]);
     let mut now = 0.0;
-    for (waypoint, step) in path.waypoints[1..].iter().zip(seconds) {
+    for (place, (waypoint, step)) in path.waypoints[1..].iter().zip(seconds).enumerate() {
         now += step;
         if now - times[times.len() - 1] >= LEAST_STEP_S {
             waypoints.push(placed(waypoint, shift));
+            kept.push(place + 1);
             times.push(now);
         }
     }
-    let all = robot(waypoints)?;
+    let all = R::empty()?.with(waypoints);
     let bounds = bounds(&all);
-    let mut planned = Planned::default();
-    let guarded = Guarded { robot: &all, cell };
-    let free = |waypoint: usize| is_reachable(&guarded, &bounds, waypoint);
-    let reach: Vec<bool> = (0..all.waypoints()).map(free).collect();
-    let far = |waypoint: &usize| !is_reachable(&all, &bounds, *waypoint);
-    let without: Vec<usize> = (0..reach.len()).filter(|&waypoint| !reach[waypoint]).collect();
-    planned.unreachable = without.iter().filter(|waypoint| far(waypoint)).count();
-    planned.blocked = without.len() - planned.unreachable;
+    let mut planned =
+        Planned { runs: Vec::new(), faults: Vec::new(), missed_mm: 0.0, least_feed: 1.0, took: Duration::ZERO };
+    let fault = |kind, waypoint: usize, what: &str| Fault {
+        layer: path.layer,
+        path: number,
+        kind,
+        waypoint: kept[waypoint],
+        what: what.to_owned(),
+    };
+    let [apart, barely] = [false, true].map(|close| vec![close; all.waypoints()]);
+    let with = |close: &[bool], waypoint: usize| {
+        first_posture::<N, F, R>(&Guarded { robot: &all, cell, close }, &bounds, waypoint).is_some()
+    };
+    let close: Vec<bool> = (0..all.waypoints()).map(|waypoint| !with(&apart, waypoint)).collect();
+    let reach: Vec<bool> = (0..all.waypoints()).map(|k| !close[k] || with(&barely, k)).collect();
+    for waypoint in (0..reach.len()).filter(|&waypoint| !reach[waypoint]) {
+        let found = first_posture::<N, F, R>(&all, &bounds, waypoint);
+        let kind = if found.is_some() { FaultKind::Blocked } else { FaultKind::Unreachable };
+        let what = found.and_then(|joints| cell.in_the_way(&joints)).unwrap_or_default();
+        planned.faults.push(fault(kind, waypoint, &what));
+    }
     for stretch in stretches(&reach) {
-        let (part, times) = long_enough(&all.part(stretch.clone()), &times[stretch]);
-        let options = LadderOptions { samples: [ANGLES], doublings: 4, breaks: true, ..LadderOptions::default() };
+        let (first, length) = (stretch.start, stretch.len());
+        let (part, times) = long_enough(&all.part(stretch.clone()), &times[stretch.clone()]);
+        let mut close = close[stretch].to_vec();
+        if part.waypoints() > length {
+            close = vec![close.contains(&true); part.waypoints()];
+        }
+        let (samples, doublings) = (R::SAMPLES, R::DOUBLINGS);
+        let options = LadderOptions { samples, doublings, breaks: true, ..LadderOptions::default() };
         let go_on = |_| ControlFlow::Continue(());
-        let guarded = Guarded { robot: &part, cell };
+        let guarded = Guarded { robot: &part, cell, close: &close };
         let ladder = plan_ladder(&guarded, &times, &bounds, &options, &go_on).map_err(failure)?;
-        planned.breaks += ladder.breaks.len();
+        let at = |waypoint: usize| (first + waypoint).min(kept.len() - 1);
+        planned.faults.extend(ladder.breaks.iter().map(|&next| fault(FaultKind::Break, at(next), "")));
         for run in ladder.runs() {
-            let (trajectory, rungs, holds) =
+            let Smooth { trajectory, rungs, violations, feed } =
                 smooth(&part.part(run.clone()), &times[run.clone()], &ladder.rungs[run.clone()], &bounds, cell)?;
-            planned.bounds_missed += usize::from(!holds);
-            let missed = |(k, rung): (usize, &Rung<6, 1>)| part.missed(run.start + k, &rung.joints).0;
+            let told = violations.first().map(|what| (FaultKind::Bounds, what.to_string()));
+            let slowed = (feed < 1.0).then(|| (FaultKind::Slowed, format!("feed at {:.1} %", 100.0 * feed)));
+            let told = told.into_iter().chain(slowed);
+            planned.faults.extend(told.map(|(kind, what)| fault(kind, at(run.start), &what)));
+            planned.least_feed = planned.least_feed.min(feed);
+            let missed = |(k, rung): (usize, &Rung<N, F>)| part.missed(run.start + k, &rung.joints).0;
             planned.missed_mm = rungs.iter().enumerate().map(missed).fold(planned.missed_mm, f64::max);
-            let end = |k: usize| (rungs[k].free[0], part.at(run.start + k));
+            let end = |k: usize| (rungs[k].free, part.at(run.start + k));
             planned.runs.push(Run {
                 path: number,
                 layer: path.layer,
@@ -114,14 +142,33 @@ pub fn plan(
             });
         }
     }
+    planned.took = start.elapsed();
     Ok(planned)
 }
 
-fn is_reachable(robot: &impl Robot<6, 1>, bounds: &Bounds<6>, waypoint: usize) -> bool {
-    (0..ANGLES).any(|sample| {
-        let mut found = false;
-        robot.solutions(waypoint, &[TAU * f64::from(sample) / f64::from(ANGLES)], &mut |_, joints| {
-            found |= (0..6).all(|j| bounds.lower[j] <= joints[j] && joints[j] <= bounds.upper[j]);
+/// A posture within the stops at the first sample of the free parameters that has one.
+fn first_posture<const N: usize, const F: usize, R: Printer<N, F>>(
+    robot: &impl Robot<N, F>,
+    bounds: &Bounds<N>,
+    waypoint: usize,
+) -> Option<[f64; N]> {
+    let (ranges, samples) = (robot.free(), R::SAMPLES);
+    (0..samples.iter().product()).find_map(|sample: u32| {
+        let mut rest = sample;
+        let free = std::array::from_fn(|f| {
+            let k = rest % samples[f];
+            rest /= samples[f];
+            match ranges[f] {
+                FreeRange::Turn => TAU * f64::from(k) / f64::from(samples[f]),
+                FreeRange::Within(least, most) => {
+                    least + (most - least) * f64::from(k) / f64::from(samples[f].max(2) - 1)
+                }
+            }
+        });
+        let mut found = None;
+        robot.solutions(waypoint, &free, &mut |_, joints| {
+            let fits = (0..N).all(|j| bounds.lower[j] <= joints[j] && joints[j] <= bounds.upper[j]);
+            found = found.or(fits.then_some(joints));
         });
         found
     })
@@ -141,7 +188,7 @@ fn stretches(reach: &[bool]) -> Vec<Range<usize>> {
 }
 
 /// Splits the longest steps until there are as many waypoints as a motion needs. A single waypoint is held for a moment.
-fn long_enough(robot: &PartInHand, times: &[f64]) -> (PartInHand, Vec<f64>) {
+fn long_enough<const N: usize, const F: usize, R: Printer<N, F>>(robot: &R, times: &[f64]) -> (R, Vec<f64>) {
     let mut waypoints: Vec<Waypoint> = (0..robot.waypoints()).map(|k| robot.at(k)).collect();
     let mut times = times.to_vec();
     if waypoints.len() == 1 {
@@ -159,15 +206,52 @@ fn long_enough(robot: &PartInHand, times: &[f64]) -> (PartInHand, Vec<f64>) {
     (robot.with(waypoints), times)
 }
 
-/// The motion of least jerk along a run, its rungs, and whether the bounds hold everywhere. Where that motion would
-/// touch something a less smooth one is taken, in the end what the ladder found, as for runs too short for a filter.
-fn smooth(
-    part: &PartInHand,
+/// A motion along a run.
+struct Smooth<const N: usize, const F: usize> {
+    trajectory: Trajectory<N>,
+    rungs: Vec<Rung<N, F>>,
+    /// Bounds that do not hold everywhere.
+    violations: Vec<Violation>,
+    /// Share of the planned feed.
+    feed: f64,
+}
+
+impl<const N: usize, const F: usize> Smooth<N, F> {
+    /// How many times too fast a joint is at most; infinite where it is beyond its stops.
+    fn excess(&self) -> f64 {
+        let of = |violation: &Violation| match violation.quantity {
+            Quantity::Velocity => (violation.value / violation.bound).abs(),
+            _ => f64::INFINITY,
+        };
+        self.violations.iter().map(of).fold(1.0, f64::max)
+    }
+
+    /// The same way, slow enough for the joints: times are stretched, so that nothing else changes.
+    fn slowed(self, times: &[f64], spacing: f64, bounds: &Bounds<N>) -> Result<Self, Failure> {
+        let excess = self.excess() * (1.0 + SLACK);
+        if self.violations.is_empty() || !excess.is_finite() {
+            return Ok(self);
+        }
+        let times: Vec<f64> = times.iter().map(|time| time * excess).collect();
+        let line = Timeline::new(&times, RunIn { spacing: spacing * excess, ..RunIn::default() }).map_err(failure)?;
+        let knots = self.trajectory.joints();
+        let trajectory = Trajectory::new(&line, &knots[1..knots.len() - 1]).map_err(failure)?;
+        let violations = trajectory.violations(bounds, SLACK);
+        Ok(Smooth { trajectory, violations, feed: 1.0 / excess, ..self })
+    }
+}
+
+/// The motion of least jerk along a run. Where that motion would touch something or is too fast for a joint, a less
+/// smooth one is taken, in the end what the ladder found, as for runs too short for a filter. What is too fast even so
+/// is slowed down: of the ways that are free the one that needs it least.
+fn smooth<const N: usize, const F: usize, R: Printer<N, F>>(
+    part: &R,
     times: &[f64],
-    rungs: &[Rung<6, 1>],
-    bounds: &Bounds<6>,
-    cell: &Workcell,
-) -> Result<(Trajectory<6>, Vec<Rung<6, 1>>, bool), Failure> {
+    rungs: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    cell: &Workcell<N, F, R>,
+) -> Result<Smooth<N, F>, Failure> {
+    let mut best: Option<(Smooth<N, F>, f64)> = None;
     let attempts = ATTEMPTS.iter().filter(|_| rungs.len() >= FEWEST_WAYPOINTS);
     for &(rounds, spacing) in attempts {
         let line = Timeline::new(times, RunIn { spacing, ..RunIn::default() }).map_err(failure)?;
@@ -175,13 +259,25 @@ fn smooth(
         let found = smooth_globally(part, &line, rungs, bounds, &options, &|_| ControlFlow::Continue(()));
         let Ok(GlobalMotion { rungs, trajectory, violations, .. }) = found else { break };
         if cell.may_move(&trajectory) {
-            return Ok((trajectory, rungs, violations.is_empty()));
+            let found = Smooth { trajectory, rungs, violations, feed: 1.0 };
+            let is_better = best.as_ref().is_none_or(|(best, _)| found.excess() < best.excess());
+            best = if is_better { Some((found, spacing)) } else { best };
+            if best.as_ref().is_some_and(|(best, _)| best.violations.is_empty()) {
+                break;
+            }
         }
     }
-    let [.., (_, spacing)] = ATTEMPTS;
-    let line = Timeline::new(times, RunIn { spacing, ..RunIn::default() }).map_err(failure)?;
-    let joints: Vec<[f64; 6]> = rungs.iter().map(|rung| rung.joints).collect();
-    let trajectory = Trajectory::through(&line, &joints).map_err(failure)?;
-    let holds = trajectory.violations(bounds, 1e-6).is_empty();
-    Ok((trajectory, rungs.to_vec(), holds))
+    if best.as_ref().is_none_or(|(best, _)| !best.violations.is_empty()) {
+        let [.., (_, spacing)] = ATTEMPTS;
+        let line = Timeline::new(times, RunIn { spacing, ..RunIn::default() }).map_err(failure)?;
+        let joints: Vec<[f64; N]> = rungs.iter().map(|rung| rung.joints).collect();
+        let trajectory = Trajectory::through(&line, &joints).map_err(failure)?;
+        let violations = trajectory.violations(bounds, SLACK);
+        let found = Smooth { trajectory, rungs: rungs.to_vec(), violations, feed: 1.0 };
+        let is_better =
+            best.as_ref().is_none_or(|(best, _)| found.excess() < best.excess() && cell.may_move(&found.trajectory));
+        best = if is_better { Some((found, spacing)) } else { best };
+    }
+    let (best, spacing) = best.ok_or_else(|| failure("a run without waypoints"))?;
+    best.slowed(times, spacing, bounds)
 }

@@ -1,13 +1,14 @@
 //! The cell in which the robot moves: what touches along a motion, and ways from one motion to the next.
 
-use super::{Run, robot};
+use super::Run;
+use super::robots::Printer;
 use crate::failure;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
-use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, links};
-use curvlay_kinematics::{Cell, Waypoint, robots};
-use curvlay_trajectory::transfer::{FreeSpace, Transfer, TransferOptions, plan_transfer};
+use curvlay_kinematics::Waypoint;
+use curvlay_kinematics::scene::{Body, Scene, SceneModel, Shape, Sweep};
+use curvlay_trajectory::transfer::{FreeSpace, Transfer, TransferError, TransferOptions, plan_transfer};
 use curvlay_trajectory::{Bounds, Trajectory};
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -19,47 +20,53 @@ const BLOCK_RADIUS: f64 = 10.0;
 const BLOCK_HEIGHT: f64 = 60.0;
 
 /// What the part stands on.
-const PLATE_MM: f64 = 4.0;
+pub const PLATE_MM: f64 = 4.0;
 
-/// How fine sweeps look, in millimetres.
+/// How fine sweeps look, in millimetres; and where that proves nothing.
 const RESOLUTION_MM: f64 = 2.0;
+const FINE_MM: f64 = 0.25;
 
 /// How far things stay apart at waypoints while the nozzle prints, in millimetres: more than sweeps leave undecided, and
 /// than the smooth motion sways between two of them.
 const ALOOF_MM: f64 = 3.0;
 
+/// The same for waypoints that no posture reaches so: more than fine sweeps leave undecided.
+const CLOSE_MM: f64 = 0.75;
+
 /// How far the nozzle backs off before a transfer, in millimetres: the first of these that clears the part.
-const LIFTS_MM: [f64; 4] = [5.0, 10.0, 20.0, 40.0];
+const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
 
 /// Transfers speed up and change their acceleration within these, in rad/s^2 and rad/s^3.
 const ACCELERATION: f64 = 5.0;
 const JERK: f64 = 50.0;
 
 /// Robot, nozzle, plate and the part as far as it is built.
-pub struct Workcell<'a> {
+pub struct Workcell<'a, const N: usize, const F: usize, R> {
     /// The nozzle may touch the part: that it does so only at its tip is what the check for gouging says.
     printing: Scene,
-    /// The same with the whole part: what is free there is free at any time. Two of them, since postures keep a distance
-    /// that motions may use up.
+    /// The same with the whole part: what is free there is free at any time. Three of them, since postures keep a
+    /// distance that motions may use up.
     whole: Scene,
     whole_aloof: Scene,
+    whole_close: Scene,
     /// Nothing may touch anything.
     moving: Scene,
-    cell: Cell,
+    robot: R,
     field: &'a FieldRun,
     /// Cells by the surface at which they are built, from 0.
     layers: Vec<Vec<u32>>,
     /// Surfaces that are built.
     built: usize,
-    bounds: Bounds<6>,
+    bounds: Bounds<N>,
 }
 
-impl<'a> Workcell<'a> {
+impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R> {
     pub fn new(field: &'a FieldRun, surfaces: &SurfacesRun, shift: &Vector3<f64>) -> Result<Self, Failure> {
-        let robot = robot(Vec::new())?;
-        let cell = *robot.cell();
+        let robot = R::empty()?;
         let grid = &field.solid.grid;
-        let flange_part = cell.held() * Isometry3::translation(-shift.x, -shift.y, 0.0);
+        let (carrier, part_frame) = robot.part_frame();
+        let (holder, nozzle) = robot.nozzle();
+        let carrier_part = part_frame * Isometry3::translation(-shift.x, -shift.y, 0.0);
         let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
         let ring = |radius: f64, z: f64| {
             (0..12).map(move |k| {
@@ -72,33 +79,35 @@ impl<'a> Workcell<'a> {
         let block = Shape::cylinder(BLOCK_RADIUS, CONE_HEIGHT, BLOCK_HEIGHT);
         let nothing = vec![0; grid.rows().len()];
         let part = Shape::Cells { dims: grid.dims(), rows: nothing, cell: grid.cell_mm() };
-        let origin = flange_part * Isometry3::from(nalgebra::Translation3::from(grid.origin().coords));
+        let origin = carrier_part * Isometry3::from(nalgebra::Translation3::from(grid.origin().coords));
         let wide = field.platform_diameter_mm() / 2.0;
         let plate = Shape::cylinder(wide, -PLATE_MM, 0.0);
-        let bodies = vec![
-            body("nozzle", Mount::Base, cell.other(), cone),
-            body("hot end", Mount::Base, cell.other(), block),
-            body("part", Mount::Link(6), origin, part),
-            body("plate", Mount::Link(6), flange_part, plate),
-        ];
+        let mut model = robot.scene();
+        model.bodies.extend([
+            body("nozzle", holder, nozzle, cone),
+            body("hot end", holder, nozzle, block),
+            body("part", carrier, origin, part),
+            body("plate", carrier, part_frame, plate),
+        ]);
         let may = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
-        let model = SceneModel { links: links(&robots::UR3), bodies, ..SceneModel::of(*cell.arm()) };
         let allowed = vec![may("nozzle", "part"), may("hot end", "part"), may("nozzle", "plate")];
         let model = SceneModel { allowed, ..model };
-        let aloof = SceneModel { margin: ALOOF_MM, ..model.clone() };
-        let mut whole_aloof = Scene::new(aloof).map_err(failure)?;
-        whole_aloof.add_cells("part", grid.rows()).map_err(failure)?;
+        let whole_with = |margin: f64| -> Result<Scene, Failure> {
+            let mut whole = Scene::new(SceneModel { margin, ..model.clone() }).map_err(failure)?;
+            whole.add_cells("part", grid.rows()).map_err(failure)?;
+            Ok(whole)
+        };
+        let [whole, whole_aloof, whole_close] = [whole_with(0.0)?, whole_with(ALOOF_MM)?, whole_with(CLOSE_MM)?];
         let printing = Scene::new(model.clone()).map_err(failure)?;
         let moving = Scene::new(SceneModel { allowed: vec![], ..model }).map_err(failure)?;
-        let bounds = Bounds { acceleration: [ACCELERATION; 6], jerk: [JERK; 6], ..super::bounds(&robot) };
-        let mut whole = printing.clone();
-        whole.add_cells("part", grid.rows()).map_err(failure)?;
+        let bounds = Bounds { acceleration: [ACCELERATION; N], jerk: [JERK; N], ..robot.bounds(true) };
         Ok(Workcell {
             printing,
             whole,
             whole_aloof,
+            whole_close,
             moving,
-            cell,
+            robot,
             field,
             layers: layers(field, surfaces),
             built: 0,
@@ -124,47 +133,54 @@ impl<'a> Workcell<'a> {
         Ok(())
     }
 
-    /// Whether a posture is free while the nozzle prints, however much of the part is there.
-    pub fn may_print(&self, joints: &[f64; 6]) -> bool {
-        matches!(self.whole_aloof.touching(&(*joints).into()), Ok(None))
+    /// Whether a posture is free while the nozzle prints, however much of the part is there; `close`: barely.
+    pub fn may_print(&self, joints: &[f64; N], close: bool) -> bool {
+        let scene = if close { &self.whole_close } else { &self.whole_aloof };
+        matches!(scene.touching(&R::posture_of(joints)), Ok(None))
+    }
+
+    /// What is in the way at a posture, in words.
+    pub fn in_the_way(&self, joints: &[f64; N]) -> Option<String> {
+        let [a, b] = self.whole_close.touching(&R::posture_of(joints)).ok()??;
+        Some(format!("{a} and {b}"))
     }
 
     /// Whether a motion is free while the nozzle prints, however much of the part is there.
-    pub fn may_move(&self, trajectory: &Trajectory<6>) -> bool {
-        let free = |pair: &[[f64; 6]]| {
-            matches!(self.whole.sweep(&pair[0].into(), &pair[1].into(), RESOLUTION_MM), Ok(Sweep::Free))
-        };
-        trajectory.joints().windows(2).all(free)
+    pub fn may_move(&self, trajectory: &Trajectory<N>) -> bool {
+        trajectory.joints().windows(2).all(|pair| sweep::<N, F, R>(&self.whole, &pair[0], &pair[1]).is_none())
     }
 
-    /// What is not proven apart along a printing motion, a line for each step from knot to knot.
-    pub fn collisions(&self, trajectory: &Trajectory<6>) -> Vec<String> {
-        let step = |pair: &[[f64; 6]]| match self.printing.sweep(&pair[0].into(), &pair[1].into(), RESOLUTION_MM) {
-            Ok(Sweep::Free) => None,
-            Ok(Sweep::Near { bodies: [a, b], .. }) => Some(format!("{a} and {b}")),
-            Err(error) => Some(error.to_string()),
+    /// What is not proven apart along a printing motion: the step from knot to knot, and the bodies.
+    pub fn collisions(&self, trajectory: &Trajectory<N>) -> Vec<(usize, String)> {
+        let near = |(step, pair): (usize, &[[f64; N]])| {
+            sweep::<N, F, R>(&self.printing, &pair[0], &pair[1]).map(|near| (step, near))
         };
-        trajectory.joints().windows(2).filter_map(step).collect()
+        trajectory.joints().windows(2).enumerate().filter_map(near).collect()
     }
 
-    /// A way from the end of one run to the start of the next.
-    pub fn transfer(&self, number: usize, from: &Run, to: &Run) -> Option<Transfer<6>> {
-        let (start, goal) = (*from.trajectory.joints().last()?, *to.trajectory.joints().first()?);
-        let lifted = |(angle, waypoint): &(f64, Waypoint), near: &[f64; 6]| {
+    /// A way from the end of one run to the start of the next, or why there is none.
+    pub fn transfer(&self, number: usize, from: &Run<N, F>, to: &Run<N, F>) -> Result<Transfer<N>, String> {
+        let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
+        let (start, goal) = (before[before.len() - 1], after[0]);
+        let lifted = |(free, waypoint): &([f64; F], Waypoint), near: &[f64; N]| {
             LIFTS_MM.iter().find_map(|lift| {
                 let position = waypoint.position + waypoint.axis.into_inner() * *lift;
-                let flange = self.cell.flange(&Waypoint { position, ..*waypoint }, *angle);
-                let joints = self.cell.arm().continuing(&flange, near)?;
-                self.posture_free(&joints).then_some(joints)
+                let joints = self.robot.near(&Waypoint { position, ..*waypoint }, free, near)?;
+                let is_free = self.posture_free(&joints) && sweep::<N, F, R>(&self.printing, near, &joints).is_none();
+                is_free.then_some(joints)
             })
         };
-        let (above, before) = (lifted(&from.ends[1], &start)?, lifted(&to.ends[0], &goal)?);
+        let above = lifted(&from.ends[1], &start).ok_or("the nozzle cannot back off")?;
+        let before = lifted(&to.ends[0], &goal).ok_or("the nozzle cannot approach")?;
         let options =
             TransferOptions { seed: number as u64 + 1, iterations: 500, shortcuts: 30, ..TransferOptions::default() };
-        let between =
-            plan_transfer(&number.to_string(), &above, &before, &self.bounds, self, &options).ok()?.found()?;
+        let told = |error: TransferError| error.to_string();
+        let planned =
+            plan_transfer(&number.to_string(), &above, &before, &self.bounds, self, &options).map_err(told)?;
+        let why = planned.to_string();
+        let between = planned.found().ok_or(why)?;
         let corners = [start].into_iter().chain(between.corners().iter().copied()).chain([goal]).collect();
-        Transfer::through(corners, &self.bounds).ok()
+        Transfer::through(corners, &self.bounds).map_err(told)
     }
 }
 
@@ -182,12 +198,27 @@ fn layers(field: &FieldRun, surfaces: &SurfacesRun) -> Vec<Vec<u32>> {
     layers
 }
 
-impl FreeSpace<6> for Workcell<'_> {
-    fn free(&self, from: &[f64; 6], to: &[f64; 6]) -> bool {
-        matches!(self.moving.sweep(&(*from).into(), &(*to).into(), RESOLUTION_MM), Ok(Sweep::Free))
+impl<const N: usize, const F: usize, R: Printer<N, F>> FreeSpace<N> for Workcell<'_, N, F, R> {
+    fn free(&self, from: &[f64; N], to: &[f64; N]) -> bool {
+        let [from, to] = [from, to].map(R::posture_of);
+        matches!(self.moving.sweep(&from, &to, RESOLUTION_MM), Ok(Sweep::Free))
     }
 
-    fn posture_free(&self, joints: &[f64; 6]) -> bool {
-        matches!(self.moving.touching(&(*joints).into()), Ok(None))
+    fn posture_free(&self, joints: &[f64; N]) -> bool {
+        matches!(self.moving.touching(&R::posture_of(joints)), Ok(None))
     }
+}
+
+/// What is not proven apart on the way from one posture to another, in words.
+fn sweep<const N: usize, const F: usize, R: Printer<N, F>>(
+    scene: &Scene,
+    from: &[f64; N],
+    to: &[f64; N],
+) -> Option<String> {
+    let looked = |resolution| match scene.sweep(&R::posture_of(from), &R::posture_of(to), resolution) {
+        Ok(Sweep::Free) => None,
+        Ok(Sweep::Near { bodies: [a, b], .. }) => Some(format!("{a} and {b}")),
+        Err(error) => Some(error.to_string()),
+    };
+    looked(RESOLUTION_MM).and_then(|_| looked(FINE_MM))
 }

@@ -7,8 +7,10 @@ mod machine;
 mod motion;
 mod paths;
 mod pictures;
+mod programs;
 mod surfaces;
 
+use crate::motion::Motion;
 use crate::{Args, Results, failure};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::output::OutputFolder;
@@ -20,10 +22,12 @@ use std::time::Duration;
 /// A picture and the line under it.
 type Picture = (String, Vec<u8>);
 
-pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<(), Failure> {
+/// Writes all of it. False where something that was asked for would be wrong, and was left out.
+pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<bool, Failure> {
     let Results { field: run, surfaces, paths, machine, motion } = results;
     let mut summary = Summary::new();
     let mut table = Table::new(["", ""]);
+    let mut refused = None;
 
     field::products(run, folder)?;
     field::summary(args, part, run, &mut summary)?;
@@ -45,9 +49,22 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         machine::rows(run, &written, &mut table);
     }
     if let Some(run) = motion {
-        motion::products(run, folder)?;
-        motion::summary(run, &mut summary)?;
-        motion::rows(run, &mut table);
+        let (format, most) = (args.motion.format()?, args.motion.program_steps);
+        let written = match run {
+            Motion::PartInHand(run) => {
+                motion::products(run, folder)?;
+                programs::of_streams(run, format, most, folder)?
+            }
+            Motion::OverTable(run) => {
+                motion::products(run, folder)?;
+                programs::of_targets(run, format, most, folder)?
+            }
+        };
+        refused = written.refused.clone();
+        motion::summary(run.figures(), &mut summary)?;
+        programs::summary(&written, &mut summary)?;
+        motion::rows(run.figures(), &mut table);
+        programs::rows(&written, &mut table);
     }
 
     let mut report = Report::new(&format!("Curved layers: {}", part.name));
@@ -60,13 +77,18 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     }
     machine.iter().for_each(|machine| machine::report(machine, &mut report));
     if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
-        motion::report(surfaces, motion, &mut report)?;
+        refused.iter().for_each(|refused| _ = report.notice(&format!("no programs: {refused}")));
+        match motion {
+            Motion::PartInHand(run) => motion::report(surfaces, run, &mut report),
+            Motion::OverTable(run) => motion::report(surfaces, run, &mut report),
+        }
     }
     field::comparison(part, run, &mut report);
     folder.write("report.html", report.to_html())?;
     // The summary comes last: where it is, all is there.
     summary.write(folder)?;
-    table.print().map_err(failure)
+    table.print().map_err(failure)?;
+    Ok(refused.is_none())
 }
 
 fn seconds(time: Duration) -> String {

@@ -1,18 +1,19 @@
-//! Of the motion: `trajectory.csv`, figures, and the robot at eight moments.
+//! Of the motion: `trajectory.csv`, `layers.csv`, figures, and the robot at eight moments.
 
-use super::{Picture, borrowed, seconds};
-use crate::failure;
-use crate::motion::MotionRun;
+use super::{Picture, borrowed, pictures, seconds};
+use crate::motion::robots::Printer;
+use crate::motion::{FaultKind, Figures, LayerFigures, MotionRun, Run, Times};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::PartInHand;
 use curvlay_examples::output::OutputFolder;
+use curvlay_examples::plot::Plot;
 use curvlay_examples::render::{Camera, INK, PLATFORM, Scene, layer_colour};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use std::io::{self, Write};
+use std::time::Duration;
 
 /// Pictures of the robot.
 const MOMENTS: usize = 8;
@@ -20,33 +21,52 @@ const MOMENTS: usize = 8;
 /// Pixels of each of them.
 const PICTURE: [u32; 2] = [520, 480];
 
-/// Half the thickness of drawn links, in millimetres.
+/// Half the thickness of drawn links, and of the plate under the part, in millimetres.
 const BONE: f64 = 16.0;
+const PLATE: f64 = 2.0;
 
-pub fn products(run: &MotionRun, folder: &OutputFolder) -> Result<(), Failure> {
+/// Colours of the plot: motions, checks, transfers.
+const PARTS: [[u8; 3]; 3] = [pictures::EVEN, [150, 158, 168], [217, 120, 30]];
+
+pub fn products<const N: usize, const F: usize, R>(
+    run: &MotionRun<N, F, R>,
+    folder: &OutputFolder,
+) -> Result<(), Failure> {
     folder.write_with("trajectory.csv", |out| write_csv(run, out))?;
+    folder.write_with("layers.csv", |out| write_layers(&run.figures.layers, out))?;
+    if !run.figures.faults.is_empty() {
+        folder.write_with("motion-faults.csv", |out| {
+            writeln!(out, "layer,path,at,kind,what")?;
+            run.figures.faults.iter().try_for_each(|fault| {
+                let (kind, what) = (fault.kind.name(), fault.what.replace(',', ";"));
+                writeln!(out, "{},{},{},{kind},{what}", fault.layer + 1, fault.path, fault.waypoint)
+            })
+        })?;
+    }
     Ok(())
 }
 
 /// A line a knot of the splines; transfers at their corners of time. Times go on from run to run.
-fn write_csv(run: &MotionRun, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "time_s,q1,q2,q3,q4,q5,q6,kind,layer,path")?;
-    let mut line = |time: f64, joints: &[f64; 6], kind: &str, layer: u32, path: usize| {
+fn write_csv<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, out: &mut dyn Write) -> io::Result<()> {
+    let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}")).collect();
+    writeln!(out, "time_s,{},kind,layer,path", names.join(","))?;
+    let mut line = |time: f64, joints: &[f64; N], kind: &str, of: &Run<N, F>| {
         write!(out, "{time:.6}")?;
         joints.iter().try_for_each(|joint| write!(out, ",{joint:.9}"))?;
-        writeln!(out, ",{kind},{},{path}", layer + 1)
+        writeln!(out, ",{kind},{},{}", of.layer + 1, of.path)
     };
     let mut start = 0.0;
     for (number, motion) in run.runs.iter().enumerate() {
-        let (first, last) = motion.trajectory.span();
+        let (first, _) = motion.trajectory.span();
+        let [begin, end] = motion.printing();
         for (time, joints) in motion.trajectory.times().iter().zip(motion.trajectory.joints()) {
-            let kind = if *time < 0.0 || motion.is_after_print(*time) { "run" } else { "print" };
-            line(start + time - first, joints, kind, motion.layer, motion.path)?;
+            let kind = if (begin..=end).contains(time) { "print" } else { "run" };
+            line(start + time - first, joints, kind, motion)?;
         }
-        start += last - first;
+        start += motion.duration();
         if let Some(Some(transfer)) = run.transfers.get(number) {
             for time in transfer.knots() {
-                line(start + time, &transfer.at(time).position, "transfer", motion.layer, motion.path)?;
+                line(start + time, &transfer.at(time).position, "transfer", motion)?;
             }
             start += transfer.duration();
         }
@@ -54,76 +74,130 @@ fn write_csv(run: &MotionRun, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-pub fn summary(run: &MotionRun, summary: &mut Summary) -> Result<(), Failure> {
+/// A line a layer: how long the robot moves, and how long a single thread would have planned.
+fn write_layers(layers: &[LayerFigures], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "layer,motions,waypoints,robot_s,plan_s,check_s,transfers_s,realtime_factor,faults")?;
+    layers.iter().try_for_each(|layer| {
+        let [plan, check, transfers] =
+            [layer.times.plan, layer.times.check, layer.times.transfers].map(|time| time.as_secs_f64());
+        writeln!(
+            out,
+            "{},{},{},{:.3},{plan:.4},{check:.4},{transfers:.4},{:.6},{}",
+            layer.layer + 1,
+            layer.motions,
+            layer.waypoints,
+            layer.robot_s,
+            layer.factor(Times::all),
+            layer.faults
+        )
+    })
+}
+
+pub fn summary(run: &Figures, summary: &mut Summary) -> Result<(), Failure> {
     let times = &run.times;
+    let worst = run.layers.iter().filter(|layer| layer.motions > 0).map(|layer| layer.factor(Times::all));
     summary
+        .set("cell", run.name)?
         .set("robot_time_s", run.robot_s())?
         .set("plan_s", run.plan_s())?
         .set_seconds("plan_motion_s", times.plan)?
         .set_seconds("plan_check_s", times.check)?
         .set_seconds("plan_transfers_s", times.transfers)?
         .set("realtime_factor", run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE))?
-        .set("motions", run.runs.len())?
-        .set("breaks", run.breaks)?
-        .set("unreachable_waypoints", run.unreachable)?
-        .set("blocked_waypoints", run.blocked)?
-        .set("bounds_missed", run.bounds_missed)?
+        .set("realtime_factor_worst_layer", worst.fold(0.0, f64::max))?
+        .set("motions", run.motions)?
+        .set("breaks", run.count(FaultKind::Break))?
+        .set("unreachable_waypoints", run.count(FaultKind::Unreachable))?
+        .set("blocked_waypoints", run.count(FaultKind::Blocked))?
+        .set("bounds_missed", run.count(FaultKind::Bounds))?
+        .set("slowed_motions", run.count(FaultKind::Slowed))?
+        .set("least_feed_share", run.least_feed)?
         .set("waypoint_error_mm", run.missed_mm)?
-        .set("collisions", run.collisions)?
-        .set("transfers", run.transfers.len())?
-        .set("without_transfer", run.without_transfer())?;
+        .set("collisions", run.count(FaultKind::Collision))?
+        .set("transfers", run.transfers)?
+        .set("without_transfer", run.count(FaultKind::NoTransfer))?;
     Ok(())
 }
 
-pub fn rows(run: &MotionRun, table: &mut Table) {
+pub fn rows(run: &Figures, table: &mut Table) {
     let times = &run.times;
-    let worst = run.worst.as_ref().map_or_else(String::new, |worst| format!(", mostly {worst}"));
+    let worst = run.worst().map_or_else(String::new, |worst| format!(", mostly {worst}"));
+    let count = |kind| run.count(kind);
+    let factor = run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE);
+    let reach = format!("{} waypoints, {} more blocked", count(FaultKind::Unreachable), count(FaultKind::Blocked));
+    let slowed = format!("{} slowed, to {:.0} % at least", count(FaultKind::Slowed), 100.0 * run.least_feed);
+    let slow = format!("{} breaks, {} motions, {slowed}", count(FaultKind::Break), count(FaultKind::Bounds));
     table
-        .row(["robot moves".to_owned(), format!("{:.1} min in {} motions", run.robot_s() / 60.0, run.runs.len())])
+        .row(["robot moves".to_owned(), format!("{:.1} min in {} motions", run.robot_s() / 60.0, run.motions)])
         .row(["planned in".to_owned(), seconds(times.plan)])
         .row(["checked in".to_owned(), seconds(times.check)])
         .row(["transfers in".to_owned(), seconds(times.transfers)])
-        .row(["planning to moving".to_owned(), format!("{:.4}", run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE))])
-        .row(["out of reach".to_owned(), format!("{} waypoints, {} more blocked", run.unreachable, run.blocked)])
-        .row(["too fast for the arm".to_owned(), format!("{} breaks, {} motions", run.breaks, run.bounds_missed)])
-        .row(["collisions".to_owned(), format!("{}{worst}", run.collisions)])
-        .row(["transfers".to_owned(), format!("{}, {} not found", run.transfers.len(), run.without_transfer())]);
+        .row(["planning to moving".to_owned(), format!("{factor:.4}")])
+        .row(["out of reach".to_owned(), reach])
+        .row(["too fast for the arm".to_owned(), slow])
+        .row(["collisions".to_owned(), format!("{}{worst}", count(FaultKind::Collision))])
+        .row(["transfers".to_owned(), format!("{}, {} not found", run.transfers, count(FaultKind::NoTransfer))]);
 }
 
-pub fn report(surfaces: &SurfacesRun, run: &MotionRun, report: &mut Report) -> Result<(), Failure> {
+pub fn report<const N: usize, const F: usize, R: Printer<N, F>>(
+    surfaces: &SurfacesRun,
+    run: &MotionRun<N, F, R>,
+    report: &mut Report,
+) {
     let shown = (0..MOMENTS).filter_map(|moment| {
         let at = (2 * moment + 1) * run.runs.len() / (2 * MOMENTS);
-        run.runs.get(at).map(|_| moment_of(surfaces, run, at))
+        run.runs.get(at).and_then(|motion| moment_of(surfaces, run, motion))
     });
-    let pictures = shown.collect::<Result<Vec<Picture>, Failure>>()?;
-    report.heading("The robot, which holds the part under a standing nozzle").pictures(&borrowed(&pictures));
-    Ok(())
+    let pictures: Vec<Picture> = shown.collect();
+    let mut plot = Plot::new("layer", "planning time / robot time");
+    let mut line = |name: &str, colour: [u8; 3], part: fn(&Times) -> Duration| {
+        let moving = run.figures.layers.iter().filter(|layer| layer.robot_s > 0.0);
+        plot.line(name, colour, moving.map(|layer| [f64::from(layer.layer + 1), layer.factor(part)]));
+    };
+    let [motions, checks, transfers] = PARTS;
+    line("motions", motions, |times| times.plan);
+    line("checks", checks, |times| times.check);
+    line("transfers", transfers, |times| times.transfers);
+    report
+        .heading(&format!("The robot: {}", R::NAME))
+        .pictures(&borrowed(&pictures))
+        .plot("how long one thread plans a layer, by how long the robot moves for it", &plot);
 }
 
 /// The robot in the middle of a run, with the surfaces up to its own.
-fn moment_of(surfaces: &SurfacesRun, run: &MotionRun, at: usize) -> Result<Picture, Failure> {
-    let motion = &run.runs[at];
-    let robot = PartInHand::new(Vec::new()).map_err(failure)?;
-    let (cell, joints) = (robot.cell(), motion.trajectory.at_waypoints());
-    let frames = cell.arm().frames(&joints[joints.len() / 2]);
-    let shift = Isometry3::from(Translation3::new(-run.shift.x, -run.shift.y, 0.0));
-    let base_part = frames[6] * cell.held() * shift;
+fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
+    surfaces: &SurfacesRun,
+    run: &MotionRun<N, F, R>,
+    motion: &Run<N, F>,
+) -> Option<Picture> {
+    let joints = motion.trajectory.at_waypoints();
+    let stance = run.robot.stance(&joints[joints.len() / 2])?;
+    let base_part = stance.part * Isometry3::from(Translation3::new(-run.shift.x, -run.shift.y, 0.0));
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));
-    for ends in frames.windows(2) {
+    for ends in stance.arm.windows(2) {
         let [a, b] = [0, 1].map(|k: usize| Point3::from(ends[k].translation.vector));
         scene.bar(a, b, BONE, INK);
     }
-    let flange = Point3::from(frames[6].translation.vector);
-    scene.bar(flange, frames[6] * cell.held() * Point3::origin(), BONE, PLATFORM);
+    let carrier = stance.carrier * Point3::origin();
+    let under = stance.part * Point3::new(0.0, 0.0, -PLATE);
+    if (under - carrier).norm() > BONE {
+        scene.bar(carrier, under, BONE, PLATFORM);
+    }
+    let across = Vector3::new(3.0 * BONE, 0.0, 0.0);
+    for turn in [0.0, std::f64::consts::FRAC_PI_2] {
+        let turned = stance.part * Isometry3::rotation(Vector3::z() * turn);
+        let [a, b] = [-1.0, 1.0].map(|side| turned * (Point3::new(0.0, 0.0, -PLATE) + across * side));
+        scene.bar(a, b, PLATE, PLATFORM);
+    }
     let layers = surfaces.sheets.len() as u32;
     for (number, sheet) in surfaces.sheets.iter().enumerate().take(motion.layer as usize + 1) {
         let corner = |corner: u32| base_part * sheet.vertices[corner as usize];
         let colour = layer_colour(number as u32 + 1, layers);
         scene.triangles(sheet.triangles.iter().map(|corners| (corners.map(corner), colour)));
     }
-    let nozzle = cell.other();
-    scene.bar(nozzle * Point3::origin(), nozzle * Point3::new(0.0, 0.0, 8.0), 2.5, INK);
-    scene.bar(nozzle * Point3::new(0.0, 0.0, 8.0), nozzle * Point3::new(0.0, 0.0, 60.0), 10.0, INK);
+    let above = |mm: f64| stance.nozzle * Point3::new(0.0, 0.0, mm);
+    scene.bar(above(0.0), above(8.0), 2.5, INK);
+    scene.bar(above(8.0), above(60.0), 10.0, INK);
     let [width, height] = PICTURE;
-    Ok((format!("layer {} of {layers}", motion.layer + 1), scene.draw(width, height).to_png()))
+    Some((format!("layer {} of {layers}", motion.layer + 1), scene.draw(width, height).to_png()))
 }

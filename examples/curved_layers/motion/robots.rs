@@ -1,0 +1,191 @@
+//! The two cells that can print: what the stage asks of them beyond what the planners of trajectories ask.
+//!
+//! C. Dai 2020, section 2.5: a UR3 that holds the part under a standing nozzle; an IRB 1200 that holds the nozzle over
+//! a table which carries the part, tilts and turns. Of the table the scene has the plate and a post down to the tilt
+//! axis: the makers' frame around it depends on the cell.
+
+use crate::failure;
+use curvlay_examples::args::Failure;
+use curvlay_examples::motion::{OverTable, PartInHand, Placed, eight, six_and_two};
+use curvlay_kinematics::program::{ConfData, Target};
+use curvlay_kinematics::scene::{Body, Mount, Posture, SceneModel, Shape, links};
+use curvlay_kinematics::{Cell, Waypoint, robots};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+/// The post under the table: its radius, and how far below the table's top it ends, in millimetres. The tilt axis is
+/// 105 mm below the top.
+const POST_RADIUS: f64 = 60.0;
+const POST_MM: f64 = 105.0;
+
+/// What screws the nozzle to the flange: its radius, and from where to where it reaches above the tip.
+const HOLDER_RADIUS: f64 = 25.0;
+const HOLDER: [f64; 2] = [60.0, 150.0];
+
+/// Where things are at a posture, in the base.
+pub struct Stance {
+    /// The frames of the arm, from the base to the flange.
+    pub arm: [Isometry3<f64>; 7],
+    /// What carries the part: the flange or the table.
+    pub carrier: Isometry3<f64>,
+    pub part: Isometry3<f64>,
+    pub nozzle: Isometry3<f64>,
+}
+
+/// A move of a program for controllers that take poses: where the tool is on the part, and the table.
+pub struct Placement {
+    pub target: Target,
+    pub table: Option<[f64; 2]>,
+    pub joints: [f64; 6],
+}
+
+/// A cell that prints.
+pub trait Printer<const N: usize, const F: usize>: Placed<N, F> {
+    /// What a report calls it.
+    const NAME: &'static str;
+
+    /// Samples of the free parameters at which a waypoint is tried, and of the ladder to begin with.
+    const SAMPLES: [u32; F];
+
+    /// How often the ladder may double them.
+    const DOUBLINGS: u32;
+
+    /// The cell without waypoints.
+    fn empty() -> Result<Self, Failure>;
+
+    /// Arm, links and whatever stands there besides nozzle, part and plate.
+    fn scene(&self) -> SceneModel;
+
+    /// What the nozzle is fixed to, and its frame there.
+    fn nozzle(&self) -> (Mount, Isometry3<f64>);
+
+    /// What the part is fixed to, and its frame there.
+    fn part_frame(&self) -> (Mount, Isometry3<f64>);
+
+    /// Joints as the scene takes them.
+    fn posture_of(joints: &[f64; N]) -> Posture;
+
+    /// Joints for a waypoint, its free parameters as they were, nearest to some that are known.
+    fn near(&self, waypoint: &Waypoint, free: &[f64; F], near: &[f64; N]) -> Option<[f64; N]>;
+
+    /// Where everything is; `None` with the table beyond its limits.
+    fn stance(&self, joints: &[f64; N]) -> Option<Stance>;
+
+    /// The same as a controller takes it.
+    fn placement(&self, joints: &[f64; N]) -> Option<Placement>;
+}
+
+/// The frames of a cell.
+fn stance_of(cell: &Cell, joints: &[f64; 6], part_in_hand: bool) -> Stance {
+    let arm = cell.arm().frames(joints);
+    let held = arm[6] * cell.held();
+    if part_in_hand {
+        return Stance { arm, carrier: arm[6], part: held, nozzle: cell.other() };
+    }
+    Stance { arm, carrier: cell.other(), part: cell.other(), nozzle: held }
+}
+
+/// The frame of a nozzle as a controller has it: z out of the tool, with the flow.
+pub fn out_of(nozzle: &Isometry3<f64>) -> Isometry3<f64> {
+    let flip = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    nozzle * Isometry3::from_parts(Translation3::identity(), flip)
+}
+
+fn placement_of(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> Placement {
+    let pose = out_of(&cell.nozzle_on_part(joints));
+    Placement { target: Target { pose, conf: ConfData::of(cell.arm(), joints) }, table, joints: *joints }
+}
+
+impl Printer<6, 1> for PartInHand {
+    const NAME: &'static str = "UR3 that holds the part under a standing nozzle";
+    const SAMPLES: [u32; 1] = [24];
+    const DOUBLINGS: u32 = 4;
+
+    fn empty() -> Result<Self, Failure> {
+        PartInHand::new(Vec::new()).map_err(failure)
+    }
+
+    fn scene(&self) -> SceneModel {
+        SceneModel { links: links(&robots::UR3), ..SceneModel::of(*self.cell().arm()) }
+    }
+
+    fn nozzle(&self) -> (Mount, Isometry3<f64>) {
+        (Mount::Base, self.cell().other())
+    }
+
+    fn part_frame(&self) -> (Mount, Isometry3<f64>) {
+        (Mount::Link(6), self.cell().held())
+    }
+
+    fn posture_of(joints: &[f64; 6]) -> Posture {
+        (*joints).into()
+    }
+
+    fn near(&self, waypoint: &Waypoint, free: &[f64; 1], near: &[f64; 6]) -> Option<[f64; 6]> {
+        self.cell().arm().continuing(&self.cell().flange(waypoint, free[0]), near)
+    }
+
+    fn stance(&self, joints: &[f64; 6]) -> Option<Stance> {
+        Some(stance_of(self.cell(), joints, true))
+    }
+
+    fn placement(&self, joints: &[f64; 6]) -> Option<Placement> {
+        Some(placement_of(self.cell(), joints, None))
+    }
+}
+
+impl Printer<8, 3> for OverTable {
+    const NAME: &'static str = "IRB 1200 over a table that tilts and turns";
+    const SAMPLES: [u32; 3] = [4, 5, 4];
+    const DOUBLINGS: u32 = 1;
+
+    fn empty() -> Result<Self, Failure> {
+        OverTable::new(Vec::new()).map_err(failure)
+    }
+
+    fn scene(&self) -> SceneModel {
+        let cell = self.cell();
+        let (link, flange_nozzle) = self.nozzle();
+        let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
+        let post = Shape::cylinder(POST_RADIUS, -POST_MM, -super::workcell::PLATE_MM);
+        let [low, high] = HOLDER;
+        let bodies = vec![
+            body("post", Mount::Table, Isometry3::identity(), post),
+            body("holder", link, flange_nozzle, Shape::cylinder(HOLDER_RADIUS, low, high)),
+        ];
+        let positioner = Some(*cell.positioner());
+        SceneModel { links: links(&robots::IRB1200), bodies, positioner, ..SceneModel::of(*cell.arm()) }
+    }
+
+    fn nozzle(&self) -> (Mount, Isometry3<f64>) {
+        // What the arm holds is the same wherever the table is; at zero it is within its limits.
+        let held = self.cell().at(&[0.0; 2]).map_or_else(Isometry3::identity, |cell| cell.held());
+        (Mount::Link(6), held)
+    }
+
+    fn part_frame(&self) -> (Mount, Isometry3<f64>) {
+        (Mount::Table, Isometry3::identity())
+    }
+
+    fn posture_of(joints: &[f64; 8]) -> Posture {
+        let (joints, table) = six_and_two(joints);
+        Posture { joints, table }
+    }
+
+    fn near(&self, waypoint: &Waypoint, free: &[f64; 3], near: &[f64; 8]) -> Option<[f64; 8]> {
+        // The table stays as it is, whole turns included.
+        let (arm, table) = six_and_two(near);
+        let cell = self.cell().at(&table)?;
+        Some(eight(&cell.arm().continuing(&cell.flange(waypoint, free[0]), &arm)?, table))
+    }
+
+    fn stance(&self, joints: &[f64; 8]) -> Option<Stance> {
+        let (arm, table) = six_and_two(joints);
+        Some(stance_of(&self.cell().at(&table)?, &arm, false))
+    }
+
+    fn placement(&self, joints: &[f64; 8]) -> Option<Placement> {
+        let (arm, table) = six_and_two(joints);
+        Some(placement_of(&self.cell().at(&table)?, &arm, Some(table)))
+    }
+}
