@@ -1,6 +1,6 @@
 //! Transfers of a UR5 with an extruder in a cluttered cell: a part of cells with towers, a post, a beam overhead, a shelf.
 //!
-//! * `transfer`: RRT-Connect, shortened and timed, each line proven free by a sweep of the scene.
+//! * `transfer`: RRT-Connect by postures, shortened and timed, each line of the way proven free by a sweep of the scene.
 //! * `baseline_rrt`: one tree from the start, a twentieth of its random postures being the goal (S. LaValle,
 //!   *Rapidly-exploring random trees*, 1998), with the same edges and checks, neither shortened nor timed.
 //!
@@ -9,10 +9,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
-use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, links};
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::Bounds;
-use curvlay_trajectory::transfer::{Planned, TransferOptions, plan_transfer};
+use curvlay_trajectory::transfer::{FreeSpace, Planned, TransferOptions, plan_transfer};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
@@ -55,17 +55,31 @@ fn scene() -> Scene {
     Scene::new(SceneModel { bodies, links: links(&robots::UR5), ..SceneModel::of(arm) }).expect("a sound scene")
 }
 
-/// Sweeps asked for: a cost that no other load on the machine changes.
-static SWEEPS: AtomicUsize = AtomicUsize::new(0);
+/// Checks asked for, of motions and of postures: a cost that no other load on the machine changes.
+static CHECKS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
-fn free(scene: &Scene, from: &[f64; 6], to: &[f64; 6]) -> bool {
-    SWEEPS.fetch_add(1, Ordering::Relaxed);
-    let (from, to) = (Posture::from(*from), Posture::from(*to));
-    scene.sweep(&from, &to, RESOLUTION).expect("angles") == Sweep::Free
+fn print_checks(whose: &str) {
+    let [motions, postures] = [0, 1].map(|k| CHECKS[k].swap(0, Ordering::Relaxed) / PAIRS);
+    eprintln!("{whose}: {motions} motions and {postures} postures checked a pair");
+}
+
+/// The scene as the planner sees it.
+struct Cell(Scene);
+
+impl FreeSpace<6> for Cell {
+    fn free(&self, from: &[f64; 6], to: &[f64; 6]) -> bool {
+        CHECKS[0].fetch_add(1, Ordering::Relaxed);
+        self.0.is_free(&(*from).into(), &(*to).into(), RESOLUTION).expect("angles")
+    }
+
+    fn posture_free(&self, joints: &[f64; 6]) -> bool {
+        CHECKS[1].fetch_add(1, Ordering::Relaxed);
+        self.0.touching(&(*joints).into()).expect("angles").is_none()
+    }
 }
 
 /// Free postures with the nozzle's tip low over the part and around it, pointing down.
-fn ends(scene: &Scene) -> Vec<([f64; 6], [f64; 6])> {
+fn ends(cell: &Cell) -> Vec<([f64; 6], [f64; 6])> {
     let mut random = Pcg64Mcg::seed_from_u64(17);
     let arm = Arm::new(&robots::UR5).expect("published numbers");
     let mut posture = || loop {
@@ -79,14 +93,14 @@ fn ends(scene: &Scene) -> Vec<([f64; 6], [f64; 6])> {
             continue;
         }
         let joints = all[random.random_range(0..all.len())];
-        if scene.touching(&joints.into()).expect("angles").is_none() {
+        if cell.posture_free(&joints) {
             break joints;
         }
     };
     let mut pairs = vec![];
     while pairs.len() < PAIRS {
         let (from, to) = (posture(), posture());
-        if !free(scene, &from, &to) {
+        if !cell.free(&from, &to) {
             pairs.push((from, to));
         }
     }
@@ -97,14 +111,13 @@ fn bounds() -> Bounds<6> {
     Bounds { lower: [-2.0 * PI; 6], upper: [2.0 * PI; 6], velocity: [PI; 6], acceleration: [8.0; 6], jerk: [80.0; 6] }
 }
 
-fn ours(scene: &Scene, (from, to): &([f64; 6], [f64; 6]), shortcuts: usize) -> Planned<6> {
-    let check = |a: &[f64; 6], b: &[f64; 6]| free(scene, a, b);
+fn ours(cell: &Cell, (from, to): &([f64; 6], [f64; 6]), shortcuts: usize) -> Planned<6> {
     let options = TransferOptions { shortcuts, iterations: 5000, ..TransferOptions::default() };
-    plan_transfer("", from, to, &bounds(), &check, &options).expect("sound ends and bounds")
+    plan_transfer("", from, to, &bounds(), cell, &options).expect("sound ends and bounds")
 }
 
 /// One tree; the number of its postures when the goal was reached.
-fn plain_rrt(scene: &Scene, (from, to): &([f64; 6], [f64; 6])) -> Option<usize> {
+fn plain_rrt(cell: &Cell, (from, to): &([f64; 6], [f64; 6])) -> Option<usize> {
     let mut random = Pcg64Mcg::seed_from_u64(1);
     let options = TransferOptions::default();
     let mut nodes = vec![*from];
@@ -120,10 +133,10 @@ fn plain_rrt(scene: &Scene, (from, to): &([f64; 6], [f64; 6])) -> Option<usize> 
         let near = *nodes.iter().min_by(|a, b| square(a).total_cmp(&square(b)))?;
         let share = (options.step / square(&near).sqrt()).min(1.0);
         let next: [f64; 6] = std::array::from_fn(|j| near[j] + (drawn[j] - near[j]) * share);
-        if free(scene, &near, &next) {
+        if cell.free(&near, &next) {
             nodes.push(next);
             let left = next.iter().zip(to).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
-            if left < options.step && free(scene, &next, to) {
+            if left < options.step && cell.free(&next, to) {
                 return Some(nodes.len());
             }
         }
@@ -143,15 +156,14 @@ fn times<T>(pairs: &[([f64; 6], [f64; 6])], mut run: impl FnMut(&([f64; 6], [f64
 }
 
 fn bench(c: &mut Criterion) {
-    let scene = scene();
-    let pairs = ends(&scene);
+    let cell = Cell(scene());
+    let pairs = ends(&cell);
     for shortcuts in [0, TransferOptions::default().shortcuts] {
-        SWEEPS.store(0, Ordering::Relaxed);
-        let (times, results) = times(&pairs, |pair| ours(&scene, pair, shortcuts));
-        eprintln!("{} sweeps a transfer", SWEEPS.load(Ordering::Relaxed) / PAIRS);
+        let (times, results) = times(&pairs, |pair| ours(&cell, pair, shortcuts));
+        print_checks("transfer");
         let found: Vec<_> = results.into_iter().filter_map(Planned::found).collect();
         for transfer in &found {
-            assert!(transfer.corners().windows(2).all(|line| free(&scene, &line[0], &line[1])));
+            assert!(transfer.corners().windows(2).all(|line| cell.free(&line[0], &line[1])));
         }
         let mut seconds: Vec<f64> = found.iter().map(|transfer| transfer.duration()).collect();
         seconds.sort_by(f64::total_cmp);
@@ -163,9 +175,9 @@ fn bench(c: &mut Criterion) {
             seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
         );
     }
-    SWEEPS.store(0, Ordering::Relaxed);
-    let (times, results) = times(&pairs, |pair| plain_rrt(&scene, pair));
-    eprintln!("{} sweeps a baseline", SWEEPS.load(Ordering::Relaxed) / PAIRS);
+    print_checks("proofs and ends");
+    let (times, results) = times(&pairs, |pair| plain_rrt(&cell, pair));
+    print_checks("baseline");
     let (median, most) = (1e3 * times[PAIRS / 2], 1e3 * times[PAIRS * 9 / 10]);
     let found = results.iter().flatten().count();
     eprintln!("baseline_rrt: median {median:.1} ms, nine of ten {most:.1} ms; {found} of {PAIRS} found");
@@ -174,7 +186,7 @@ fn bench(c: &mut Criterion) {
     group.sample_size(10);
     let shortcuts = TransferOptions::default().shortcuts;
     group.bench_function("ten_pairs", |b| {
-        b.iter(|| pairs[..10].iter().filter_map(|p| ours(&scene, p, shortcuts).found()).count())
+        b.iter(|| pairs[..10].iter().filter_map(|p| ours(&cell, p, shortcuts).found()).count())
     });
     group.finish();
 }

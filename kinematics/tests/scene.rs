@@ -222,6 +222,8 @@ proptest! {
                     free_until
                 }
             };
+            // Yes or no comes by another order of questions, from the same proof.
+            prop_assert_eq!(made.scene.is_free(&from, &to, resolution).unwrap(), free_until >= 1.0);
             for k in 0..=SAMPLES {
                 let t = k as f64 / SAMPLES as f64;
                 prop_assert!(t >= free_until || made.scene.touching(&at(t)).unwrap().is_none(), "{t} {free_until}");
@@ -503,5 +505,6 @@ fn bad_input_is_named() {
     assert!(error.to_string().starts_with("axis of the table 2 turns by 200"), "{error}");
     for bad in [0.0, -1.0, f64::NAN, 1e-5, 1e7] {
         assert!(matches!(scene.sweep(&good, &good, bad), Err(SweepError::Resolution { .. })));
+        assert!(matches!(scene.is_free(&good, &good, bad), Err(SweepError::Resolution { .. })));
     }
 }

@@ -269,6 +269,24 @@ fn a_motion_of_several_lines_rests_at_its_end() {
     }
 }
 
+/// Walls that no posture is in: only proofs see them. Postures let the trees through, and what is behind is cut off.
+#[test]
+fn walls_without_thickness_are_kept_clear_of() {
+    let crosses = |a: &[f64; 2], b: &[f64; 2], x: f64, open: [f64; 2]| {
+        let crossing = a[1] + (b[1] - a[1]) * ((x - a[0]) / (b[0] - a[0]));
+        (a[0] - x) * (b[0] - x) < 0.0 && !(open[0]..=open[1]).contains(&crossing)
+    };
+    let free = |a: &[f64; 2], b: &[f64; 2]| !(crosses(a, b, -0.5, [0.6, 1.0]) || crosses(a, b, 0.5, [-1.0, -0.6]));
+    let square = Bounds { lower: [-1.0; 2], upper: [1.0; 2], ..bounds(1.0, 5.0, 50.0) };
+    for seed in 0..20 {
+        let options = TransferOptions { seed, step: 0.3, ..TransferOptions::default() };
+        let planned = plan_transfer("", &[-1.0, 0.0], &[1.0, 0.0], &square, &free, &options).unwrap();
+        let transfer = planned.found().unwrap();
+        let corners = transfer.corners();
+        assert!(corners.len() > 3 && corners.windows(2).all(|line| free(&line[0], &line[1])), "{corners:?}");
+    }
+}
+
 #[test]
 fn trivial_motions() {
     let free = |_: &[f64; 2], _: &[f64; 2]| true;
@@ -306,6 +324,9 @@ fn planning_errors() {
     );
     let still = TransferOptions { step: 0.0, ..options };
     assert_eq!(plan([0.0; 2], [0.0; 2], &sound, &still), TransferError::Option { what: "step", value: 0.0 });
+    let dense = TransferOptions { spacing: f64::NAN, ..options };
+    let error = plan([0.0; 2], [0.0; 2], &sound, &dense);
+    assert!(matches!(error, TransferError::Option { what: "spacing", .. }));
     let far = TransferOptions { reach: f64::INFINITY, ..options };
     assert_eq!(plan([0.0; 2], [0.0; 2], &sound, &far), TransferError::Option { what: "reach", value: f64::INFINITY });
     let corners = vec![[0.0; 2], [0.0, f64::INFINITY]];

@@ -36,6 +36,11 @@ impl Line {
         self.point(self.height(point))
     }
 
+    /// In the base, of a line in a frame.
+    pub fn placed(&self, frame: &Isometry3<f64>) -> Line {
+        Line { at: frame * self.at, along: frame * self.along }
+    }
+
     fn seen_from(&self, frame: &Isometry3<f64>) -> Line {
         let inverse = frame.inverse();
         Line { at: inverse * self.at, along: inverse * self.along }
@@ -86,6 +91,11 @@ impl Chain {
             off: axes[k - 1].distance(&anchors[k]),
         };
         Chain { joints: (1..frames.len()).map(joint).collect() }
+    }
+
+    /// The axis of joint `k`, counted from 0, in frame `k`, where it stands still.
+    pub fn axis(&self, k: usize) -> &Line {
+        &self.joints[k].axis[0]
     }
 
     /// How far points of frame `j > 0` can ever be from each of the axes `1..=j`. `farthest` gives the greatest value

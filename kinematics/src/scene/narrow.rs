@@ -2,7 +2,7 @@
 //!
 //! E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the distance between complex objects in
 //! three-dimensional space", IEEE J. Robotics and Automation 4(2), 1988, as parry implements it. The iteration may
-//! end early or stall, so its word is not taken: "apart" is said only when all points of one body lie beyond all
+//! end early or stall (two segments need none), so its word is not taken: "apart" is said only when all points of one body lie beyond all
 //! points of the other along one direction, which is checked from the points. That check is the proof; the iteration
 //! merely finds the direction.
 
@@ -55,16 +55,40 @@ fn run(a: &[Point3<f64>], b: &[Point3<f64>], enough: f64) -> GJKResult {
     closest_points(&Pose::IDENTITY, &a, &b, enough, true, &mut simplex)
 }
 
+/// Segments that include a sine whose square is below this are left to the iteration: what is nearest rounds away.
+const PARALLEL: f64 = 1e-9;
+
+/// From the nearest point of one segment to that of another: C. Ericson, *Real-Time Collision Detection*, 2005, section
+/// 5.1.9. Capsules against each other are most of the pairs of an arm, and need no iteration.
+fn between_segments([a, a_end]: [&Point3<f64>; 2], [b, b_end]: [&Point3<f64>; 2]) -> Option<Vector3<f64>> {
+    let (u, v, w) = (a_end - a, b_end - b, a - b);
+    let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
+    let (uw, vw) = (u.dot(&w), v.dot(&w));
+    let det = uu * vv - uv * uv;
+    if det <= PARALLEL * uu * vv {
+        return None;
+    }
+    let s = ((uv * vw - vv * uw) / det).clamp(0.0, 1.0);
+    let t = ((uv * s + vw) / vv).clamp(0.0, 1.0);
+    let s = ((uv * t - uw) / uu).clamp(0.0, 1.0);
+    Some(v * t - w - u * s)
+}
+
 /// Coordinates that come through poses are rounded by less than this, in millimetres.
 const ROUNDING: f64 = 1e-8;
 
 /// Whether the hulls of `a` and `b` are proven to be farther apart than `threshold`.
 pub(super) fn apart(a: &[Point3<f64>], b: &[Point3<f64>], threshold: f64) -> bool {
-    let direction = match run(a, b, threshold) {
-        GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => ours(direction),
-        GJKResult::ClosestPoints(p, q, _) => ours(q - p),
-        GJKResult::Intersection => return false,
+    let closed_form = match (a, b) {
+        ([a, a_end], [b, b_end]) => between_segments([a, a_end], [b, b_end]),
+        _ => None,
     };
+    let iterated = || match run(a, b, threshold) {
+        GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => Some(ours(direction)),
+        GJKResult::ClosestPoints(p, q, _) => Some(ours(q - p)),
+        GJKResult::Intersection => None,
+    };
+    let Some(direction) = closed_form.or_else(iterated) else { return false };
     direction.try_normalize(f64::MIN_POSITIVE).is_some_and(|direction| gap(a, b, &direction) > threshold + ROUNDING)
 }
 

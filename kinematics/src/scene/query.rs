@@ -1,6 +1,7 @@
 //! Boolean check and distance at one posture.
 
 use super::body::Mount;
+use super::chain::Line;
 use super::piece::Piece;
 use super::search::{Found, Meeting};
 use super::{Scene, chain};
@@ -70,6 +71,8 @@ pub(super) struct Poses {
     first: Vec<usize>,
     poses: Vec<Isometry3<f64>>,
     centers: Vec<Point3<f64>>,
+    /// Frames of the arm, base to flange, and of the table: the base, tilted, turned.
+    frames: ([Isometry3<f64>; 7], [Isometry3<f64>; 3]),
 }
 
 impl Scene {
@@ -115,20 +118,21 @@ impl Scene {
         let frames = self.arm.frames(&posture.joints);
         let [tilt, turn] = posture.table;
         let on_table = |joints| self.positioner.as_ref().map_or(Isometry3::identity(), |p| p.forward(joints));
-        let tables = [on_table(&[tilt, 0.0]), on_table(&[tilt, turn])];
+        let tables = [Isometry3::identity(), on_table(&[tilt, 0.0]), on_table(&[tilt, turn])];
         let count = self.bodies.len();
         let mut all = Poses {
             first: Vec::with_capacity(count),
             poses: Vec::with_capacity(count + 8),
             centers: Vec::with_capacity(count + 8),
+            frames: (frames, tables),
         };
         for placed in &self.bodies {
             all.first.push(all.poses.len());
             let frame = match placed.body.mount {
                 Mount::Base => &frames[0],
                 Mount::Link(link) => &frames[link],
-                Mount::Tilt => &tables[0],
-                Mount::Table => &tables[1],
+                Mount::Tilt => &tables[1],
+                Mount::Table => &tables[2],
             };
             for piece in &placed.pieces {
                 let pose = frame * piece.mount_piece;
@@ -137,6 +141,14 @@ impl Scene {
             }
         }
         all
+    }
+
+    /// Where the axis of joint `k` (counted from 0) of the arm or the table is.
+    pub(super) fn axis(&self, poses: &Poses, on_table: bool, k: usize) -> Line {
+        match (&self.table_chain, on_table) {
+            (Some(chain), true) => chain.axis(k).placed(&poses.frames.1[k]),
+            _ => self.arm_chain.axis(k).placed(&poses.frames.0[k]),
+        }
     }
 
     /// The pieces of two bodies, each with its place in the list.
@@ -171,6 +183,13 @@ impl Scene {
 }
 
 impl Poses {
+    /// No point of a body is farther from a line.
+    pub(super) fn farthest(&self, body: usize, pieces: &[Piece], line: &Line) -> f64 {
+        let centers = &self.centers[self.first[body]..];
+        let of = |(center, piece): (&Point3<f64>, &Piece)| line.distance(center) + piece.reach + piece.radius;
+        centers.iter().zip(pieces).map(of).fold(0.0, f64::max) + chain::ROUNDING
+    }
+
     /// A lower bound of the distance of two pieces, from the balls around them.
     fn gap_of_balls(&self, (i, a): (usize, &Piece), (j, b): (usize, &Piece)) -> f64 {
         let balls = a.reach + b.reach + a.radius + b.radius + chain::ROUNDING;

@@ -6,8 +6,10 @@
 //! to be free stays free, since the motion does not leave it; to round a corner would need another proof.
 //!
 //! What is free is the caller's to say: see [`FreeSpace`]. With a swept proof for each line the whole transfer is proven.
+//! Proofs are dear, postures cheap: the search goes by postures, and proves the lines of what it found.
 //! Nothing is searched without end: [`TransferOptions::iterations`] bounds it, and the same seed gives the same motion.
 
+mod checks;
 mod shorten;
 mod space;
 mod timing;
@@ -25,6 +27,9 @@ use crate::spline::State;
 pub struct TransferOptions {
     /// Longest edge of the trees, in radians. Longer ones cross open space in fewer checks, shorter ones pass narrow gaps.
     pub step: f64,
+    /// How far apart postures are that are tried along a line before it is proven, in radians. Finer ones find more of
+    /// what is in the way before a proof does; whether a motion is free does not depend on it.
+    pub spacing: f64,
     /// Random postures before giving up.
     pub iterations: usize,
     /// Attempts to make the way shorter.
@@ -37,9 +42,16 @@ pub struct TransferOptions {
 }
 
 impl Default for TransferOptions {
-    /// Edges of 0.5 rad, 5000 random postures, 100 attempts to shorten, half a turn beyond both ends.
+    /// Edges of 0.5 rad, postures 0.1 rad apart, 5000 random postures, 100 attempts to shorten, half a turn beyond both ends.
     fn default() -> Self {
-        TransferOptions { step: 0.5, iterations: 5000, shortcuts: 100, reach: std::f64::consts::PI, seed: 1 }
+        TransferOptions {
+            step: 0.5,
+            spacing: 0.1,
+            iterations: 5000,
+            shortcuts: 100,
+            reach: std::f64::consts::PI,
+            seed: 1,
+        }
     }
 }
 
@@ -274,8 +286,9 @@ fn check_bounds<const N: usize>(bounds: &Bounds<N>) -> Result<(), TransferError>
 /// that no way is found, is a result: [`Planned`].
 ///
 /// # Cost
-/// Checks of `space` take nearly all the time: one where the straight line is free, else some tens to thousands, at most
-/// a few for each of [`TransferOptions::iterations`] and [`TransferOptions::shortcuts`]. Deterministic.
+/// Checks of `space` take nearly all the time: one line where the straight one is free, else hundreds to thousands of
+/// postures, and a proof of each line that comes to be part of the way, some tens. At most a few of them for each of
+/// [`TransferOptions::iterations`] and [`TransferOptions::shortcuts`]. Deterministic.
 ///
 /// # Example
 /// ```
@@ -301,7 +314,7 @@ pub fn plan_transfer<const N: usize>(
     space: &(impl FreeSpace<N> + ?Sized),
     options: &TransferOptions,
 ) -> Result<Planned<N>, TransferError> {
-    for (what, value) in [("step", options.step), ("reach", options.reach)] {
+    for (what, value) in [("step", options.step), ("spacing", options.spacing), ("reach", options.reach)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(TransferError::Option { what, value });
         }
@@ -327,12 +340,13 @@ pub fn plan_transfer<const N: usize>(
         longest: options.step,
         iterations: options.iterations,
     };
-    match tree::connect(from, to, space, &search, &mut random) {
+    let mut checks = checks::Checks::new(space, options.spacing);
+    match tree::connect(from, to, &mut checks, &search, &mut random) {
         tree::Way::None { iterations, trees } => {
             Ok(Planned::NoPath { name: name.into(), from: *from, to: *to, iterations, reached: trees })
         }
-        tree::Way::Found { mut path, iterations } => {
-            shorten::shorten(&mut path, bounds, space, options.shortcuts, &mut random);
+        tree::Way::Found { path, iterations } => {
+            let path = shorten::shorten(path, bounds, &mut checks, options.shortcuts, &mut random);
             Ok(Planned::Found(Transfer { iterations, ..Transfer::through(path, bounds)? }))
         }
     }

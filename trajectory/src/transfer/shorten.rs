@@ -3,47 +3,93 @@
 //! R. Geraerts, M. Overmars, *Creating high-quality paths for motion planning*, IJRR 26(8), 2007, but measured in seconds:
 //! the motion rests at each corner, so a corner less is often worth more than a shorter line.
 
+use super::checks::Checks;
 use super::curve;
 use super::space::FreeSpace;
 use super::tree::square;
 use crate::bounds::Bounds;
 use crate::random::Random;
 
-pub(super) fn shorten<const N: usize>(
-    path: &mut Vec<[f64; N]>,
+/// After so many attempts lines that only seem free are proven. Fewer prove lines that are soon gone again; with more of
+/// them one line that is blocked takes more of what was gained after it.
+const UNPROVEN: usize = 50;
+
+/// A way that becomes shorter: what is proven, and what came of it since.
+struct Shortened<const N: usize> {
+    /// The first is proven, each of the others takes less time than the one before.
+    versions: Vec<Vec<[f64; N]>>,
+}
+
+impl<const N: usize> Shortened<N> {
+    fn last(&self) -> &[[f64; N]] {
+        self.versions.last().map_or(&[], Vec::as_slice)
+    }
+
+    /// Back to the last version that is proven to be free.
+    fn prove<S: FreeSpace<N> + ?Sized>(&mut self, checks: &mut Checks<N, S>) {
+        while self.versions.len() > 1 && checks.first_blocked(self.last()).is_some() {
+            self.versions.pop();
+        }
+        self.versions.drain(..self.versions.len() - 1);
+    }
+
+    fn replace(&mut self, first: usize, last: usize, corners: &[[f64; N]]) {
+        let mut new = self.last().to_vec();
+        new.splice(first + 1..last, corners.iter().copied());
+        self.versions.push(new);
+    }
+
+    /// From each corner straight to the last one that can be reached.
+    fn skip<S: FreeSpace<N> + ?Sized>(&mut self, checks: &Checks<N, S>) {
+        let mut at = 0;
+        while at + 2 < self.last().len() {
+            let path = self.last();
+            let reached = (at + 2..path.len()).rev().find(|&last| checks.seems_free(&path[at], &path[last]));
+            if let Some(last) = reached {
+                self.replace(at, last, &[]);
+            }
+            at += 1;
+        }
+    }
+}
+
+/// A way between the same ends that takes no longer. Each line of `path` is proven, and each line of the result.
+pub(super) fn shorten<const N: usize, S: FreeSpace<N> + ?Sized>(
+    path: Vec<[f64; N]>,
     bounds: &Bounds<N>,
-    space: &(impl FreeSpace<N> + ?Sized),
+    checks: &mut Checks<N, S>,
     attempts: usize,
     random: &mut Random,
-) {
-    if path.len() < 3 {
-        return;
-    }
-    skip(path, space);
-    for _ in 0..attempts {
+) -> Vec<[f64; N]> {
+    let mut way = Shortened { versions: vec![path] };
+    way.skip(checks);
+    way.prove(checks);
+    for attempt in 1..=attempts {
+        let path = way.last();
         if path.len() < 3 {
-            return;
+            break;
         }
         // A corner is moved, or cut off between two points of the lines that meet there or farther away.
         let moved = if random.unit() < 0.5 { move_corner(path, random) } else { cut(path, random) };
-        let Some(Change { first, last, corners }) = moved else { continue };
-        let within = |corner: &[f64; N]| (0..N).all(|j| (bounds.lower[j]..=bounds.upper[j]).contains(&corner[j]));
-        if !corners.iter().all(within) {
-            continue;
+        if let Some(Change { first, last, corners }) = moved {
+            let within = |corner: &[f64; N]| (0..N).all(|j| (bounds.lower[j]..=bounds.upper[j]).contains(&corner[j]));
+            let new: Vec<[f64; N]> =
+                path[first..=first].iter().chain(&corners).chain(&path[last..=last]).copied().collect();
+            if corners.iter().all(within)
+                && seconds(&new, bounds) < seconds(&path[first..=last], bounds)
+                && corners.iter().all(|corner| checks.posture(corner))
+                && new.windows(2).all(|ends| checks.seems_free(&ends[0], &ends[1]))
+            {
+                way.replace(first, last, &corners);
+            }
         }
-        let mut new = vec![path[first]];
-        new.extend(&corners);
-        new.push(path[last]);
-        if seconds(&new, bounds) >= seconds(&path[first..=last], bounds) {
-            continue;
-        }
-        if corners.iter().all(|corner| space.posture_free(corner))
-            && new.windows(2).all(|ends| space.free(&ends[0], &ends[1]))
-        {
-            path.splice(first + 1..last, corners);
+        if attempt % UNPROVEN == 0 {
+            way.prove(checks);
         }
     }
-    skip(path, space);
+    way.skip(checks);
+    way.prove(checks);
+    way.versions.swap_remove(0)
 }
 
 /// Between two corners that stay, new ones.
@@ -51,18 +97,6 @@ struct Change<const N: usize> {
     first: usize,
     last: usize,
     corners: Vec<[f64; N]>,
-}
-
-/// From each corner straight to the last one that can be reached.
-fn skip<const N: usize>(path: &mut Vec<[f64; N]>, space: &(impl FreeSpace<N> + ?Sized)) {
-    let mut at = 0;
-    while at + 2 < path.len() {
-        let reached = (at + 2..path.len()).rev().find(|&last| space.free(&path[at], &path[last]));
-        if let Some(last) = reached {
-            path.drain(at + 1..last);
-        }
-        at += 1;
-    }
 }
 
 fn move_corner<const N: usize>(path: &[[f64; N]], random: &mut Random) -> Option<Change<N>> {

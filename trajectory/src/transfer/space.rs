@@ -7,7 +7,8 @@ pub trait FreeSpace<const N: usize>: Sync {
     /// Whether the straight motion in joint space from one posture to another is free, ends included.
     fn free(&self, from: &[f64; N], to: &[f64; N]) -> bool;
 
-    /// Whether a posture is free: asked before the motion to it, because in clutter it often settles the matter.
+    /// Whether a posture is free: asked along a line before the line is, because in clutter it often settles the matter.
+    /// The search goes by it, so it should be cheap; that it is free proves nothing for the motion.
     fn posture_free(&self, joints: &[f64; N]) -> bool {
         self.free(joints, joints)
     }

@@ -2,18 +2,30 @@
 //!
 //! J. Kuffner, S. LaValle, *RRT-Connect: an efficient approach to single-query path planning*, ICRA 2000. One tree takes
 //! a step towards a random posture; the other then goes as far towards the new node as is free; then they change parts.
+//!
+//! Departs from it: edges are guessed to be free (see `checks`). Where the trees meet, the edges of the way are proven;
+//! one that is not free is cut off with all behind it, and the trees grow on.
 
+use super::checks::Checks;
 use super::space::FreeSpace;
 use crate::random::Random;
 
 /// A way between two postures, or why there is none.
 pub(super) enum Way<const N: usize> {
-    Found { path: Vec<[f64; N]>, iterations: usize },
-    None { iterations: usize, trees: [usize; 2] },
+    /// Each line of it is proven.
+    Found {
+        path: Vec<[f64; N]>,
+        iterations: usize,
+    },
+    None {
+        iterations: usize,
+        trees: [usize; 2],
+    },
 }
 
 struct Tree<const N: usize> {
     nodes: Vec<[f64; N]>,
+    /// Always before the node itself.
     parents: Vec<usize>,
 }
 
@@ -40,12 +52,18 @@ impl<const N: usize> Tree<N> {
     }
 
     /// One step from a node towards a posture.
-    fn step(&mut self, from: usize, to: &[f64; N], longest: f64, space: &(impl FreeSpace<N> + ?Sized)) -> Step {
+    fn step<S: FreeSpace<N> + ?Sized>(
+        &mut self,
+        from: usize,
+        to: &[f64; N],
+        longest: f64,
+        checks: &Checks<N, S>,
+    ) -> Step {
         let at = self.nodes[from];
         let length = square(&at, to).sqrt();
         let reached = length <= longest;
         let next = if reached { *to } else { std::array::from_fn(|j| at[j] + (to[j] - at[j]) * (longest / length)) };
-        if !(space.posture_free(&next) && space.free(&at, &next)) {
+        if !(checks.posture(&next) && checks.seems_free(&at, &next)) {
             return Step::Blocked;
         }
         self.nodes.push(next);
@@ -55,10 +73,15 @@ impl<const N: usize> Tree<N> {
     }
 
     /// As far towards a posture as is free; whether it was reached.
-    fn connect(&mut self, to: &[f64; N], longest: f64, space: &(impl FreeSpace<N> + ?Sized)) -> Option<usize> {
+    fn connect<S: FreeSpace<N> + ?Sized>(
+        &mut self,
+        to: &[f64; N],
+        longest: f64,
+        checks: &Checks<N, S>,
+    ) -> Option<usize> {
         let mut at = self.nearest(to);
         loop {
-            match self.step(at, to, longest, space) {
+            match self.step(at, to, longest, checks) {
                 Step::Blocked => return None,
                 Step::Taken(node) => at = node,
                 Step::Reached(node) => return Some(node),
@@ -67,13 +90,30 @@ impl<const N: usize> Tree<N> {
     }
 
     /// From a node back to the root.
-    fn back(&self, mut node: usize) -> Vec<[f64; N]> {
-        let mut path = vec![self.nodes[node]];
+    fn back(&self, mut node: usize) -> Vec<usize> {
+        let mut path = vec![node];
         while node > 0 {
             node = self.parents[node];
-            path.push(self.nodes[node]);
+            path.push(node);
         }
         path
+    }
+
+    /// Takes away a node that is not the root, and all behind it.
+    fn cut(&mut self, node: usize) {
+        // Where each node goes; none where it is gone.
+        let mut moved: Vec<Option<usize>> = (0..node).map(Some).collect();
+        let mut kept = node;
+        for k in node..self.nodes.len() {
+            let parent = if k == node { None } else { moved[self.parents[k]] };
+            moved.push(parent.map(|parent| {
+                (self.nodes[kept], self.parents[kept]) = (self.nodes[k], parent);
+                kept += 1;
+                kept - 1
+            }));
+        }
+        self.nodes.truncate(kept);
+        self.parents.truncate(kept);
     }
 }
 
@@ -85,14 +125,14 @@ pub(super) struct Search<const N: usize> {
     pub iterations: usize,
 }
 
-pub(super) fn connect<const N: usize>(
+pub(super) fn connect<const N: usize, S: FreeSpace<N> + ?Sized>(
     from: &[f64; N],
     to: &[f64; N],
-    space: &(impl FreeSpace<N> + ?Sized),
+    checks: &mut Checks<N, S>,
     search: &Search<N>,
     random: &mut Random,
 ) -> Way<N> {
-    if space.free(from, to) {
+    if checks.seems_free(from, to) && checks.free(from, to) {
         return Way::Found { path: vec![*from, *to], iterations: 0 };
     }
     let mut trees = [Tree::new(*from), Tree::new(*to)];
@@ -100,17 +140,23 @@ pub(super) fn connect<const N: usize>(
         let (growing, other) = if iteration % 2 == 1 { (0, 1) } else { (1, 0) };
         let drawn: [f64; N] = std::array::from_fn(|j| random.within(search.low[j], search.high[j]));
         let near = trees[growing].nearest(&drawn);
-        let (Step::Taken(node) | Step::Reached(node)) = trees[growing].step(near, &drawn, search.longest, space) else {
+        let (Step::Taken(node) | Step::Reached(node)) = trees[growing].step(near, &drawn, search.longest, checks)
+        else {
             continue;
         };
         let target = trees[growing].nodes[node];
-        if let Some(met) = trees[other].connect(&target, search.longest, space) {
-            let ends = if growing == 0 { [node, met] } else { [met, node] };
-            let mut path = trees[0].back(ends[0]);
-            path.reverse();
-            // The other tree ends in the same posture.
-            path.extend(trees[1].back(ends[1]).into_iter().skip(1));
-            return Way::Found { path, iterations: iteration };
+        let Some(met) = trees[other].connect(&target, search.longest, checks) else { continue };
+        let ends = if growing == 0 { [node, met] } else { [met, node] };
+        let [mut first, second] = [trees[0].back(ends[0]), trees[1].back(ends[1])];
+        first.reverse();
+        // The second tree ends in the same posture.
+        let ahead = second.iter().skip(1).map(|&node| trees[1].nodes[node]);
+        let path: Vec<[f64; N]> = first.iter().map(|&node| trees[0].nodes[node]).chain(ahead).collect();
+        let Some(line) = checks.first_blocked(&path) else { return Way::Found { path, iterations: iteration } };
+        // Of the two nodes of the line, the one away from the root of its tree.
+        match first.get(line + 1) {
+            Some(&node) => trees[0].cut(node),
+            None => trees[1].cut(second[line + 1 - first.len()]),
         }
     }
     let trees = trees.map(|tree| tree.nodes.len());
@@ -119,4 +165,26 @@ pub(super) fn connect<const N: usize>(
 
 pub(super) fn square<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0 - 1 - 2 - 4, 1 - 3, 0 - 5 - 6: without 1 only 0, 5 and 6 are left, without 2 all but 2 and 4.
+    #[test]
+    fn what_hangs_on_a_node_goes_with_it() {
+        let whole = || Tree {
+            nodes: [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|x| [x]).to_vec(),
+            parents: vec![0, 0, 1, 1, 2, 0, 5],
+        };
+        let cut = |node: usize| {
+            let mut tree = whole();
+            tree.cut(node);
+            (tree.nodes.concat(), tree.parents)
+        };
+        assert_eq!(cut(1), (vec![0.0, 5.0, 6.0], vec![0, 0, 1]));
+        assert_eq!(cut(2), (vec![0.0, 1.0, 3.0, 5.0, 6.0], vec![0, 0, 1, 0, 3]));
+        assert_eq!(cut(6), (vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], vec![0, 0, 1, 1, 2, 0]));
+    }
 }
