@@ -167,6 +167,7 @@ fn a_curve_fills_each_layer() {
     let figure = |key: &str| figures[key].as_f64().unwrap();
     assert_eq!((figure("bead_mm"), figure("curves"), figure("regions")), (0.5, 4.0, 4.0));
     assert_eq!((figure("jumps"), figure("self_crossings")), (3.0, 0.0));
+    assert!(figure("jump_mm") <= figure("unordered_jump_mm") && figure("blocked_travels") < 0.5);
     // 250 mm2 a layer.
     assert!((figure("path_mm") * 0.5 / 1000.0 - 1.0).abs() < 0.02, "{}", figure("path_mm"));
     assert!(figure("covered_fraction") > 0.97 && figure("spill_fraction") < 0.01);
@@ -197,6 +198,27 @@ fn a_curve_fills_each_layer() {
     assert_eq!(retracts, count("retractions"));
     let above = |step: &&gcode::Move| matches!(step, gcode::Move::Print { direction, .. } if direction.z > 1.0 - 1e-12);
     assert_eq!(moves.iter().filter(above).count(), beads.len());
+}
+
+/// The same tower in rows and in rings.
+#[test]
+fn other_patterns_fill_layers_too() {
+    let scratch = Scratch::new("patterns");
+    let mesh = scratch.path("frame.stl");
+    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [20.0, 14.0, 2.0]]])).unwrap();
+    for (pattern, curves) in [("zigzag", 2.0), ("rings", 28.0)] {
+        let out = scratch.path(pattern);
+        let args = ["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--pattern", pattern, "--quiet", "--out", &out];
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let figures = summary(&out);
+        let figure = |key: &str| figures[key].as_f64().unwrap();
+        assert_eq!(figures["pattern"], pattern);
+        assert_eq!((figure("curves"), figure("regions"), figure("self_crossings")), (curves, 2.0, 0.0), "{pattern}");
+        assert!(figure("covered_fraction") > 0.94 && figure("overlap_fraction") < 0.05, "{pattern}");
+        // 280 mm2 a layer.
+        assert!((figure("path_mm") * 0.5 / 560.0 - 1.0).abs() < 0.06, "{pattern} {}", figure("path_mm"));
+    }
 }
 
 /// A small block in the hand of a UR3: every waypoint is met, nothing touches, every layer is reached.

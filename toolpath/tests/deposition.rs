@@ -84,6 +84,13 @@ fn between_paths_it_retracts_hops_and_primes() {
     let plan = deposit(&[one.clone(), on], &options).unwrap();
     assert_eq!(kinds(&plan), [Travel, Travel, Print, Travel, Print]);
     assert!((plan.moves[3].seconds - 0.5).abs() < 1e-9 && plan.moves[3].feed >= options.travel_feed);
+    // The same within a path, with a bead around the tip and without any.
+    for (arc, feed) in [(2.3, 0.3 * 0.64 / (PI / 4.0 * 1.75 * 1.75) / 0.5), (2.0, options.most_feed)] {
+        let mut turning = one.clone();
+        turning.waypoints.push(Waypoint { direction: Vector3::x_axis(), arc, ..turning.waypoints[1] });
+        let plan = deposit(&[turning], &options).unwrap();
+        assert!((plan.moves[3].seconds - 0.5).abs() < 1e-9 && (plan.moves[3].feed - feed).abs() < 1e-9, "{plan:?}");
+    }
     let plain = DepositionOptions { retraction: 0.0, hop: 0.0, ..options };
     assert_eq!(kinds(&deposit(&[one, other], &plain).unwrap()), [Travel, Print, Travel, Print]);
 }

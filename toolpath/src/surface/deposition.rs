@@ -22,6 +22,9 @@ use std::f64::consts::PI;
 /// Paths whose ends are nearer than this, in millimetres, join: no travel in between.
 const JOINED: f64 = 1e-6;
 
+/// Tips slower than this, in millimetres a second, stand still: machine files have no lower speed.
+const SLOWEST: f64 = 1e-3;
+
 /// How material is laid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepositionOptions {
@@ -94,8 +97,8 @@ pub struct Move {
     pub direction: UnitVector3<f64>,
     /// Filament pushed forward, in millimetres; below 0 for a retraction.
     pub filament: f64,
-    /// Speed in millimetres a second: of the tip (the greatest for a turn on the spot); of the filament for retractions
-    /// and primes.
+    /// Speed in millimetres a second: of the tip; of the filament for retractions, primes and beads laid while the tip
+    /// stands still. A turn on the spot that lays nothing has the greatest speed of its kind.
     pub feed: f64,
     /// How long it takes.
     pub seconds: f64,
@@ -230,7 +233,7 @@ impl Planner<'_> {
         let (length, turn) = self.at.map_or((0.0, 0.0), |(from, old)| ((tip - from).norm(), angle(&old, &direction)));
         let seconds = (length / self.options.travel_feed).max(turn / self.options.most_turn_rate);
         // A turn on the spot has no speed.
-        let feed = if length > JOINED { length / seconds } else { self.options.travel_feed };
+        let feed = if length > SLOWEST * seconds { length / seconds } else { self.options.travel_feed };
         self.plan.moves.push(Move { kind, path, waypoint, tip, direction, filament: 0.0, feed, seconds });
         self.plan.travel_mm += length;
         self.plan.total_s += seconds;
@@ -296,7 +299,14 @@ impl Planner<'_> {
             tip: to.tip,
             direction: to.direction,
             filament: volume / area,
-            feed: if seconds > 0.0 { length / seconds } else { self.options.most_feed },
+            // Where the tip stands and only turns it is the filament that has a speed.
+            feed: if length > SLOWEST * seconds {
+                length / seconds
+            } else if volume > area * SLOWEST * seconds {
+                volume / area / seconds
+            } else {
+                self.options.most_feed
+            },
             seconds,
         });
         plan.bead_mm += to.arc - from.arc;

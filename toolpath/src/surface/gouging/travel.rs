@@ -136,7 +136,7 @@ impl LayerStack<'_> {
     /// [`GougingError`].
     ///
     /// # Cost
-    /// Some tenths of a millisecond for a travel on the layers of a real part. With the feature `rayon` they are shared
+    /// One to three milliseconds for a travel on the layers of a real part. With the feature `rayon` they are shared
     /// out among threads; the result is the same.
     ///
     /// # Example

@@ -2,7 +2,8 @@
 //!
 //! The plane holds the longest axis of the part and stands upright on it: its normal is the middle one of the principal
 //! axes. It passes between vertices near the centre of the part, never through one, so that each triangle is either whole or
-//! cut in three, and what is above it and what is below is decided once for each vertex.
+//! cut in three, and what is above it and what is below is decided once for each vertex. Of such places the widest gap
+//! between vertices counts at which no triangle becomes a sliver.
 
 use crate::surface::mesh::{NONE, SurfaceMesh, next, previous};
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -10,6 +11,12 @@ use nalgebra::{Matrix3, Point3, Vector3};
 /// How far from the centre the plane may be, as a share of the extent across it. More room finds a wider gap between
 /// vertices, with fewer slivers along the cut.
 const AROUND: f64 = 0.1;
+
+/// Gaps between vertices that are tried.
+const GAPS: usize = 12;
+
+/// Pieces lower than this share of their longest side are slivers: well above what a mesh refuses.
+const SLIVER: f64 = 1e-9;
 
 /// A mesh whose triangles are all on one side of the plane of their part.
 pub(super) struct Cut {
@@ -24,22 +31,52 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    pub fn new(mesh: &SurfaceMesh) -> Cut {
+    /// Cuts the parts for which `wanted` holds.
+    pub fn new(mesh: &SurfaceMesh, wanted: impl Fn(u32) -> bool) -> Cut {
         let parts = mesh.regions();
         let mut of_part: Vec<Vec<u32>> = vec![Vec::new(); parts.count];
         (0..).zip(&parts.of_triangle).for_each(|(triangle, &part)| of_part[part as usize].push(triangle));
         let mut heights = vec![1.0; mesh.vertices().len()];
-        for triangles in &of_part {
-            let normal = across(mesh, triangles);
+        for triangles in of_part.iter().filter(|triangles| triangles.iter().any(|&triangle| wanted(triangle))) {
+            let (normal, centre) = across(mesh, triangles);
             let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| mesh.triangles()[t as usize]).collect();
             vertices.sort_unstable();
             vertices.dedup();
-            let height = |v: u32| mesh.vertices()[v as usize].coords.dot(&normal.0);
-            let offset = gap(vertices.iter().map(|&v| height(v)).collect(), normal.1);
-            vertices.iter().for_each(|&v| heights[v as usize] = height(v) - offset);
+            let height = |v: u32| mesh.vertices()[v as usize].coords.dot(&normal);
+            let gaps = gaps(vertices.iter().map(|&v| height(v)).collect(), centre);
+            let is_sound = |offset: &&f64| triangles.iter().all(|&t| is_cut_well(mesh, t, |v| height(v) - **offset));
+            // If none is, the mesh will say which triangle is in the way.
+            let offset = gaps.iter().find(is_sound).or(gaps.first());
+            if let Some(offset) = offset {
+                vertices.iter().for_each(|&v| heights[v as usize] = height(v) - offset);
+            }
         }
         cut(mesh, &heights)
     }
+}
+
+/// Whether the pieces of a triangle are no slivers, or it stays whole.
+fn is_cut_well(mesh: &SurfaceMesh, triangle: u32, height: impl Fn(u32) -> f64) -> bool {
+    let Some(h) = alone(mesh, triangle, |v| height(v) > 0.0) else {
+        return true;
+    };
+    let [a, b, c] = [h, next(h), previous(h)].map(|h| mesh.tail(h));
+    let at = |v: u32| mesh.vertices()[v as usize];
+    let on = |v: u32| at(a) + (at(v) - at(a)) * (height(a) / (height(a) - height(v)));
+    let (p, q) = (on(b), on(c));
+    let shape = |[a, b, c]: [Point3<f64>; 3]| {
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        (b - a).cross(&(c - a)).norm() / longest
+    };
+    [[at(a), p, q], [p, at(b), at(c)], [p, at(c), q]].into_iter().all(|piece| shape(piece) > SLIVER)
+}
+
+/// The half-edge out of the corner of a triangle that is alone on its side; none if all are on the same.
+fn alone(mesh: &SurfaceMesh, triangle: u32, above: impl Fn(u32) -> bool) -> Option<u32> {
+    (3 * triangle..3 * triangle + 3).find(|&h| {
+        let [own, after, before] = [h, next(h), previous(h)].map(|h| above(mesh.tail(h)));
+        own != after && own != before
+    })
 }
 
 /// The middle principal axis of a part, and where its centre lies along it.
@@ -67,22 +104,19 @@ fn across(mesh: &SurfaceMesh, triangles: &[u32]) -> (Vector3<f64>, f64) {
     (normal, centre.dot(&normal))
 }
 
-/// The middle of the widest gap between neighbouring heights near a wanted one, or anywhere if there is none near.
-fn gap(mut heights: Vec<f64>, wanted: f64) -> f64 {
+/// The middles of the widest gaps between neighbouring heights: those near a wanted one first, then anywhere.
+fn gaps(mut heights: Vec<f64>, wanted: f64) -> Vec<f64> {
     heights.sort_by(f64::total_cmp);
     let room = AROUND * (heights[heights.len() - 1] - heights[0]);
-    let widest = |near: bool| {
-        let mut best: Option<(f64, f64)> = None;
-        for pair in heights.windows(2) {
-            let (wide, middle) = (pair[1] - pair[0], (pair[0] + pair[1]) / 2.0);
-            let fits = middle > pair[0] && middle < pair[1] && (!near || (middle - wanted).abs() <= room);
-            if fits && best.is_none_or(|best| wide > best.0) {
-                best = Some((wide, middle));
-            }
+    let mut found: Vec<(bool, f64, f64)> = Vec::new();
+    for pair in heights.windows(2) {
+        let middle = (pair[0] + pair[1]) / 2.0;
+        if middle > pair[0] && middle < pair[1] {
+            found.push(((middle - wanted).abs() > room, pair[1] - pair[0], middle));
         }
-        best
-    };
-    widest(true).or_else(|| widest(false)).map_or(wanted, |best| best.1)
+    }
+    found.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)).then(a.2.total_cmp(&b.2)));
+    found.into_iter().take(GAPS).map(|gap| gap.2).collect()
 }
 
 /// Cuts triangles where the height changes its sign.
@@ -97,12 +131,7 @@ fn cut(mesh: &SurfaceMesh, heights: &[f64]) -> Cut {
     };
     let mut on_edge = vec![NONE; mesh.half_edges() as usize];
     for (triangle, corners) in (0..).zip(mesh.triangles()) {
-        // The half-edge out of the corner that is alone on its side.
-        let alone = (3 * triangle..3 * triangle + 3).find(|&h| {
-            let [own, after, before] = [h, next(h), previous(h)].map(|h| above(mesh.tail(h)));
-            own != after && own != before
-        });
-        let Some(h) = alone else {
+        let Some(h) = alone(mesh, triangle, above) else {
             cut.add(*corners, triangle, above(corners[0]));
             continue;
         };

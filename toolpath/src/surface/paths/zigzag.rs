@@ -144,7 +144,10 @@ fn link(links: &mut Links, parents: &mut [u32], row: usize, end: usize, there: J
 /// The rows, cut off before the rims.
 fn rows(field: &LevelField, rims: &[Rim], bead: f64) -> Result<Vec<Row>, PathError> {
     let mesh = field.distance().mesh();
-    let cut = Cut::new(mesh);
+    // Parts without a rim have no room for rows.
+    let mut has_rim = vec![false; mesh.triangles().len()];
+    rims.iter().flat_map(|rim| rim.on.points()).for_each(|point| has_rim[point.triangle as usize] = true);
+    let cut = Cut::new(mesh, |triangle| has_rim[triangle as usize]);
     if cut.line.is_empty() {
         return Ok(Vec::new());
     }
