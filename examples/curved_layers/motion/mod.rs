@@ -121,7 +121,10 @@ pub struct Times {
     pub transfers: Duration,
 }
 
-/// What is said of a layer. Transfers count with the layer that they leave.
+/// What came of a transfer: the motion, or why there is none.
+type Found<const N: usize> = Result<Transfer<N>, String>;
+
+/// What is said of a layer. Transfers count with the layer to which they lead.
 #[derive(Clone, Copy, Default)]
 pub struct LayerFigures {
     pub layer: u32,
@@ -268,72 +271,74 @@ fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     // The plate stays where it is: z = 0 stands on what carries it.
     let shift = Vector3::new(mean.x, mean.y, 0.0);
 
-    let start = Instant::now();
-    bars.update("plan motions", 0, 1);
     let steps = seconds_of(machine);
+    let start = Instant::now();
     let mut cell: Workcell<N, F, R> = Workcell::new(field, surfaces, &shift)?;
-    let of_path = |(path, seconds): (usize, &Vec<f64>)| run::plan(path, &paths[path], seconds, &shift, &cell);
-    let planned: Vec<run::Planned<N, F>> = steps.par_iter().enumerate().map(of_path).collect::<Result<_, _>>()?;
     let mut times = Times { plan: start.elapsed(), ..Times::default() };
-    let missed_mm = planned.iter().map(|path| path.missed_mm).fold(0.0, f64::max);
-    let least_feed = planned.iter().map(|path| path.least_feed).fold(1.0, f64::min);
-    let mut layers: Vec<LayerFigures> = Vec::new();
-    let mut faults: Vec<Fault> = Vec::new();
+    let (mut missed_mm, mut least_feed) = (0.0_f64, 1.0_f64);
+    let (mut layers, mut faults, mut transfers) = (Vec::new(), Vec::new(), Vec::new());
     let mut runs: Vec<Run<N, F>> = Vec::new();
-    for (path, planned) in paths.iter().zip(planned) {
-        if layers.last().is_none_or(|last| last.layer != path.layer) {
-            layers.push(LayerFigures { layer: path.layer, ..LayerFigures::default() });
-        }
-        if let Some(layer) = layers.last_mut() {
-            layer.motions += planned.runs.len();
-            layer.waypoints += path.waypoints.len();
-            layer.robot_s += planned.runs.iter().map(Run::duration).sum::<f64>();
-            layer.times.plan += planned.took;
-        }
-        faults.extend(planned.faults);
-        runs.extend(planned.runs);
-    }
-
     // Layer by layer, since the part grows.
-    let mut transfers: Vec<Option<Transfer<N>>> = Vec::with_capacity(runs.len());
-    let mut first = 0;
-    for layer in layers.iter_mut().filter(|layer| layer.motions > 0) {
-        let own = &runs[first..first + layer.motions];
-        bars.update("check motions", first as u64, runs.len() as u64);
-        cell.build_up_to(layer.layer)?;
+    let mut next = 0;
+    for paths_of_layer in paths.chunk_by(|a, b| a.layer == b.layer) {
+        let number = paths_of_layer[0].layer;
+        let mut layer = LayerFigures { layer: number, ..LayerFigures::default() };
+        bars.update("plan motions", next as u64, paths.len() as u64);
+        let planning = Instant::now();
+        cell.begin(number)?;
+        let of_path = |path: usize| run::plan(path, &paths[path], &steps[path], &shift, &cell);
+        let of_layer = (next..next + paths_of_layer.len()).into_par_iter();
+        let planned: Vec<run::Planned<N, F>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
+        times.plan += planning.elapsed();
+        next += paths_of_layer.len();
+        let first = runs.len();
+        for planned in planned {
+            layer.times.plan += planned.took;
+            missed_mm = missed_mm.max(planned.missed_mm);
+            least_feed = least_feed.min(planned.least_feed);
+            faults.extend(planned.faults);
+            runs.extend(planned.runs);
+        }
+        layer.waypoints = paths_of_layer.iter().map(|path| path.waypoints.len()).sum();
+        layer.motions = runs.len() - first;
+        layer.robot_s = runs[first..].iter().map(Run::duration).sum();
+
         let checking = Instant::now();
         let check = |run: &Run<N, F>| timed(|| cell.collisions(&run.trajectory));
-        let found: Vec<(Vec<(usize, String)>, Duration)> = own.par_iter().map(check).collect();
+        let found: Vec<(Vec<(usize, String)>, Duration)> = runs[first..].par_iter().map(check).collect();
         times.check += checking.elapsed();
-        for (run, (found, took)) in own.iter().zip(found) {
+        for (run, (found, took)) in runs[first..].iter().zip(found) {
             layer.times.check += took;
             let (layer, path, kind) = (run.layer, run.path, FaultKind::Collision);
             faults.extend(found.into_iter().map(|(waypoint, what)| Fault { layer, path, kind, waypoint, what }));
         }
+
         let moving = Instant::now();
-        // From each run of the layer to the next one, which may be the first of the next layer.
-        let next = |k: usize| runs.get(first + k + 1);
-        let transfer = |k: usize| next(k).map(|to| timed(|| cell.transfer(first + k, &own[k], to)));
-        let found: Vec<(Result<Transfer<N>, String>, Duration)> =
-            (0..own.len()).into_par_iter().filter_map(transfer).collect();
+        let transfer = |to: usize| timed(|| cell.transfer(to - 1, &runs[to - 1], &runs[to]));
+        // The way to the layer is gone before any of it is there.
+        let there: Vec<(Found<N>, Duration)> = (first..runs.len()).take(usize::from(first > 0)).map(transfer).collect();
+        cell.build(number)?;
+        let transfer = |to: usize| timed(|| cell.transfer(to - 1, &runs[to - 1], &runs[to]));
+        let within: Vec<(Found<N>, Duration)> = (first + 1..runs.len()).into_par_iter().map(transfer).collect();
         times.transfers += moving.elapsed();
-        for (run, (found, took)) in own.iter().zip(found) {
+        for (found, took) in there.into_iter().chain(within) {
             layer.times.transfers += took;
+            let from = &runs[transfers.len()];
             match &found {
                 Ok(transfer) => layer.robot_s += transfer.duration(),
                 Err(what) => faults.push(Fault {
-                    layer: run.layer,
-                    path: run.path,
+                    layer: from.layer,
+                    path: from.path,
                     kind: FaultKind::NoTransfer,
-                    waypoint: paths[run.path].waypoints.len() - 1,
+                    waypoint: paths[from.path].waypoints.len() - 1,
                     what: what.clone(),
                 }),
             }
             transfers.push(found.ok());
         }
-        first += layer.motions;
+        layers.push(layer);
     }
-    faults.sort_by_key(|fault| fault.path);
+    faults.sort_by_key(|fault: &Fault| fault.path);
     for layer in &mut layers {
         layer.faults = faults.iter().filter(|fault| fault.layer == layer.layer).count();
     }

@@ -23,6 +23,9 @@ const ATTEMPTS: [(usize, f64); 3] = [(40, 0.05), (6, 0.02), (2, 0.01)];
 /// Waypoints nearer in time than this, in seconds, are one: a controller's cycle is longer.
 const LEAST_STEP_S: f64 = 1e-3;
 
+/// How far from a stop waypoints stay, in radians: splines sway between them.
+const STOP_RAD: f64 = 0.05;
+
 /// By which share bounds may be passed before that counts.
 const SLACK: f64 = 1e-6;
 
@@ -88,6 +91,7 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     }
     let all = R::empty()?.with(waypoints);
     let bounds = bounds(&all);
+    let inner = inside(&bounds);
     let mut planned =
         Planned { runs: Vec::new(), faults: Vec::new(), missed_mm: 0.0, least_feed: 1.0, took: Duration::ZERO };
     let fault = |kind, waypoint: usize, what: &str| Fault {
@@ -99,12 +103,12 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     };
     let [apart, barely] = [false, true].map(|close| vec![close; all.waypoints()]);
     let with = |close: &[bool], waypoint: usize| {
-        first_posture::<N, F, R>(&Guarded { robot: &all, cell, close }, &bounds, waypoint).is_some()
+        first_posture::<N, F, R>(&Guarded { robot: &all, cell, close }, &inner, waypoint).is_some()
     };
     let close: Vec<bool> = (0..all.waypoints()).map(|waypoint| !with(&apart, waypoint)).collect();
     let reach: Vec<bool> = (0..all.waypoints()).map(|k| !close[k] || with(&barely, k)).collect();
     for waypoint in (0..reach.len()).filter(|&waypoint| !reach[waypoint]) {
-        let found = first_posture::<N, F, R>(&all, &bounds, waypoint);
+        let found = first_posture::<N, F, R>(&all, &inner, waypoint);
         let kind = if found.is_some() { FaultKind::Blocked } else { FaultKind::Unreachable };
         let what = found.and_then(|joints| cell.in_the_way(&joints)).unwrap_or_default();
         planned.faults.push(fault(kind, waypoint, &what));
@@ -120,7 +124,7 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
         let options = LadderOptions { samples, doublings, breaks: true, ..LadderOptions::default() };
         let go_on = |_| ControlFlow::Continue(());
         let guarded = Guarded { robot: &part, cell, close: &close };
-        let ladder = plan_ladder(&guarded, &times, &bounds, &options, &go_on).map_err(failure)?;
+        let ladder = plan_ladder(&guarded, &times, &inner, &options, &go_on).map_err(failure)?;
         let at = |waypoint: usize| (first + waypoint).min(kept.len() - 1);
         planned.faults.extend(ladder.breaks.iter().map(|&next| fault(FaultKind::Break, at(next), "")));
         for run in ladder.runs() {
@@ -144,6 +148,12 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     }
     planned.took = start.elapsed();
     Ok(planned)
+}
+
+/// The bounds with the stops a little nearer.
+fn inside<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
+    let [lower, upper] = [bounds.lower.map(|stop| stop + STOP_RAD), bounds.upper.map(|stop| stop - STOP_RAD)];
+    Bounds { lower, upper, ..*bounds }
 }
 
 /// A posture within the stops at the first sample of the free parameters that has one.

@@ -33,7 +33,8 @@ const ALOOF_MM: f64 = 3.0;
 /// The same for waypoints that no posture reaches so: more than fine sweeps leave undecided.
 const CLOSE_MM: f64 = 0.75;
 
-/// How far the nozzle backs off before a transfer, in millimetres: the first of these that clears the part.
+/// How far the nozzle backs off before a transfer, in millimetres: the first of these that clears the part, and where
+/// that leads nowhere the last.
 const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
 
 /// Transfers speed up and change their acceleration within these, in rad/s^2 and rad/s^3.
@@ -44,18 +45,17 @@ const JERK: f64 = 50.0;
 pub struct Workcell<'a, const N: usize, const F: usize, R> {
     /// The nozzle may touch the part: that it does so only at its tip is what the check for gouging says.
     printing: Scene,
-    /// The same with the whole part: what is free there is free at any time. Three of them, since postures keep a
-    /// distance that motions may use up.
-    whole: Scene,
-    whole_aloof: Scene,
-    whole_close: Scene,
-    /// Nothing may touch anything.
+    /// The same for postures, which keep a distance that motions may use up.
+    aloof: Scene,
+    close: Scene,
+    /// Nothing may touch anything. One layer behind while transfers lead to the layer that is printed next.
     moving: Scene,
     robot: R,
     field: &'a FieldRun,
     /// Cells by the surface at which they are built, from 0.
     layers: Vec<Vec<u32>>,
-    /// Surfaces that are built.
+    /// Surfaces that are there while one is printed, that one included, and behind transfers.
+    begun: usize,
     built: usize,
     bounds: Bounds<N>,
 }
@@ -92,62 +92,70 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         let may = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
         let allowed = vec![may("nozzle", "part"), may("hot end", "part"), may("nozzle", "plate")];
         let model = SceneModel { allowed, ..model };
-        let whole_with = |margin: f64| -> Result<Scene, Failure> {
-            let mut whole = Scene::new(SceneModel { margin, ..model.clone() }).map_err(failure)?;
-            whole.add_cells("part", grid.rows()).map_err(failure)?;
-            Ok(whole)
-        };
-        let [whole, whole_aloof, whole_close] = [whole_with(0.0)?, whole_with(ALOOF_MM)?, whole_with(CLOSE_MM)?];
-        let printing = Scene::new(model.clone()).map_err(failure)?;
+        let with = |margin: f64| Scene::new(SceneModel { margin, ..model.clone() }).map_err(failure);
+        let [printing, aloof, close] = [with(0.0)?, with(ALOOF_MM)?, with(CLOSE_MM)?];
         let moving = Scene::new(SceneModel { allowed: vec![], ..model }).map_err(failure)?;
         let bounds = Bounds { acceleration: [ACCELERATION; N], jerk: [JERK; N], ..robot.bounds(true) };
         Ok(Workcell {
             printing,
-            whole,
-            whole_aloof,
-            whole_close,
+            aloof,
+            close,
             moving,
             robot,
             field,
             layers: layers(field, surfaces),
+            begun: 0,
             built: 0,
             bounds,
         })
     }
 
-    /// Adds all cells that belong to the surfaces up to one.
-    pub fn build_up_to(&mut self, surface: u32) -> Result<(), Failure> {
-        let grid = &self.field.solid.grid;
-        let until = (surface as usize + 1).min(self.layers.len());
-        if self.built < until {
-            let mut rows = vec![0u64; grid.rows().len()];
-            let [nx, ny, _] = grid.dims().map(|n| n as usize);
-            for &cell in self.layers[self.built..until].iter().flatten() {
-                let [x, y, z] = grid.position(cell).map(|c| c as usize);
-                rows[(y + ny * z) * nx.div_ceil(64) + x / 64] |= 1 << (x % 64);
-            }
-            self.printing.add_cells("part", &rows).map_err(failure)?;
-            self.moving.add_cells("part", &rows).map_err(failure)?;
-            self.built = until;
+    /// Adds the cells of all surfaces up to one, which is about to be printed.
+    pub fn begin(&mut self, surface: u32) -> Result<(), Failure> {
+        let (rows, until) = self.rows(self.begun, surface);
+        for scene in [&mut self.printing, &mut self.aloof, &mut self.close] {
+            scene.add_cells("part", &rows).map_err(failure)?;
         }
+        self.begun = until;
         Ok(())
     }
 
-    /// Whether a posture is free while the nozzle prints, however much of the part is there; `close`: barely.
+    /// The same for transfers, which from now on have that surface in their way.
+    pub fn build(&mut self, surface: u32) -> Result<(), Failure> {
+        let (rows, until) = self.rows(self.built, surface);
+        self.moving.add_cells("part", &rows).map_err(failure)?;
+        self.built = until;
+        Ok(())
+    }
+
+    /// Cells of the surfaces from one up to another, and how many surfaces there are then.
+    fn rows(&self, from: usize, surface: u32) -> (Vec<u64>, usize) {
+        let grid = &self.field.solid.grid;
+        let until = (surface as usize + 1).min(self.layers.len()).max(from);
+        let mut rows = vec![0u64; grid.rows().len()];
+        let [nx, ny, _] = grid.dims().map(|n| n as usize);
+        for &cell in self.layers[from..until].iter().flatten() {
+            let [x, y, z] = grid.position(cell).map(|c| c as usize);
+            rows[(y + ny * z) * nx.div_ceil(64) + x / 64] |= 1 << (x % 64);
+        }
+        (rows, until)
+    }
+
+    /// Whether a posture is free while the nozzle prints, with all of its layer there; `close`: barely.
     pub fn may_print(&self, joints: &[f64; N], close: bool) -> bool {
-        let scene = if close { &self.whole_close } else { &self.whole_aloof };
+        let scene = if close { &self.close } else { &self.aloof };
         matches!(scene.touching(&R::posture_of(joints)), Ok(None))
     }
 
     /// What is in the way at a posture, in words.
     pub fn in_the_way(&self, joints: &[f64; N]) -> Option<String> {
-        let [a, b] = self.whole_close.touching(&R::posture_of(joints)).ok()??;
+        let [a, b] = self.close.touching(&R::posture_of(joints)).ok()??;
         Some(format!("{a} and {b}"))
     }
 
-    /// Whether a motion is free while the nozzle prints, however much of the part is there.
+    /// Whether a motion is free while the nozzle prints, with all of its layer there.
     pub fn may_move(&self, trajectory: &Trajectory<N>) -> bool {
-        trajectory.joints().windows(2).all(|pair| sweep::<N, F, R>(&self.whole, &pair[0], &pair[1]).is_none())
+        trajectory.joints().windows(2).all(|pair| sweep::<N, F, R>(&self.printing, &pair[0], &pair[1]).is_none())
     }
 
     /// What is not proven apart along a printing motion: the step from knot to knot, and the bodies.
@@ -162,24 +170,46 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
     pub fn transfer(&self, number: usize, from: &Run<N, F>, to: &Run<N, F>) -> Result<Transfer<N>, String> {
         let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
         let (start, goal) = (before[before.len() - 1], after[0]);
-        let lifted = |(free, waypoint): &([f64; F], Waypoint), near: &[f64; N]| {
-            LIFTS_MM.iter().find_map(|lift| {
-                let position = waypoint.position + waypoint.axis.into_inner() * *lift;
-                let joints = self.robot.near(&Waypoint { position, ..*waypoint }, free, near)?;
-                let is_free = self.posture_free(&joints) && sweep::<N, F, R>(&self.printing, near, &joints).is_none();
-                is_free.then_some(joints)
-            })
+        let (leave, reach) = (self.lifted(&from.ends[1], &start), self.lifted(&to.ends[0], &goal));
+        // Near by first; where that leads nowhere from far off.
+        let [Some(above), Some(before)] = [leave.first(), reach.first()] else {
+            return Err(
+                if leave.is_empty() { "the nozzle cannot back off" } else { "the nozzle cannot approach" }.into()
+            );
         };
-        let above = lifted(&from.ends[1], &start).ok_or("the nozzle cannot back off")?;
-        let before = lifted(&to.ends[0], &goal).ok_or("the nozzle cannot approach")?;
+        self.way(number, [&start, above, before, &goal]).or_else(|why| match (leave.last(), reach.last()) {
+            (Some(far), Some(off)) if leave.len().max(reach.len()) > 1 => self.way(number, [&start, far, off, &goal]),
+            _ => Err(why),
+        })
+    }
+
+    /// Free postures above the end of a run, the nearest first: along the nozzle, else half upright, else upright.
+    fn lifted(&self, (free, waypoint): &([f64; F], Waypoint), end: &[f64; N]) -> Vec<[f64; N]> {
+        let (axis, up) = (waypoint.axis.into_inner(), Vector3::z());
+        let along = |direction: Vector3<f64>| -> Vec<[f64; N]> {
+            let direction = direction.normalize();
+            let at = |lift: &f64| {
+                let position = waypoint.position + direction * *lift;
+                let joints = self.robot.near(&Waypoint { position, ..*waypoint }, free, end)?;
+                let is_free = self.posture_free(&joints) && sweep::<N, F, R>(&self.printing, end, &joints).is_none();
+                is_free.then_some(joints)
+            };
+            LIFTS_MM.iter().filter_map(at).collect()
+        };
+        // Straight down there is no half way.
+        let ways = [axis, axis + up, up].into_iter().filter(|way| way.norm() > 1e-3);
+        ways.map(along).find(|found| !found.is_empty()).unwrap_or_default()
+    }
+
+    /// From an end over two free postures to the next.
+    fn way(&self, number: usize, [start, above, before, goal]: [&[f64; N]; 4]) -> Result<Transfer<N>, String> {
         let options =
             TransferOptions { seed: number as u64 + 1, iterations: 500, shortcuts: 30, ..TransferOptions::default() };
         let told = |error: TransferError| error.to_string();
-        let planned =
-            plan_transfer(&number.to_string(), &above, &before, &self.bounds, self, &options).map_err(told)?;
+        let planned = plan_transfer(&number.to_string(), above, before, &self.bounds, self, &options).map_err(told)?;
         let why = planned.to_string();
         let between = planned.found().ok_or(why)?;
-        let corners = [start].into_iter().chain(between.corners().iter().copied()).chain([goal]).collect();
+        let corners = [*start].into_iter().chain(between.corners().iter().copied()).chain([*goal]).collect();
         Transfer::through(corners, &self.bounds).map_err(told)
     }
 }
