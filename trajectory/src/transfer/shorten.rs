@@ -10,9 +10,10 @@ use super::tree::square;
 use crate::bounds::Bounds;
 use crate::random::Random;
 
-/// After so many attempts lines that only seem free are proven. Fewer prove lines that are soon gone again; with more of
-/// them one line that is blocked takes more of what was gained after it.
-const UNPROVEN: usize = 50;
+/// After so many attempts lines that only seem free are proven: at first, and at most. With fewer, lines are proven that are
+/// soon gone again; with more, one that is blocked takes more of what was gained after it. So it doubles with each proof that
+/// holds, and falls to a quarter with one that does not.
+const UNPROVEN: [usize; 2] = [4, 64];
 
 /// A way that becomes shorter: what is proven, and what came of it since.
 struct Shortened<const N: usize> {
@@ -25,12 +26,15 @@ impl<const N: usize> Shortened<N> {
         self.versions.last().map_or(&[], Vec::as_slice)
     }
 
-    /// Back to the last version that is proven to be free.
-    fn prove<S: FreeSpace<N> + ?Sized>(&mut self, checks: &mut Checks<N, S>) {
+    /// Back to the last version that is proven to be free; whether that is the last of all.
+    fn prove<S: FreeSpace<N> + ?Sized>(&mut self, checks: &mut Checks<N, S>) -> bool {
+        let count = self.versions.len();
         while self.versions.len() > 1 && checks.first_blocked(self.last()).is_some() {
             self.versions.pop();
         }
-        self.versions.drain(..self.versions.len() - 1);
+        let kept = self.versions.len();
+        self.versions.drain(..kept - 1);
+        kept == count
     }
 
     fn replace(&mut self, first: usize, last: usize, corners: &[[f64; N]]) {
@@ -64,7 +68,8 @@ pub(super) fn shorten<const N: usize, S: FreeSpace<N> + ?Sized>(
     let mut way = Shortened { versions: vec![path] };
     way.skip(checks);
     way.prove(checks);
-    for attempt in 1..=attempts {
+    let (mut unproven, mut most_unproven) = (0, UNPROVEN[0]);
+    for _ in 0..attempts {
         let path = way.last();
         if path.len() < 3 {
             break;
@@ -83,8 +88,11 @@ pub(super) fn shorten<const N: usize, S: FreeSpace<N> + ?Sized>(
                 way.replace(first, last, &corners);
             }
         }
-        if attempt % UNPROVEN == 0 {
-            way.prove(checks);
+        unproven += 1;
+        if unproven >= most_unproven {
+            most_unproven =
+                if way.prove(checks) { UNPROVEN[1].min(2 * most_unproven) } else { most_unproven.div_ceil(4) };
+            unproven = 0;
         }
     }
     way.skip(checks);
