@@ -206,6 +206,7 @@ impl DistanceGrid {
     }
 
     /// Where a point lies: its cell of the lattice, how far into it, and how far the point is off the lattice.
+    #[inline]
     fn locate(&self, point: &Point3<f64>) -> ([usize; 3], [f64; 3], Vector3<f64>) {
         let mut off = Vector3::zeros();
         let (mut cell, mut share) = ([0; 3], [0.0; 3]);
@@ -214,20 +215,22 @@ impl DistanceGrid {
             let place = (point[d] - self.origin[d]) / self.spacing;
             let held = place.clamp(0.0, last);
             off[d] = (place - held) * self.spacing;
-            let index = held.min(last - 1.0).floor();
-            cell[d] = index as usize;
-            share[d] = held - index;
+            // Not below zero, so cut off is rounded down.
+            cell[d] = (held as usize).min(self.dims[d] - 2);
+            share[d] = held - cell[d] as f64;
         }
         (cell, share, off)
     }
 
+    #[inline]
     fn corners(&self, cell: &[usize; 3]) -> [f64; 8] {
-        let (x, y) = (1, self.dims[0]);
+        let y = self.dims[0];
         let z = y * self.dims[1];
         let first = cell[0] + y * cell[1] + z * cell[2];
-        let at = |k: usize| f64::from(self.values[k]);
-        let (next, up, far) = (first + y, first + z, first + y + z);
-        [at(first), at(first + x), at(next), at(next + x), at(up), at(up + x), at(far), at(far + x)]
+        let (low, up) = (&self.values[first..first + y + 2], &self.values[first + z..first + z + y + 2]);
+        let pair = |row: &[f32], at: usize| (f64::from(row[at]), f64::from(row[at + 1]));
+        let [(a, b), (c, d), (e, f), (g, h)] = [pair(low, 0), pair(low, y), pair(up, 0), pair(up, y)];
+        [a, b, c, d, e, f, g, h]
     }
 
     /// The distance of a point, in millimetres. Of a point that is not finite, not a number.

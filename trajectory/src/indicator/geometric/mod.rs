@@ -7,7 +7,8 @@
 //! ([`Bodies`]); where two distances are least at once it jumps from one to the other, the value does not.
 //!
 //! What C. Dai (*Material Deposition in 3D Space*, TU Delft 2020, section 4.4) learns from samples is computed here; the
-//! shapes are the approximation. Nothing is allocated by a question. Distances that cannot be the least are passed over
+//! shapes are the approximation. Nothing is allocated by a question of up to
+//! 24 capsules. Distances that cannot be the least are passed over
 //! by balls about balls and capsules.
 
 mod balls;
@@ -133,6 +134,32 @@ pub enum GeometricError {
 /// Most bodies of an indicator; their frames are kept on the stack.
 pub const MOST_BODIES: usize = 16;
 
+/// A capsule by its middle and half its axis; in the frame of its body, or in the world.
+#[derive(Clone, Copy, Debug, Default)]
+struct Segment {
+    body: usize,
+    middle: Point3<f64>,
+    half: Vector3<f64>,
+    radius: f64,
+    /// No point is farther from the middle.
+    reach: f64,
+}
+
+impl Segment {
+    fn of(capsule: &Capsule) -> Self {
+        let half = (capsule.to - capsule.from) * 0.5;
+        let (body, radius, reach) = (capsule.body, capsule.radius, half.norm() + capsule.radius);
+        Segment { body, middle: nalgebra::center(&capsule.from, &capsule.to), half, radius, reach }
+    }
+
+    fn ends(&self) -> [Point3<f64>; 2] {
+        [self.middle - self.half, self.middle + self.half]
+    }
+}
+
+/// Room on the stack for capsules in the world; more of them are put in a list.
+const ROOM: usize = 24;
+
 type Frames = [Isometry3<f64>; MOST_BODIES];
 
 /// The geometric indicator; see the [module](self).
@@ -143,7 +170,7 @@ pub struct GeometricIndicator<const N: usize, B> {
     grids: Vec<(usize, DistanceGrid)>,
     /// Balls of one body against a grid.
     trees: Vec<(usize, BallTree)>,
-    capsules: Vec<Capsule>,
+    capsules: Vec<Segment>,
     planes: Vec<Plane>,
     /// Capsules that are compared.
     pairs: Vec<[usize; 2]>,
@@ -204,6 +231,7 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
         if trees.is_empty() && pairs.is_empty() && grounds.is_empty() {
             return Err(GeometricError::Nothing);
         }
+        let capsules = capsules.iter().map(Segment::of).collect();
         Ok(GeometricIndicator { bodies, count, grids, trees, capsules, planes, pairs, grounds, carriers, margin })
     }
 
@@ -233,28 +261,27 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
                 best = Near { distance, bodies: [tree.body(), *part], slope, points: [at, at] };
             }
         }
+        let mut room = [Segment::default(); ROOM];
+        let mut more = vec![];
+        let segments = self.segments(frames, &mut room, &mut more);
         for &[k, l] in &self.grounds {
-            let (capsule, plane) = (&self.capsules[k], &self.planes[l]);
+            let (segment, plane) = (&segments[k], &self.planes[l]);
             let (normal, point) = (frames[plane.body] * plane.normal.into_inner(), frames[plane.body] * plane.point);
-            for end in [&capsule.from, &capsule.to] {
-                let at = frames[capsule.body] * end;
-                let distance = normal.dot(&(at - point)) - capsule.radius;
-                if distance < best.distance {
-                    best = Near { distance, bodies: [capsule.body, plane.body], slope: normal, points: [at, at] };
-                }
+            let tilt = normal.dot(&segment.half);
+            let distance = normal.dot(&(segment.middle - point)) - tilt.abs() - segment.radius;
+            if distance < best.distance {
+                let at = segment.middle - segment.half * 1.0f64.copysign(tilt);
+                best = Near { distance, bodies: [segment.body, plane.body], slope: normal, points: [at, at] };
             }
         }
         for &[k, l] in &self.pairs {
-            let [a, b] = [&self.capsules[k], &self.capsules[l]];
-            let [a_from, a_to] = [frames[a.body] * a.from, frames[a.body] * a.to];
-            let [b_from, b_to] = [frames[b.body] * b.from, frames[b.body] * b.to];
-            let radii = a.radius + b.radius;
-            let middles = (a_from.coords + a_to.coords - b_from.coords - b_to.coords).norm() * 0.5;
-            if middles - radii - 0.5 * ((a_to - a_from).norm() + (b_to - b_from).norm()) >= best.distance {
+            let [a, b] = [&segments[k], &segments[l]];
+            let near = best.distance + a.reach + b.reach;
+            if near <= 0.0 || (a.middle - b.middle).norm_squared() >= near * near {
                 continue;
             }
-            let [at_a, at_b] = between([&a_from, &a_to], [&b_from, &b_to]);
-            let gap = (at_a - at_b).norm();
+            let [at_a, at_b] = between(a.ends().each_ref(), b.ends().each_ref());
+            let (gap, radii) = ((at_a - at_b).norm(), a.radius + b.radius);
             if gap - radii < best.distance {
                 // Where the segments cross no direction is better than another.
                 let slope = if gap > 0.0 { (at_a - at_b) / gap } else { Vector3::zeros() };
@@ -262,6 +289,33 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
             }
         }
         best
+    }
+
+    /// The capsules in the world, each placed once for all its pairs.
+    fn segments<'a>(
+        &self,
+        frames: &Frames,
+        room: &'a mut [Segment; ROOM],
+        more: &'a mut Vec<Segment>,
+    ) -> &'a [Segment] {
+        let place = |rest: &Segment| {
+            let frame = &frames[rest.body];
+            Segment {
+                body: rest.body,
+                middle: frame * rest.middle,
+                half: frame * rest.half,
+                radius: rest.radius,
+                reach: rest.reach,
+            }
+        };
+        if self.capsules.len() > ROOM {
+            more.extend(self.capsules.iter().map(place));
+            return more;
+        }
+        for (to, rest) in room.iter_mut().zip(&self.capsules) {
+            *to = place(rest);
+        }
+        room
     }
 }
 
