@@ -9,6 +9,7 @@
 //! The second ([`super::peak`]) lowers the greatest jerk to its bound, or as far as it goes, for at most
 //! [`GlobalOptions::rise`] more of that integral.
 
+use super::avoid::Avoid;
 use super::descent::{Descent, Round};
 use super::model::Model;
 use super::peak::lower_peak;
@@ -25,6 +26,9 @@ const ROUGH: f64 = 1e-3;
 
 /// By how much the price of bounds rises at once.
 const PRICE_STEP: f64 = 10.0;
+
+/// Rounds are shared out to so many prices of collisions.
+const PRICES: usize = 8;
 
 /// Rounds in a row without a step after which nothing more is hoped for.
 pub(super) const MOST_STUCK: usize = 4;
@@ -110,6 +114,8 @@ pub struct GlobalMotion<const N: usize, const F: usize> {
     pub squared_jerk: [f64; 2],
     /// The second pass, where there was one.
     pub peak: Option<PeakReport>,
+    /// Waypoints at which a collision is predicted all the same; none where nothing was to be kept clear of.
+    pub collisions: Vec<usize>,
     /// Waypoints that stand near a singularity at the end.
     pub steep: Vec<usize>,
     /// Rounds of the first and of the second pass.
@@ -221,6 +227,75 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     options: &GlobalOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
+    smooth(robot, line, start, bounds, options, None, progress)
+}
+
+/// Smooths a path as a whole, and keeps clear of what an indicator predicts.
+///
+/// As [`smooth_globally`], but each collision that is predicted at a waypoint, or at a knot of run-in and run-out, has its
+/// price. Nothing is asked between waypoints. An indicator may be wrong: check the motion with an exact scene
+/// ([`verify`](crate::verify)).
+///
+/// # Returns
+/// The motion; waypoints that could not be cleared are in [`GlobalMotion::collisions`].
+///
+/// # Errors
+/// Those of [`smooth_globally`], and [`GlobalError::Option`] for a `clear` that is not finite or a `price` that is not above 0.
+///
+/// # Cost
+/// Besides that of [`smooth_globally`] a gradient of the indicator a knot and round, and a value for each share of a step
+/// that is tried.
+///
+/// # Example
+/// ```
+/// use curvlay_trajectory::indicator::IndicatorFn;
+/// use curvlay_trajectory::{
+///     Avoid, Bounds, FreeRange, GlobalOptions, Posture, RobotFn, RunIn, Rung, Timeline, smooth_clear_of,
+/// };
+/// use std::ops::ControlFlow;
+/// // Two joints that share a bearing of zero. Smoothest is to stand still, but a bump in the middle is in the way.
+/// let robot = RobotFn {
+///     waypoints: 40,
+///     free: [FreeRange::Turn],
+///     solutions: |_, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, [free[0], -free[0]]),
+///     posture: |_, free: &[f64; 1], _| Some(Posture { joints: [free[0], -free[0]], rates: [[1.0, -1.0]] }),
+/// };
+/// let line = Timeline::new(&(0..40).map(|i| 0.2 * f64::from(i)).collect::<Vec<_>>(), RunIn::default())?;
+/// let start = vec![Rung { joints: [0.0; 2], free: [0.0], branch: 0 }; 40];
+/// let bump = IndicatorFn { value: |q: &[f64; 2]| 0.3 - q[0], gradient: |q: &[f64; 2]| (0.3 - q[0], [-1.0, 0.0]) };
+/// let avoid = Avoid { indicator: &bump, clear: 0.01, price: 1e4 };
+/// let options = GlobalOptions::default();
+/// let found = smooth_clear_of(&robot, &line, &start, &Bounds::NONE, &options, &avoid, &|_| ControlFlow::Continue(()))?;
+/// assert!(found.collisions.is_empty() && found.rungs.iter().all(|rung| rung.joints[0] > 0.3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn smooth_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    line: &Timeline,
+    start: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    options: &GlobalOptions,
+    avoid: &Avoid<'_, N>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<GlobalMotion<N, F>, GlobalError> {
+    if !avoid.clear.is_finite() {
+        return Err(GlobalError::Option { what: "clear", value: avoid.clear });
+    }
+    if !(avoid.price.is_finite() && avoid.price > 0.0) {
+        return Err(GlobalError::Option { what: "price", value: avoid.price });
+    }
+    smooth(robot, line, start, bounds, options, Some(*avoid), progress)
+}
+
+fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    line: &Timeline,
+    start: &[Rung<N, F>],
+    bounds: &Bounds<N>,
+    options: &GlobalOptions,
+    avoid: Option<Avoid<'_, N>>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<GlobalMotion<N, F>, GlobalError> {
     let ranges = robot.free();
     check(robot.waypoints(), line, start, bounds, &ranges, options)?;
     let branches: &[u32] = &start.iter().map(|rung| rung.branch).collect::<Vec<_>>();
@@ -231,7 +306,7 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(GlobalError::Stopped),
     };
-    let mut model = Model::new(line, bounds, ranges, options, false);
+    let mut model = Model::new(line, bounds, ranges, options, avoid, false);
     let mut descent = Descent::new(robot, branches, options.steep, start, &mut model);
     let begin = descent.merit.squared_jerk;
     let mut rounds = [0; 2];
@@ -242,6 +317,9 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     model.penalty = 0.0;
     let mut missed_before = f64::INFINITY;
     descent.value(&mut model);
+    // A path that collides does not wait at a low price until the last digits have come to rest.
+    let mut hurries_from = options.rounds / PRICES;
+    let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));
     while rounds[0] < options.rounds && !settled {
         tell("smooth", rounds[0])?;
         let tolerance = if model.penalty > 0.0 { options.tolerance } else { options.tolerance.max(ROUGH) };
@@ -251,10 +329,13 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             Round::Stuck => stuck += 1,
         }
         rounds[0] += 1;
-        if stuck == MOST_STUCK || settled {
+        let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
+        let hurries = collides_yet && rounds[0] >= hurries_from;
+        if stuck == MOST_STUCK || settled || hurries {
+            hurries_from = rounds[0] + options.rounds / PRICES;
             let held = model.penalty > 0.0 && descent.merit.price <= options.tolerance * descent.merit.squared_jerk;
             let missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { f64::INFINITY };
-            settled = held || model.penalty >= options.penalty || missed > HOPELESS * missed_before;
+            settled = held || model.penalty >= options.penalty || (!collides_yet && missed > HOPELESS * missed_before);
             (stuck, missed_before) = (0, missed);
             if !settled {
                 model.penalty =
@@ -266,7 +347,7 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let smooth = descent.merit;
     let mut peak = None;
     if options.lower_peak && smooth.peak > 1.0 && bounds.jerk.iter().any(|jerk| jerk.is_finite()) {
-        let (report, used, done) = lower_peak(&mut descent, bounds, ranges, line, options, &tell)?;
+        let (report, used, done) = lower_peak(&mut descent, (bounds, ranges), line, options, avoid, &tell)?;
         rounds[1] = used;
         settled = settled && done;
         peak = Some(report);
@@ -279,8 +360,12 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         (true, true) => GlobalStatus::Solved,
         (true, false) => GlobalStatus::Rounds,
     };
+    let predicted = |joints: &[f64; N]| avoid.is_some_and(|avoid| avoid.indicator.predicts(joints));
     let is_steep = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.steep);
     Ok(GlobalMotion {
+        collisions: (trajectory.at_waypoints().iter().enumerate())
+            .filter_map(|(waypoint, joints)| predicted(joints).then_some(waypoint))
+            .collect(),
         steep: (0..point.free.len()).filter(is_steep).collect(),
         rungs: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
             .map(|((&joints, &free), &branch)| Rung { joints, free, branch })

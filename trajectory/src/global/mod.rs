@@ -1,5 +1,6 @@
 //! The jerk of a whole path at once: one banded problem.
 
+mod avoid;
 mod band;
 mod descent;
 mod feasible;
@@ -13,5 +14,8 @@ mod qp;
 mod side;
 mod system;
 
-pub use filter::{Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, PeakReport, smooth_globally};
+pub use avoid::Avoid;
+pub use filter::{
+    Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, PeakReport, smooth_clear_of, smooth_globally,
+};
 pub use qp::{BandedQp, QpError, QpOptions, QpSolution, QpStatus};

@@ -5,13 +5,12 @@
 //! three neighbouring stages; what is minimised is `sum over pieces of (m_k - m_{k-1})^2 / h`, which is the integral of
 //! the squared jerk, plus a damping of the steps.
 //!
-//! What else is to be kept clear of at a waypoint, like a collision indicator with a gradient, belongs beside the rows of
-//! the bounds in `limit` (a soft row `value + gradient . dq <= 0`) and in `price` (the same exactly).
+//! Collisions that an indicator predicts are kept clear of by a soft row a knot, see [`super::avoid`].
 
 use super::limits::{Place, extremes};
 use super::point::Point;
 use super::qp::{BandedQp, QpError, QpOptions, QpSolution};
-use super::{Cone, GlobalOptions};
+use super::{Avoid, Cone, GlobalOptions};
 use crate::{Bounds, FreeRange, Quantity, Timeline};
 use std::f64::consts::TAU;
 
@@ -43,6 +42,9 @@ pub(super) struct Model<'a, const N: usize, const F: usize> {
     pub cone: Option<Cone>,
     /// Price of passing a bound, a whole bound a unit.
     pub penalty: f64,
+    /// The price of bounds at which the price of collisions is what was asked for.
+    full_penalty: f64,
+    avoid: Option<Avoid<'a, N>>,
     qp: BandedQp,
     /// For each piece, joint and quantity: that it has passed its bound once, and keeps its row.
     kept: Vec<[[bool; 4]; N]>,
@@ -65,6 +67,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
         bounds: &'a Bounds<N>,
         ranges: [FreeRange; F],
         options: &GlobalOptions,
+        avoid: Option<Avoid<'a, N>>,
         with_peak: bool,
     ) -> Self {
         let waypoints = line.waypoints();
@@ -79,6 +82,8 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             ranges,
             cone: options.cone,
             penalty: options.penalty,
+            full_penalty: options.penalty,
+            avoid,
             qp: BandedQp::new(&sizes, usize::from(with_peak)),
             kept: vec![[[false; 4]; N]; line.knots() + 1],
             first,
@@ -101,7 +106,16 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 self.kept[place.piece][place.joint][place.quantity as usize] = true;
             }
         });
+        if let Some((avoid, unit)) = self.avoiding() {
+            price += unit * point.knots.iter().map(|joints| avoid.excess(joints)).sum::<f64>();
+        }
         (price, peak)
+    }
+
+    /// What is kept clear of, and the present price of a unit. It rises with the price of bounds.
+    fn avoiding(&self) -> Option<(Avoid<'a, N>, f64)> {
+        let avoid = self.avoid.filter(|_| self.penalty > 0.0)?;
+        Some((avoid, avoid.price * self.penalty / self.full_penalty))
     }
 
     /// Builds and solves the program at a point.
@@ -265,6 +279,22 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 let (low, high) = (drawn_in(low, unit, 1.0), drawn_in(high, unit, -1.0));
                 self.qp.add_soft_row(&terms, (low - fixed) / unit, (high - fixed) / unit, self.penalty);
             }
+        }
+        self.keep_clear(point);
+    }
+
+    /// Rows for what an indicator predicts, in units of the joint that changes its value most.
+    fn keep_clear(&mut self, point: &Point<N, F>) {
+        let Some((avoid, price)) = self.avoiding() else { return };
+        let mut terms = Vec::new();
+        for (knot, joints) in point.knots.iter().enumerate() {
+            let Some((over, gradient)) = avoid.row(joints) else { continue };
+            let unit = gradient.iter().fold(f64::MIN_POSITIVE, |most, slope| most.max(slope.abs()));
+            terms.clear();
+            for (joint, slope) in gradient.into_iter().enumerate() {
+                self.turn_to_steps(point, knot, joint, slope / unit, &mut terms);
+            }
+            self.qp.add_soft_row(&terms, f64::NEG_INFINITY, -over / unit, price * unit);
         }
     }
 }

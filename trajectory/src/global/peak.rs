@@ -8,6 +8,7 @@
 //! Eq. 4.10's sum of squared five-point jerks may rise by the same share at most. It often rises a little faster than
 //! the integral; then `J_max` comes down by the ratio.
 
+use super::avoid::Avoid;
 use super::descent::{Descent, Round};
 use super::filter::{GlobalError, GlobalOptions, MOST_STUCK, PeakReport};
 use super::model::Model;
@@ -33,14 +34,14 @@ const SPARE: f64 = 0.002;
 /// and whether it came to rest.
 pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     descent: &mut Descent<'_, R, N, F>,
-    bounds: &Bounds<N>,
-    ranges: [FreeRange; F],
+    (bounds, ranges): (&Bounds<N>, [FreeRange; F]),
     line: &Timeline,
     options: &GlobalOptions,
+    avoid: Option<Avoid<'_, N>>,
     tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<(PeakReport, usize, bool), GlobalError> {
     let before = descent.merit;
-    let mut model = Model::new(line, bounds, ranges, options, true);
+    let mut model = Model::new(line, bounds, ranges, options, avoid, true);
     let waypoints = line.waypoints();
     let times = &line.times()[waypoints.start + 1..waypoints.end + 1];
     let measure = |knots: &[[f64; N]]| jerk_measure(times, &knots[waypoints.clone()]);

@@ -1,0 +1,125 @@
+//! The global filter with a collision indicator: a path that collides comes clear, by the exact scene's word.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+
+use common::quiet;
+use common::ur3::Ur3;
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use curvlay_kinematics::{Arm, robots};
+use curvlay_trajectory::indicator::geometric::{BodiesFn, Capsule, GeometricIndicator, GeometricModel, Twist};
+use curvlay_trajectory::indicator::{CollisionIndicator, IndicatorFn};
+use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
+use curvlay_trajectory::{
+    Avoid, GlobalError, GlobalOptions, LadderOptions, Robot, RunIn, Rung, Timeline, plan_ladder, smooth_clear_of,
+    smooth_globally,
+};
+
+/// An arc beside the hand's axis, at 25 to 50 mm: turning the part about the nozzle moves the wrist on a circle as wide.
+fn arc(count: usize) -> Ur3 {
+    let point = |k: usize| {
+        let turn = 1.6 * k as f64 / count as f64;
+        (Point3::new(60.0 * turn.cos(), 60.0 * turn.sin(), 20.0), Vector3::z())
+    };
+    let mut robot = Ur3::new(&(0..count).map(point).collect::<Vec<_>>());
+    robot.waypoints.iter_mut().for_each(|waypoint| waypoint.position += Vector3::new(30.0, 20.0, 0.0));
+    robot
+}
+
+fn ladder(robot: &Ur3) -> Vec<Rung<6, 1>> {
+    plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().rungs
+}
+
+/// The radius of a ball in the way.
+const BALL: f64 = 25.0;
+
+fn scene(ball: &Point3<f64>) -> Scene {
+    let shape = Shape::Capsule { from: *ball, to: *ball, radius: BALL };
+    let body = Body { name: "ball".into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape };
+    let arm = Arm::new(&robots::UR3).unwrap();
+    Scene::new(SceneModel { bodies: vec![body], links: links(&robots::UR3), ..SceneModel::of(arm) }).unwrap()
+}
+
+/// The links that are capsules, against the ball.
+fn indicator(ball: &Point3<f64>) -> impl CollisionIndicator<6> {
+    let arm = Arm::new(&robots::UR3).unwrap();
+    let bodies = BodiesFn {
+        carriers: (0..7).map(|body| std::array::from_fn(|joint| joint < body)).collect(),
+        place: move |q: &[f64; 6], frames: &mut [Isometry3<f64>]| frames.copy_from_slice(&arm.frames(q)),
+        twists: |_: &[f64; 6], frames: &[Isometry3<f64>]| {
+            let axis = |k: usize| frames[k].rotation * Vector3::z();
+            std::array::from_fn(|k| Twist::turning(&frames[k].translation.vector.into(), &axis(k)))
+        },
+    };
+    let capsule = |body: Body| match (body.mount, body.shape) {
+        (Mount::Link(body), Shape::Capsule { from, to, radius }) => Some(Capsule { body, from, to, radius }),
+        _ => None,
+    };
+    let mut capsules: Vec<Capsule> = links(&robots::UR3).into_iter().filter_map(capsule).collect();
+    capsules.push(Capsule { body: 0, from: *ball, to: *ball, radius: BALL });
+    let ignored = (1..7).flat_map(|a| (a + 1..7).map(move |b| [a, b])).collect();
+    GeometricIndicator::new(bodies, GeometricModel { capsules, ignored, ..GeometricModel::default() }).unwrap()
+}
+
+fn touched(scene: &Scene, rungs: &[Rung<6, 1>]) -> usize {
+    rungs.iter().filter(|rung| scene.touching(&rung.joints.into()).unwrap().is_some()).count()
+}
+
+#[test]
+fn a_path_that_collides_comes_clear() {
+    let robot = arc(80);
+    let (times, bounds, start) = (robot.times(), robot.bounds(), ladder(&robot));
+    let line = Timeline::new(&times, RunIn::default()).unwrap();
+    let options = GlobalOptions::default();
+    let plain = smooth_globally(&robot, &line, &start, &bounds, &options, &quiet).unwrap();
+    assert!(plain.collisions.is_empty());
+    // A ball that reaches 5 mm into wrist 2 in the middle of the path, on the side to which a turn of the part moves it.
+    let middle = plain.rungs[40];
+    let wrist_at = |turn: f64| {
+        let joints = robot.posture(40, &[middle.free[0] + turn], middle.branch).unwrap().joints;
+        robot.cell.arm().frames(&joints)[5].translation.vector
+    };
+    let (wrist, aside) = (wrist_at(0.0), (wrist_at(1e-4) - wrist_at(-1e-4)).normalize());
+    let radius = links(&robots::UR3).iter().find_map(|body| match &body.shape {
+        Shape::Capsule { radius, .. } if body.name == "wrist 2" => Some(*radius),
+        _ => None,
+    });
+    let ball = Point3::from(wrist + aside * (radius.unwrap() + BALL - 5.0));
+    let (scene, indicator) = (scene(&ball), indicator(&ball));
+    println!("{} of the ladder, {} smoothed", touched(&scene, &start), touched(&scene, &plain.rungs));
+    assert!(touched(&scene, &start) > 0 && touched(&scene, &plain.rungs) > 0);
+
+    let avoid = Avoid { indicator: &indicator, clear: 0.5, price: 1e3 };
+    let clear = smooth_clear_of(&robot, &line, &start, &bounds, &options, &avoid, &quiet).unwrap();
+    println!("J {:?}, without {:?}; {:?}", clear.squared_jerk, plain.squared_jerk, clear.status);
+    assert_eq!((clear.collisions.len(), touched(&scene, &clear.rungs)), (0, 0));
+    assert!(clear.violations.is_empty(), "{:?}", clear.violations);
+    // From waypoint to waypoint too, by a proof.
+    for pair in clear.rungs.windows(2) {
+        assert!(scene.is_free(&pair[0].joints.into(), &pair[1].joints.into(), 0.05).unwrap());
+    }
+    // What it costs.
+    assert!(clear.squared_jerk[1] > plain.squared_jerk[1]);
+    // Far from everything the term changes nothing, not a bit.
+    let nothing = IndicatorFn { value: |_: &[f64; 6]| -1.0, gradient: |_: &[f64; 6]| (-1.0, [0.0; 6]) };
+    let avoid = Avoid { indicator: &nothing, clear: 0.5, price: 1e3 };
+    let same = smooth_clear_of(&robot, &line, &start, &bounds, &options, &avoid, &quiet).unwrap();
+    assert_eq!(same, plain);
+}
+
+#[test]
+fn what_cannot_be_cleared_is_listed() {
+    let robot = arc(30);
+    let line = Timeline::new(&robot.times(), RunIn::default()).unwrap();
+    let always = IndicatorFn { value: |_: &[f64; 6]| 1.0, gradient: |_: &[f64; 6]| (1.0, [0.0; 6]) };
+    let start = ladder(&robot);
+    let smooth = |clear: f64, price: f64| {
+        let avoid = Avoid { indicator: &always, clear, price };
+        smooth_clear_of(&robot, &line, &start, &robot.bounds(), &GlobalOptions::default(), &avoid, &quiet)
+    };
+    assert_eq!(smooth(0.0, 1.0).unwrap().collisions, (0..30).collect::<Vec<_>>());
+    assert!(matches!(smooth(f64::NAN, 1.0), Err(GlobalError::Option { what: "clear", .. })));
+    for price in [0.0, f64::INFINITY, f64::NAN] {
+        assert!(matches!(smooth(0.0, price), Err(GlobalError::Option { what: "price", .. })));
+    }
+}
