@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 fn waypoint(x: f64, lean: f64, width: f64, height: f64) -> Waypoint {
     let direction = Unit::new_normalize(Vector3::new(lean.sin(), 0.0, lean.cos()));
-    Waypoint { tip: Point3::new(x, 0.0, 10.0), direction, width, height, arc: x }
+    Waypoint { tip: Point3::new(x, 0.0, 10.0), direction, width, height, arc: x, added: false }
 }
 
 fn path_of(waypoints: Vec<Waypoint>) -> ToolPath {

@@ -11,7 +11,7 @@ mod layers;
 use common::{go_on, rng, rough};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::{
-    Freed, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle, OrientOptions, ToolPath,
+    Freed, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, ToolPath,
 };
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
@@ -169,11 +169,16 @@ fn above_the_plate_it_leans_no_farther_than_the_plate_lets_it() {
 
 /// A groove along y: two sides that lean by `angle` from the upright, `gap` wide at the height of the tip.
 fn groove(angle: f64, gap: f64) -> Layer {
+    groove_of(angle, gap, 10)
+}
+
+/// The same of `n` by `n` squares a side.
+fn groove_of(angle: f64, gap: f64, n: u32) -> Layer {
     let (sin, cos) = angle.sin_cos();
     let side = |sign: f64| {
         let foot = [sign * (gap / 2.0 - 2.0 * angle.tan()), sign * 40.0, -2.0];
         let up = [sign * 40.0 * sin, 0.0, 40.0 * cos];
-        Layer::sheet(foot, up, [0.0, -sign * 80.0, 0.0], 10, H)
+        Layer::sheet(foot, up, [0.0, -sign * 80.0, 0.0], n, H)
     };
     side(1.0).and(&side(-1.0))
 }
@@ -194,6 +199,68 @@ fn a_wide_groove_leaves_it_upright_and_a_narrow_one_no_way_out() {
     let (freed, direction) = at(&[groove(0.95, 2.0).moved(&by)], tip, Vector3::z(), &alone());
     assert_eq!(freed.left.len(), 0);
     assert!(freed.gouging_before == 2 && direction.x > 0.0 && direction.angle(&Vector3::z()) < 0.6);
+}
+
+/// Beads along a narrow groove of one layer: high on one side, high on the other, and along its bottom.
+fn lines_in_a_groove() -> (Layer, ToolPath) {
+    let angle = 0.75_f64;
+    let (sin, cos) = angle.sin_cos();
+    // Its sides meet at z = -2. Squares are smaller than a bead.
+    let sides = groove_of(angle, 4.0 * angle.tan(), 80);
+    let on_side = |sign: f64, y: f64| {
+        let foot = Point3::new(sign * 8.0 * sin, y, 8.0 * cos - 2.0);
+        (foot + Vector3::new(-sign * cos, 0.0, sin) * (H / 2.0), Vector3::new(-sign * cos, 0.0, sin))
+    };
+    let bottom = |y: f64| (Point3::new(0.0, y, -1.0), Vector3::z());
+    let ys = || (-15..=15).map(f64::from);
+    let up: Vec<_> = ys().map(|y| on_side(1.0, y)).collect();
+    let back: Vec<_> = ys().map(|y| on_side(-1.0, -y)).collect();
+    let along: Vec<_> = ys().map(bottom).collect();
+    (sides, path(0, &[up, back, along].concat()))
+}
+
+#[test]
+fn from_its_end_a_path_finds_room_that_it_takes_away_from_its_start() {
+    let (layer, lines) = lines_in_a_groove();
+    let options = GougingOptions { max_turn: PI, plate: false, ..GougingOptions::default() };
+    let forward = free_with(
+        std::slice::from_ref(&layer),
+        std::slice::from_ref(&lines),
+        &GougingOptions { reverse: false, ..options },
+    );
+    // Along the bottom both sides are in the way but near the ends.
+    assert!(forward.left.len() > 15 && forward.reversed.is_empty(), "{:?}", forward.left);
+    assert!(forward.left.iter().all(|gouge| gouge.own_layer && gouge.obstacle == Obstacle::Layer(0)));
+    assert!(forward.left.iter().all(|gouge| gouge.waypoint >= 62));
+    // From the other end the bottom comes first, and is free.
+    let freed = free_with(std::slice::from_ref(&layer), std::slice::from_ref(&lines), &options);
+    assert_eq!((freed.left.len(), &freed.reversed[..]), (0, &[0][..]));
+    let (from, to) = (&lines.waypoints, &freed.paths[0].waypoints);
+    let length = from.last().unwrap().arc;
+    for (w, v) in from.iter().zip(to.iter().rev()) {
+        assert!(w.tip == v.tip && (v.arc - (length - w.arc)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn earlier_layers_close_in_whatever_the_own_one_does() {
+    let tip = Point3::origin();
+    let (freed, _) = at(&[groove(0.3, 2.0)], tip, Vector3::z(), &GougingOptions { own_layer: true, ..alone() });
+    assert!(freed.left.len() == 2 && freed.left.iter().all(|gouge| !gouge.own_layer));
+    assert!(freed.left.iter().all(|gouge| gouge.part == NozzlePart::Cone), "{:?}", freed.left);
+}
+
+#[test]
+fn what_only_smooths_a_turn_is_taken_out_where_it_gouges() {
+    let up = Point3::new(0.0, 0.0, 200.0);
+    let mut dip = path(1, &[(up, Vector3::z()), (Point3::origin(), Vector3::z()), (up, Vector3::z())]);
+    let layers = [groove(0.3, 2.0), nowhere()];
+    let sample = free_with(&layers, std::slice::from_ref(&dip), &alone());
+    assert_eq!((sample.left.len(), sample.left[0].waypoint, sample.taken_out), (1, 1, 0));
+    dip.waypoints[1].added = true;
+    let freed = free_with(&layers, &[dip], &alone());
+    assert_eq!((freed.gouging_before, freed.left.len(), freed.taken_out, freed.added), (1, 0, 1, 0));
+    assert_eq!(freed.paths[0].waypoints.len(), 2);
 }
 
 #[test]

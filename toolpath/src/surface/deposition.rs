@@ -331,7 +331,7 @@ impl Planner<'_> {
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
 /// // 10 mm of a bead of 0.8 by 0.5 mm.
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let plan = deposit(&[path], &DepositionOptions::default())?;
 /// assert!((plan.extruded_mm3 - 4.0).abs() < 1e-12);

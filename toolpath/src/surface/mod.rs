@@ -28,8 +28,8 @@ mod union;
 pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit, deposit_along};
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use gouging::{
-    BlockedTravel, Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, Obstacle, Pose, TravelOptions,
-    Travels,
+    BlockedTravel, Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle, Pose,
+    TravelOptions, Travels,
 };
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};

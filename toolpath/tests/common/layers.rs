@@ -89,7 +89,7 @@ pub fn path(layer: u32, waypoints: &[(Point3<f64>, Vector3<f64>)]) -> ToolPath {
     let waypoint = |&(tip, direction): &(Point3<f64>, Vector3<f64>)| {
         arc += last.map_or(0.0, |last| (tip - last).norm());
         last = Some(tip);
-        Waypoint { tip, direction: Unit::new_normalize(direction), width: 0.8, height: 0.8, arc }
+        Waypoint { tip, direction: Unit::new_normalize(direction), width: 0.8, height: 0.8, arc, added: false }
     };
     ToolPath { layer, curve: 0, closed: false, waypoints: waypoints.iter().map(waypoint).collect() }
 }

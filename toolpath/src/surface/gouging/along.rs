@@ -5,16 +5,18 @@
 //!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
 //! 4. Around tilted waypoints directions become the means of their neighbours, round by round.
+//! 5. Waypoints that were only put between and that no tilt frees are taken out again: a sharp turn that is listed is better.
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
 use super::deepest::{Scene, Stand};
-use super::{GougingOptions, Obstacle};
+use super::{Gouge, GougingOptions, Obstacle};
 use crate::surface::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between};
 use nalgebra::{Unit, UnitVector3, Vector3};
 
-/// Depths, in layer heights, that are tried where none frees: the least of them is taken.
-const DEEPER: [f64; 6] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0];
+/// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
+const DEEPEST: f64 = 3.0;
+const DEEPER_STEP: f64 = 0.05;
 
 /// How often points are put between: each time as many as an even turn needs, so more than once only where the new ones
 /// have to be tilted as well. Where that does not do either, the turn is listed.
@@ -31,10 +33,20 @@ const SMALL: f64 = 0.004;
 pub(super) struct FreedPath {
     pub waypoints: Vec<Waypoint>,
     pub gouging_before: usize,
+    /// Waypoints put between that stay, and waypoints given that were taken out.
+    pub added: usize,
+    pub taken_out: usize,
     /// How far each is from its first direction.
     pub tilts: Vec<f64>,
-    /// Waypoints that are not free, what they are in, and how deep.
-    pub left: Vec<(usize, Obstacle, f64)>,
+    /// Waypoints that are not free.
+    pub left: Vec<Gouge>,
+}
+
+/// Numbers of the first waypoints of a path and of its layer.
+#[derive(Clone, Copy)]
+pub(super) struct Start {
+    pub path: u32,
+    pub layer: u32,
 }
 
 /// A waypoint on its way.
@@ -42,9 +54,13 @@ pub(super) struct FreedPath {
 struct Step {
     waypoint: Waypoint,
     wanted: UnitVector3<f64>,
+    /// What has a key below this is there. It ends with the last sample before: beads of waypoints added in between lie
+    /// under the tip.
     before: u32,
     /// No tilt frees it.
     stuck: bool,
+    /// It was not put between here.
+    given: bool,
 }
 
 struct Walker<'a> {
@@ -54,15 +70,20 @@ struct Walker<'a> {
     stack: Vec<(f64, u32)>,
 }
 
-/// Sets a path free; `start` is the number of its first waypoint.
-pub(super) fn freed(scene: &Scene, path: &ToolPath, start: u32, options: &GougingOptions) -> FreedPath {
-    let step = |(waypoint, before): (&Waypoint, u32)| Step {
-        waypoint: *waypoint,
-        wanted: waypoint.direction,
-        before,
-        stuck: false,
-    };
-    let steps = path.waypoints.iter().zip(start + 1..).map(step).collect();
+/// Sets a path free.
+pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &GougingOptions) -> FreedPath {
+    let mut done = start.path + 1;
+    let mut steps: Vec<Step> = Vec::with_capacity(path.waypoints.len());
+    for (waypoint, number) in path.waypoints.iter().zip(start.path + 2..) {
+        let before = match steps.last() {
+            Some(last) if waypoint.added => last.before,
+            _ => done,
+        };
+        if !waypoint.added {
+            done = number;
+        }
+        steps.push(Step { waypoint: *waypoint, wanted: waypoint.direction, before, stuck: false, given: true });
+    }
     let mut walker = Walker { scene, options, steps, stack: Vec::new() };
     let gouging_before = (0..walker.steps.len()).filter(|&k| walker.free(k)).count();
     if gouging_before > 0 {
@@ -74,8 +95,13 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: u32, options: &Gougin
         }
         walker.ramp();
         walker.means();
+        // A turn that is listed is better than waypoints in it that gouge.
+        walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
     }
-    walker.finish(gouging_before)
+    let given = |steps: &[Step]| steps.iter().filter(|step| step.given).count();
+    let (kept, all) = (given(&walker.steps), walker.steps.len());
+    let (added, taken_out) = (all - kept, path.waypoints.len() - kept);
+    FreedPath { gouging_before, added, taken_out, ..walker.finish(start.layer) }
 }
 
 impl Walker<'_> {
@@ -103,14 +129,22 @@ impl Walker<'_> {
             return true;
         }
         self.steps[k].stuck = true;
-        let deeper = |allowed: &&f64| **allowed > self.options.allowed_depth;
-        for &allowed in DEEPER.iter().filter(deeper) {
+        let (mut closed, mut open) = (self.options.allowed_depth, DEEPEST);
+        let mut allowed = open;
+        while open - closed > DEEPER_STEP {
             let stand = Stand { allowed, ..self.stand(k) };
-            let found = self.scene.least_tilt(stand, direction, self.options.max_tilt, &mut self.stack);
-            if let Some(direction) = found {
-                self.steps[k].waypoint.direction = direction;
-                break;
+            match self.scene.least_tilt(stand, direction, self.options.max_tilt, &mut self.stack) {
+                Some(direction) => {
+                    self.steps[k].waypoint.direction = direction;
+                    open = allowed;
+                }
+                // Not even as deep as that: it stays as it is.
+                None if allowed >= DEEPEST => break,
+                None => closed = allowed,
             }
+            // Most are hardly deeper than allowed.
+            allowed =
+                closed + (open - closed).min(2.0 * (closed - self.options.allowed_depth) + 2.0 * DEEPER_STEP) / 2.0;
         }
         true
     }
@@ -156,7 +190,8 @@ impl Walker<'_> {
         for step in old {
             if let Some(last) = self.steps.last().copied() {
                 for waypoint in between(&last.waypoint, &step.waypoint, limit) {
-                    self.steps.push(Step { waypoint, wanted: waypoint.direction, before: last.before, stuck: false });
+                    let (wanted, before) = (waypoint.direction, last.before);
+                    self.steps.push(Step { waypoint, wanted, before, stuck: false, given: false });
                     self.free(self.steps.len() - 1);
                 }
             }
@@ -193,22 +228,34 @@ impl Walker<'_> {
         }
     }
 
-    fn finish(mut self, gouging_before: usize) -> FreedPath {
-        let mut left = Vec::new();
-        for k in 0..self.steps.len() {
-            if !self.steps[k].stuck {
-                continue;
-            }
-            let (stand, direction) = (self.stand(k), self.steps[k].waypoint.direction);
-            if let Some(worst) = self.scene.worst(stand, &direction, &mut self.stack) {
-                left.push((k, Obstacle::Layer(worst.layer), worst.depth(stand.allowed)));
-            } else if !self.scene.above_plate(stand, &direction) {
-                let below = self.scene.nozzle.below_plate(stand.tip.z, direction.angle(&Vector3::z_axis()));
-                left.push((k, Obstacle::Plate, below));
-            }
-        }
+    /// What came of it; `layer` is the number of the first waypoint of the layer.
+    fn finish(mut self, layer: u32) -> FreedPath {
+        let left = (0..self.steps.len()).filter(|&k| self.steps[k].stuck);
+        let left = left.collect::<Vec<_>>().into_iter().filter_map(|k| self.gouge(k, layer)).collect();
         let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.direction)).collect();
         let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
-        FreedPath { waypoints, gouging_before, tilts, left }
+        FreedPath { waypoints, tilts, left, gouging_before: 0, added: 0, taken_out: 0 }
+    }
+
+    /// How a waypoint that no tilt frees gouges.
+    fn gouge(&mut self, waypoint: usize, layer: u32) -> Option<Gouge> {
+        let (stand, direction) = (self.stand(waypoint), self.steps[waypoint].waypoint.direction);
+        let nozzle = self.scene.nozzle;
+        let (obstacle, depth, part) = if let Some(worst) = self.scene.worst(stand, &direction, &mut self.stack) {
+            let v = worst.point - stand.tip;
+            let z = v.dot(&direction);
+            let part = nozzle.part(z, (v - direction.into_inner() * z).norm());
+            (Obstacle::Layer(worst.layer), worst.depth(stand.allowed), part)
+        } else if !self.scene.above_plate(stand, &direction) {
+            let (below, part) = nozzle.below_plate(stand.tip.z, direction.angle(&Vector3::z_axis()));
+            (Obstacle::Plate, below, part)
+        } else {
+            return None;
+        };
+        // Earlier layers are finished before the first waypoint of this one.
+        let earlier = Stand { before: layer + 1, ..stand };
+        let wanted = self.steps[waypoint].wanted;
+        let own_layer = self.scene.least_tilt(earlier, wanted, self.options.max_tilt, &mut self.stack).is_some();
+        Some(Gouge { path: 0, waypoint, obstacle, depth, part, own_layer })
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Dai 2020, section 3.6.3, names local gouging as an open point: directions for best adhesion may drive the nozzle into
 //! the model. Here each waypoint is checked against all that is built by then (`deepest`), tilted by the least angle that
-//! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is.
+//! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is. A path on which waypoints are
+//! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free.
 //!
 //! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
 //! (`built`). The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
@@ -23,7 +24,7 @@ use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
 use deepest::Scene;
-pub use nozzle::{Nozzle, NozzleError};
+pub use nozzle::{Nozzle, NozzleError, NozzlePart};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 pub use travel::{BlockedTravel, Pose, TravelOptions, Travels};
@@ -39,6 +40,9 @@ pub struct GougingOptions {
     pub max_turn: f64,
     /// Whether beads of the same layer that are laid by then count, too: yes.
     pub own_layer: bool,
+    /// Whether a path with waypoints that no tilt frees may be printed from its end to its start, if fewer are left that
+    /// way: yes. Other beads of the layer are then there before them.
+    pub reverse: bool,
     /// Whether there is a plate at z = 0, below which nothing may reach: yes.
     pub plate: bool,
 }
@@ -46,11 +50,18 @@ pub struct GougingOptions {
 impl Default for GougingOptions {
     fn default() -> Self {
         let max_turn = 10_f64.to_radians();
-        GougingOptions { allowed_depth: 0.25, max_tilt: PI / 2.0, max_turn, own_layer: true, plate: true }
+        GougingOptions {
+            allowed_depth: 0.25,
+            max_tilt: PI / 2.0,
+            max_turn,
+            own_layer: true,
+            reverse: true,
+            plate: true,
+        }
     }
 }
 
-/// A waypoint where the nozzle is too deep in a layer, however it is tilted.
+/// A waypoint where the nozzle is too deep in a layer, however it is tilted. Its direction is one that is least deep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gouge {
     /// The path, by its place in the list of paths.
@@ -61,6 +72,10 @@ pub struct Gouge {
     pub obstacle: Obstacle,
     /// How deep it is in the layer, or how far below the plate, in millimetres.
     pub depth: f64,
+    /// Which part of the nozzle is deepest.
+    pub part: NozzlePart,
+    /// Whether only beads of the same layer close it in: without them a tilt would free it.
+    pub own_layer: bool,
 }
 
 /// What a nozzle runs into.
@@ -88,6 +103,10 @@ pub struct Freed {
     pub mean_tilt: f64,
     /// Waypoints that were added.
     pub added: usize,
+    /// Waypoints between samples that no tilt freed and that were taken out again, those added here not counted.
+    pub taken_out: usize,
+    /// Paths that are printed from their end to their start, in order: fewer waypoints gouge that way.
+    pub reversed: Vec<usize>,
     /// Waypoints that no tilt frees.
     pub left: Vec<Gouge>,
     /// Turns along the paths now.
@@ -210,9 +229,19 @@ impl LayerStack<'_> {
         options.check()?;
         self.check_paths(&paths)?;
         let starts = built::starts(&paths);
-        let keys = built::keys(self, &paths, &starts, options.own_layer, progress).ok_or(GougingError::Cancelled)?;
-        let scene = Scene { tree: &self.tree, rims: &self.rims, keys: &keys, nozzle, plate: options.plate };
-        let work = |k: usize, path: &ToolPath| along::freed(&scene, path, starts[k], options);
+        let built = built::built(self, &paths, &starts, options.own_layer, progress).ok_or(GougingError::Cancelled)?;
+        let scene = |keys| Scene { tree: &self.tree, rims: &self.rims, keys, nozzle, plate: options.plate };
+        let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
+        let work = |k: usize, path: &ToolPath| {
+            let first = paths.partition_point(|other| other.layer < path.layer);
+            let start = along::Start { path: starts[k], layer: starts[first] };
+            let there = along::freed(&forward, path, start, options);
+            if there.left.is_empty() || !(options.own_layer && options.reverse) {
+                return (there, false);
+            }
+            let back = along::freed(&backward, &path.reversed(), start, options);
+            if back.left.len() < there.left.len() { (back, true) } else { (there, false) }
+        };
         let done = parallel::map(&paths, "gouging", progress, work).ok_or(GougingError::Cancelled)?;
         let mut freed = Freed {
             paths,
@@ -221,24 +250,25 @@ impl LayerStack<'_> {
             max_tilt: 0.0,
             mean_tilt: 0.0,
             added: 0,
+            taken_out: 0,
+            reversed: Vec::new(),
             left: Vec::new(),
             turns: Turns::default(),
             sharp: Vec::new(),
         };
-        for (k, done) in done.into_iter().enumerate() {
+        for (k, (done, reversed)) in done.into_iter().enumerate() {
+            if reversed {
+                freed.reversed.push(k);
+            }
             freed.gouging_before += done.gouging_before;
-            freed.added += done.waypoints.len() - freed.paths[k].waypoints.len();
+            freed.added += done.added;
+            freed.taken_out += done.taken_out;
             for &tilt in done.tilts.iter().filter(|&&tilt| tilt > 0.0) {
                 freed.tilted += 1;
                 freed.max_tilt = freed.max_tilt.max(tilt);
                 freed.mean_tilt += tilt;
             }
-            freed.left.extend(done.left.into_iter().map(|(waypoint, obstacle, depth)| Gouge {
-                path: k,
-                waypoint,
-                obstacle,
-                depth,
-            }));
+            freed.left.extend(done.left.into_iter().map(|gouge| Gouge { path: k, ..gouge }));
             freed.paths[k].waypoints = done.waypoints;
         }
         freed.mean_tilt /= freed.tilted.max(1) as f64;

@@ -39,6 +39,18 @@ pub struct Nozzle {
     block_radius: f64,
 }
 
+/// A part of a nozzle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NozzlePart {
+    /// The flat end.
+    Tip,
+    /// The side of the cone.
+    Cone,
+    /// The block on top of the cone.
+    Block,
+}
+
 /// Why there is no such nozzle.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -143,6 +155,28 @@ impl Nozzle {
         cone.min((self.cone_height - z).max(rho - self.block_radius))
     }
 
+    /// The part that a point is in or near: within the height of the cone, whichever of the tip flat and the side of the
+    /// cone is nearer from inside.
+    ///
+    /// # Arguments
+    /// * `z`: height above the tip along the direction; `rho`: distance from the axis.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::surface::{Nozzle, NozzlePart};
+    /// let parts = [(0.1, 0.2), (2.0, 2.3), (9.0, 1.0)].map(|(z, rho)| Nozzle::default().part(z, rho));
+    /// assert_eq!(parts, [NozzlePart::Tip, NozzlePart::Cone, NozzlePart::Block]);
+    /// ```
+    pub fn part(&self, z: f64, rho: f64) -> NozzlePart {
+        if z > self.cone_height {
+            NozzlePart::Block
+        } else if -z > (rho - self.tip_radius) * self.cos - z * self.sin {
+            NozzlePart::Tip
+        } else {
+            NozzlePart::Cone
+        }
+    }
+
     /// No less than this is the clearance in a body around a point at (`z`, `rho`), if it reaches as far as `reach` tells
     /// (to both sides) in a direction given by what it has of the axis and of the ray from the axis to the point.
     ///
@@ -213,15 +247,15 @@ impl Nozzle {
         Some(tip.min(block).min(FRAC_PI_2))
     }
 
-    /// How far a nozzle reaches below a plate that lies `height` below its tip, if it leans by an angle from the upright.
-    /// Leaning beyond a right angle its block reaches down without end.
-    pub(super) fn below_plate(&self, height: f64, lean: f64) -> f64 {
+    /// How far a nozzle reaches below a plate that lies `height` below its tip, if it leans by an angle from the upright,
+    /// and with which part. Leaning beyond a right angle its block reaches down without end.
+    pub(super) fn below_plate(&self, height: f64, lean: f64) -> (f64, NozzlePart) {
         if lean > FRAC_PI_2 + 1e-9 {
-            return f64::INFINITY;
+            return (f64::INFINITY, NozzlePart::Block);
         }
         let (sin, cos) = lean.sin_cos();
-        let block = self.block_radius * sin - self.cone_height * cos;
-        (self.tip_radius * sin).max(block) - height
+        let (tip, block) = (self.tip_radius * sin, self.block_radius * sin - self.cone_height * cos);
+        if block > tip { (block - height, NozzlePart::Block) } else { (tip - height, NozzlePart::Tip) }
     }
 }
 

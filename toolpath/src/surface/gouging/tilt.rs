@@ -13,16 +13,17 @@
 //! direction found free is the least tilt there is. If no candidate is left, the caps so far cover the sphere, and no
 //! tilt frees: that is proven, too.
 //!
-//! Caps keep [`SLACK`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
-//! "least" and "no tilt" hold for a nozzle that is larger by that.
+//! Caps keep one of [`SLACKS`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
+//! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last.
 
 use super::deepest::{Scene, Stand};
 use crate::surface::orientation::angle;
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::PI;
 
-/// Clearance beyond the needed one that caps keep, in layer heights. Less makes more rounds, more tilts farther.
-const SLACK: f64 = 0.02;
+/// Clearance beyond the needed one that caps keep, in layer heights. Less makes more rounds, more tilts farther; so the
+/// second one is for places that the first says are closed: it opens one in ten of them.
+const SLACKS: [f64; 2] = [0.02, 0.002];
 
 /// Rounds after which the search gives up. On real parts it takes 3 in the median and 12 at most.
 const ROUNDS: usize = 120;
@@ -123,6 +124,17 @@ impl Scene<'_> {
         limit: f64,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
+        SLACKS.iter().find_map(|&slack| self.exchange(stand, wanted, limit, slack, stack))
+    }
+
+    fn exchange(
+        &self,
+        stand: Stand,
+        wanted: UnitVector3<f64>,
+        limit: f64,
+        slack: f64,
+        stack: &mut Vec<(f64, u32)>,
+    ) -> Option<UnitVector3<f64>> {
         let mut candidates = Candidates::new(wanted, limit);
         if self.plate {
             let lean = self.nozzle.plate_lean(stand.tip.z)?;
@@ -134,7 +146,7 @@ impl Scene<'_> {
                 return Some(direction);
             };
             let to_point = bad.point - stand.tip;
-            let clearance = stand.clearance(bad.height) + SLACK * bad.height;
+            let clearance = stand.clearance(bad.height) + slack * bad.height;
             let forbidden = self.nozzle.cap(to_point.norm(), clearance)?;
             candidates.take(Cap::new(Unit::try_new(to_point, 0.0)?, forbidden));
         }

@@ -75,6 +75,8 @@ pub struct Waypoint {
     pub height: f64,
     /// Length of the curve on the surface up to here, in millimetres.
     pub arc: f64,
+    /// Whether it is no sample of the curve, but was put between two of them so that neighbours turn less.
+    pub added: bool,
 }
 
 /// The waypoints along a curve.
@@ -88,6 +90,15 @@ pub struct ToolPath {
     pub closed: bool,
     /// In order.
     pub waypoints: Vec<Waypoint>,
+}
+
+impl ToolPath {
+    /// The path from its end to its start.
+    pub(super) fn reversed(&self) -> ToolPath {
+        let length = self.waypoints.last().map_or(0.0, |last| last.arc);
+        let waypoints = self.waypoints.iter().rev().map(|w| Waypoint { arc: length - w.arc, ..*w }).collect();
+        ToolPath { waypoints, ..*self }
+    }
 }
 
 /// How much directions turn between neighbours.
@@ -108,7 +119,7 @@ impl Turns {
     /// ```
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
     /// use curvlay_toolpath::surface::{ToolPath, Turns, Waypoint};
-    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0 };
+    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false };
     /// let waypoints = [Vector3::z_axis(), Vector3::z_axis(), Vector3::x_axis()].map(waypoint).to_vec();
     /// let turns = Turns::of(&[ToolPath { layer: 0, curve: 0, closed: false, waypoints }]);
     /// assert_eq!((turns.steps, turns.largest.to_degrees(), turns.mean.to_degrees()), (2, 90.0, 45.0));
@@ -321,7 +332,7 @@ impl LayerStack<'_> {
             let normal = ground.normal.ok_or(no_normal)?;
             let (direction, by_point) = toward::toward(self, layer as u32, tip, &ground, normal);
             sampled.by_normal += usize::from(!by_point);
-            sampled.waypoints.push(Waypoint { tip, direction, width, height: ground.height, arc });
+            sampled.waypoints.push(Waypoint { tip, direction, width, height: ground.height, arc, added: false });
         }
         Ok(sampled)
     }

@@ -64,6 +64,7 @@ pub(in crate::surface) fn between(from: &Waypoint, to: &Waypoint, limit: f64) ->
             width: mix(from.width, to.width),
             height: mix(from.height, to.height),
             arc: mix(from.arc, to.arc),
+            added: true,
         })
     };
     (1..parts).filter_map(part).collect()
