@@ -5,6 +5,7 @@ use crate::surfaces::SurfacesRun;
 use crate::{Args, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::gcode;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
@@ -23,6 +24,25 @@ pub const GOUGING_SHARE: f64 = 1e-3;
 
 /// How far the volume of the beads may be off that of what they cover.
 pub const VOLUME_SHARE: f64 = 0.02;
+
+/// The shape of a nozzle, and how it was given.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    pub nozzle: Nozzle,
+    pub text: String,
+}
+
+/// A nozzle as four numbers, for clap.
+pub fn shape(text: &str) -> Result<Shape, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let Ok([tip, angle, height, block]) = numbers.as_deref() else {
+        return Err(
+            "must be four numbers: tip flat (mm), half angle (degrees), height of the cone, block (mm)".to_owned()
+        );
+    };
+    let nozzle = Nozzle::new(*tip, angle.to_radians(), *height, *block).map_err(|error| error.to_string())?;
+    Ok(Shape { nozzle, text: text.to_owned() })
+}
 
 /// What came of the stage.
 pub struct MachineRun {
@@ -105,8 +125,8 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     };
     let start = Instant::now();
     let least = LEAST_HEIGHT * surfaces.height_mm;
-    let floor = |thickness: &Vec<f64>| thickness.iter().map(|thickness| thickness.max(least)).collect();
-    let thickness: Vec<Vec<f64>> = surfaces.spacing.thickness_mm.iter().map(floor).collect();
+    let sheets = surfaces.sheets.iter().zip(&surfaces.spacing.thickness_mm);
+    let thickness: Vec<Vec<f64>> = sheets.map(|(sheet, thickness)| even_thickness(sheet, thickness, least)).collect();
     let curves: Vec<Curves> = paths.layers.iter().map(|layer| layer.as_ref().map(curves).unwrap_or_default()).collect();
     let borrowed: Vec<Vec<LayerCurve>> = curves
         .iter()
@@ -126,7 +146,7 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     let oriented = stack.orient(&OrientOptions::default(), &progress).map_err(failure)?;
     let raw = oriented.before;
     let before_gouging = Instant::now();
-    let freed = stack.free(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &progress);
+    let freed = stack.free(oriented.paths, &args.nozzle.nozzle, &GougingOptions::default(), &progress);
     let freed = freed.map_err(failure)?;
     let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
 
@@ -153,11 +173,34 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     Ok(MachineRun { raw, freed, travels, deposition, covered_mm3, example, times })
 }
 
-/// Area by thickness.
-fn volume(sheet: &curvlay_layers::curved::trim::TrimmedSheet, thickness: &[f64]) -> f64 {
-    let area = |corners: &[u32; 3]| {
-        let [a, b, c]: [Point3<f64>; 3] = corners.map(|corner| sheet.vertices[corner as usize]);
-        (b - a).cross(&(c - a)).norm() / 2.0
+/// The thickness of each triangle as the mean over those around its corners, by area. Where layers bend, rays from
+/// neighbouring triangles end up to twice as far away; beads cannot jump like that.
+fn even_thickness(sheet: &TrimmedSheet, thickness: &[f64], least: f64) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; sheet.vertices.len()];
+    for (corners, thickness) in sheet.triangles.iter().zip(thickness) {
+        let area = area(sheet, corners);
+        for &corner in corners {
+            let [volume, around] = &mut sums[corner as usize];
+            *volume += area * thickness;
+            *around += area;
+        }
+    }
+    let even = |(corners, &thickness): (&[u32; 3], &f64)| {
+        let mean = |corner: u32| {
+            let [volume, around] = sums[corner as usize];
+            if around > 0.0 { volume / around } else { thickness }
+        };
+        (corners.iter().map(|&corner| mean(corner)).sum::<f64>() / 3.0).max(least)
     };
-    sheet.triangles.iter().zip(thickness).map(|(corners, thickness)| area(corners) * thickness).sum()
+    sheet.triangles.iter().zip(thickness).map(even).collect()
+}
+
+/// Area by thickness.
+fn volume(sheet: &TrimmedSheet, thickness: &[f64]) -> f64 {
+    sheet.triangles.iter().zip(thickness).map(|(corners, thickness)| area(sheet, corners) * thickness).sum()
+}
+
+fn area(sheet: &TrimmedSheet, corners: &[u32; 3]) -> f64 {
+    let [a, b, c]: [Point3<f64>; 3] = corners.map(|corner| sheet.vertices[corner as usize]);
+    (b - a).cross(&(c - a)).norm() / 2.0
 }

@@ -54,6 +54,10 @@ struct Args {
     /// Diameter of the filament in millimetres
     #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
     filament: f64,
+    /// Shape of the nozzle: diameter of its tip flat (mm), half angle of its cone (degrees), height of the cone (mm),
+    /// diameter of the block above it (mm)
+    #[arg(long, value_name = "TIP,ANGLE,HEIGHT,BLOCK", default_value = "1,45,8,20", value_parser = machine::shape)]
+    nozzle: machine::Shape,
     /// Temperature of the nozzle, for the machine file, in degrees Celsius
     #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
     nozzle_celsius: Option<f64>,

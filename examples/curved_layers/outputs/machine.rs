@@ -10,7 +10,8 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ToolPath};
+use curvlay_toolpath::surface::{NozzlePart, Obstacle, ToolPath};
+use std::collections::HashSet;
 use std::io;
 
 /// Writes the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
@@ -23,12 +24,10 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
         write(run, &options, "toolpath-bc.gcode", folder)?;
     }
     if !run.freed.left.is_empty() {
-        folder.write_with("gouging.csv", |out| {
-            writeln!(out, "path,waypoint,obstacle,depth_mm")?;
-            run.freed.left.iter().try_for_each(|gouge| {
-                writeln!(out, "{},{},{},{:.4}", gouge.path, gouge.waypoint, name(gouge.obstacle), gouge.depth)
-            })
-        })?;
+        folder.write_with("gouging.csv", |out| gouging(run, out))?;
+    }
+    if !run.freed.sharp.is_empty() {
+        folder.write_with("turns.csv", |out| turns(run, out))?;
     }
     if !run.travels.blocked.is_empty() {
         folder.write_with("blocked_travels.csv", |out| {
@@ -49,6 +48,42 @@ fn name(obstacle: Obstacle) -> String {
     }
 }
 
+/// Layers count from 1, paths (in the order in which they are printed) and waypoints from 0.
+fn place(run: &MachineRun, path: usize, waypoint: usize) -> String {
+    let (path_of, tip) = (&run.freed.paths[path], run.freed.paths[path].waypoints[waypoint].tip);
+    format!("{},{path},{waypoint},{:.3},{:.3},{:.3}", path_of.layer + 1, tip.x, tip.y, tip.z)
+}
+
+/// Waypoints that gouge.
+fn gouging(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
+    writeln!(out, "layer,path,waypoint,x,y,z,obstacle,depth_mm,nozzle_part,why")?;
+    run.freed.left.iter().try_for_each(|gouge| {
+        let why = match gouge.obstacle {
+            Obstacle::Layer(_) if gouge.own_layer => "no tilt frees it of beads of its own layer",
+            Obstacle::Layer(_) => "no tilt frees it of earlier layers",
+            _ => "too near to the plate",
+        };
+        let part = match gouge.part {
+            NozzlePart::Tip => "tip",
+            NozzlePart::Cone => "cone",
+            _ => "block",
+        };
+        let place = place(run, gouge.path, gouge.waypoint);
+        writeln!(out, "{place},{},{:.4},{part},{why}", name(gouge.obstacle), gouge.depth)
+    })
+}
+
+/// Neighbours that turn by more than they should.
+fn turns(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
+    writeln!(out, "layer,path,waypoint,x,y,z,turn_deg,why")?;
+    let gouging: HashSet<(usize, usize)> = run.freed.left.iter().map(|gouge| (gouge.path, gouge.waypoint)).collect();
+    run.freed.sharp.iter().try_for_each(|turn| {
+        let gouges = [0, 1].iter().any(|next| gouging.contains(&(turn.path, turn.waypoint + next)));
+        let why = if gouges { "beside a waypoint that gouges" } else { "no directions in between are free" };
+        writeln!(out, "{},{:.2},{why}", place(run, turn.path, turn.waypoint), turn.angle.to_degrees())
+    })
+}
+
 fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFolder) -> Result<Written, Failure> {
     let mut written = Ok(Written::default());
     folder
@@ -61,9 +96,10 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     written.map_err(|error| failure(format!("{name}: {error}")))
 }
 
-pub fn summary(run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
+pub fn summary(args: &Args, run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
     let (freed, deposition, times) = (&run.freed, &run.deposition, &run.times);
     summary
+        .set("nozzle", args.nozzle.text.as_str())?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
         .set_seconds("gouging_s", times.gouging)?
@@ -74,6 +110,9 @@ pub fn summary(run: &MachineRun, written: &Written, summary: &mut Summary) -> Re
         .set("sharp_orientation_turns", freed.sharp.len())?
         .set("gouging_before", freed.gouging_before)?
         .set("gouging_waypoints", freed.left.len())?
+        .set("gouging_of_own_layer", freed.left.iter().filter(|gouge| gouge.own_layer).count())?
+        .set("gouging_max_depth_mm", freed.left.iter().map(|gouge| gouge.depth).fold(0.0, f64::max))?
+        .set("paths_reversed", freed.reversed.len())?
         .set("max_tilt_deg", freed.max_tilt.to_degrees())?
         .set("extruded_mm3", deposition.extruded_mm3)?
         .set("covered_mm3", run.covered_mm3)?

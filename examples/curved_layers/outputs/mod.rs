@@ -45,7 +45,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
 
     if let Some(run) = machine {
         let written = machine::products(args, run, folder)?;
-        machine::summary(run, &written, &mut summary)?;
+        machine::summary(args, run, &written, &mut summary)?;
         machine::rows(run, &written, &mut table);
     }
     if let Some(run) = motion {
