@@ -151,7 +151,7 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
 
     let start = Instant::now();
-    let travels = stack.travels(&freed.paths, &Nozzle::default(), &TravelOptions::default(), &progress);
+    let travels = stack.travels(&freed.paths, &args.nozzle.nozzle, &TravelOptions::default(), &progress);
     let travels = travels.map_err(failure)?;
     times.travels = start.elapsed();
 

@@ -300,7 +300,8 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     bad.waypoints[1].tip.x = f64::NAN;
     assert_eq!(tried(&[good.clone(), bad], &default), Err(GougingError::BadWaypoint { path: 1, waypoint: 1 }));
     let stop = |_| ControlFlow::Break(());
-    let cancelled = with_stack(&layers, |stack| stack.travels(&[good.clone()], &Nozzle::default(), &default, &stop));
+    let cancelled =
+        with_stack(&layers, |stack| stack.travels(std::slice::from_ref(&good), &Nozzle::default(), &default, &stop));
     assert_eq!(cancelled, Err(GougingError::Cancelled));
     assert!(tried(&[], &default).unwrap().ways.is_empty());
 
