@@ -200,13 +200,14 @@ fn a_curve_fills_each_layer() {
     assert_eq!(moves.iter().filter(above).count(), beads.len());
 }
 
-/// The same tower in rows and in rings.
+/// A block in rows and in rings.
 #[test]
 fn other_patterns_fill_layers_too() {
     let scratch = Scratch::new("patterns");
     let mesh = scratch.path("frame.stl");
     fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [20.0, 14.0, 2.0]]])).unwrap();
-    for (pattern, curves) in [("zigzag", 2.0), ("rings", 28.0)] {
+    // Beside its outermost rows, and at every other end of a row, a zigzag leaves up to a bead bare.
+    for (pattern, curves, covered) in [("zigzag", 2.0, 0.92), ("rings", 28.0, 0.99)] {
         let out = scratch.path(pattern);
         let args = ["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--pattern", pattern, "--quiet", "--out", &out];
         let output = run(&args);
@@ -215,9 +216,10 @@ fn other_patterns_fill_layers_too() {
         let figure = |key: &str| figures[key].as_f64().unwrap();
         assert_eq!(figures["pattern"], pattern);
         assert_eq!((figure("curves"), figure("regions"), figure("self_crossings")), (curves, 2.0, 0.0), "{pattern}");
-        assert!(figure("covered_fraction") > 0.94 && figure("overlap_fraction") < 0.05, "{pattern}");
+        assert!(figure("covered_fraction") > covered && figure("overlap_fraction") < 0.01, "{pattern}");
         // 280 mm2 a layer.
-        assert!((figure("path_mm") * 0.5 / 560.0 - 1.0).abs() < 0.06, "{pattern} {}", figure("path_mm"));
+        let filled = figure("path_mm") * 0.5 / 560.0;
+        assert!(filled > covered - 0.02 && filled < 1.01, "{pattern} {filled}");
     }
 }
 

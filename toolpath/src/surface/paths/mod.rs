@@ -45,7 +45,8 @@ pub enum Pattern {
     Spirals,
     /// Closed curves along the boundary, one inside the other, not connected.
     Rings,
-    /// Rows a bead apart, to and fro: one continuous curve for each part of a region that no hole and no bay divides.
+    /// Rows a bead apart, to and fro: one continuous curve for each part of a region that no hole and no bay divides. Beside
+    /// the outermost rows up to a bead stays bare.
     Zigzag,
 }
 

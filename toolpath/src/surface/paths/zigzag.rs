@@ -12,6 +12,8 @@
 //! the next curve: one curve a cell. Where ends of curves follow each other on a rim, in neighbouring rows or in parts of the
 //! same, these curves become one at last.
 //!
+//! Rows know nothing of the boundary: beside the outermost ones, and at every other end, up to a bead stays bare.
+//!
 //! Rows meet no other rows, and each piece of a rim joins two ends next to it, so curves do not cross.
 
 use super::PathError;
