@@ -155,6 +155,11 @@ fn narrow_parts_get_single_beads_and_closed_ones_none() {
     assert!((got.paths[0].length() * 0.8 / 63.0 - 1.0).abs() < 0.15, "{}", got.paths[0].length());
     let alone = compact(&[[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [2.0, 7.0, 1.0]].map(Point3::from), &[[0, 1, 2]]);
     assert_eq!(zigzag(&to_boundary(&alone), 0.6).paths.len(), 1);
+    // No room for a row, but for a ring.
+    let small = plate(3, 0.5, |_, _| false);
+    let got = zigzag(&to_boundary(&small), 0.8);
+    assert_eq!((got.paths.len(), got.regions, got.unfilled.len()), (1, 1, 0));
+    assert!(got.paths[0].closed && (got.paths[0].length() - 2.0 * (0.7 + 0.4)).abs() < 0.05);
 }
 
 proptest! {

@@ -12,6 +12,8 @@
 //! the next curve: one curve a cell. Where ends of curves follow each other on a rim, in neighbouring rows or in parts of the
 //! same, these curves become one at last.
 //!
+//! A region too small for any row gets a bead along its rim.
+//!
 //! Rows know nothing of the boundary: beside the outermost ones, and at every other end, up to a bead stays bare.
 //!
 //! Rows meet no other rows, and each piece of a rim joins two ends next to it, so curves do not cross.
@@ -131,6 +133,10 @@ pub(super) fn curves(field: &LevelField, rims: &[Rim], bead: f64) -> Result<Vec<
         }
         curves.push((points, rows[first].closed, region));
     }
+    // Where no row fits the rim itself is the curve.
+    let bare = |rim: &&Rim| curves.iter().all(|curve: &RowCurve| curve.2 != rim.region);
+    let without: Vec<&Rim> = rims.iter().filter(bare).collect();
+    curves.extend(without.into_iter().map(|rim| (rim.on.points().to_vec(), true, rim.region)));
     Ok(curves)
 }
 
