@@ -158,7 +158,8 @@ impl LayerStack<'_> {
     /// let travels = LayerStack::new(&layers)?.travels(&paths, &nozzle, &options, &|_| ControlFlow::Continue(()))?;
     /// assert!(travels.blocked.is_empty() && travels.ways[0].is_empty());
     /// let highest = travels.ways[1].iter().map(|pose| pose.tip.z).fold(0.0, f64::max);
-    /// assert!(highest >= 13.0 && highest < 20.0, "{highest}");
+    /// // In a flat arc: over the wall, a millimetre clear.
+    /// assert!(highest >= 13.0 && highest < 21.0, "{highest}");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn travels(
