@@ -1,7 +1,7 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_kinematics::program::{Goal, Move, Step, UrScriptReader, read_rapid};
+use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
 use curvlay_toolpath::nalgebra::Point3;
 use serde_json::Value;
@@ -374,6 +374,28 @@ fn an_arm_over_a_table_prints_a_block() {
             "{tip} {at} {feed} {speed}"
         );
     }
+}
+
+/// Bug: the whole tower was in the scene from the first layer on, so that what holds the nozzle had no place beside it.
+#[test]
+fn what_is_printed_later_is_in_nobodys_way() {
+    let scratch = Scratch::new("tower");
+    let mesh = scratch.path("tower.stl");
+    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [16.0, 16.0, 80.0]]])).unwrap();
+    let out = scratch.path("out");
+    let common = ["--mesh", &mesh, "--cell", "8", "--bead", "4", "--stage", "motion", "--cell8", "--program", "csv"];
+    let output = run(&[&common[..], &["--quiet", "--out", &out]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    let count = |key: &str| figures[key].as_u64().unwrap();
+    assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (10, 9, 0));
+    assert_eq!((count("blocked_waypoints"), count("unreachable_waypoints"), count("collisions")), (0, 0, 0));
+    // As CSV, the table's axes stand beside the targets.
+    let file = fs::File::open(Path::new(&out).join("print_001.csv")).unwrap();
+    let steps = CsvReader::new(BufReader::new(file)).unwrap().collect::<Result<Vec<Step>, _>>().unwrap();
+    let moves = steps.iter().filter(|step| matches!(step, Step::Move(Move { table: Some(_), .. }))).count();
+    assert_eq!(moves + 20, steps.len());
+    assert!(!Path::new(&out).join("print.mod").exists());
 }
 
 #[test]

@@ -3,6 +3,8 @@
 //! C. Dai 2020, section 2.5: a UR3 that holds the part under a standing nozzle; an IRB 1200 that holds the nozzle over
 //! a table which carries the part, tilts and turns. Of the table the scene has the plate and a post down to the tilt
 //! axis: the makers' frame around it depends on the cell.
+//!
+//! The UR3 stands on a pedestal and hangs its elbow below its base, by up to 0.3 m; floor and pedestal are not in the scene.
 
 use crate::failure;
 use curvlay_examples::args::Failure;
