@@ -1,25 +1,28 @@
 //! Robot motion with little jerk along a curved layer: a UR3 that holds the part, and eight axes over a table.
 //!
-//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 4: Table 4.2 and the study of noise
-//! (Fig. 4.14).
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 4: Table 4.2, the study of noise
+//! (Fig. 4.14), and Table 4.1 on the UR3.
 //! ```sh
 //! cargo run --release --example jerk_motion -- --count 4681
 //! cargo run --release --example jerk_motion -- --waypoints layer.txt --feed 5 --up y
 //! ```
 //! Without `--waypoints` the path is a spiral over a patch made in code. `--help` lists the options.
 
+mod collisions;
 mod outputs;
 pub mod path;
 mod planning;
 mod plot;
 
 use clap::{Parser, ValueEnum};
+use collisions::{Amount, Study};
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Up;
 use curvlay_examples::motion::{OverTable, PartInHand, Placed, STEP_S, centred};
 use curvlay_examples::output::OutputFolder;
-use curvlay_trajectory::{PathOptions, TimedPath, Timing, timed_path};
+use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
+use curvlay_trajectory::{PathOptions, PathPiece, TimedPath, Timing, timed_path};
 use path::Path6;
 use planning::{METHODS, Plan, Planned, plan};
 use std::path::PathBuf;
@@ -51,6 +54,15 @@ pub struct Args {
     /// Waypoints in the study of noise, from the first on; 0 leaves it out
     #[arg(long = "noise", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=20_000))]
     noise_count: u32,
+    /// A closed part as built so far, where the waypoints have it; without it, a slab a layer below them
+    #[arg(long, value_name = "FILE")]
+    part: Option<PathBuf>,
+    /// Postures near the surface, and again on it, that collision indicators are measured with; 0 leaves them out
+    #[arg(long = "samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    sample_count: u32,
+    /// Postures that collision indicators learn from
+    #[arg(long = "training", value_name = "N", default_value_t = 3020, value_parser = clap::value_parser!(u32).range(30..=20_000))]
+    training_count: u32,
     #[command(flatten)]
     common: Common,
 }
@@ -94,6 +106,8 @@ pub struct Results {
     pub ur3: Option<Run<6>>,
     /// With eight axes.
     pub cell8: Option<Run<8>>,
+    /// Collisions on the UR3.
+    pub study: Option<Study>,
 }
 
 fn main() -> ExitCode {
@@ -125,11 +139,33 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
     let cell8 = (cell != Cells::Ur3)
         .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, [360, 1, 1], 1))
         .transpose()?;
+    let study = ur3.as_ref().filter(|_| args.sample_count > 0);
+    let study = study.map(|run| study_collisions(run, &timed, args, bars)).transpose()?;
     bars.finish();
-    let results = Results { path: timed, given: given.0.len(), ur3, cell8 };
+    let results = Results { path: timed, given: given.0.len(), ur3, cell8, study };
     outputs::write(args, &results, folder, start.elapsed())?;
     let well = results.failed_checks().is_empty();
     Ok((results, if well { Outcome::Done } else { Outcome::CheckFailed }))
+}
+
+/// Table 4.1 on the smoothest motion of the UR3.
+fn study_collisions(run: &Run<6>, timed: &TimedPath, args: &Args, bars: &Bars) -> Result<Study, Failure> {
+    bars.update("collisions", 0, 1);
+    let all = waypoints(timed);
+    let placed = centred(&all);
+    let origin = all[0].0 - placed[0].position;
+    let robot = PartInHand::new(placed)?;
+    let trajectories = outputs::smoothest(run).map_or(&[][..], |planned| &planned.trajectories);
+    let part = args.part.as_deref().map(|file| (file, args.up));
+    let amount = Amount { training: args.training_count as usize, verification: args.sample_count as usize };
+    let times: Vec<&[f64]> = timed.pieces.iter().map(|piece| &piece.times[..]).collect();
+    collisions::study(&robot, &times, &origin, part, trajectories, amount)
+}
+
+/// The waypoints of all pieces.
+fn waypoints(timed: &TimedPath) -> Vec<(Point3<f64>, UnitVector3<f64>)> {
+    let of = |piece: &PathPiece| piece.positions.iter().copied().zip(piece.normals.iter().copied()).collect::<Vec<_>>();
+    timed.pieces.iter().flat_map(of).collect()
 }
 
 fn stamped((positions, normals): &Path6, feed: Option<f64>) -> Result<TimedPath, Failure> {
@@ -152,12 +188,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
 ) -> Result<Run<N>, Failure> {
     // One placing for the whole path, so that its pieces stay where they are to one another.
     let robots = |timed: &TimedPath| -> Result<(Vec<R>, Vec<Vec<f64>>), Failure> {
-        let all: Vec<_> = timed
-            .pieces
-            .iter()
-            .flat_map(|piece| piece.positions.iter().copied().zip(piece.normals.iter().copied()))
-            .collect();
-        let whole = cell(centred(&all)).map_err(Failure::new)?;
+        let whole = cell(centred(&waypoints(timed))).map_err(Failure::new)?;
         let mut first = 0;
         let parts = timed.pieces.iter().map(|piece| {
             first += piece.waypoints.len();

@@ -35,7 +35,8 @@ fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
 
 #[test]
 fn the_spiral_is_planned_on_both_robots() {
-    let (path, outcome) = run("spiral", &["--count", "60", "--noise", "12"]).unwrap();
+    let words = ["--count", "60", "--noise", "12", "--samples", "200", "--training", "150"];
+    let (path, outcome) = run("spiral", &words).unwrap();
     assert_eq!(outcome, Outcome::Done);
     let summary = summary(&path);
     assert_eq!(
@@ -61,8 +62,48 @@ fn the_spiral_is_planned_on_both_robots() {
         let csv = fs::read_to_string(path.join(format!("{robot}_trajectory.csv"))).unwrap();
         assert_eq!(csv.lines().count(), 1 + 60 + 2 * 4);
     }
+    // The motion around the slab is free by the exact scene, and the geometric indicator is nearly so.
+    assert_eq!((figure("collisions"), figure("motions_verified")), (0.0, 67.0));
+    for place in ["near", "contact"] {
+        assert!(figure(&format!("geometric_tnr_{place}")) >= 0.9);
+        for key in ["tnr", "missed"] {
+            for name in ["svm", "svm_random", "geometric"] {
+                assert!((0.0..=1.0).contains(&figure(&format!("{name}_{key}_{place}"))));
+            }
+        }
+    }
+    assert_eq!((figure("svm_samples"), figure("geometric_kernels")), (150.0, 0.0));
+    assert!(figure("svm_kernels") > 0.0 && figure("geometric_evaluation_us") > 0.0);
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 4);
+    assert!(report.contains("Table 4.1"));
+}
+
+/// A brick under a straight path: a part from a file, which must be closed.
+#[test]
+fn a_part_from_a_file_is_kept_clear_of() {
+    fs::create_dir_all(place("files")).unwrap();
+    let waypoints: String = (0..30).map(|k| format!("{} 0 10 0 0 1\n", 0.8 * f64::from(k))).collect();
+    let corners = (0..8).map(|k| format!("v {} {} {}\n", -5 + 35 * (k & 1), -5 + 10 * (k >> 1 & 1), 9 * (k >> 2)));
+    let faces =
+        ["1 3 4", "1 4 2", "1 2 6", "1 6 5", "2 4 8", "2 8 6", "4 3 7", "4 7 8", "3 1 5", "3 5 7", "5 6 8", "5 8 7"];
+    let faces = faces.map(|face| format!("f {face}\n"));
+    let corners: String = corners.collect();
+    let [path, brick, open] = ["brick.txt", "brick.obj", "open.obj"].map(|name| place("files").join(name));
+    fs::write(&path, waypoints).unwrap();
+    fs::write(&brick, format!("{corners}{}", faces.concat())).unwrap();
+    fs::write(&open, format!("{corners}{}", faces[1..].concat())).unwrap();
+    let words = |part: &PathBuf| {
+        ["--robots", "ur3", "--noise", "0", "--samples", "50", "--training", "60", "--waypoints"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain([path.to_str().unwrap().to_owned(), "--part".to_owned(), part.to_str().unwrap().to_owned()])
+            .collect::<Vec<_>>()
+    };
+    let run = |name: &str, part: &PathBuf| run(name, &words(part).iter().map(String::as_str).collect::<Vec<_>>());
+    let (folder, outcome) = run("brick", &brick).unwrap();
+    assert_eq!((outcome, &summary(&folder)["collisions"]), (Outcome::Done, &0.into()));
+    assert!(run("open", &open).unwrap_err().contains("the surface is open"));
 }
 
 #[test]
