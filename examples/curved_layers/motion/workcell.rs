@@ -231,7 +231,7 @@ fn layers(field: &FieldRun, surfaces: &SurfacesRun) -> Vec<Vec<u32>> {
 impl<const N: usize, const F: usize, R: Printer<N, F>> FreeSpace<N> for Workcell<'_, N, F, R> {
     fn free(&self, from: &[f64; N], to: &[f64; N]) -> bool {
         let [from, to] = [from, to].map(R::posture_of);
-        matches!(self.moving.sweep(&from, &to, RESOLUTION_MM), Ok(Sweep::Free))
+        matches!(self.moving.is_free(&from, &to, RESOLUTION_MM), Ok(true))
     }
 
     fn posture_free(&self, joints: &[f64; N]) -> bool {
