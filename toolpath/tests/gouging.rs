@@ -417,6 +417,7 @@ fn moved_alike(seed: u64, turn: [f64; 3]) -> Result<(), TestCaseError> {
 fn what_is_barely_free_is_found_in_every_frame() {
     moved_alike(63, [0.0, 0.4440355646559515, -1.523831616905735]).unwrap();
     moved_alike(244, [-0.9715289838263557, 1.783698624268615, 2.1686454441730096]).unwrap();
+    moved_alike(231, [0.0, 2.164226966132162, 0.0]).unwrap();
 }
 
 /// A path over a plain, with a wall beside it for a while.

@@ -359,7 +359,8 @@ pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposi
 /// ```
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::surface::{DepositionOptions, Pose, ToolPath, Waypoint, deposit_along};
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x };
+/// let direction = Vector3::z_axis();
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false };
 /// let path = |from, to| ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(from), at(to)] };
 /// let above = |x| Pose { tip: Point3::new(x, 0.0, 3.5), direction: Vector3::z_axis() };
 /// let ways = [Vec::new(), vec![above(10.0), above(20.0)]];

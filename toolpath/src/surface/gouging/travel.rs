@@ -150,7 +150,9 @@ impl LayerStack<'_> {
     /// let (triangles, spacing) = ([[0, 1, 2], [0, 2, 3]], [0.8; 2]);
     /// let layers = [&wall, &floor].map(|vertices| BuiltLayer { vertices, triangles: &triangles, spacing: &spacing, curves: &[] });
     /// let line = |x: [f64; 2]| {
-    ///     let at = |x, arc| Waypoint { tip: Point3::new(x, 10.0, 0.8), direction: Vector3::z_axis(), width: 0.8, height: 0.8, arc };
+    ///     let (direction, added) = (Vector3::z_axis(), false);
+    ///     let tip = |x| Point3::new(x, 10.0, 0.8);
+    ///     let at = |x, arc| Waypoint { tip: tip(x), direction, width: 0.8, height: 0.8, arc, added };
     ///     ToolPath { layer: 1, curve: 0, closed: false, waypoints: vec![at(x[0], 0.0), at(x[1], 5.0)] }
     /// };
     /// let (nozzle, options) = (Nozzle::default(), TravelOptions::default());
