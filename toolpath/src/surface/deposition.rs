@@ -14,13 +14,10 @@
 //!
 //! [`LayerStack::travels`]: super::LayerStack::travels
 
-use super::gouging::Pose;
-use super::orientation::{ToolPath, Waypoint, angle};
+use super::orientation::{JOINED, ToolPath, Waypoint, angle};
+use super::travel::Pose;
 use nalgebra::{Point3, UnitVector3};
 use std::f64::consts::PI;
-
-/// Paths whose ends are nearer than this, in millimetres, join: no travel in between.
-const JOINED: f64 = 1e-6;
 
 /// Tips slower than this, in millimetres a second, stand still: machine files have no lower speed.
 const SLOWEST: f64 = 1e-3;

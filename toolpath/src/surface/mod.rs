@@ -23,14 +23,12 @@ mod parallel;
 mod paths;
 mod stack;
 mod statistics;
+mod travel;
 mod union;
 
 pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit, deposit_along};
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
-pub use gouging::{
-    BlockedTravel, Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle, Pose,
-    TravelOptions, Travels,
-};
+pub use gouging::{Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle};
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
@@ -40,3 +38,4 @@ pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };
+pub use travel::{BlockedTravel, Pose, TravelOptions, Travels};

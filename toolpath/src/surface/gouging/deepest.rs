@@ -24,7 +24,7 @@ pub(super) const PIECE: f64 = 0.02;
 const ROUGH: f64 = 0.1;
 
 /// What a nozzle must keep clear of.
-pub(super) struct Scene<'a> {
+pub(in crate::surface) struct Scene<'a> {
     pub tree: &'a Tree,
     /// Edges of boundaries, which triangles name.
     pub rims: &'a [[Point3<f64>; 2]],
@@ -37,7 +37,7 @@ pub(super) struct Scene<'a> {
 
 /// A place of the nozzle's tip, and what is built by then.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stand {
+pub(in crate::surface) struct Stand {
     pub tip: Point3<f64>,
     /// Triangles with a key below this are there.
     pub before: u32,
@@ -47,7 +47,7 @@ pub(super) struct Stand {
 
 /// A point that is too near.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Worst {
+pub(in crate::surface) struct Worst {
     pub point: Point3<f64>,
     /// Clearance less what it must be: below 0.
     pub lack: f64,

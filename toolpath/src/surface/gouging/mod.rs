@@ -17,17 +17,15 @@ mod built;
 mod deepest;
 mod nozzle;
 mod tilt;
-mod travel;
 
 use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
 use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
-use deepest::Scene;
+pub(super) use deepest::{Scene, Stand};
 pub use nozzle::{Nozzle, NozzleError, NozzlePart};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-pub use travel::{BlockedTravel, Pose, TravelOptions, Travels};
 
 /// How gouging is corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,7 +276,7 @@ impl LayerStack<'_> {
     }
 
     /// Whether paths can be those of these layers.
-    fn check_paths(&self, paths: &[ToolPath]) -> Result<(), GougingError> {
+    pub(super) fn check_paths(&self, paths: &[ToolPath]) -> Result<(), GougingError> {
         let waypoints = paths.iter().map(|path| path.waypoints.len()).sum();
         if waypoints > 1 << 31 {
             return Err(GougingError::TooLarge { waypoints });

@@ -264,7 +264,7 @@ impl Nozzle {
     ///
     /// Each face is moved outward. The side of the cone then meets the plane of the lower tip farther in than the flat is
     /// wider: `r' cos a = r cos a + by (1 - sin a)`. Only beside edges the larger nozzle holds more than it must.
-    pub(super) fn grown(&self, by: f64) -> Nozzle {
+    pub(in crate::surface) fn grown(&self, by: f64) -> Nozzle {
         let tip_radius = self.tip_radius + by * (1.0 - self.sin) / self.cos;
         // The lower face of the block goes down with the tip.
         Nozzle { tip_radius, block_radius: self.block_radius + by, ..*self }
@@ -272,7 +272,7 @@ impl Nozzle {
 
     /// How far the lower edge of the block is from the tip: of all points of a nozzle that leans by no more than a right
     /// angle none that is farther comes lowest.
-    pub(super) fn corner(&self) -> f64 {
+    pub(in crate::surface) fn corner(&self) -> f64 {
         self.block_radius.hypot(self.cone_height)
     }
 }

@@ -29,6 +29,9 @@ const MOST_SAMPLES: f64 = 1e8;
 /// Least turn that may be asked for, in radians: 0.1 degrees. Below it a crest would take thousands of points.
 pub(super) const LEAST_TURN: f64 = 0.1_f64.to_radians();
 
+/// Paths whose ends are nearer than this, in millimetres, join: no travel in between.
+pub(super) const JOINED: f64 = 1e-6;
+
 /// How paths are sampled and oriented.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientOptions {

@@ -11,25 +11,20 @@
 //! moves by `s + f d` at most. Where it might touch something `d` is at most the farthest distance `L` from the leg to a box
 //! around all that is built. So if at the middle of the leg a nozzle grown by the clearance plus `(s + f L) / 2` is free, the
 //! leg is. If not, its halves are looked at, down to where that growth is [`FINEST`] of the clearance. The check of a place is
-//! that of `deepest`, so all holds but for a fiftieth of a layer.
+//! that of `gouging`, so all holds but for a fiftieth of a layer.
 //!
 //! # Choice
 //! Candidates are straight ways, arcs and ways over the top of the part, each from several heights above the ends;
 //! the shortest one that is proven free is taken. Where none is the travel is listed, with what is in the way of
 //! the lowest straight one.
 
-use super::deepest::{Scene, Stand};
-use super::nozzle::Nozzle;
-use super::{GougingError, Obstacle};
+use super::gouging::{GougingError, Nozzle, Obstacle, Scene, Stand};
+use super::orientation::{JOINED, ToolPath, Waypoint, along, angle};
+use super::parallel;
+use super::stack::LayerStack;
 use crate::Progress;
-use crate::surface::orientation::{ToolPath, Waypoint, along, angle};
-use crate::surface::parallel;
-use crate::surface::stack::LayerStack;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::ops::ControlFlow;
-
-/// Paths whose ends are nearer than this, in millimetres, join.
-const JOINED: f64 = 1e-6;
 
 /// Legs are halved until their middle stands for them but for this share of the clearance. Less finds ways through gaps that
 /// are just wide enough, and takes longer where there are none.
@@ -204,7 +199,7 @@ impl LayerStack<'_> {
     fn boxes(&self) -> Vec<[Point3<f64>; 2]> {
         let mut low = Point3::from([f64::INFINITY; 3]);
         let mut high = -low;
-        let grown = |layer: &crate::surface::BuiltLayer| {
+        let grown = |layer: &super::BuiltLayer| {
             let half = layer.spacing.iter().copied().fold(0.0, f64::max) / 2.0;
             for p in layer.triangles.iter().flatten().map(|&v| layer.vertices[v as usize]) {
                 low = low.inf(&(p - Vector3::repeat(half)));
