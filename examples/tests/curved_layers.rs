@@ -200,19 +200,23 @@ fn a_curve_fills_each_layer() {
     assert_eq!(moves.iter().filter(above).count(), beads.len());
 }
 
+/// What the example says of a block that stands on the plate; its mesh is put beside the folder `out`.
+fn block(size: [f32; 3], out: &str, args: &[&str]) -> Value {
+    let mesh = format!("{out}.stl");
+    fs::write(&mesh, boxes(&[[[0.0; 3], size]])).unwrap();
+    let output = run(&[&["--mesh", &mesh, "--quiet", "--out", out], args].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    summary(out)
+}
+
 /// A block in rows and in rings.
 #[test]
 fn other_patterns_fill_layers_too() {
     let scratch = Scratch::new("patterns");
-    let mesh = scratch.path("frame.stl");
-    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [20.0, 14.0, 2.0]]])).unwrap();
     // Beside its outermost rows, and at every other end of a row, a zigzag leaves up to a bead bare.
     for (pattern, curves, covered) in [("zigzag", 2.0, 0.92), ("rings", 28.0, 0.99)] {
-        let out = scratch.path(pattern);
-        let args = ["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--pattern", pattern, "--quiet", "--out", &out];
-        let output = run(&args);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        let figures = summary(&out);
+        let args = ["--cell", "1", "--bead", "0.5", "--pattern", pattern];
+        let figures = block([20.0, 14.0, 2.0], &scratch.path(pattern), &args);
         let figure = |key: &str| figures[key].as_f64().unwrap();
         assert_eq!(figures["pattern"], pattern);
         assert_eq!((figure("curves"), figure("regions"), figure("self_crossings")), (curves, 2.0, 0.0), "{pattern}");
@@ -227,12 +231,9 @@ fn other_patterns_fill_layers_too() {
 #[test]
 fn a_robot_prints_a_block() {
     let scratch = Scratch::new("motion");
-    let mesh = scratch.path("block.stl");
-    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [16.0, 12.0, 4.0]]])).unwrap();
     let out = scratch.path("out");
-    let output = run(&["--mesh", &mesh, "--cell", "2", "--stage", "motion", "--quiet", "--out", &out]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let figures = summary(&out);
+    let (size, common) = ([16.0, 12.0, 4.0], ["--cell", "2", "--stage", "motion"]);
+    let figures = block(size, &out, &common);
     let count = |key: &str| figures[key].as_u64().unwrap();
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
     assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
@@ -303,9 +304,7 @@ fn a_robot_prints_a_block() {
 
     // In small files the steps are the same, but for the way to the first posture of each.
     let cut = scratch.path("cut");
-    let small = ["--mesh", &mesh, "--cell", "2", "--stage", "motion", "--quiet", "--program-steps", "1000"];
-    let output = run(&[&small[..], &["--out", &cut]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    block(size, &cut, &[&common[..], &["--program-steps", "1000"]].concat());
     let list = fs::read_to_string(Path::new(&cut).join("programs.csv")).unwrap();
     let files: Vec<Vec<&str>> = list.lines().skip(1).map(|line| line.split(',').collect()).collect();
     assert_eq!(files.len(), 2);
@@ -328,13 +327,8 @@ fn a_robot_prints_a_block() {
 #[test]
 fn an_arm_over_a_table_prints_a_block() {
     let scratch = Scratch::new("cell8");
-    let mesh = scratch.path("block.stl");
-    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [8.0, 6.0, 4.0]]])).unwrap();
     let out = scratch.path("out");
-    let common = ["--mesh", &mesh, "--cell", "2", "--stage", "motion", "--cell8", "--quiet", "--out", &out];
-    let output = run(&common);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let figures = summary(&out);
+    let figures = block([8.0, 6.0, 4.0], &out, &["--cell", "2", "--stage", "motion", "--cell8"]);
     let count = |key: &str| figures[key].as_u64().unwrap();
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
     assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
@@ -380,13 +374,9 @@ fn an_arm_over_a_table_prints_a_block() {
 #[test]
 fn what_is_printed_later_is_in_nobodys_way() {
     let scratch = Scratch::new("tower");
-    let mesh = scratch.path("tower.stl");
-    fs::write(&mesh, boxes(&[[[0.0, 0.0, 0.0], [16.0, 16.0, 80.0]]])).unwrap();
     let out = scratch.path("out");
-    let common = ["--mesh", &mesh, "--cell", "8", "--bead", "4", "--stage", "motion", "--cell8", "--program", "csv"];
-    let output = run(&[&common[..], &["--quiet", "--out", &out]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let figures = summary(&out);
+    let args = ["--cell", "8", "--bead", "4", "--stage", "motion", "--cell8", "--program", "csv"];
+    let figures = block([16.0, 16.0, 80.0], &out, &args);
     let count = |key: &str| figures[key].as_u64().unwrap();
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (10, 9, 0));
     assert_eq!((count("blocked_waypoints"), count("unreachable_waypoints"), count("collisions")), (0, 0, 0));
