@@ -49,17 +49,11 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         machine::rows(run, &written, &mut table);
     }
     if let Some(run) = motion {
-        let (format, most) = (args.motion.format()?, args.motion.program_steps);
-        let written = match run {
-            Motion::PartInHand(run) => {
-                motion::products(run, folder)?;
-                programs::of_streams(run, format, most, folder)?
-            }
-            Motion::OverTable(run) => {
-                motion::products(run, folder)?;
-                programs::of_targets(run, format, most, folder)?
-            }
-        };
+        match run {
+            Motion::PartInHand(run) => motion::products(run, folder)?,
+            Motion::OverTable(run) => motion::products(run, folder)?,
+        }
+        let written = programs::products(run, &args.motion, folder)?;
         refused = written.refused.clone();
         motion::summary(run.figures(), &mut summary)?;
         programs::summary(&written, &mut summary)?;

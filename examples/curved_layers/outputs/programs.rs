@@ -9,7 +9,7 @@
 
 use crate::failure;
 use crate::motion::robots::{Printer, out_of};
-use crate::motion::{MotionRun, ProgramFormat, Run};
+use crate::motion::{Motion, MotionArgs, MotionRun, ProgramFormat, Run};
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::{OverTable, PartInHand};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished};
@@ -79,16 +79,31 @@ impl From<OutputError> for Trouble {
     }
 }
 
+/// Writes the programs of a print; none where it has no motion. What the controller refuses is no program, but no reason
+/// to leave the rest out.
+pub fn products(motion: &Motion, args: &MotionArgs, folder: &OutputFolder) -> Result<Programs, Failure> {
+    let (format, most) = (args.format()?, args.program_steps);
+    if format == ProgramFormat::None || motion.figures().motions == 0 {
+        return Ok(Programs::default());
+    }
+    let written = match motion {
+        Motion::PartInHand(run) => of_streams(run, format, most, folder),
+        Motion::OverTable(run) => of_targets(run, format, most, folder),
+    };
+    match written {
+        Ok(programs) => Ok(programs),
+        Err(Trouble::Refused(error)) => Ok(Programs { refused: Some(error.to_string()), ..Programs::default() }),
+        Err(Trouble::Failed(failure)) => Err(failure),
+    }
+}
+
 /// Programs of joints over time, for the UR3.
-pub fn of_streams(
+fn of_streams(
     run: &MotionRun<6, 1, PartInHand>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
-) -> Result<Programs, Failure> {
-    if format == ProgramFormat::None || run.runs.is_empty() {
-        return Ok(Programs::default());
-    }
+) -> Result<Programs, Trouble> {
     let most = u64::from(most.unwrap_or(STREAM_STEPS));
     let pieces = pieces(run, most, |run, transfer| ticks(run.duration()) + transfer.map_or(0, |t| ticks(t.duration())));
     let limits = limits(run.robot.cell().arm());
@@ -101,19 +116,16 @@ pub fn of_streams(
         let options = UrScriptOptions { name: name.to_owned(), limits, ..UrScriptOptions::default() };
         write_urscript(steps, &options, out)
     };
-    written(of_pieces(run, &pieces, ending, folder, write))
+    of_pieces(run, &pieces, ending, folder, write)
 }
 
 /// Programs of targets with the axes of the table, for the arm over it.
-pub fn of_targets(
+fn of_targets(
     run: &MotionRun<8, 3, OverTable>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
-) -> Result<Programs, Failure> {
-    if format == ProgramFormat::None || run.runs.is_empty() {
-        return Ok(Programs::default());
-    }
+) -> Result<Programs, Trouble> {
     let moves = |motion: &Run<8, 3>, transfer: Option<&Transfer<8>>| {
         (motion.trajectory.at_waypoints().len() + 2 + transfer.map_or(0, |t| t.corners().len())) as u64
     };
@@ -121,38 +133,26 @@ pub fn of_targets(
     if format == ProgramFormat::Csv {
         let pieces = pieces(run, u64::from(most.unwrap_or(STREAM_STEPS)), moves);
         let write = |piece: &Piece, _: &str, out: &mut dyn Write| write_csv(targets(run, &piece.runs), &limits, out);
-        return written(of_pieces(run, &pieces, "csv", folder, write));
+        return of_pieces(run, &pieces, "csv", folder, write);
     }
     // A program for all that hangs together; it is cut into modules by the writer.
     let pieces = pieces(run, u64::MAX, moves);
-    let all = || {
-        let (mut programs, mut unfinished) = (Programs::default(), Vec::new());
-        for (number, piece) in pieces.iter().enumerate() {
-            let name = if pieces.len() == 1 { "print".to_owned() } else { format!("print{}", number + 1) };
-            let options = rapid(run, name, most.unwrap_or(MODULE_MOVES), limits);
-            let done = write_rapid(targets(run, &piece.runs), &options, |name| {
-                let (begun, file) = folder.begin(name)?;
-                unfinished.push(begun);
-                Ok(file)
-            })?;
-            programs.files += done.modules as usize + 1;
-            programs.steps += done.moves;
-        }
-        for file in unfinished {
-            programs.bytes += file.finish()?;
-        }
-        Ok(programs)
-    };
-    written(all())
-}
-
-/// What the controller refuses is no program, but no reason to leave the rest out.
-fn written(all: Result<Programs, Trouble>) -> Result<Programs, Failure> {
-    match all {
-        Ok(programs) => Ok(programs),
-        Err(Trouble::Refused(error)) => Ok(Programs { refused: Some(error.to_string()), ..Programs::default() }),
-        Err(Trouble::Failed(failure)) => Err(failure),
+    let (mut programs, mut unfinished) = (Programs::default(), Vec::new());
+    for (number, piece) in pieces.iter().enumerate() {
+        let name = if pieces.len() == 1 { "print".to_owned() } else { format!("print{}", number + 1) };
+        let options = rapid(run, name, most.unwrap_or(MODULE_MOVES), limits);
+        let done = write_rapid(targets(run, &piece.runs), &options, |name| {
+            let (begun, file) = folder.begin(name)?;
+            unfinished.push(begun);
+            Ok(file)
+        })?;
+        programs.files += done.modules as usize + 1;
+        programs.steps += done.moves;
     }
+    for file in unfinished {
+        programs.bytes += file.finish()?;
+    }
+    Ok(programs)
 }
 
 /// Cuts the print: where no transfer leads on, and before a motion with which a file would have too many steps.
