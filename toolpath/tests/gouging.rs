@@ -7,6 +7,8 @@
 mod common;
 #[path = "common/layers.rs"]
 mod layers;
+#[path = "common/nozzle.rs"]
+mod nozzle;
 
 use common::{go_on, rng, rough};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
@@ -14,6 +16,7 @@ use curvlay_toolpath::surface::{
     Freed, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, ToolPath,
 };
 use layers::{Layer, path, with_stack};
+use nozzle::{inside, to_profile};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -51,25 +54,10 @@ fn at(
     (freed, one)
 }
 
-/// True distance from a point to the nozzle, outside of it: to the profile, a polygon in the plane of the axis.
-fn true_distance(z: f64, rho: f64) -> f64 {
-    let profile = [[0.0, 0.0], [0.0, 0.5], [8.0, 8.5], [8.0, 10.0], [1e4, 10.0]];
-    let to_side = |a: [f64; 2], b: [f64; 2]| {
-        let (dz, dr) = (b[0] - a[0], b[1] - a[1]);
-        let t = (((z - a[0]) * dz + (rho - a[1]) * dr) / (dz * dz + dr * dr)).clamp(0.0, 1.0);
-        (z - a[0] - t * dz).hypot(rho - a[1] - t * dr)
-    };
-    profile.windows(2).map(|side| to_side(side[0], side[1])).fold(f64::INFINITY, f64::min)
-}
-
-fn inside(z: f64, rho: f64) -> bool {
-    (z > 0.0 && z <= 8.0 && rho < 0.5 + z) || (z >= 8.0 && rho < 10.0)
-}
-
 proptest! {
     #[test]
     fn clearance_is_a_distance_but_before_edges(z in -6.0_f64..20.0, rho in 0.0_f64..18.0) {
-        let (clearance, distance) = (Nozzle::default().clearance(z, rho), true_distance(z, rho));
+        let (clearance, distance) = (Nozzle::default().clearance(z, rho), to_profile(z, rho));
         if inside(z, rho) {
             prop_assert!(clearance <= 0.0 && -clearance <= distance + 1e-12);
         } else {

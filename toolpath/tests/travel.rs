@@ -6,6 +6,8 @@
 mod common;
 #[path = "common/layers.rs"]
 mod layers;
+#[path = "common/nozzle.rs"]
+mod nozzle;
 
 use common::{go_on, rng, rough};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -14,6 +16,7 @@ use curvlay_toolpath::surface::{
     TravelOptions, Travels, deposit_along,
 };
 use layers::{Layer, path, with_stack};
+use nozzle::{inside, to_profile};
 use rand::RngExt;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -31,16 +34,7 @@ fn distance(pose: &Pose, p: Point3<f64>) -> f64 {
     let v = p - pose.tip;
     let z = v.dot(&pose.direction);
     let rho = (v - pose.direction.into_inner() * z).norm();
-    if (z > 0.0 && z <= 8.0 && rho < 0.5 + z) || (z >= 8.0 && rho < 10.0) {
-        return 0.0;
-    }
-    let profile = [[0.0, 0.0], [0.0, 0.5], [8.0, 8.5], [8.0, 10.0], [1e4, 10.0]];
-    let to_side = |a: [f64; 2], b: [f64; 2]| {
-        let (dz, dr) = (b[0] - a[0], b[1] - a[1]);
-        let t = (((z - a[0]) * dz + (rho - a[1]) * dr) / (dz * dz + dr * dr)).clamp(0.0, 1.0);
-        (z - a[0] - t * dz).hypot(rho - a[1] - t * dr)
-    };
-    profile.windows(2).map(|side| to_side(side[0], side[1])).fold(f64::INFINITY, f64::min)
+    if inside(z, rho) { 0.0 } else { to_profile(z, rho) }
 }
 
 /// Points on the middle and both sheets of layers, along the normals of the triangles.
