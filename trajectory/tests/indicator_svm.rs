@@ -86,12 +86,6 @@ fn dual_objective_is_the_stored_reference() {
     approx::assert_relative_eq!(slow, REFERENCE, max_relative = 1e-6);
 }
 
-#[test]
-#[ignore = "makes the stored reference; takes a minute"]
-fn make_the_reference() {
-    println!("{:.15}", slow_objective(&fixed_data(), 0.7, 10.0, 400_000));
-}
-
 /// The largest violation of the optimality conditions, from the expansion alone.
 fn violation<const N: usize>(svm: &Svm<N>, samples: &[Sample<N>], cost: f64) -> f64 {
     let expansion: Vec<([f64; N], f64)> = svm.expansion().collect();
