@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_layers::curved::surface::{
-    EvenError, EvenMethod, LAGS, LayerField, Surface, SurfaceSlices, contour, even, extend, measure_spacing,
+    EvenError, EvenMethod, LAGS, LayerField, Spacing, Surface, SurfaceSlices, contour, even, extend, measure_spacing,
     plain_field,
 };
 use curvlay_layers::curved::{
@@ -45,6 +45,22 @@ fn solid() -> impl Strategy<Value = Vec<u64>> {
                 })
         })
     })
+}
+
+/// The spacing of the surfaces of a field, cut to the cells.
+fn spacing(field: &LayerField, cells: &Cells) -> Spacing {
+    let extended = extend(field, cells);
+    let levels = extended.levels(1.0, 1.0).unwrap();
+    let mut surfaces = contour(&extended, &levels, 1.0, Point3::origin()).unwrap();
+    for surface in &mut surfaces {
+        let Surface { points, triangles, .. } = surface;
+        triangles.retain(|t| {
+            let middle = t.iter().fold(Vector3::zeros(), |sum, &v| sum + points[v as usize].coords / 3.0);
+            middle.iter().all(|&c| c >= 0.0) && cells.contains([middle.x, middle.y, middle.z].map(|c| c as u32))
+        });
+    }
+    let slices: Vec<SurfaceSlices> = surfaces.iter().map(|s| (&s.points[..], &s.triangles[..])).collect();
+    measure_spacing(&slices, 1.0).unwrap()
 }
 
 proptest! {
@@ -100,24 +116,31 @@ fn a_roof_on_a_mast_gets_layers_half_as_uneven_as_hop_counts() {
     assert_eq!(missed, []);
     let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
     let deviation = |field: &LayerField| {
-        let extended = extend(field, &cells);
-        let levels = extended.levels(1.0, 1.0).unwrap();
-        let mut surfaces = contour(&extended, &levels, 1.0, Point3::origin()).unwrap();
-        for surface in &mut surfaces {
-            let Surface { points, triangles, .. } = surface;
-            triangles.retain(|t| {
-                let middle = t.iter().fold(Vector3::zeros(), |sum, &v| sum + points[v as usize].coords / 3.0);
-                middle.iter().all(|&c| c >= 0.0) && cells.contains([middle.x, middle.y, middle.z].map(|c| c as u32))
-            });
-        }
-        let slices: Vec<SurfaceSlices> = surfaces.iter().map(|s| (&s.points[..], &s.triangles[..])).collect();
-        let spacing = measure_spacing(&slices, 1.0).unwrap();
+        let spacing = spacing(field, &cells);
         (spacing.std_mm / spacing.mean_mm, spacing.mean_mm, spacing.squeezed_share)
     };
     let (plain, _, _) = deviation(&plain_field(&cells, &growth.order).unwrap());
     let (evened, mean, squeezed) = deviation(&even.field);
     assert!(evened < plain / 2.0, "{evened} {plain}");
     assert!((mean - 1.0).abs() < 0.03 && squeezed < 0.01, "{mean} {squeezed}");
+}
+
+/// A ring that stands upright: the arms wait for each other over and over, in single cells.
+#[test]
+fn fronts_that_wait_fill_the_part() {
+    let dims = [44, 6, 44];
+    let rows = rows_of(dims, |[x, _, z]| {
+        let away = (f64::from(x) - 21.5).hypot(f64::from(z) - 21.5);
+        (13.0..22.0).contains(&away)
+    });
+    let cells = Cells::new(dims, &rows).unwrap();
+    let platform = Platform::under(&cells, 60.0).unwrap();
+    let (growth, missed) = grown(&cells, &platform);
+    let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+    let spacing = spacing(&even.field, &cells);
+    assert!(even.jumps * 10 > even.field.count(), "{} jumps", even.jumps);
+    let filled = spacing.volume_mm3 / even.field.count() as f64;
+    assert!((filled - 1.0).abs() < 0.01, "{filled}");
 }
 
 #[test]

@@ -7,8 +7,8 @@
 //! later. Otherwise the front turns round the corner.
 //!
 //! Layer `k`, from 1, takes the cells with `k - 1 <= T < k` that have a support in an earlier layer, less those that would
-//! shadow others ([`super::prevention`]). What is held back gets the time at which it is let go, and the front goes
-//! on from there at its usual pace. So the layers that the times are cut into are an order that can be built.
+//! shadow others ([`super::prevention`]). What is held back gets a time in the layer in which it is let go ([`Restart`]), and
+//! the front goes on from there at its usual pace. So the layers that the times are cut into are an order that can be built.
 
 use super::super::bits::CellSet;
 use super::super::cells::Cells;
@@ -23,14 +23,24 @@ use std::collections::BinaryHeap;
 use std::f64::consts::SQRT_2;
 use std::ops::ControlFlow;
 
-/// How much later than its height says a cell may be and still belong to a level front: rounding only.
-const LEVEL: f64 = 1e-9;
+/// Times this close are one, where a front is level or a wait ends.
+const ROUNDING: f64 = 1e-9;
 
 /// Neighbours one level down, the first in the list of offsets.
 const BELOW: usize = 5;
 
 /// The neighbours along each axis.
 const ALONG: [[[i32; 3]; 2]; 3] = [[[-1, 0, 0], [1, 0, 0]], [[0, -1, 0], [0, 1, 0]], [[0, 0, -1], [0, 0, 1]]];
+
+/// When a front that had to wait sets out again, within the layer in which it is let go.
+#[derive(Clone, Copy, PartialEq)]
+pub(in crate::curved) enum Restart {
+    /// At the beginning of the layer: the field has the least jump, but nothing holds the surfaces on both sides of it apart.
+    Begins,
+    /// After a whole number of layers, so that the surface behind a wait lies a layer from the last one before it; earlier
+    /// where a front that is on the move gets there from beside.
+    KeepsPace,
+}
 
 /// Times by the clock.
 pub(in crate::curved) struct Clocked {
@@ -58,18 +68,17 @@ impl Ord for Time {
     }
 }
 
-/// Grows `cells`, none of them before the time in `release`. A cell that had to wait gets the time `restart` after the
-/// beginning of the layer in which it is let go.
+/// Grows `cells`, none of them before the time in `release`.
 pub(in crate::curved) fn grow_by_clock(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,
     release: Vec<f64>,
     stays_level: bool,
-    restart: f64,
+    restart: Restart,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Clocked, GrowthError> {
-    let mut clock = Clock { restart, ..Clock::new(cells, platform, rules, release, stays_level)? };
+    let mut clock = Clock::new(cells, platform, rules, release, stays_level, restart)?;
     let first = standing(cells, platform, rules);
     clock.front.build_all(&first)?;
     clock.build(&first.iter().map(|&cell| (cell, 0.5)).collect::<Vec<_>>());
@@ -93,8 +102,7 @@ struct Clock<'a> {
     front: Front,
     solid: CellSet,
     stays_level: bool,
-    /// How long after the beginning of a layer the front sets out again.
-    restart: f64,
+    restart: Restart,
     /// Cells of a level of the grid, empty ones included.
     level: u32,
     /// Times of the cells that are built or chosen for the layer in the making; not a number for the others.
@@ -116,13 +124,14 @@ impl<'a> Clock<'a> {
         rules: &'a Rules,
         release: Vec<f64>,
         stays_level: bool,
+        restart: Restart,
     ) -> Result<Self, GrowthError> {
         Ok(Clock {
             offsets: rules.neighbours.offsets(),
             front: Front::new(cells, platform, rules)?,
             solid: CellSet::of(cells),
             stays_level,
-            restart: 0.0,
+            restart,
             level: cells.dims()[0] * cells.dims()[1],
             times: vec![f64::NAN; release.len()],
             due: vec![f64::INFINITY; release.len()],
@@ -162,7 +171,23 @@ impl<'a> Clock<'a> {
 
     /// When the front can get to the cell at the earliest.
     fn earliest(&self, cell: u32) -> f64 {
-        self.arrival(cell).max(self.release[cell as usize])
+        let (arrival, release) = (self.arrival(cell), self.release[cell as usize]);
+        let waited = self.waited(arrival, release);
+        if self.restart == Restart::Begins || waited <= arrival {
+            return waited;
+        }
+        let moving = |time: &f64| *time >= release - 1.0;
+        let along = |axis: usize| self.known_around(cell, &ALONG[axis]).map(|(_, time)| time).filter(moving);
+        let beside = upwind([0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min)));
+        if beside >= release { waited.min(beside) } else { waited }
+    }
+
+    /// The time at which what came at `time` goes on if it has to wait until `release`.
+    fn waited(&self, time: f64, release: f64) -> f64 {
+        match self.restart {
+            Restart::Begins => time.max(release),
+            Restart::KeepsPace => (time + (release - time - ROUNDING).ceil().max(0.0)).max(release),
+        }
     }
 
     /// Neighbours of a cell that has got a time become due.
@@ -191,7 +216,7 @@ impl<'a> Clock<'a> {
         let mut candidates: Vec<u32> = chosen.iter().map(|&(cell, _)| cell).collect();
         candidates.sort_unstable();
         prevention::incremental(&mut self.front, &candidates, self.offsets)?;
-        let end = layer + 1.0 + self.restart;
+        let end = layer + 1.0;
         let (held, built): (Vec<_>, Vec<_>) =
             chosen.into_iter().partition(|&(cell, _)| self.front.waiting.contains(cell));
         for (cell, _) in held {
@@ -222,7 +247,7 @@ impl<'a> Clock<'a> {
                 continue; // until a neighbour is built
             }
             // What it was due by may have been held back since.
-            let (time, earliest) = (time.max(layer), self.earliest(cell));
+            let (time, earliest) = (self.waited(time, layer), self.earliest(cell));
             if earliest > time {
                 self.set_due(cell, earliest);
                 continue;
@@ -234,7 +259,8 @@ impl<'a> Clock<'a> {
             for freed in std::mem::take(&mut self.front.freed) {
                 self.held.remove(freed);
                 self.unset_due(freed);
-                self.set_due(freed, self.release[freed as usize].max(layer + self.restart));
+                self.release[freed as usize] = self.release[freed as usize].max(layer);
+                self.set_due(freed, self.earliest(freed));
             }
             self.advance_from(cell);
         }
@@ -246,24 +272,26 @@ impl<'a> Clock<'a> {
         self.solid.around(cell, self.offsets).any(|other| !self.front.waiting.contains(other))
     }
 
-    fn known(&self, cell: u32) -> Option<f64> {
-        Some(self.times[cell as usize]).filter(|time| !time.is_nan())
+    /// The neighbours at these offsets that have a time.
+    fn known_around<'b>(&'b self, cell: u32, offsets: &'b [[i32; 3]]) -> impl Iterator<Item = (u32, f64)> + 'b {
+        let around = self.solid.around(cell, offsets);
+        around.map(|next| (next, self.times[next as usize])).filter(|(_, time)| !time.is_nan())
     }
 
     /// When the front gets to a cell from the neighbours that have a time.
     fn arrival(&self, cell: u32) -> f64 {
-        let around = |offsets| self.solid.around(cell, offsets).filter_map(|next| Some((next, self.known(next)?)));
-        let along = |axis: usize| around(&ALONG[axis]).map(|(_, time)| time).fold(f64::INFINITY, f64::min);
+        let along =
+            |axis: usize| self.known_around(cell, &ALONG[axis]).map(|(_, time)| time).fold(f64::INFINITY, f64::min);
         let all = Neighbours::FaceOrEdge.offsets();
         let is_level =
-            |&(next, time): &(u32, f64)| self.stays_level && time <= f64::from(next / self.level) + 0.5 + LEVEL;
-        let upwards = around(&all[..BELOW]).filter(is_level).map(|(_, time)| time + 1.0);
+            |&(next, time): &(u32, f64)| self.stays_level && time <= f64::from(next / self.level) + 0.5 + ROUNDING;
+        let upwards = self.known_around(cell, &all[..BELOW]).filter(is_level).map(|(_, time)| time + 1.0);
         let time = upwards.fold(upwind([0, 1, 2].map(along)), f64::min);
         if time < f64::INFINITY {
             return time;
         }
         // Over an edge only.
-        around(all).map(|(_, time)| time + SQRT_2).fold(f64::INFINITY, f64::min)
+        self.known_around(cell, all).map(|(_, time)| time + SQRT_2).fold(f64::INFINITY, f64::min)
     }
 }
 

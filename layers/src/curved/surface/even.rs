@@ -6,8 +6,8 @@
 //! same rules of support and accessibility, and no cell comes more than [`LAGS`] layers before its layer in the accepted
 //! order, which keeps what the order had learnt about who must wait for whom.
 //!
-//! Where neighbours often wait long for each other, the front sets out again from the middle of a layer, not from its beginning
-//! (`RESTARTS`): then layers add up to the part.
+//! Where neighbours often wait long for each other, the front waits for whole layers (`RESTARTS`): then layers add up to the
+//! part.
 //!
 //! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
 //! are tried, and the field with the more even slope and fewer waits is taken.
@@ -20,7 +20,7 @@ use super::extend::JUMP;
 use super::field::{FieldError, LayerField, plain_field};
 use super::lattice::Lattice;
 use crate::Progress;
-use crate::curved::growth::grow_by_clock;
+use crate::curved::growth::{Restart, grow_by_clock};
 use crate::curved::{AuditError, AuditReport, Cells, GrowthError, LayerOrder, Platform, Rules, audit};
 use std::ops::ControlFlow;
 
@@ -29,12 +29,11 @@ use std::ops::ControlFlow;
 /// the field keeps more of the waits of the order.
 pub const LAGS: [f64; 2] = [10.0, 1.0];
 
-/// When a front that had to wait sets out again, in layers after the beginning of a layer. At the beginning the field is
-/// the smoothest where waits are short and few. In the middle the surfaces on both sides of a long wait keep their
-/// distance: they lie in the middle of the cells.
-const RESTARTS: [f64; 2] = [0.0, 0.5];
+/// How a front that had to wait sets out again. At the beginning of a layer the field is the smoothest where waits are short
+/// and few. After whole layers the surfaces on both sides of a long wait keep their distance.
+const RESTARTS: [Restart; 2] = [Restart::Begins, Restart::KeepsPace];
 
-/// Jumps a cell from which on fronts set out in the middle. With 0.06 the surfaces still fill 0.98 of a part,
+/// Jumps a cell from which on fronts wait for whole layers. With 0.06 the surfaces still fill 0.98 of a part,
 /// with 0.09 it is 0.97, with 0.3 0.91.
 const MANY_JUMPS: f64 = 0.08;
 
@@ -128,7 +127,7 @@ pub fn even(
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
     let layers = order.field(plain.values().len());
     for lag in LAGS {
-        let attempt = |stays_level: bool, restart: f64| -> Result<Option<Attempt>, EvenError> {
+        let attempt = |stays_level: bool, restart: Restart| -> Result<Option<Attempt>, EvenError> {
             let release = layers.iter().map(|&layer| (f64::from(layer) - lag).max(0.0)).collect();
             let clocked = grow_by_clock(&built, platform, rules, release, stays_level, restart, progress)?;
             if !clocked.complete {
