@@ -21,8 +21,8 @@ pub mod verify;
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
 pub use global::{
-    Avoid, BandedQp, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, PeakReport, QpError, QpOptions,
-    QpSolution, QpStatus, smooth_clear_of, smooth_globally,
+    Avoid, BandedQp, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport, QpError,
+    QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{Ladder, LadderError, LadderOptions, LadderSearch, MOST_SAMPLES, Norm, Rung, plan_ladder};

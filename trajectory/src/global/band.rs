@@ -27,7 +27,7 @@ pub(super) struct Band {
     pivots: Vec<f64>,
     /// `+1` or `-1`: the sign that the pivot of each unknown must have.
     signs: Vec<f64>,
-    /// Scratch: a column times its pivot.
+    /// Scratch: the columns of a stage times their pivots.
     scaled: Vec<f64>,
 }
 
@@ -36,12 +36,12 @@ impl Band {
     pub fn new(sizes: &[usize], signs: Vec<f64>) -> Self {
         let mut first = vec![0];
         let (mut panel, mut stage) = (vec![0], Vec::new());
-        let (mut unknowns, mut entries, mut tallest) = (0, 0, 0);
+        let (mut unknowns, mut entries, mut largest) = (0, 0, 0);
         for (i, &size) in sizes.iter().enumerate() {
             let height = size + sizes.get(i + 1).copied().unwrap_or(0);
             unknowns += size;
             entries += height * size;
-            tallest = height.max(tallest);
+            largest = largest.max(height * size);
             first.push(unknowns);
             panel.push(entries);
             stage.resize(unknowns, i as u32);
@@ -54,7 +54,7 @@ impl Band {
             values: vec![0.0; entries],
             pivots: vec![0.0; unknowns],
             signs,
-            scaled: vec![0.0; tallest],
+            scaled: vec![0.0; largest],
         }
     }
 
@@ -103,10 +103,12 @@ impl Band {
                 0
             };
             for column in 0..size {
-                let (left, right) = now.split_at_mut((column + 1) * height);
-                let own = &mut left[column * height..];
+                let (left, right) = now.split_at_mut(column * height);
+                let own = &mut right[column..height];
+                // What the columns before leave on this one.
+                take(own, &self.scaled, (height, column), column, |before| left[before * height + column]);
                 let sign = self.signs[start + column];
-                let mut pivot = own[column];
+                let mut pivot = own[0];
                 let least = LEAST_PIVOT * self.pivots[start + column];
                 if pivot * sign <= least {
                     pivot = sign * least.max(f64::MIN_POSITIVE.sqrt());
@@ -114,28 +116,13 @@ impl Band {
                 }
                 self.pivots[start + column] = pivot;
                 let inverse = 1.0 / pivot;
-                let scaled = &mut self.scaled[..height];
-                scaled[column + 1..].copy_from_slice(&own[column + 1..]);
-                for value in &mut own[column + 1..] {
-                    *value *= inverse;
-                }
-                for (other, target) in (column + 1..size).zip(right.chunks_exact_mut(height)) {
-                    let by = own[other];
-                    if by != 0.0 {
-                        for (value, pull) in target[other..].iter_mut().zip(&scaled[other..]) {
-                            *value -= by * pull;
-                        }
-                    }
-                }
-                // What the column leaves on the next stage's own block.
-                for (other, target) in (size..height).zip(later.chunks_exact_mut(next_height.max(1))) {
-                    let by = own[other];
-                    if by != 0.0 {
-                        for (value, pull) in target[other - size..].iter_mut().zip(&scaled[other..]) {
-                            *value -= by * pull;
-                        }
-                    }
-                }
+                self.scaled[column * height + column + 1..(column + 1) * height].copy_from_slice(&own[1..]);
+                own[1..].iter_mut().for_each(|value| *value *= inverse);
+            }
+            // What they leave on the next stage's own block.
+            for (row, target) in (size..height).zip(later.chunks_exact_mut(next_height.max(1))) {
+                let target = &mut target[row - size..height - size];
+                take(target, &self.scaled, (height, row), size, |column| now[column * height + row]);
             }
         }
         replaced
@@ -163,9 +150,7 @@ impl Band {
             let panel = &self.values[self.panel[stage]..self.panel[stage + 1]];
             let x = &mut x[start..start + height];
             for (column, factors) in (0..size).zip(panel.chunks_exact(height.max(1))).rev() {
-                let pull: f64 =
-                    x[column + 1..].iter().zip(&factors[column + 1..]).map(|(value, factor)| value * factor).sum();
-                x[column] -= pull;
+                x[column] -= inner(&x[column + 1..], &factors[column + 1..]);
             }
         }
     }
@@ -173,6 +158,41 @@ impl Band {
     fn extent(&self, stage: usize) -> (usize, usize, usize) {
         (self.first[stage], self.first[stage + 1] - self.first[stage], self.height(stage))
     }
+}
+
+/// Takes the first `count` columns, from row `from` on, each times its factor, from `target`. Four at a time, so that
+/// the target is loaded and stored once for them.
+fn take(
+    target: &mut [f64],
+    columns: &[f64],
+    (height, from): (usize, usize),
+    count: usize,
+    factor: impl Fn(usize) -> f64,
+) {
+    let column = |index: usize| &columns[index * height + from..(index + 1) * height];
+    let whole = count - count % 4;
+    for first in (0..whole).step_by(4) {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| column(first + k));
+        let by = [0, 1, 2, 3].map(|k| factor(first + k));
+        for ((((value, a), b), c), d) in target.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *value -= (by[0] * a + by[1] * b) + (by[2] * c + by[3] * d);
+        }
+    }
+    for index in whole..count {
+        let by = factor(index);
+        target.iter_mut().zip(column(index)).for_each(|(value, pull)| *value -= by * pull);
+    }
+}
+
+/// The sum of products, in four sums that do not wait for each other.
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 4];
+    for (a, b) in a.zip(b) {
+        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 #[cfg(test)]

@@ -26,6 +26,10 @@ const NEIGHBOURS: usize = 8;
 /// How each linearised problem is solved.
 const EXACT: QpOptions = QpOptions { iterations: 40, tolerance: 1e-8 };
 
+/// Tolerance of a linearised problem in tolerances of the round, and the greatest.
+const DIGITS: f64 = 1e-2;
+const ROUGHEST: f64 = 1e-5;
+
 /// The merit of a point and its parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Merit {
@@ -90,7 +94,10 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
         tolerance: f64,
     ) -> Result<Round<N, F>, QpError> {
         let peak = (peak_price > 0.0).then_some(PeakTerm { price: peak_price, height: self.merit.peak });
-        let step = model.step(&self.point, &self.damping, peak, &EXACT)?;
+        // A promise that counts from `tolerance` on needs two more digits; bounds of the peak need all that there are.
+        let digits =
+            if peak.is_some() { EXACT.tolerance } else { (DIGITS * tolerance).clamp(EXACT.tolerance, ROUGHEST) };
+        let step = model.step(&self.point, &self.damping, peak, &QpOptions { tolerance: digits, ..EXACT })?;
         let before = self.merit.total(peak_price);
         let promised = before - step.solution.value;
         if promised <= tolerance * before.abs() {
@@ -104,6 +111,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
                 self.branches,
                 (&step.waypoints, &step.run),
                 (share, self.steep),
+                &model.room,
             );
             match next {
                 Ok(next) => {

@@ -5,30 +5,21 @@
 //! waypoints. Here the inverse kinematics leaves `F` unknowns a waypoint, so every waypoint is met as exactly as the
 //! robot's closed form; the whole path is one problem; and the bounds hold on the spline, everywhere.
 //!
-//! The first pass minimises the integral of the squared jerk within the bounds on position, speed and acceleration.
-//! The second ([`super::peak`]) lowers the greatest jerk to its bound, or as far as it goes, for at most
+//! The first pass ([`super::first`]) minimises the integral of the squared jerk within the bounds on position, speed and
+//! acceleration. The second ([`super::peak`]) lowers the greatest jerk to its bound, or as far as it goes, for at most
 //! [`GlobalOptions::rise`] more of that integral.
 
 use super::avoid::Avoid;
-use super::descent::{Descent, Round};
+use super::descent::Descent;
+use super::first::smooth_first;
 use super::model::Model;
 use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
 use super::qp::QpError;
-use crate::{Bounds, BoundsError, FreeRange, Progress, Robot, Rung, Timeline, Trajectory, TrajectoryError, Violation};
+use crate::{
+    Bounds, BoundsError, FreeRange, Progress, Quantity, Robot, Rung, Timeline, Trajectory, TrajectoryError, Violation,
+};
 use std::ops::ControlFlow;
-
-/// Bounds that a higher price brings nearer by less than to this share cannot be met.
-const HOPELESS: f64 = 0.9;
-
-/// The tolerance while bounds are not looked at, at least.
-const ROUGH: f64 = 1e-3;
-
-/// By how much the price of bounds rises at once.
-const PRICE_STEP: f64 = 10.0;
-
-/// Rounds are shared out to so many prices of collisions.
-const PRICES: usize = 8;
 
 /// Rounds in a row without a step after which nothing more is hoped for.
 pub(super) const MOST_STUCK: usize = 4;
@@ -99,6 +90,18 @@ pub struct PeakReport {
     pub lower_bound: f64,
 }
 
+/// What is missed of the bounds on position, speed and acceleration where they do not hold: how far they are passed,
+/// in shares of the bound (radians for positions), summed over joints and pieces of the spline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MissedReport {
+    /// On the motion after the first pass.
+    pub total: f64,
+    /// No path of the last linearised problem has less, unless its squared jerk is more than
+    /// [`GlobalOptions::rise`] above. Next to `total`: on these branches no path nearby holds the bounds. Other
+    /// branches, other turns of the tool and other times may.
+    pub lower_bound: f64,
+}
+
 /// A smooth motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlobalMotion<const N: usize, const F: usize> {
@@ -108,6 +111,8 @@ pub struct GlobalMotion<const N: usize, const F: usize> {
     pub trajectory: Trajectory<N>,
     /// How it ended.
     pub status: GlobalStatus,
+    /// How far bounds are missed, where they are and nothing is to be kept clear of.
+    pub missed: Option<MissedReport>,
     /// Where bounds are passed.
     pub violations: Vec<Violation>,
     /// The integral of the squared jerk at the start and after the first pass.
@@ -309,41 +314,9 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let mut model = Model::new(line, bounds, ranges, options, avoid, false);
     let mut descent = Descent::new(robot, branches, options.steep, start, &mut model);
     let begin = descent.merit.squared_jerk;
-    let mut rounds = [0; 2];
-    let mut stuck = 0;
-    let mut settled = false;
-    // First without bounds, then with a low price for passing them, then with a higher one: beginning at a high price
-    // means following a narrow, bent valley from far away, in tiny steps.
-    model.penalty = 0.0;
-    let mut missed_before = f64::INFINITY;
-    descent.value(&mut model);
-    // A path that collides does not wait at a low price until the last digits have come to rest.
-    let mut hurries_from = options.rounds / PRICES;
-    let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));
-    while rounds[0] < options.rounds && !settled {
-        tell("smooth", rounds[0])?;
-        let tolerance = if model.penalty > 0.0 { options.tolerance } else { options.tolerance.max(ROUGH) };
-        match descent.round(&mut model, 0.0, tolerance)? {
-            Round::Fell(..) => stuck = 0,
-            Round::Still(_) => settled = true,
-            Round::Stuck => stuck += 1,
-        }
-        rounds[0] += 1;
-        let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
-        let hurries = collides_yet && rounds[0] >= hurries_from;
-        if stuck == MOST_STUCK || settled || hurries {
-            hurries_from = rounds[0] + options.rounds / PRICES;
-            let held = model.penalty > 0.0 && descent.merit.price <= options.tolerance * descent.merit.squared_jerk;
-            let missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { f64::INFINITY };
-            settled = held || model.penalty >= options.penalty || (!collides_yet && missed > HOPELESS * missed_before);
-            (stuck, missed_before) = (0, missed);
-            if !settled {
-                model.penalty =
-                    (PRICE_STEP * model.penalty).max(descent.merit.squared_jerk).max(1.0).min(options.penalty);
-                descent.value(&mut model);
-            }
-        }
-    }
+    let first = smooth_first(&mut descent, &mut model, options, avoid, &tell)?;
+    let mut rounds = [first.rounds, 0];
+    let mut settled = first.settled;
     let smooth = descent.merit;
     let mut peak = None;
     if options.lower_peak && smooth.peak > 1.0 && bounds.jerk.iter().any(|jerk| jerk.is_finite()) {
@@ -361,6 +334,8 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         (true, false) => GlobalStatus::Rounds,
     };
     let predicted = |joints: &[f64; N]| avoid.is_some_and(|avoid| avoid.indicator.predicts(joints));
+    let report = MissedReport { total: first.missed, lower_bound: first.least_missed.min(first.missed) };
+    let misses = violations.iter().any(|violation| violation.quantity != Quantity::Jerk);
     let is_steep = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.steep);
     Ok(GlobalMotion {
         collisions: (trajectory.at_waypoints().iter().enumerate())
@@ -372,6 +347,7 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             .collect(),
         trajectory,
         status,
+        missed: (misses && avoid.is_none()).then_some(report),
         violations,
         squared_jerk: [begin, smooth.squared_jerk],
         peak,

@@ -27,6 +27,10 @@ const TO_THE_MIDDLE: f64 = 0.5;
 /// Where rounding allows no further step, the best iterate counts as a solution up to this many tolerances.
 const NEARLY: f64 = 100.0;
 
+/// To which share of the right-hand side a step is refined. The predictor only foretells lengths and products.
+const REFINED: f64 = 1e-11;
+const SKETCHED: f64 = 1e-3;
+
 /// A proof of infeasibility or unboundedness holds to this, relative to its own size.
 const PROOF: f64 = 1e-8;
 
@@ -109,7 +113,7 @@ impl<'a> Interior<'a> {
             self.system.assemble(self.sides.iter_mut().map(|side| (side.row, side.weigh())));
             // Predictor.
             self.aim(|_| 0.0);
-            let (mut dx, mut dl) = self.direction(&residuals, 1.0);
+            let (mut dx, mut dl) = self.direction(&residuals, 1.0, if count > 0 { SKETCHED } else { REFINED });
             if count > 0 {
                 let reach = self.reach().min(1.0);
                 let after = self.complementarity_after(reach) / count as f64;
@@ -119,12 +123,12 @@ impl<'a> Interior<'a> {
                 let centre = (kept * mean).max(least);
                 // The products of the predictor's steps, as far as these can be gone.
                 self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MOST * mean));
-                (dx, dl) = self.direction(&residuals, 1.0 - kept);
+                (dx, dl) = self.direction(&residuals, 1.0 - kept, REFINED);
                 let reach = self.reach();
                 if reach < SHORT || self.complementarity_after((FRACTION * reach).min(1.0)) > products {
                     // They mislead from a badly centred point: back to the middle.
                     self.aim(|_| TO_THE_MIDDLE * mean);
-                    (dx, dl) = self.direction(&residuals, TO_THE_MIDDLE);
+                    (dx, dl) = self.direction(&residuals, TO_THE_MIDDLE, REFINED);
                 }
             }
             let reach = self.reach();
@@ -288,7 +292,7 @@ impl<'a> Interior<'a> {
 
     /// The Newton step for the present `want`s that takes this share off the residuals; the sides' steps are left in
     /// them.
-    fn direction(&mut self, residuals: &Residuals, share: f64) -> (Vec<f64>, Vec<f64>) {
+    fn direction(&mut self, residuals: &Residuals, share: f64, digits: f64) -> (Vec<f64>, Vec<f64>) {
         let qp = self.qp;
         let mut right: Vec<f64> = residuals.dual.iter().map(|value| -share * value).collect();
         for side in &self.sides {
@@ -298,7 +302,7 @@ impl<'a> Interior<'a> {
             }
         }
         let equations: Vec<f64> = residuals.equations.iter().map(|value| share * value).collect();
-        let (dx, dl) = self.system.refined(&right, &equations);
+        let (dx, dl) = self.system.refined(&right, &equations, digits);
         let mut at = (u32::MAX, 0.0);
         for side in &mut self.sides {
             if at.0 != side.row {

@@ -3,8 +3,10 @@
 mod avoid;
 mod band;
 mod descent;
+mod detour;
 mod feasible;
 mod filter;
+mod first;
 mod interior;
 mod limits;
 mod model;
@@ -16,6 +18,7 @@ mod system;
 
 pub use avoid::Avoid;
 pub use filter::{
-    Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, PeakReport, smooth_clear_of, smooth_globally,
+    Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport, smooth_clear_of,
+    smooth_globally,
 };
 pub use qp::{BandedQp, QpError, QpOptions, QpSolution, QpStatus};

@@ -8,9 +8,9 @@
 //! Collisions that an indicator predicts are kept clear of by a soft row a knot, see [`super::avoid`].
 
 use super::limits::{Place, extremes};
-use super::point::Point;
+use super::point::{Point, Room};
 use super::qp::{BandedQp, QpError, QpOptions, QpSolution};
-use super::{Avoid, Cone, GlobalOptions};
+use super::{Avoid, GlobalOptions};
 use crate::{Bounds, FreeRange, Quantity, Timeline};
 use std::f64::consts::TAU;
 
@@ -26,6 +26,10 @@ const NEAR: f64 = 0.7;
 /// Angles within this distance of their bound get a row, in radians.
 const NEAR_ANGLE: f64 = 0.2;
 
+/// Free parameters within this distance of the end of their range get a row; others stop at the end if a step goes
+/// beyond. A row for each makes a solver of inequalities out of one linear system.
+const NEAR_END: f64 = 0.2;
+
 /// What is asked of the peak: each jerk at most `height` times its bound; the height costs `price` and is at least 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PeakTerm {
@@ -38,8 +42,7 @@ pub(super) struct PeakTerm {
 pub(super) struct Model<'a, const N: usize, const F: usize> {
     pub line: &'a Timeline,
     pub bounds: &'a Bounds<N>,
-    pub ranges: [FreeRange; F],
-    pub cone: Option<Cone>,
+    pub room: Room<F>,
     /// Price of passing a bound, a whole bound a unit.
     pub penalty: f64,
     /// The price of bounds at which the price of collisions is what was asked for.
@@ -79,8 +82,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
         Model {
             line,
             bounds,
-            ranges,
-            cone: options.cone,
+            room: Room { ranges, cone: options.cone },
             penalty: options.penalty,
             full_penalty: options.penalty,
             avoid,
@@ -110,6 +112,20 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             price += unit * point.knots.iter().map(|joints| avoid.excess(joints)).sum::<f64>();
         }
         (price, peak)
+    }
+
+    /// The waypoints next to pieces on which a bound on position, speed or acceleration is passed, ascending.
+    pub fn missed(&self, point: &Point<N, F>) -> Vec<usize> {
+        let waypoints = self.line.waypoints();
+        let mut missed = Vec::new();
+        extremes(point, self.line, |place, value| {
+            let (low, high) = place.bounds(self.bounds);
+            if place.quantity != Quantity::Jerk && (value < low || value > high) {
+                missed.push(place.piece.clamp(waypoints.start, waypoints.end - 1) - waypoints.start);
+            }
+        });
+        missed.dedup();
+        missed
     }
 
     /// What is kept clear of, and the present price of a unit. It rises with the price of bounds.
@@ -167,16 +183,15 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             let at = self.first[run + waypoint];
             for f in 0..F {
                 self.qp.add_quadratic(at + f, at + f, damping);
-                if let FreeRange::Within(low, high) = self.ranges[f] {
-                    let (value, norm) = (point.free[waypoint][f], point.norms[waypoint][f]);
-                    self.qp.add_row(
-                        &[(at + f, 1.0)],
-                        ((low - value) * norm).min(0.0),
-                        ((high - value) * norm).max(0.0),
-                    );
+                let (value, norm) = (point.free[waypoint][f], point.norms[waypoint][f]);
+                if let FreeRange::Within(low, high) = self.room.ranges[f]
+                    && (value - low).min(high - value) < NEAR_END
+                {
+                    let (low, high) = (((low - value) * norm).min(0.0), ((high - value) * norm).max(0.0));
+                    self.qp.add_row(&[(at + f, 1.0)], low, high);
                 }
             }
-            if let Some(cone) = self.cone {
+            if let Some(cone) = self.room.cone {
                 let [a, b] = cone.tilts;
                 let (value, norm) = (point.free[waypoint], point.norms[waypoint]);
                 let reach = cone.half_angle * (0.5 * TAU / CONE_SIDES as f64).cos();

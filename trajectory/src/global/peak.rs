@@ -24,6 +24,12 @@ const FIRST_PRICE: f64 = 8.0;
 /// The pass ends when the peak is within this share of its lower bound.
 const GAP: f64 = 0.005;
 
+/// It also ends after so many rounds in a row that lower the best peak by less than this share, when that is within this
+/// share of its lower bound.
+const MOST_SLOW: usize = 3;
+const SLOW: f64 = 0.005;
+const FAR: f64 = 0.05;
+
 /// Damping up to this does not touch the bound in its first digits.
 const UNDAMPED: f64 = 1e-4;
 
@@ -51,7 +57,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
     let mut price = FIRST_PRICE * whole / before.peak;
     let mut best = (descent.point.clone(), descent.merit);
     let mut lower_bound = 1.0f64;
-    let (mut rounds, mut stuck) = (0, 0);
+    let (mut rounds, mut stuck, mut slow) = (0, 0, 0);
     let mut settled = false;
     // Bounds passed before keep their rows.
     model.price(&descent.point);
@@ -69,10 +75,12 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
         }
         let most = before.squared_jerk + allowed;
         let aim = most - SPARE * allowed;
+        let peak_before = best.1.peak;
         let kept = merit.squared_jerk <= most && rise_measured <= options.rise;
         if kept && merit.price <= best.1.price + options.tolerance * merit.squared_jerk && better {
             best = (descent.point.clone(), merit);
         }
+        slow = if best.1.peak < (1.0 - SLOW) * peak_before || best.1.peak > 1.1 * merit.peak { 0 } else { slow + 1 };
         let (step, still) = match round {
             Round::Fell(step) => (step, false),
             Round::Still(step) => (step, true),
@@ -92,7 +100,8 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
             // The bound can be met, and nothing is asked beyond it.
             settled = still;
         } else {
-            settled = (still || damped <= UNDAMPED) && best.1.peak <= (1.0 + GAP) * low;
+            let near = (still || damped <= UNDAMPED) && best.1.peak <= (1.0 + GAP) * low;
+            settled = near || (slow >= MOST_SLOW && best.1.peak <= (1.0 + FAR) * low);
             let (rise, wanted) = (step.squared_jerk - before.squared_jerk, aim - before.squared_jerk);
             price *= (wanted / rise.max(1e-3 * wanted)).clamp(1.0 / PRICE_STEP, PRICE_STEP);
         }

@@ -1,6 +1,7 @@
 //! A point of the search: free parameters at the waypoints, joints at all knots, and the spline through them.
 
-use crate::{Bounds, Robot, Rung, Timeline};
+use super::Cone;
+use crate::{Bounds, FreeRange, Robot, Rung, Timeline};
 use std::f64::consts::TAU;
 
 /// Column norms of `dq/dfree` below this count as this: parameters that hardly move the joints take no giant steps.
@@ -8,6 +9,32 @@ const LEAST_RATE: f64 = 1e-2;
 
 /// Newton steps with which a steep waypoint is projected back onto what the robot can do.
 const PROJECTIONS: usize = 12;
+
+/// Where free parameters may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room<const F: usize> {
+    pub ranges: [FreeRange; F],
+    pub cone: Option<Cone>,
+}
+
+impl<const F: usize> Room<F> {
+    /// The nearest values within.
+    fn nearest(&self, mut free: [f64; F]) -> [f64; F] {
+        for (value, range) in free.iter_mut().zip(&self.ranges) {
+            if let FreeRange::Within(low, high) = *range {
+                *value = value.max(low).min(high);
+            }
+        }
+        if let Some(Cone { tilts: [a, b], half_angle }) = self.cone {
+            let tilt = free[a].hypot(free[b]);
+            if tilt > half_angle {
+                free[a] *= half_angle / tilt * (1.0 - f64::EPSILON);
+                free[b] *= half_angle / tilt * (1.0 - f64::EPSILON);
+            }
+        }
+        free
+    }
+}
 
 /// A waypoint that cannot be placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +136,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         branches: &[u32],
         (steps, run_steps): (&[[f64; F]], &[[f64; N]]),
         (share, steep): (f64, f64),
+        room: &Room<F>,
     ) -> Result<Self, Unreachable> {
         let range = line.waypoints();
         let mut next = self.clone();
@@ -124,9 +152,10 @@ impl<const N: usize, const F: usize> Point<N, F> {
                     *aim += by * column;
                 }
             }
+            next.free[waypoint] = room.nearest(next.free[waypoint]);
             let placed = next.place(robot, branches, range.start, waypoint, Some(aim));
             if is_steep {
-                self.project(&mut next, robot, branches, range.start, waypoint, &aim);
+                self.project(&mut next, robot, branches, (range.start, waypoint), &aim, room);
             } else if placed.is_none() {
                 return Err(Unreachable(waypoint));
             }
@@ -141,6 +170,21 @@ impl<const N: usize, const F: usize> Point<N, F> {
         Ok(next)
     }
 
+    /// The path with these free parameters, in the image of this one's first waypoint; `None` out of reach.
+    pub fn with_free<R: Robot<N, F> + ?Sized>(
+        &self,
+        robot: &R,
+        line: &Timeline,
+        branches: &[u32],
+        free: &[[f64; F]],
+        bounds: &Bounds<N>,
+    ) -> Option<Self> {
+        let first = self.knots[line.waypoints().start];
+        let rung = |(&free, &branch): (&[f64; F], &u32)| Rung { joints: first, free, branch };
+        let rungs: Vec<_> = free.iter().zip(branches).map(rung).collect();
+        Point::start(robot, line, branches, &rungs, bounds).ok()
+    }
+
     /// Brings a steep waypoint of `next` as near to `aim` as its branch allows, by Gauss-Newton with halved steps from
     /// where it was. It never ends farther from the aim than it began.
     fn project<R: Robot<N, F> + ?Sized>(
@@ -148,9 +192,9 @@ impl<const N: usize, const F: usize> Point<N, F> {
         next: &mut Self,
         robot: &R,
         branches: &[u32],
-        run: usize,
-        waypoint: usize,
+        (run, waypoint): (usize, usize),
         aim: &[f64; N],
+        room: &Room<F>,
     ) {
         let distance = |joints: &[f64; N]| joints.iter().zip(aim).map(|(q, aim)| (q - aim).powi(2)).sum::<f64>();
         let mut best = (self.free[waypoint], self.columns[waypoint], self.norms[waypoint], self.knots[run + waypoint]);
@@ -166,7 +210,8 @@ impl<const N: usize, const F: usize> Point<N, F> {
             let mut share = 1.0;
             let mut nearer = false;
             while share > 1e-3 && !nearer {
-                next.free[waypoint] = std::array::from_fn(|f| best.0[f] + share * (wanted[f] - best.0[f]));
+                let part = std::array::from_fn(|f| best.0[f] + share * (wanted[f] - best.0[f]));
+                next.free[waypoint] = room.nearest(part);
                 if let Some(joints) = next.place(robot, branches, run, waypoint, Some(*aim))
                     && distance(&joints) < distance(&best.3)
                 {

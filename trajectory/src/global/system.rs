@@ -210,8 +210,9 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Solves the linear system with iterative refinement against the matrix as it is.
-    pub fn refined(&self, right: &[f64], equations: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// Solves the linear system with iterative refinement against the matrix as it is, until what is left is at most this
+    /// share of the right-hand side.
+    pub fn refined(&self, right: &[f64], equations: &[f64], digits: f64) -> (Vec<f64>, Vec<f64>) {
         let mut dx = vec![0.0; right.len()];
         let mut dl = vec![0.0; equations.len()];
         let (mut left_x, mut left_e) = (right.to_vec(), equations.to_vec());
@@ -245,7 +246,7 @@ impl<'a> System<'a> {
                 break;
             }
             (dx, dl, left_x, left_e) = (next_x, next_l, rest_x, rest_e);
-            if worst <= 1e-13 * size || worst > 0.5 * before {
+            if worst <= digits * size || worst > 0.5 * before {
                 break;
             }
             before = worst;

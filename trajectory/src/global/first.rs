@@ -1,0 +1,144 @@
+//! The first pass: least squared jerk, then the bounds.
+//!
+//! First without bounds, then with a low price for passing them, then with a higher one: beginning at a high price means
+//! following a narrow, bent valley from far away, in tiny steps. Where bounds are missed at the low price, other ways
+//! around those places are tried once ([`super::detour`]). A higher price is asked for only while it helps: the dual
+//! value of a linearised problem says by how much it can.
+
+use super::avoid::Avoid;
+use super::descent::{Descent, Merit, Round};
+use super::detour::detour;
+use super::filter::{GlobalError, GlobalOptions, MOST_STUCK};
+use super::model::{Model, Step};
+use super::point::Point;
+use super::qp::QpStatus;
+use crate::Robot;
+
+/// Bounds that a higher price brings nearer by less than to this share cannot be met.
+const HOPELESS: f64 = 0.9;
+
+/// The tolerance while bounds are not looked at, or at a price that will still rise, at least.
+const ROUGH: f64 = 1e-3;
+
+/// Damping up to this, in units of the squared jerk, does not touch what linearised problems tell in its first digits.
+const UNDAMPED: f64 = 1e-6;
+
+/// The tolerance at the first price, before other ways are tried.
+const SKETCH: f64 = 1e-2;
+
+/// By how much the price of bounds rises at once.
+const PRICE_STEP: f64 = 10.0;
+
+/// Rounds are shared out to so many prices of collisions.
+const PRICES: usize = 8;
+
+/// How the pass went.
+pub(super) struct FirstPass {
+    pub rounds: usize,
+    /// Whether it came to rest.
+    pub settled: bool,
+    /// What is missed of the bounds, all in all, and what every path of the last linearised problem misses at least.
+    pub missed: f64,
+    pub least_missed: f64,
+}
+
+/// Runs it, and leaves the descent at its end.
+pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    descent: &mut Descent<'_, R, N, F>,
+    model: &mut Model<'_, N, F>,
+    options: &GlobalOptions,
+    avoid: Option<Avoid<'_, N>>,
+    tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
+) -> Result<FirstPass, GlobalError> {
+    model.penalty = 0.0;
+    descent.value(model);
+    let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, least_missed: 0.0 };
+    let (mut stuck, mut still) = (0, false);
+    // At the last price the last digits count.
+    let mut last_price = false;
+    let mut missed_before = f64::INFINITY;
+    let mut straight: Option<(Point<N, F>, Merit)> = None;
+    let mut detoured = avoid.is_some();
+    // A path that collides does not wait at a low price until the last digits have come to rest.
+    let mut hurries_from = options.rounds / PRICES;
+    let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));
+    while pass.rounds < options.rounds && !pass.settled {
+        tell("smooth", pass.rounds)?;
+        let rough = if model.penalty > 0.0 && !detoured { SKETCH } else { ROUGH };
+        let tolerance = if last_price { options.tolerance } else { options.tolerance.max(rough) };
+        let (before, damped) = (descent.merit, descent.damping[0]);
+        let step = match descent.round(model, 0.0, tolerance)? {
+            Round::Fell(step) => {
+                let fall = before.total(0.0) - descent.merit.total(0.0);
+                stuck = if fall > tolerance * before.total(0.0) { 0 } else { stuck + 1 };
+                Some(step)
+            }
+            Round::Still(step) => {
+                still = true;
+                last_price |= model.penalty > 0.0
+                    && before.price <= options.tolerance * before.squared_jerk
+                    && before.total(0.0) - step.solution.value <= options.tolerance * before.total(0.0);
+                Some(step)
+            }
+            Round::Stuck => {
+                stuck += 1;
+                None
+            }
+        };
+        pass.rounds += 1;
+        let tells = |step: &Step<N, F>| step.solution.status == QpStatus::Solved && model.penalty > 0.0;
+        if let Some(step) = step.filter(|step| tells(step) && damped <= UNDAMPED * before.squared_jerk) {
+            // What is minimised is the squared jerk and the price times what is missed.
+            let most = before.squared_jerk * (1.0 + options.rise);
+            pass.least_missed = ((step.solution.lower_bound - most) / model.penalty).max(0.0);
+        }
+        let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
+        let hurries = collides_yet && pass.rounds >= hurries_from;
+        if stuck < MOST_STUCK && !still && !hurries {
+            continue;
+        }
+        (stuck, still) = (0, false);
+        hurries_from = pass.rounds + options.rounds / PRICES;
+        let priced = model.penalty > 0.0;
+        if last_price {
+            pass.settled = true;
+        } else if priced && descent.merit.price <= options.tolerance * descent.merit.squared_jerk {
+            last_price = true;
+        } else if priced && !detoured {
+            detoured = true;
+            straight = try_detour(descent, model);
+        } else {
+            if let Some((point, merit)) =
+                straight.take().filter(|(_, merit)| merit.total(0.0) < descent.merit.total(0.0))
+            {
+                (descent.point, descent.merit) = (point, merit);
+            }
+            let missed = if priced { descent.merit.price / model.penalty } else { f64::INFINITY };
+            last_price = model.penalty >= options.penalty || (!collides_yet && missed > HOPELESS * missed_before);
+            missed_before = missed;
+            if !last_price {
+                model.penalty =
+                    (PRICE_STEP * model.penalty).max(descent.merit.squared_jerk).max(1.0).min(options.penalty);
+                descent.value(model);
+                // Nothing passed, nothing to be priced by steps.
+                last_price = !priced && descent.merit.price <= 0.0;
+            }
+        }
+    }
+    pass.missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { 0.0 };
+    Ok(pass)
+}
+
+/// Puts the descent on another way around what is missed, if there is one; returns where it was.
+fn try_detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    descent: &mut Descent<'_, R, N, F>,
+    model: &mut Model<'_, N, F>,
+) -> Option<(Point<N, F>, Merit)> {
+    let missed = model.missed(&descent.point);
+    let free = detour(descent.robot, descent.branches, model.line, model.bounds, &descent.point, &missed)?;
+    let other = descent.point.with_free(descent.robot, model.line, descent.branches, &free, model.bounds)?;
+    let straight = std::mem::replace(&mut descent.point, other);
+    let merit = descent.merit;
+    descent.value(model);
+    Some((straight, merit))
+}
