@@ -57,6 +57,8 @@ impl Figures {
 struct Motion<const N: usize, const F: usize> {
     rungs: Vec<Rung<N, F>>,
     runs: Vec<Range<usize>>,
+    /// Whether speeds have called for more samples than the first.
+    doubled: bool,
 }
 
 impl<const N: usize, const F: usize> Motion<N, F> {
@@ -105,7 +107,9 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
                 }
                 "global" => {
                     let (start, before) = better(&ladder, local.as_ref(), times)?;
-                    let (motion, trajectories, bound) = globally(robot, times, &bounds, start, bars)?;
+                    let other = unhurried(robot, times, &bounds, start, bars)?;
+                    let (motion, trajectories, bound) =
+                        globally(robot, times, &bounds, other.as_ref().unwrap_or(start), bars)?;
                     (lower_bound, whole) = (bound, Some(trajectories));
                     (motion, ladder_time + before + started.elapsed())
                 }
@@ -138,8 +142,26 @@ fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
         bars.update(step.stage, step.done, step.total);
         ControlFlow::Continue(())
     })?;
-    let runs = ladder.runs().collect();
-    Ok((Motion { rungs: ladder.rungs, runs }, started.elapsed()))
+    let (runs, doubled) = (ladder.runs().collect(), ladder.samples != samples);
+    Ok((Motion { rungs: ladder.rungs, runs, doubled }, started.elapsed()))
+}
+
+/// The ladder of the first samples without speed limits, where these have called for more samples and it has less jerk
+/// as a spline than `start`: the short way over many samples winds the tool this way and that. Speeds are the filter's
+/// job.
+fn unhurried<const N: usize, const F: usize, R: Placed<N, F>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    start: &Motion<N, F>,
+    bars: &Bars,
+) -> Result<Option<Motion<N, F>>, Failure> {
+    if !start.doubled || start.runs.len() > 1 {
+        return Ok(None);
+    }
+    let (ladder, _) = climb(robot, times, &Bounds { velocity: [f64::INFINITY; N], ..*bounds }, [4; F], 0, bars)?;
+    let smoother = ladder.runs.len() == 1 && jerk(&ladder, times)? < jerk(start, times)?;
+    Ok(smoother.then_some(ladder))
 }
 
 /// Algorithm 6 on every run that is long enough.
@@ -170,11 +192,13 @@ fn better<'a, const N: usize, const F: usize>(
     local: Option<&'a (Motion<N, F>, Duration)>,
     times: &[f64],
 ) -> Result<(&'a Motion<N, F>, Duration), Failure> {
-    let jerk = |motion: &Motion<N, F>| -> Result<f64, Failure> {
-        Ok(motion.splines(times)?.iter().map(Trajectory::squared_jerk).sum())
-    };
     let Some((filtered, time)) = local else { return Ok((ladder, Duration::ZERO)) };
-    Ok((if jerk(filtered)? < jerk(ladder)? { filtered } else { ladder }, *time))
+    Ok((if jerk(filtered, times)? < jerk(ladder, times)? { filtered } else { ladder }, *time))
+}
+
+/// The integral of the squared jerk of a motion's splines.
+fn jerk<const N: usize, const F: usize>(motion: &Motion<N, F>, times: &[f64]) -> Result<f64, Failure> {
+    Ok(motion.splines(times)?.iter().map(Trajectory::squared_jerk).sum())
 }
 
 /// A motion by the global filter, its trajectories, and the lower bound of its greatest jerk.

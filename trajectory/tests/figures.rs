@@ -6,7 +6,8 @@ mod common;
 use common::quiet;
 use common::ur3::{STEP, Ur3, read};
 use curvlay_trajectory::{
-    FilterOptions, Ladder, LadderOptions, LadderSearch, PathOptions, Timing, filter_locally, plan_ladder, timed_path,
+    Bounds, FilterOptions, GlobalOptions, GlobalStatus, Ladder, LadderError, LadderOptions, LadderSearch, PathOptions,
+    Quantity, RunIn, Timeline, Timing, filter_locally, plan_ladder, smooth_globally, timed_path,
 };
 
 fn grid(search: LadderSearch, samples: u32) -> LadderOptions<6, 1> {
@@ -66,4 +67,42 @@ fn the_defects_of_published_paths_are_found() {
         all[1] += timed.defects.len();
     }
     assert!(all[0] > names.len() && all[1] > 0);
+}
+
+#[test]
+fn a_crest_taken_at_speed_goes_another_way_round_and_names_what_no_path_nearby_holds() {
+    let Some(path) = read("syn_dev_2545.txt") else { return };
+    // The middle of the spiral, where the tool once turned the wrong way round at 1.1 rad/s.
+    let robot = Ur3::new(&path);
+    let robot = Ur3 { waypoints: robot.waypoints[1150..1480].to_vec(), ..robot };
+    let (times, bounds) = (robot.times(), robot.bounds());
+    let line = Timeline::new(&times, RunIn::default()).unwrap();
+    let unhurried = Bounds { velocity: [f64::INFINITY; 6], ..bounds };
+    let start = plan_ladder(&robot, &times, &unhurried, &LadderOptions::default(), &quiet).unwrap().rungs;
+    let options = GlobalOptions { lower_peak: false, ..GlobalOptions::default() };
+    let found = smooth_globally(&robot, &line, &start, &bounds, &options, &quiet).unwrap();
+    assert_eq!(found.status, GlobalStatus::BoundsMissed);
+    for extremes in found.trajectory.extremes() {
+        assert!(extremes.velocity.value.abs() < 1.001, "{extremes:?}");
+    }
+    let missed = found.missed.unwrap();
+    assert!(missed.total < 1.1 && missed.lower_bound > 0.9 * missed.total, "{missed:?}");
+    // Bounds that the way allows are held.
+    let wider = Bounds { acceleration: [12.0; 6], ..bounds };
+    let held = smooth_globally(&robot, &line, &start, &wider, &options, &quiet).unwrap();
+    assert!(held.missed.is_none() && held.violations.iter().all(|violation| violation.quantity == Quantity::Jerk));
+    assert!(held.trajectory.squared_jerk() < found.trajectory.squared_jerk());
+}
+
+#[test]
+fn the_step_that_speeds_do_not_allow_is_named() {
+    let Some(path) = read("syn_dev_4681.txt") else { return };
+    let robot = Ur3::new(&path);
+    // Around waypoint 32 a joint has to move at 1.045 rad/s at least, on any branch and at any tool angle.
+    let robot = Ur3 { waypoints: robot.waypoints[26..38].to_vec(), ..robot };
+    let found = plan_ladder(&robot, &robot.times(), &robot.bounds(), &grid(LadderSearch::Exact, 1024), &quiet);
+    let Err(LadderError::NoPath { waypoint: 6, samples: 1024, needed }) = found else { panic!("{found:?}") };
+    assert!((1.0..1.1).contains(&needed), "{needed}");
+    let faster = Bounds { velocity: [1.05; 6], ..robot.bounds() };
+    plan_ladder(&robot, &robot.times(), &faster, &grid(LadderSearch::Exact, 1024), &quiet).unwrap();
 }

@@ -320,7 +320,8 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let smooth = descent.merit;
     let mut peak = None;
     if options.lower_peak && smooth.peak > 1.0 && bounds.jerk.iter().any(|jerk| jerk.is_finite()) {
-        let (report, used, done) = lower_peak(&mut descent, (bounds, ranges), line, options, avoid, &tell)?;
+        let (report, used, done) =
+            lower_peak(&mut descent, (bounds, ranges, model.drawn_in), line, options, avoid, &tell)?;
         rounds[1] = used;
         settled = settled && done;
         peak = Some(report);

@@ -26,6 +26,13 @@ const UNDAMPED: f64 = 1e-6;
 /// The tolerance at the first price, before other ways are tried.
 const SKETCH: f64 = 1e-2;
 
+/// What passes its bound by less than this share in the end is brought within by bounds drawn in, so often, at this
+/// share of the tolerance: the linearised problem holds a bound, the spline through the exact waypoints passes it by a
+/// hair.
+const SLIGHT: f64 = 1e-2;
+const MOST_TIGHTENED: usize = 3;
+const FINE: f64 = 1e-2;
+
 /// By how much the price of bounds rises at once.
 const PRICE_STEP: f64 = 10.0;
 
@@ -56,6 +63,7 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     let (mut stuck, mut still) = (0, false);
     // At the last price the last digits count.
     let mut last_price = false;
+    let mut tightened = 0;
     let mut missed_before = f64::INFINITY;
     let mut straight: Option<(Point<N, F>, Merit)> = None;
     let mut detoured = avoid.is_some();
@@ -65,7 +73,11 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     while pass.rounds < options.rounds && !pass.settled {
         tell("smooth", pass.rounds)?;
         let rough = if model.penalty > 0.0 && !detoured { SKETCH } else { ROUGH };
-        let tolerance = if last_price { options.tolerance } else { options.tolerance.max(rough) };
+        let tolerance = match (last_price, tightened) {
+            (false, _) => options.tolerance.max(rough),
+            (true, 0) => options.tolerance,
+            (true, _) => FINE * options.tolerance,
+        };
         let (before, damped) = (descent.merit, descent.damping[0]);
         let step = match descent.round(model, 0.0, tolerance)? {
             Round::Fell(step) => {
@@ -101,7 +113,13 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
         hurries_from = pass.rounds + options.rounds / PRICES;
         let priced = model.penalty > 0.0;
         if last_price {
-            pass.settled = true;
+            let over = model.farthest(&descent.point);
+            pass.settled = !(over > 0.0 && over < SLIGHT && tightened < MOST_TIGHTENED);
+            if !pass.settled {
+                tightened += 1;
+                model.drawn_in += 2.0 * over;
+                descent.value(model);
+            }
         } else if priced && descent.merit.price <= options.tolerance * descent.merit.squared_jerk {
             last_price = true;
         } else if priced && !detoured {

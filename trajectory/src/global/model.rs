@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// Sides of the polygon that stands for a cone: the corners lie on it, and the sides come within 1 % of it.
 const CONE_SIDES: usize = 24;
 
-/// Bounds of rows are drawn in by this share, so that what the solver leaves does not pass the true ones.
+/// Bounds of rows are drawn in by this share at first, so that what the solver leaves does not pass the true ones.
 const DRAWN_IN: f64 = 1e-6;
 
 /// Values within this share of their bound get a row; others are looked at after the step.
@@ -45,6 +45,8 @@ pub(super) struct Model<'a, const N: usize, const F: usize> {
     pub room: Room<F>,
     /// Price of passing a bound, a whole bound a unit.
     pub penalty: f64,
+    /// The share by which bounds are drawn in.
+    pub drawn_in: f64,
     /// The price of bounds at which the price of collisions is what was asked for.
     full_penalty: f64,
     avoid: Option<Avoid<'a, N>>,
@@ -84,6 +86,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             bounds,
             room: Room { ranges, cone: options.cone },
             penalty: options.penalty,
+            drawn_in: DRAWN_IN,
             full_penalty: options.penalty,
             avoid,
             qp: BandedQp::new(&sizes, usize::from(with_peak)),
@@ -102,7 +105,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 return;
             }
             let unit = unit(&place, low, high);
-            let over = (value - drawn_in(high, unit, -1.0)).max(drawn_in(low, unit, 1.0) - value);
+            let over = (value - (high - self.drawn_in * unit)).max(low + self.drawn_in * unit - value);
             if over > 0.0 && self.penalty > 0.0 {
                 price += self.penalty * over / unit;
                 self.kept[place.piece][place.joint][place.quantity as usize] = true;
@@ -112,6 +115,18 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             price += unit * point.knots.iter().map(|joints| avoid.excess(joints)).sum::<f64>();
         }
         (price, peak)
+    }
+
+    /// By how much a bound on position, speed or acceleration is passed at most, in shares of it (radians for positions).
+    pub fn farthest(&self, point: &Point<N, F>) -> f64 {
+        let mut farthest = 0.0f64;
+        extremes(point, self.line, |place, value| {
+            let (low, high) = place.bounds(self.bounds);
+            if place.quantity != Quantity::Jerk {
+                farthest = farthest.max((value - high).max(low - value) / unit(&place, low, high));
+            }
+        });
+        farthest
     }
 
     /// The waypoints next to pieces on which a bound on position, speed or acceleration is passed, ascending.
@@ -198,6 +213,10 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 for side in 0..CONE_SIDES {
                     let (sin, cos) = (TAU * (side as f64 + 0.5) / CONE_SIDES as f64).sin_cos();
                     let room = (reach - cos * value[a] - sin * value[b]).max(0.0);
+                    // A tilt that leans the other way does not come so far in a step.
+                    if room > reach {
+                        continue;
+                    }
                     self.qp.add_row(&[(at + a, cos / norm[a]), (at + b, sin / norm[b])], f64::NEG_INFINITY, room);
                 }
             }
@@ -291,7 +310,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 terms[last].1 = -1.0;
                 self.qp.add_row(&terms, f64::NEG_INFINITY, -DRAWN_IN);
             } else {
-                let (low, high) = (drawn_in(low, unit, 1.0), drawn_in(high, unit, -1.0));
+                let (low, high) = (low + self.drawn_in * unit, high - self.drawn_in * unit);
                 self.qp.add_soft_row(&terms, (low - fixed) / unit, (high - fixed) / unit, self.penalty);
             }
         }
@@ -320,8 +339,4 @@ fn unit(place: &Place, low: f64, high: f64) -> f64 {
         Quantity::Position => 1.0,
         _ => high.min(-low).max(f64::MIN_POSITIVE),
     }
-}
-
-fn drawn_in(bound: f64, unit: f64, sign: f64) -> f64 {
-    bound + sign * DRAWN_IN * unit
 }

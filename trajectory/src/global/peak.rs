@@ -30,6 +30,9 @@ const MOST_SLOW: usize = 3;
 const SLOW: f64 = 0.005;
 const FAR: f64 = 0.05;
 
+/// And after so many wherever it is.
+const FAR_SLOW: usize = 8;
+
 /// Damping up to this does not touch the bound in its first digits.
 const UNDAMPED: f64 = 1e-4;
 
@@ -40,14 +43,17 @@ const SPARE: f64 = 0.002;
 /// and whether it came to rest.
 pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     descent: &mut Descent<'_, R, N, F>,
-    (bounds, ranges): (&Bounds<N>, [FreeRange; F]),
+    (bounds, ranges, drawn_in): (&Bounds<N>, [FreeRange; F], f64),
     line: &Timeline,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
     tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<(PeakReport, usize, bool), GlobalError> {
-    let before = descent.merit;
     let mut model = Model::new(line, bounds, ranges, options, avoid, true);
+    model.drawn_in = drawn_in;
+    // Priced as this model prices it; bounds passed before keep their rows.
+    descent.merit.price = model.price(&descent.point).0;
+    let before = descent.merit;
     let waypoints = line.waypoints();
     let times = &line.times()[waypoints.start + 1..waypoints.end + 1];
     let measure = |knots: &[[f64; N]]| jerk_measure(times, &knots[waypoints.clone()]);
@@ -59,8 +65,6 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
     let mut lower_bound = 1.0f64;
     let (mut rounds, mut stuck, mut slow) = (0, 0, 0);
     let mut settled = false;
-    // Bounds passed before keep their rows.
-    model.price(&descent.point);
     while rounds < options.rounds && !settled && stuck < MOST_STUCK {
         tell("lower the peak", rounds)?;
         rounds += 1;
@@ -101,7 +105,8 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
             settled = still;
         } else {
             let near = (still || damped <= UNDAMPED) && best.1.peak <= (1.0 + GAP) * low;
-            settled = near || (slow >= MOST_SLOW && best.1.peak <= (1.0 + FAR) * low);
+            let end = if best.1.peak <= (1.0 + FAR) * low { MOST_SLOW } else { FAR_SLOW };
+            settled = near || slow >= end;
             let (rise, wanted) = (step.squared_jerk - before.squared_jerk, aim - before.squared_jerk);
             price *= (wanted / rise.max(1e-3 * wanted)).clamp(1.0 / PRICE_STEP, PRICE_STEP);
         }

@@ -27,7 +27,7 @@ impl<const N: usize> Measure<N> {
         }
     }
 
-    fn distance(&self, joint: usize, a: f64, b: f64) -> f64 {
+    pub fn distance(&self, joint: usize, a: f64, b: f64) -> f64 {
         let straight = (a - b).abs();
         straight.min(self.period[joint] - straight)
     }

@@ -162,7 +162,8 @@ pub enum LadderError {
     },
     /// The speeds do not allow to go on, at any of the densities tried.
     #[error(
-        "no path within the speed limits from waypoint {} to {waypoint} with {samples} samples a waypoint",
+        "no path within the speed limits from waypoint {} to {waypoint} with {samples} samples a waypoint: the nearest \
+         two need {needed:.3} times the speed limit of a joint",
         waypoint - 1
     )]
     NoPath {
@@ -170,6 +171,9 @@ pub enum LadderError {
         waypoint: usize,
         /// Number of samples.
         samples: u64,
+        /// Speed limits times this allow the step between the nearest of the samples that are reached and those of the
+        /// waypoint. Little above 1: more samples may find a way.
+        needed: f64,
     },
     /// A waypoint has too many solutions to compare.
     #[error("waypoint {waypoint} has {most} nodes or more; take fewer samples")]
@@ -235,8 +239,8 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             Err(Stuck::Unreachable(waypoint)) if last => {
                 return Err(LadderError::Unreachable { waypoint, samples: count(&samples) });
             }
-            Err(Stuck::Apart(waypoint)) if last => {
-                return Err(LadderError::NoPath { waypoint, samples: count(&samples) });
+            Err(Stuck::Apart(waypoint, needed)) if last => {
+                return Err(LadderError::NoPath { waypoint, samples: count(&samples), needed });
             }
             Err(_) => samples = samples.map(|n| n * 2),
         }

@@ -13,6 +13,9 @@ use std::ops::ControlFlow;
 /// A rung may have this many nodes; more is a mistake in the options.
 pub(super) const MOST_NODES: usize = 1 << 22;
 
+/// Nodes of a rung that are compared when there is no way on; of more, as many evenly spaced ones.
+const MOST_COMPARED: usize = 8192;
+
 /// After so many rungs the joints to sort by are chosen anew.
 const CHOOSE_AFTER: usize = 256;
 
@@ -53,8 +56,8 @@ pub(super) struct Path<const N: usize, const F: usize> {
 pub(super) enum Stuck {
     /// No solution at the waypoint.
     Unreachable(usize),
-    /// The waypoint is too far in joints from the one before.
-    Apart(usize),
+    /// The waypoint is too far in joints from the one before: the nearest two nodes, in steps that speeds allow.
+    Apart(usize, f64),
     Failed(LadderError),
 }
 
@@ -105,7 +108,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 }
                 if !reached {
                     if !self.breaks {
-                        return Err(Stuck::Apart(waypoint));
+                        let share = self.nearest(&before.joints, &costs_before, &nodes.joints, &limits);
+                        return Err(Stuck::Apart(waypoint, share));
                     }
                     ends.push(least(&costs_before));
                     breaks.push(at);
@@ -118,6 +122,21 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         }
         ends.push(least(&costs_before));
         Ok(Path { rungs: self.trace(&columns, &ends, &breaks), breaks, cost: ends.iter().map(|end| end.1).sum() })
+    }
+
+    /// The least step from a node that is reached to one of the next rung, in shares of `limits`.
+    fn nearest(&self, from: &[[f64; N]], costs: &[f64], to: &[[f64; N]], limits: &[f64; N]) -> f64 {
+        let reached: Vec<&[f64; N]> =
+            from.iter().zip(costs).filter(|(_, cost)| cost.is_finite()).map(|(node, _)| node).collect();
+        let thinned = |count: usize| count.div_ceil(MOST_COMPARED).max(1);
+        let mut least = f64::INFINITY;
+        for a in reached.iter().step_by(thinned(reached.len())) {
+            for b in to.iter().step_by(thinned(to.len())) {
+                let share = |j: usize| self.measure.distance(j, a[j], b[j]) / limits[j];
+                least = least.min((0..N).map(share).fold(0.0, f64::max));
+            }
+        }
+        least
     }
 
     /// Goes back from the last node of each run.
