@@ -8,8 +8,8 @@ use common::tilt::{Table, Tilting};
 use common::ur3::{STEP, Ur3};
 use curvlay_trajectory::nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
 use curvlay_trajectory::{
-    Bounds, Cone, GlobalOptions, GlobalStatus, LadderOptions, LadderSearch, RunIn, Rung, Timeline, plan_ladder,
-    smooth_globally,
+    Bounds, Cone, FreeRange, GlobalOptions, GlobalStatus, LadderOptions, LadderSearch, Robot, RobotFn, RunIn, Rung,
+    Timeline, plan_ladder, smooth_globally,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -74,4 +74,48 @@ fn eight_axes_are_smoother_than_six() {
     assert!(found.status != GlobalStatus::BoundsMissed, "{:?}", found.violations);
     let held = smooth_globally(&robot.with_fixed_table(), &line, &start, &robot.bounds(), &options, &quiet).unwrap();
     assert!(found.trajectory.squared_jerk() < 0.9 * held.trajectory.squared_jerk());
+}
+
+#[test]
+fn a_cone_takes_the_noise_out_of_a_whole_layer() {
+    // What the dissertation's filter cannot do (Fig. 4.14): the greatest jerk stays within its bound for normals with 10
+    // degrees of noise.
+    let dome = Ur3::dome(400);
+    let path: Path = dome.waypoints.iter().map(|w| (w.position, w.axis.into_inner())).collect();
+    let half_angle = 10f64.to_radians();
+    let robot = Ur3::new(&noisy(&path, half_angle));
+    let (line, bounds) = (line(path.len()), robot.bounds());
+    let unhurried = Bounds { velocity: [f64::INFINITY; 6], ..bounds };
+    let start = plan_ladder(&robot, &robot.times(), &unhurried, &LadderOptions::default(), &quiet).unwrap().rungs;
+    let tilting = Tilting { robot };
+    // The squared jerk falls to a hundred thousandth; for a low peak it may rise to twice that.
+    let cone = Some(Cone { tilts: [1, 2], half_angle });
+    let options = GlobalOptions { cone, rise: 1.0, ..GlobalOptions::default() };
+    let found = smooth_globally(&tilting, &line, &upright(&start), &bounds, &options, &quiet).unwrap();
+    assert!(found.violations.is_empty(), "{:?} {:?} {:?}", found.status, found.peak, found.violations);
+    for (rung, waypoint) in found.rungs.iter().zip(&tilting.robot.waypoints) {
+        let nozzle = tilting.robot.cell.nozzle_on_part(&rung.joints);
+        assert!((nozzle.translation.vector - waypoint.position.coords).norm() < 1e-6);
+        assert!((nozzle.rotation * Vector3::z()).angle(&waypoint.axis) < half_angle + 1e-9);
+    }
+}
+
+#[test]
+fn steps_beyond_the_range_of_a_parameter_stop_at_its_end() {
+    // The table may tilt by 0.25 rad: from level no row foresees a step beyond.
+    let dome = Ur3::dome(60);
+    let robot = Table::new(&dome.waypoints);
+    let (start, line) = (robot.level_start(), line(60));
+    let options = GlobalOptions { lower_peak: false, ..GlobalOptions::default() };
+    let range = FreeRange::Within(-0.25, 0.25);
+    let narrow = RobotFn {
+        waypoints: 60,
+        free: [FreeRange::Turn, range, range],
+        solutions: |i: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 8])| robot.solutions(i, free, each),
+        posture: |i: usize, free: &[f64; 3], branch: u32| robot.posture(i, free, branch),
+    };
+    let found = smooth_globally(&narrow, &line, &start, &Bounds::NONE, &options, &quiet).unwrap();
+    let most = found.rungs.iter().map(|rung| rung.free[1].abs()).fold(0.0, f64::max);
+    assert!(most <= 0.25, "{most}");
+    assert!(found.trajectory.squared_jerk() < 0.9 * found.squared_jerk[0]);
 }

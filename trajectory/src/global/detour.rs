@@ -161,9 +161,9 @@ fn best_chain<const N: usize, const F: usize>(
                     for &index in &into[from] {
                         let pair = &before[index];
                         let mut sum = pair.cost;
-                        for j in 0..N {
-                            let acceleration = (velocity[j] - pair.velocity[j]) / halves;
-                            let share = acceleration / bounds.acceleration[j];
+                        for ((now, then), most) in velocity.iter().zip(&pair.velocity).zip(&bounds.acceleration) {
+                            let acceleration = (now - then) / halves;
+                            let share = acceleration / most;
                             sum += acceleration * acceleration + BEYOND * unit * beyond(share);
                             if sum >= cost {
                                 break;

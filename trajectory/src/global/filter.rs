@@ -38,7 +38,8 @@ pub struct Cone {
 pub struct GlobalOptions {
     /// Most rounds of the first pass, and again of the second. Default 40.
     pub rounds: usize,
-    /// A round that promises to lower what is minimised by less than this share ends a pass. Default 1e-4.
+    /// A round that promises to lower what is minimised by less than this share ends a pass, and so do four in a row that
+    /// bring less. Default 1e-4. While prices of bounds still rise, 1e-3 is enough.
     pub tolerance: f64,
     /// Price of passing a bound on position, speed or acceleration by a radian or by the whole bound, in units of the
     /// squared jerk. Default 1e5. Too low, and a bound is passed although it need not be.
@@ -86,7 +87,8 @@ pub struct PeakReport {
     pub before: f64,
     /// The greatest jerk over its bound, after.
     pub after: f64,
-    /// No point of the last linearised problem has less, at that rise of the squared jerk. 1 where the bound is met.
+    /// No point of the last linearised problem has less, at that rise of the squared jerk; at most `after`. 1 where the
+    /// bound is met.
     pub lower_bound: f64,
 }
 

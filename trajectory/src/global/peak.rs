@@ -115,6 +115,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
     }
     descent.point = best.0;
     descent.merit = best.1;
-    let report = PeakReport { before: before.peak, after: best.1.peak, lower_bound: lower_bound.max(1.0) };
+    let report =
+        PeakReport { before: before.peak, after: best.1.peak, lower_bound: lower_bound.min(best.1.peak).max(1.0) };
     Ok((report, rounds, settled))
 }
