@@ -13,7 +13,7 @@ use curvlay_examples::motion::{PartInHand, Placed};
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, links};
 use curvlay_kinematics::{Waypoint, robots};
 use curvlay_trajectory::indicator::geometric::{
-    Ball, BodiesFn, Capsule, DistanceGrid, GeometricIndicator, GeometricModel, Twist,
+    BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricIndicator, GeometricModel, Twist,
 };
 use curvlay_trajectory::indicator::svm::{Svm, SvmOptions};
 use curvlay_trajectory::indicator::{
@@ -24,7 +24,7 @@ use curvlay_trajectory::{
     Avoid, FEWEST_WAYPOINTS, FreeRange, GlobalOptions, LadderOptions, Posture, Progress, Robot, RunIn, Timeline,
     Trajectory, plan_ladder, smooth_clear_of,
 };
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, IsometryMatrix3, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -37,8 +37,8 @@ const LAYER_MM: f64 = 0.8;
 /// Edge of the cells of the slab, and how far aside of a waypoint it reaches.
 const CELL_MM: f64 = 0.5;
 const ASIDE_MM: f64 = 1.2;
-/// Cells around the slab in the grid of distances.
-const ROOM: u32 = 20;
+/// Cells around the slab in the grid of distances: the thickest link, the upper arm, has a radius of 47 mm.
+const ROOM: u32 = 120;
 /// Nodes along the longest side of a part from a file, in the grid of distances.
 const NODES: f64 = 150.0;
 /// How far from the contact space near samples are, in radians.
@@ -308,68 +308,52 @@ fn scene(robot: &PartInHand, obstacle: &Obstacle) -> Result<Scene, Failure> {
     Ok(Scene::new(SceneModel { bodies, links: links(&robots::UR3), ..SceneModel::of(*cell.arm()) })?)
 }
 
-/// The head as balls in the grid of the part, the links as capsules against the head and each other.
+/// The part as a grid; head and links as capsules, foot and flange as cylinders, against it and each other.
 fn geometric(robot: &PartInHand, obstacle: &Obstacle) -> Result<impl CollisionIndicator<6>, Failure> {
     let cell = *robot.cell();
-    let held = cell.held();
+    let held = nalgebra::convert::<_, IsometryMatrix3<f64>>(cell.held());
     // Bodies 0 to 6 are the frames of the arm, body 7 is the part.
     let bodies = BodiesFn {
         carriers: (0..8).map(|body: usize| std::array::from_fn(|joint| joint < body.min(6))).collect(),
-        place: move |q: &[f64; 6], frames: &mut [Isometry3<f64>]| {
-            frames[..7].copy_from_slice(&cell.arm().frames(q));
+        place: move |q: &[f64; 6], frames: &mut [IsometryMatrix3<f64>]| {
+            frames[..7].copy_from_slice(&cell.arm().matrices(q));
             frames[7] = frames[6] * held;
         },
         // A joint of such an arm turns about the z axis of the frame before it.
-        twists: |_: &[f64; 6], frames: &[Isometry3<f64>]| {
+        twists: |_: &[f64; 6], frames: &[IsometryMatrix3<f64>]| {
             let axis = |k: usize| frames[k].rotation * Vector3::z();
             std::array::from_fn(|k| Twist::turning(&frames[k].translation.vector.into(), &axis(k)))
         },
     };
     let base_nozzle = cell.other();
     let at = |z: f64| base_nozzle * Point3::new(0.0, 0.0, z);
-    let balls = HEAD.iter().flat_map(|&(_, from, to, radius)| {
-        // So near each other that the surface sinks in by less than a tenth of a cell.
-        let apart = (0.8 * CELL_MM * radius).sqrt();
-        Ball::along(0, &at(from), &at(to), [radius; 2], ((to - from) / apart).ceil() as usize + 1)
-    });
-    let mut capsules: Vec<Capsule> = links(&robots::UR3).iter().flat_map(as_capsules).collect();
-    // The links come near the part too.
-    let link_balls = capsules.iter().flat_map(|link| {
-        let count = ((link.to - link.from).norm() / (0.8 * CELL_MM * link.radius).sqrt()).ceil() as usize + 1;
-        Ball::along(link.body, &link.from, &link.to, [link.radius; 2], count)
-    });
-    let balls: Vec<Ball> = balls.chain(link_balls).collect();
+    let (mut capsules, mut cylinders) = (vec![], vec![]);
+    for link in links(&robots::UR3) {
+        let body = if let Mount::Link(link) = link.mount { link } else { 0 };
+        match link.shape {
+            Shape::Capsule { from, to, radius } => capsules.push(Capsule { body, from, to, radius }),
+            Shape::Hull { points, .. } => cylinders.push(drum(body, &points)),
+            Shape::Mesh { .. } | Shape::Cells { .. } => unreachable!("links are capsules and hulls"),
+        }
+    }
     capsules.extend(HEAD.map(|(_, from, to, radius)| Capsule { body: 0, from: at(from), to: at(to), radius }));
     let model = GeometricModel {
-        balls,
         grids: vec![(7, obstacle.grid.clone())],
         capsules,
-        planes: vec![],
+        cylinders,
         ignored: (0..6).map(|k| [k, k + 1]).collect(),
-        margin: 0.0,
+        ..GeometricModel::default()
     };
     Ok(GeometricIndicator::new(bodies, model)?)
 }
 
-/// A link as capsules: the foot and the flange, short cylinders, as four that lie across.
-fn as_capsules(link: &Body) -> Vec<Capsule> {
-    let body = if let Mount::Link(link) = link.mount { link } else { 0 };
-    match &link.shape {
-        Shape::Capsule { from, to, radius } => vec![Capsule { body, from: *from, to: *to, radius: *radius }],
-        Shape::Hull { points, radius } => {
-            let far = points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max) + radius;
-            let low = points.iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
-            let high = points.iter().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max);
-            let (middle, radius) = (0.5 * (low + high), far.min(0.5 * (high - low)));
-            let across = |k: usize| {
-                let (sin, cos) = (0.25 * PI * k as f64).sin_cos();
-                let end = |side: f64| Point3::new(side * cos, side * sin, middle);
-                Capsule { body, from: end(radius - far), to: end(far - radius), radius }
-            };
-            (0..4).map(across).collect()
-        }
-        Shape::Mesh { .. } | Shape::Cells { .. } => unreachable!("links are capsules and hulls"),
-    }
+/// The cylinder about z that a prism of twelve sides stands for: midway between the circles within and about it.
+fn drum(body: usize, points: &[Point3<f64>]) -> Cylinder {
+    let about = points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max);
+    let low = points.iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
+    let high = points.iter().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max);
+    let end = |z: f64| Point3::new(0.0, 0.0, z);
+    Cylinder { body, from: end(low), to: end(high), radius: 0.5 * about * (1.0 + (PI / 12.0).cos()) }
 }
 
 /// The tip on a waypoint, turned at will, on any branch, joints within half a turn of the motion's middle.

@@ -9,7 +9,7 @@ use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::indicator::geometric::{BodiesFn, Capsule, GeometricIndicator, GeometricModel, Twist};
 use curvlay_trajectory::indicator::{CollisionIndicator, IndicatorFn};
-use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
+use curvlay_trajectory::nalgebra::{Isometry3, IsometryMatrix3, Point3, Vector3};
 use curvlay_trajectory::{
     Avoid, GlobalError, GlobalOptions, LadderOptions, Robot, RunIn, Rung, Timeline, plan_ladder, smooth_clear_of,
     smooth_globally,
@@ -45,8 +45,8 @@ fn indicator(ball: &Point3<f64>) -> impl CollisionIndicator<6> {
     let arm = Arm::new(&robots::UR3).unwrap();
     let bodies = BodiesFn {
         carriers: (0..7).map(|body| std::array::from_fn(|joint| joint < body)).collect(),
-        place: move |q: &[f64; 6], frames: &mut [Isometry3<f64>]| frames.copy_from_slice(&arm.frames(q)),
-        twists: |_: &[f64; 6], frames: &[Isometry3<f64>]| {
+        place: move |q: &[f64; 6], frames: &mut [IsometryMatrix3<f64>]| frames.copy_from_slice(&arm.matrices(q)),
+        twists: |_: &[f64; 6], frames: &[IsometryMatrix3<f64>]| {
             let axis = |k: usize| frames[k].rotation * Vector3::z();
             std::array::from_fn(|k| Twist::turning(&frames[k].translation.vector.into(), &axis(k)))
         },

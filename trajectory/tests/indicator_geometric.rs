@@ -5,11 +5,11 @@ mod common;
 
 use common::{Fixed, cell};
 use curvlay_trajectory::indicator::geometric::{
-    Ball, Bodies, BodiesFn, Capsule, DistanceGrid, GeometricError, GeometricIndicator, GeometricModel, GridError,
-    MOST_BODIES, Plane, Twist,
+    Ball, Bodies, BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricError, GeometricIndicator, GeometricModel,
+    GridError, MOST_BODIES, Plane, Twist,
 };
 use curvlay_trajectory::indicator::{CollisionIndicator, Rates, verification_samples};
-use curvlay_trajectory::nalgebra::{Isometry3, Point3, Unit, Vector3};
+use curvlay_trajectory::nalgebra::{IsometryMatrix3, Point3, Unit, Vector3};
 use proptest::prelude::*;
 
 /// The signed distance of a point to a union of cubes, cube by cube; inside, the distance to the nearest empty one.
@@ -67,6 +67,66 @@ proptest! {
         if is_within {
             prop_assert!((found - exact).abs() <= grid.error_bound(), "{found} {exact}");
         }
+    }
+
+    /// The far lattice: its nodes are exact, and a grid with much room is as right as one with little.
+    #[test]
+    fn far_distances_are_those_of_brute_force(
+        dims in (1u32..9, 1u32..9, 1u32..9), seed in any::<u64>(), room in 17u32..70,
+        at in proptest::array::uniform3(0.0..1.0f64),
+    ) {
+        let dims = [dims.0, dims.1, dims.2];
+        let mut fixed = Fixed(seed);
+        let mut rows = vec![0u64; (dims[1] * dims[2]) as usize];
+        rows.iter_mut().for_each(|row| (0..dims[0]).for_each(|x| *row |= u64::from(fixed.unit() < 0.3) << x));
+        rows[0] |= 1;
+        let is_solid = |c: [i64; 3]| {
+            (0..3).all(|d| c[d] >= 0 && c[d] < i64::from(dims[d]))
+                && rows[(c[1] + i64::from(dims[1]) * c[2]) as usize] >> c[0] & 1 == 1
+        };
+        let cell = 0.5;
+        let grid = DistanceGrid::from_cells(dims, &rows, cell, &Point3::origin(), room).unwrap();
+        let wide = [0, 1, 2].map(|d| f64::from(dims[d] + 2 * room));
+        let any: Point3<f64> = [0, 1, 2].map(|d| (at[d] * wide[d] - f64::from(room)) * cell).into();
+        let (found, exact) = (grid.distance(&any), slow_cells(dims, is_solid, cell, &any));
+        // Within the near lattice less its blend as before; beyond it the far lattice's bend beside a solid that is
+        // eight cells thick at most, and some for its notches.
+        let cells = (0..3).map(|d| (-any[d]).max(any[d] - cell * f64::from(dims[d]))).fold(0.0, f64::max) / cell;
+        let bound = if cells < 12.0 { 0.75f64.sqrt() * cell } else { 0.4 * cell };
+        prop_assert!((found - exact).abs() <= bound + 1e-5, "{any}: {found} {exact}");
+        // A node of the far lattice, off the near one.
+        let around = 16 + (room - 16).div_ceil(4) * 4;
+        let node: Point3<f64> = [0, 1, 2]
+            .map(|d| {
+                let last = (f64::from(dims[d] + 2 * around) / 4.0).floor();
+                (4.0 * (at[d] * last).round() - f64::from(around)) * cell
+            })
+            .into();
+        if (0..3).any(|d| node[d] < -16.0 * cell || node[d] > (f64::from(dims[d]) + 16.0) * cell) {
+            let exact = slow_cells(dims, is_solid, cell, &node);
+            prop_assert!((grid.distance(&node) - exact).abs() < 1e-5, "{node}: {} {exact}", grid.distance(&node));
+        }
+    }
+
+    /// Over the seam of the two lattices the slope is still that of the value.
+    #[test]
+    fn slopes_across_the_seam(at in proptest::array::uniform3(-25.0..30.0f64)) {
+        let rows = [0b1011u64, 0b0110, 0b1001, 0b1111];
+        let grid = DistanceGrid::from_cells([4, 2, 2], &rows, 1.0, &Point3::origin(), 40).unwrap();
+        let p = Point3::from(at);
+        let (value, slope) = grid.gradient(&p);
+        prop_assert!((value - grid.distance(&p)).abs() < 1e-12);
+        let mut kinks = 0;
+        for d in 0..3 {
+            let moved = |step: f64| { let mut q = p; q[d] += step; grid.distance(&q) };
+            let [ahead, behind] = [(moved(1e-6) - value) / 1e-6, (value - moved(-1e-6)) / 1e-6];
+            if (ahead - behind).abs() < 1e-4 {
+                prop_assert!((0.5 * (ahead + behind) - slope[d]).abs() < 1e-4, "{ahead} {behind} {}", slope[d]);
+            } else {
+                kinks += 1;
+            }
+        }
+        prop_assert!(kinks <= 2);
     }
 
     #[test]
@@ -214,11 +274,16 @@ fn indicator_is_the_least_of_all_and_its_gradient_that_of_the_value() {
     let indicator = cell::indicator();
     let scene = cell::scene();
     let samples = verification_samples(&cell::contact(&scene), 300, 0.2, 3).unwrap();
-    let (mut compared, mut kinks) = (0, 0);
+    let (mut compared, mut kinks, mut deep) = (0, 0, 0);
     for sample in &samples {
         let q = sample.joints;
         let (value, gradient) = indicator.gradient(&q);
         assert!((value - indicator.value(&q)).abs() < 1e-12);
+        // The flange 2 mm deep in the part: how deep is not told beyond that, so no slope of it either.
+        if indicator.nearest(&q).bodies == [6, 0] && (value - 2.0).abs() < 0.1 {
+            deep += 1;
+            continue;
+        }
         for k in 0..6 {
             let moved = |step: f64| {
                 let mut q = q;
@@ -234,12 +299,13 @@ fn indicator_is_the_least_of_all_and_its_gradient_that_of_the_value() {
             compared += 1;
             assert!(
                 (0.5 * (ahead + behind) - gradient[k]).abs() < 1e-2 * (1.0 + gradient[k].abs()),
-                "{ahead} {behind} {}",
-                gradient[k]
+                "{ahead} {behind} {} {value} {:?} joint {k}",
+                gradient[k],
+                indicator.nearest(&q)
             );
         }
     }
-    assert!(compared > 50 * kinks, "{compared} {kinks}");
+    assert!(compared > 50 * kinks && deep < 10, "{compared} {kinks} {deep}");
 }
 
 /// The goal: 0.95 both ways, near and on the contact space.
@@ -259,8 +325,12 @@ fn rates_in_a_cell_against_the_exact_scene() {
 fn sliding() -> (impl Bodies<2>, GeometricModel) {
     let bodies = BodiesFn {
         carriers: vec![[false; 2], [true; 2]],
-        place: |q: &[f64; 2], frames: &mut [Isometry3<f64>]| frames[1] = Isometry3::translation(q[0], 0.0, q[1]),
-        twists: |_: &[f64; 2], _: &[Isometry3<f64>]| [Twist::sliding(&Vector3::x()), Twist::sliding(&Vector3::z())],
+        place: |q: &[f64; 2], frames: &mut [IsometryMatrix3<f64>]| {
+            frames[1] = IsometryMatrix3::translation(q[0], 0.0, q[1])
+        },
+        twists: |_: &[f64; 2], _: &[IsometryMatrix3<f64>]| {
+            [Twist::sliding(&Vector3::x()), Twist::sliding(&Vector3::z())]
+        },
     };
     let origin = Point3::origin();
     let model = GeometricModel {
@@ -289,6 +359,123 @@ fn closed_forms_of_capsule_and_plane() {
     assert_eq!(indicator.nearest(&[8.0, 21.0]).bodies, [1, 0]);
     // On the capsule's axis itself there is no direction.
     assert_eq!(indicator.gradient(&[20.0, 30.0]), (1.0 + 5.0, [0.0; 2]));
+}
+
+/// The least distance of points of one shape from another, sampled: from above, and by less than the samples are apart.
+fn sampled(capsule: &Capsule, cylinder: &Cylinder) -> f64 {
+    let (axis, middle) = ((cylinder.to - cylinder.from).normalize(), cylinder.from);
+    let high = (cylinder.to - cylinder.from).norm();
+    let to_cylinder = |p: &Point3<f64>| {
+        let along = axis.dot(&(p - middle));
+        let aside = ((p - middle).norm_squared() - along * along).max(0.0).sqrt() - cylinder.radius;
+        let above = (-along).max(along - high);
+        if above.max(aside) <= 0.0 { above.max(aside) } else { above.max(0.0).hypot(aside.max(0.0)) }
+    };
+    (0..=2000)
+        .map(|k| to_cylinder(&(capsule.from + (capsule.to - capsule.from) * (f64::from(k) / 2000.0))))
+        .fold(f64::INFINITY, f64::min)
+        - capsule.radius
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    /// A capsule that slides past a cylinder: the distance is that of samples, the gradient that of the distance.
+    #[test]
+    fn capsules_and_cylinders(
+        ends in proptest::array::uniform4(proptest::array::uniform3(-30.0..30.0f64)),
+        radii in (0.0..8.0f64, 1.0..15.0f64), q in proptest::array::uniform2(-20.0..20.0f64),
+    ) {
+        let [a, b, c, d] = ends.map(Point3::from);
+        prop_assume!((d - c).norm() > 1.0);
+        let capsule = Capsule { body: 1, from: a, to: b, radius: radii.0 };
+        let cylinder = Cylinder { body: 0, from: c, to: d, radius: radii.1 };
+        let (bodies, _) = sliding();
+        let model = GeometricModel { capsules: vec![capsule], cylinders: vec![cylinder], ..Default::default() };
+        let indicator = GeometricIndicator::new(bodies, model).unwrap();
+        let by = Vector3::new(q[0], 0.0, q[1]);
+        let exact = sampled(&Capsule { from: a + by, to: b + by, ..capsule }, &cylinder);
+        let (value, gradient) = indicator.gradient(&q);
+        // Samples are at most 0.06 apart.
+        prop_assert!((-value - exact).abs() < 0.04, "{} {exact}", -value);
+        for k in 0..2 {
+            let moved = |step: f64| { let mut q = q; q[k] += step; indicator.value(&q) };
+            // Convex: a slope lies between those on either side. Twice the search's tolerance on 0.5 mm.
+            let [ahead, behind] = [(moved(0.5) - value) / 0.5, (value - moved(-0.5)) / 0.5];
+            prop_assert!(gradient[k] <= behind + 0.08 && gradient[k] >= ahead - 0.08, "{ahead} {behind} {}", gradient[k]);
+        }
+    }
+
+    /// A capsule and a cylinder beside a part: by samples of the same grid.
+    #[test]
+    fn capsules_and_cylinders_in_a_grid(
+        ends in proptest::array::uniform2(proptest::array::uniform3(-40.0..40.0f64)),
+        radius in 0.5..12.0f64, round in any::<bool>(),
+    ) {
+        let [a, b] = ends.map(Point3::from);
+        prop_assume!((b - a).norm() > 1.0);
+        let part = || {
+            let rows = [0b1110_0111u64, 0b0110, 0b1100_1001, 0b1111];
+            DistanceGrid::from_cells([8, 2, 2], &rows, 2.0, &Point3::new(-8.0, -2.0, -2.0), 30).unwrap()
+        };
+        let (bodies, _) = sliding();
+        let mut model = GeometricModel { grids: vec![(0, part())], ..Default::default() };
+        let axis = (b - a).normalize();
+        let (side, up) = {
+            let side = axis.cross(&if axis.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() }).normalize();
+            (side, axis.cross(&side))
+        };
+        let mut points = vec![];
+        if round {
+            model.cylinders = vec![Cylinder { body: 1, from: a, to: b, radius }];
+            for k in 0..=60 {
+                let on_axis = a + (b - a) * (f64::from(k) / 60.0);
+                for turn in 0..48 {
+                    let (sin, cos) = (f64::from(turn) / 48.0 * std::f64::consts::TAU).sin_cos();
+                    points.extend((0..=4).map(|r| on_axis + (side * cos + up * sin) * (radius * f64::from(r) / 4.0)));
+                }
+            }
+        } else {
+            model.capsules = vec![Capsule { body: 1, from: a, to: b, radius }];
+            points.extend((0..=1000).map(|k| a + (b - a) * (f64::from(k) / 1000.0)));
+        }
+        let indicator = GeometricIndicator::new(bodies, model).unwrap();
+        let grid = part();
+        let least = points.iter().map(|p| grid.distance(p)).fold(f64::INFINITY, f64::min);
+        let exact = if round { least } else { least - radius };
+        let found = indicator.nearest(&[0.0; 2]).distance;
+        if exact > 0.0 {
+            // Clear: nearly the truth. A cylinder's search is local: beside a part of two towers it may take the other.
+            prop_assert!(found - exact < if round { 2.0 } else { 0.3 }, "{found} {exact}");
+            prop_assert!(found - exact > if round { -2.5 } else { -0.3 }, "{found} {exact}");
+        } else if exact < -1.0 {
+            prop_assert!(found < 0.0, "{found} {exact}");
+        }
+    }
+}
+
+/// A cylinder over a plane, lying, standing and tilted; and two cylinders.
+#[test]
+fn closed_forms_of_cylinders() {
+    let with = |cylinders: Vec<Cylinder>, planes: Vec<Plane>| {
+        let (bodies, _) = sliding();
+        GeometricIndicator::new(bodies, GeometricModel { cylinders, planes, ..Default::default() }).unwrap()
+    };
+    let floor = Plane { body: 0, point: Point3::origin(), normal: Vector3::z_axis() };
+    let drum = |body, from: [f64; 3], to: [f64; 3]| Cylinder { body, from: from.into(), to: to.into(), radius: 3.0 };
+    for (to, lowest) in [([0.0, 0.0, 8.0], 0.0), ([8.0, 0.0, 0.0], -3.0), ([6.0, 0.0, 8.0], -3.0 * 0.6)] {
+        let indicator = with(vec![drum(1, [0.0; 3], to)], vec![floor]);
+        let (value, gradient) = indicator.gradient(&[5.0, 10.0]);
+        approx::assert_abs_diff_eq!(value, -(10.0 + lowest), epsilon = 1e-12);
+        assert_eq!(gradient, [0.0, -1.0]);
+    }
+    let standing = drum(0, [0.0; 3], [0.0, 0.0, 8.0]);
+    let indicator = with(vec![drum(1, [0.0; 3], [0.0, 0.0, 8.0]), standing], vec![]);
+    // Side by side, one over the other, and one a little into the other.
+    approx::assert_abs_diff_eq!(indicator.value(&[11.0, 2.0]), -5.0, epsilon = 0.02);
+    approx::assert_abs_diff_eq!(indicator.value(&[1.0, 12.0]), -4.0, epsilon = 0.02);
+    approx::assert_abs_diff_eq!(indicator.value(&[5.0, 1.0]), 1.0, epsilon = 0.02);
+    assert!(indicator.gradient(&[11.0, 2.0]).1[0] < -0.99 && indicator.gradient(&[1.0, 12.0]).1[1] < -0.99);
 }
 
 #[test]
@@ -340,12 +527,17 @@ fn model_errors() {
         error(&|m| m.balls = vec![Ball { body: 1, center: p, radius: f64::NAN }]),
         GeometricError::Shape { what: "ball", index: 0 }
     );
+    let drum = |body, to| Cylinder { body, from: p, to, radius: 1.0 };
+    let point = error(&|m| m.cylinders = vec![drum(1, p)]);
+    assert_eq!(point, GeometricError::Shape { what: "cylinder", index: 0 });
+    let nobody = error(&|m| m.cylinders = vec![drum(3, Point3::new(1.0, 0.0, 0.0))]);
+    assert_eq!(nobody, GeometricError::NoBody { what: "cylinder", index: 0, body: 3, count: 2 });
     assert_eq!(error(&|m| m.margin = f64::INFINITY), GeometricError::Margin(f64::INFINITY));
     assert_eq!(error(&|m| m.ignored = vec![[1, 0]]), GeometricError::Nothing);
     let many = BodiesFn {
         carriers: vec![[false]; MOST_BODIES + 1],
-        place: |_: &[f64; 1], _: &mut [Isometry3<f64>]| {},
-        twists: |_: &[f64; 1], _: &[Isometry3<f64>]| [Twist::sliding(&Vector3::x())],
+        place: |_: &[f64; 1], _: &mut [IsometryMatrix3<f64>]| {},
+        twists: |_: &[f64; 1], _: &[IsometryMatrix3<f64>]| [Twist::sliding(&Vector3::x())],
     };
     let error = GeometricIndicator::new(many, GeometricModel::default()).map(|_| ()).unwrap_err();
     assert_eq!(error, GeometricError::TooManyBodies { count: MOST_BODIES + 1 });

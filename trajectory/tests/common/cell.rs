@@ -4,10 +4,12 @@
 use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::indicator::geometric::{
-    Ball, Bodies, BodiesFn, Capsule, DistanceGrid, GeometricIndicator, GeometricModel, Plane, Twist,
+    Bodies, BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricIndicator, GeometricModel, Plane, Twist,
 };
 use curvlay_trajectory::indicator::{ContactFn, ContactSpace};
-use curvlay_trajectory::nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use curvlay_trajectory::nalgebra::{
+    Isometry3, IsometryMatrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3,
+};
 use std::f64::consts::TAU;
 
 /// Side of a cell of the part, in millimetres.
@@ -66,7 +68,7 @@ pub fn scene() -> Scene {
 }
 
 pub fn grid() -> DistanceGrid {
-    DistanceGrid::from_cells(DIMS, &part(), CELL, &CORNER.into(), 20).unwrap()
+    DistanceGrid::from_cells(DIMS, &part(), CELL, &CORNER.into(), 40).unwrap()
 }
 
 /// Bodies 0 to 6 are the frames of the arm, base to flange.
@@ -74,9 +76,9 @@ pub fn bodies() -> impl Bodies<6> {
     let arm = Arm::new(&robots::UR5).unwrap();
     BodiesFn {
         carriers: (0..7).map(|body| std::array::from_fn(|joint| joint < body)).collect(),
-        place: move |q: &[f64; 6], frames: &mut [Isometry3<f64>]| frames.copy_from_slice(&arm.frames(q)),
+        place: move |q: &[f64; 6], frames: &mut [IsometryMatrix3<f64>]| frames.copy_from_slice(&arm.matrices(q)),
         // A joint of such an arm turns about the z axis of the frame before it.
-        twists: |_: &[f64; 6], frames: &[Isometry3<f64>]| {
+        twists: |_: &[f64; 6], frames: &[IsometryMatrix3<f64>]| {
             std::array::from_fn(|k| {
                 let axis = frames[k].rotation * Vector3::z();
                 Twist::turning(&frames[k].translation.vector.into(), &axis)
@@ -85,30 +87,21 @@ pub fn bodies() -> impl Bodies<6> {
     }
 }
 
-/// The indicator: the head as balls, links and post as capsules, the desk as a plane.
+/// The indicator: head, links and post as capsules, foot and flange as cylinders, the desk as a plane.
 pub fn indicator() -> GeometricIndicator<6, impl Bodies<6>> {
-    let balls = head().into_iter().flat_map(|(name, from, to, radius)| {
-        let count = if name == "nozzle" { 26 } else { 18 };
-        Ball::along(6, &from, &to, [radius; 2], count)
-    });
-    let mut capsules = vec![];
+    let (mut capsules, mut cylinders) = (vec![], vec![]);
     for body in links(&robots::UR5) {
         let number = if let Mount::Link(link) = body.mount { link } else { 0 };
         match body.shape {
             Shape::Capsule { from, to, radius } => capsules.push(Capsule { body: number, from, to, radius }),
-            // The foot and the flange are short cylinders.
-            Shape::Hull { points, radius } => {
-                let far = points.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max) + radius;
+            // Prisms of twelve sides: midway between the circles within and about them.
+            Shape::Hull { points, .. } => {
+                let about = points.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
                 let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
                 let high = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
                 let end = |z: f64| Point3::new(0.0, 0.0, z);
-                let (from, to) = if high - low > far {
-                    (end(low), end(high - far))
-                } else {
-                    (end(0.5 * (low + high)), end(0.5 * (low + high)))
-                };
-                let radius = if number == 0 { far } else { 0.8 * far };
-                capsules.push(Capsule { body: number, from, to, radius });
+                let radius = 0.5 * about * (1.0 + (TAU / 24.0).cos());
+                cylinders.push(Cylinder { body: number, from: end(low), to: end(high), radius });
             }
             _ => unreachable!("links are capsules and hulls"),
         }
@@ -119,12 +112,12 @@ pub fn indicator() -> GeometricIndicator<6, impl Bodies<6>> {
     capsules.push(post);
     let desk = Plane { body: 0, point: Point3::new(0.0, 0.0, -0.5), normal: Vector3::z_axis() };
     let model = GeometricModel {
-        balls: balls.collect(),
         grids: vec![(0, grid())],
         capsules,
+        cylinders,
         planes: vec![desk],
         ignored: (0..6).map(|k| [k, k + 1]).collect(),
-        margin: 0.0,
+        ..GeometricModel::default()
     };
     GeometricIndicator::new(bodies(), model).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use super::Ball;
 use super::grid::DistanceGrid;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{IsometryMatrix3, Point3};
 
 /// A ball about all that is below it, and either two nodes below or one ball of the body.
 #[derive(Clone, Copy, Debug)]
@@ -61,15 +61,15 @@ impl BallTree {
     pub fn nearest(
         &self,
         field: &DistanceGrid,
-        field_body: &Isometry3<f64>,
+        field_body: &IsometryMatrix3<f64>,
         mut best: f64,
     ) -> Option<(f64, Point3<f64>)> {
         // All balls below a node are within its radius. The field may be wrong at both places.
         let slack = 2.0 * field.error_bound();
-        let turn = field_body.rotation.to_rotation_matrix();
+
         let ask = |node: usize| {
             let Node { center, radius, .. } = &self.nodes[node];
-            let at = turn * center + field_body.translation.vector;
+            let at = field_body * center;
             (field.distance(&at) - radius, node, at)
         };
         let mut found = None;

@@ -1,6 +1,8 @@
 //! Where the bodies of a robot are, and how they move with its joints.
+//!
+//! Frames are rotation matrices with a place, not quaternions: every frame turns several points.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{IsometryMatrix3, Point3, Vector3};
 
 /// How a joint moves what it carries: the velocity of a point `p` in the world is `linear + angular x p`, a radian (or a
 /// millimetre) of the joint.
@@ -39,23 +41,23 @@ pub trait Bodies<const N: usize>: Sync {
     fn carriers(&self, body: usize) -> [bool; N];
 
     /// Writes `world_body` of every body at these joints; `frames` has [`Bodies::count`] places.
-    fn place(&self, joints: &[f64; N], frames: &mut [Isometry3<f64>]);
+    fn place(&self, joints: &[f64; N], frames: &mut [IsometryMatrix3<f64>]);
 
     /// The same, and how each joint moves what it carries.
-    fn place_moving(&self, joints: &[f64; N], frames: &mut [Isometry3<f64>]) -> [Twist; N];
+    fn place_moving(&self, joints: &[f64; N], frames: &mut [IsometryMatrix3<f64>]) -> [Twist; N];
 }
 
 /// Bodies made of closures.
 /// ```
 /// use curvlay_trajectory::indicator::geometric::{Bodies, BodiesFn, Twist};
-/// use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
+/// use curvlay_trajectory::nalgebra::{IsometryMatrix3, Point3, Vector3};
 /// // The world, and an arm that turns about z.
 /// let arm = BodiesFn {
 ///     carriers: vec![[false], [true]],
-///     place: |q: &[f64; 1], frames: &mut [Isometry3<f64>]| frames[1] = Isometry3::rotation(Vector3::z() * q[0]),
-///     twists: |_: &[f64; 1], _: &[Isometry3<f64>]| [Twist::turning(&Point3::origin(), &Vector3::z())],
+///     place: |q: &[f64; 1], frames: &mut [IsometryMatrix3<f64>]| frames[1] = IsometryMatrix3::rotation(Vector3::z() * q[0]),
+///     twists: |_: &[f64; 1], _: &[IsometryMatrix3<f64>]| [Twist::turning(&Point3::origin(), &Vector3::z())],
 /// };
-/// let mut frames = [Isometry3::identity(); 2];
+/// let mut frames = [IsometryMatrix3::identity(); 2];
 /// let [twist] = arm.place_moving(&[std::f64::consts::FRAC_PI_2], &mut frames);
 /// let tip = frames[1] * Point3::new(100.0, 0.0, 0.0);
 /// assert!((tip - Point3::new(0.0, 100.0, 0.0)).norm() < 1e-12);
@@ -73,8 +75,8 @@ pub struct BodiesFn<const N: usize, P, T> {
 
 impl<const N: usize, P, T> Bodies<N> for BodiesFn<N, P, T>
 where
-    P: Fn(&[f64; N], &mut [Isometry3<f64>]) + Sync,
-    T: Fn(&[f64; N], &[Isometry3<f64>]) -> [Twist; N] + Sync,
+    P: Fn(&[f64; N], &mut [IsometryMatrix3<f64>]) + Sync,
+    T: Fn(&[f64; N], &[IsometryMatrix3<f64>]) -> [Twist; N] + Sync,
 {
     fn count(&self) -> usize {
         self.carriers.len()
@@ -84,11 +86,11 @@ where
         self.carriers.get(body).copied().unwrap_or([false; N])
     }
 
-    fn place(&self, joints: &[f64; N], frames: &mut [Isometry3<f64>]) {
+    fn place(&self, joints: &[f64; N], frames: &mut [IsometryMatrix3<f64>]) {
         (self.place)(joints, frames);
     }
 
-    fn place_moving(&self, joints: &[f64; N], frames: &mut [Isometry3<f64>]) -> [Twist; N] {
+    fn place_moving(&self, joints: &[f64; N], frames: &mut [IsometryMatrix3<f64>]) -> [Twist; N] {
         (self.place)(joints, frames);
         (self.twists)(joints, frames)
     }

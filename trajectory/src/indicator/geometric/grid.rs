@@ -11,18 +11,25 @@
 //! where the surface is flat. Outside the lattice, where distances are bounded from below by those at its border (the
 //! angle there is never acute), the value is `sqrt(a^2 + d^2)` for a point `a` off the lattice whose nearest point has
 //! the distance `d`: continuous, and at most the truth but for the error above.
+//!
+//! **Near and far.** Up to 16 cells around the solid the lattice is as fine as asked. Where more room is asked for, a
+//! second lattice four times as coarse reaches as far as that: its nodes are as exact, and between them a distance of
+//! many cells is nearly straight (beside a ball of radius `r` wrong by `(4 h)^2 / 4 r`; the bound above is for grooves).
+//! Over the last four cells of the near lattice its values go over into those of the far one.
 
+use super::lattice::Lattice;
 use super::surface;
+use super::transform::{mark, transform};
 use nalgebra::{Point3, Vector3};
 
 /// A signed distance; see the [module](super).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceGrid {
-    origin: Point3<f64>,
-    spacing: f64,
-    /// Nodes along x, y, z; x runs fastest.
-    dims: [usize; 3],
-    values: Vec<f32>,
+    near: Lattice,
+    /// Where more room is asked for than the near lattice has.
+    far: Option<Lattice>,
+    /// The solid lies between.
+    corners: [Point3<f64>; 2],
 }
 
 /// Why there is no grid.
@@ -86,6 +93,14 @@ pub enum GridError {
     },
 }
 
+/// Cells around the solid with the wanted spacing.
+const NEAR_ROOM: u32 = 16;
+/// Cells from one node of the far lattice to the next. 8 would need an eighth of the memory, and be wrong by a cell at the
+/// edge of the near lattice beside a thin part.
+const FAR_STEP: u32 = 4;
+/// Cells over which near goes over into far.
+const BLEND: f64 = 4.0;
+
 /// Most nodes: 256 MB of distances, and the squares of all distances fit 32 bits.
 pub const MOST_NODES: usize = 1 << 26;
 
@@ -96,7 +111,8 @@ impl DistanceGrid {
     /// * `dims`, `rows`: the set; rows are padded to whole words, bits beyond `dims[0]` do not count.
     /// * `cell`: side of a cell in millimetres; also the spacing of the lattice.
     /// * `corner`: where the grid begins.
-    /// * `room`: cells of lattice around the grid, at least 1. Beyond it distances are still bounded from below.
+    /// * `room`: cells of lattice around the grid, at least 1: as many as the thickest ball or capsule is wide from its
+    ///   axis, and a few more. Beyond it distances are only bounded from below.
     ///
     /// # Errors
     /// [`GridError`]; nothing is allocated by a number that the words do not bear out.
@@ -135,22 +151,43 @@ impl DistanceGrid {
         if rows.len() as u64 != wanted {
             return Err(GridError::Words { dims, words: rows.len(), wanted });
         }
-        let nodes = dims.map(|n| f64::from(n) + 2.0 * f64::from(room) + 1.0);
+        let around = room.min(NEAR_ROOM);
+        let beyond = (room - around).div_ceil(FAR_STEP);
+        let nodes = dims.map(|n| f64::from(n) + 2.0 * f64::from(around) + 1.0);
         check_nodes(&nodes)?;
         let size = nodes.map(|n| n as usize);
+        let far_nodes = nodes.map(|n| ((n - 1.0) / f64::from(FAR_STEP)).ceil() + 2.0 * f64::from(beyond) + 1.0);
+        if beyond > 0 {
+            check_nodes(&far_nodes)?;
+            // On the way along the axes there are values at far places of one and near places of another.
+            check_nodes(&[far_nodes[0], nodes[1], nodes[2]])?;
+            check_nodes(&[far_nodes[0], far_nodes[1], nodes[2]])?;
+        }
         // Each cell marks its eight corners, solid or empty. Cells of the room are empty.
-        let (solid, empty) = mark(dims, rows, room as usize, &size);
+        let (solid, empty) = mark(dims, rows, around as usize, &size);
         if !solid.contains(&0) {
             return Err(GridError::Empty);
         }
-        let (outside, inside) = (transform(solid, &size), transform(empty, &size));
+        let own = size.map(|n| (0..n as i32).collect::<Vec<i32>>());
+        let own = own.each_ref().map(Vec::as_slice);
+        let (outside, inside) = (transform(&solid, &size, own), transform(&empty, &size, own));
         let signed = |(&out, &inn): (&i32, &i32)| {
             let square = if out > 0 { f64::from(out) } else { -f64::from(inn) };
             (cell * square.abs().sqrt()).copysign(square) as f32
         };
-        let values = outside.iter().zip(&inside).map(signed).collect();
-        let origin = corner - Vector3::repeat(cell * f64::from(room));
-        Ok(DistanceGrid { origin, spacing: cell, dims: size, values })
+        let values: Vec<f32> = outside.iter().zip(&inside).map(signed).collect();
+        let origin = corner - Vector3::repeat(cell * f64::from(around));
+        let far = (beyond > 0).then(|| {
+            let (first, step) = (-((beyond * FAR_STEP) as i32), FAR_STEP as i32);
+            let size_far = far_nodes.map(|n| n as usize);
+            let places = size_far.map(|n| (0..n as i32).map(|k| first + k * step).collect::<Vec<i32>>());
+            let squares = transform(&solid, &size, places.each_ref().map(Vec::as_slice));
+            let values: Vec<f32> = squares.iter().map(|&square| (cell * f64::from(square).sqrt()) as f32).collect();
+            let origin = origin + Vector3::repeat(cell * f64::from(first));
+            Lattice::new(origin, cell * f64::from(FAR_STEP), size_far, &values)
+        });
+        let high = [0, 1, 2].map(|d| corner[d] + cell * f64::from(dims[d]));
+        Ok(DistanceGrid { near: Lattice::new(origin, cell, size, &values), far, corners: [*corner, high.into()] })
     }
 
     /// The distance to a solid bounded by triangles, sampled every `spacing` millimetres with `room` millimetres around.
@@ -190,79 +227,102 @@ impl DistanceGrid {
         if triangles.is_empty() {
             return Err(GridError::Empty);
         }
-        let around = (room / spacing).ceil();
+        let steps = (room / spacing).ceil();
+        let around = steps.min(f64::from(NEAR_ROOM));
+        let beyond = ((steps - around) / f64::from(FAR_STEP)).ceil();
         let nodes = [0, 1, 2].map(|d| ((high[d] - low[d]) / spacing).ceil() + 2.0 * around + 1.0);
         check_nodes(&nodes)?;
-        let dims = nodes.map(|n| n as usize);
-        let origin = low - Vector3::repeat(around * spacing);
-        let values = surface::distances(points, triangles, &origin, spacing, &dims);
-        Ok(DistanceGrid { origin, spacing, dims, values })
+        let far_nodes = nodes.map(|n| ((n - 1.0) / f64::from(FAR_STEP)).ceil() + 2.0 * beyond + 1.0);
+        check_nodes(&far_nodes)?;
+        let lattice = |from: f64, spacing: f64, nodes: [f64; 3]| {
+            let (dims, origin) = (nodes.map(|n| n as usize), low - Vector3::repeat(from));
+            let values = surface::distances(points, triangles, &origin, spacing, &dims);
+            Lattice::new(origin, spacing, dims, &values)
+        };
+        let near = lattice(around * spacing, spacing, nodes);
+        let far_step = f64::from(FAR_STEP) * spacing;
+        let far = (beyond > 0.0).then(|| lattice(around * spacing + beyond * far_step, far_step, far_nodes));
+        Ok(DistanceGrid { near, far, corners: [low, high] })
     }
 
-    /// How wrong a distance within the lattice can be at most, in millimetres: `sqrt(3)/2` of the spacing.
+    /// Side of a cell of the near lattice, in millimetres.
+    pub fn spacing(&self) -> f64 {
+        self.near.spacing
+    }
+
+    /// How wrong a distance within the lattice can be at most, in millimetres: `sqrt(3)/2` of the spacing, where there
+    /// is a far lattice of its spacing.
     pub fn error_bound(&self) -> f64 {
         // Rounding of distances to 32 bits, and of points from triangles to a millionth of the spacing, adds little.
-        (0.75f64.sqrt() + 4e-6) * self.spacing
+        (0.75f64.sqrt() + 4e-6) * self.far.as_ref().map_or(self.near.spacing, |far| far.spacing)
     }
 
-    /// Where a point lies: its cell of the lattice, how far into it, and how far the point is off the lattice.
+    /// Whether all points within `radius` of a segment are as far from the solid as `best`, as far as that can be told
+    /// from the box of the solid, without a look at the lattice: by the middle of the segment, else by the plane through
+    /// the point of the box that is nearest to one of the segment.
     #[inline]
-    fn locate(&self, point: &Point3<f64>) -> ([usize; 3], [f64; 3], Vector3<f64>) {
-        let mut off = Vector3::zeros();
-        let (mut cell, mut share) = ([0; 3], [0.0; 3]);
-        for d in 0..3 {
-            let last = (self.dims[d] - 1) as f64;
-            let place = (point[d] - self.origin[d]) / self.spacing;
-            let held = place.clamp(0.0, last);
-            off[d] = (place - held) * self.spacing;
-            // Not below zero, so cut off is rounded down.
-            cell[d] = (held as usize).min(self.dims[d] - 2);
-            share[d] = held - cell[d] as f64;
+    pub(super) fn is_beyond(&self, middle: &Point3<f64>, half: &Vector3<f64>, radius: f64, best: f64) -> bool {
+        let [low, high] = &self.corners;
+        let square = half.norm_squared();
+        let wanted = (best + radius).max(0.0);
+        let off = (low - middle).sup(&(middle - high)).sup(&Vector3::zeros());
+        let reach = wanted + square.sqrt();
+        if off.norm_squared() > reach * reach {
+            return true;
         }
-        (cell, share, off)
+        let share = if square > 0.0 { half.dot(&(nalgebra::center(low, high) - middle)) / square } else { 0.0 };
+        let at = middle + half * share.clamp(-1.0, 1.0);
+        let nearest = at.sup(low).inf(high);
+        let out = at - nearest;
+        // The box lies behind this plane, and the segment as far before it as its nearer end.
+        let ahead = out.dot(&(middle - nearest)) - out.dot(half).abs();
+        ahead > 0.0 && ahead * ahead >= wanted * wanted * out.norm_squared()
     }
 
+    /// What the far lattice counts at a place of the near one, with the axis along which that changes and how.
     #[inline]
-    fn corners(&self, cell: &[usize; 3]) -> [f64; 8] {
-        let y = self.dims[0];
-        let z = y * self.dims[1];
-        let first = cell[0] + y * cell[1] + z * cell[2];
-        let (low, up) = (&self.values[first..first + y + 2], &self.values[first + z..first + z + y + 2]);
-        let pair = |row: &[f32], at: usize| (f64::from(row[at]), f64::from(row[at + 1]));
-        let [(a, b), (c, d), (e, f), (g, h)] = [pair(low, 0), pair(low, y), pair(up, 0), pair(up, y)];
-        [a, b, c, d, e, f, g, h]
+    fn share_of_far(&self, place: &[f64; 3]) -> (f64, usize, f64) {
+        let (mut steps, mut axis, mut change) = (f64::INFINITY, 0, 0.0);
+        for d in 0..3 {
+            let [from_low, from_high] = self.near.inside(place, d);
+            let (inside, slope) = if from_low < from_high { (from_low, -1.0) } else { (from_high, 1.0) };
+            if inside < steps {
+                (steps, axis, change) = (inside, d, slope);
+            }
+        }
+        let share = 1.0 - steps / BLEND;
+        if share >= 1.0 { (1.0, axis, 0.0) } else { (share.max(0.0), axis, change / (BLEND * self.near.spacing)) }
     }
 
     /// The distance of a point, in millimetres. Of a point that is not finite, not a number.
+    #[inline]
     pub fn distance(&self, point: &Point3<f64>) -> f64 {
-        let (cell, [x, y, z], off) = self.locate(point);
-        let c = self.corners(&cell);
-        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-        let low = mix(mix(c[0], c[1], x), mix(c[2], c[3], x), y);
-        let high = mix(mix(c[4], c[5], x), mix(c[6], c[7], x), y);
-        let value = mix(low, high, z);
-        let beyond = off.norm_squared();
-        if beyond > 0.0 { (beyond + value * value).sqrt() } else { value + 0.0 * beyond }
+        let place = self.near.place(point);
+        let Some(far) = &self.far else { return self.near.distance(&place) };
+        let (share, ..) = self.share_of_far(&place);
+        if share <= 0.0 {
+            return self.near.distance(&place);
+        }
+        let coarse = far.distance(&far.place(point));
+        if share >= 1.0 { coarse } else { coarse * share + self.near.distance(&place) * (1.0 - share) }
     }
 
     /// The distance of a point and its derivative by the point.
     pub fn gradient(&self, point: &Point3<f64>) -> (f64, Vector3<f64>) {
-        let (cell, [x, y, z], off) = self.locate(point);
-        let c = self.corners(&cell);
-        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-        let along_x = [mix(c[0], c[1], x), mix(c[2], c[3], x), mix(c[4], c[5], x), mix(c[6], c[7], x)];
-        let (low, high) = (mix(along_x[0], along_x[1], y), mix(along_x[2], along_x[3], y));
-        let value = mix(low, high, z);
-        let slope_x = mix(mix(c[1] - c[0], c[3] - c[2], y), mix(c[5] - c[4], c[7] - c[6], y), z);
-        let slope_y = mix(along_x[1] - along_x[0], along_x[3] - along_x[2], z);
-        let slope = Vector3::new(slope_x, slope_y, high - low) / self.spacing;
-        let beyond = off.norm_squared();
-        if beyond > 0.0 {
-            let all = (beyond + value * value).sqrt();
-            let part = |d: usize| if off[d].abs() > 0.0 { off[d] / all } else { slope[d] * value / all };
-            return (all, Vector3::new(part(0), part(1), part(2)));
+        let place = self.near.place(point);
+        let Some(far) = &self.far else { return self.near.gradient(&place) };
+        let (share, axis, change) = self.share_of_far(&place);
+        if share <= 0.0 {
+            return self.near.gradient(&place);
         }
-        (value + 0.0 * beyond, slope)
+        let (coarse, coarse_slope) = far.gradient(&far.place(point));
+        if share >= 1.0 {
+            return (coarse, coarse_slope);
+        }
+        let (fine, fine_slope) = self.near.gradient(&place);
+        let mut slope = coarse_slope * share + fine_slope * (1.0 - share);
+        slope[axis] += change * (coarse - fine);
+        (coarse * share + fine * (1.0 - share), slope)
     }
 }
 
@@ -284,99 +344,3 @@ fn check_nodes(nodes: &[f64; 3]) -> Result<(), GridError> {
 
 /// Most nodes along one side.
 const LONGEST: f64 = 8192.0;
-
-/// Larger than any square of a distance, and twice it still fits.
-const FAR: i32 = 1 << 29;
-
-/// Of each node 0 where it is a corner of a solid cell, and where it is one of an empty cell; else `FAR`.
-fn mark(dims: [u32; 3], rows: &[u64], room: usize, size: &[usize; 3]) -> (Vec<i32>, Vec<i32>) {
-    let [nx, ny, nz] = dims.map(|n| n as usize);
-    let words = nx.div_ceil(64);
-    let [sx, sy, sz] = *size;
-    let is_solid = |x: usize, y: usize, z: usize| rows[words * (y + ny * z) + x / 64] >> (x % 64) & 1 == 1;
-    let mut solid = vec![FAR; sx * sy * sz];
-    let mut empty = vec![FAR; sx * sy * sz];
-    for (z, y) in (0..sz).flat_map(|z| (0..sy).map(move |y| (z, y))) {
-        for x in 0..sx {
-            let node = x + sx * (y + sy * z);
-            let within = |at: usize, n: usize| (room..=room + n).contains(&at);
-            if !(within(x, nx) && within(y, ny) && within(z, nz)) {
-                empty[node] = 0;
-                continue;
-            }
-            // The up to eight cells around it; beyond the grid they are empty.
-            let mut filled = 0;
-            for around in 0..8 {
-                let cell = |at: usize, bit: usize, n: usize| (at + bit).checked_sub(room + 1).filter(|&k| k < n);
-                let [x, y, z] = [cell(x, around & 1, nx), cell(y, around >> 1 & 1, ny), cell(z, around >> 2, nz)];
-                if let (Some(x), Some(y), Some(z)) = (x, y, z) {
-                    filled += usize::from(is_solid(x, y, z));
-                }
-            }
-            if filled > 0 {
-                solid[node] = 0;
-            }
-            if filled < 8 {
-                empty[node] = 0;
-            }
-        }
-    }
-    (solid, empty)
-}
-
-/// From marks to squared distances of the nearest mark, in cells.
-fn transform(mut field: Vec<i32>, size: &[usize; 3]) -> Vec<i32> {
-    let [sx, sy, sz] = *size;
-    let longest = sx.max(sy).max(sz);
-    let (mut line, mut hulls) = (vec![0; longest], vec![(0i32, 0i32); longest]);
-    for (stride, count) in [(1, sx), (sx, sy), (sx * sy, sz)] {
-        for first in 0..sx * sy * sz {
-            // The first node of each line along this axis.
-            if first / stride % count != 0 {
-                continue;
-            }
-            let nodes = (0..count).map(|k| first + k * stride);
-            line.iter_mut().zip(nodes.clone()).for_each(|(value, node)| *value = field[node]);
-            envelope(&line[..count], &mut hulls, |k, value| field[first + k * stride] = value);
-        }
-    }
-    field
-}
-
-/// `min over i of (k - i)^2 + line[i]` for each `k`: the lower envelope of parabolas, which take over from each other at
-/// whole numbers.
-fn envelope(line: &[i32], hulls: &mut [(i32, i32)], mut put: impl FnMut(usize, i32)) {
-    let count = line.len() as i32;
-    // The parabola of `i` lies lowest from `start` on.
-    let mut last = 0;
-    hulls[0] = (0, 0);
-    let value = |i: i32, at: i32| (at - i) * (at - i) + line[i as usize];
-    for i in 1..count {
-        loop {
-            let (before, start) = hulls[last];
-            if value(before, start) > value(i, start) {
-                if last == 0 {
-                    hulls[0] = (i, 0);
-                    break;
-                }
-                last -= 1;
-                continue;
-            }
-            // The first whole number at which i is lower.
-            let from =
-                (i * i - before * before + line[i as usize] - line[before as usize]).div_euclid(2 * (i - before)) + 1;
-            if from < count {
-                last += 1;
-                hulls[last] = (i, from);
-            }
-            break;
-        }
-    }
-    for k in (0..count).rev() {
-        let (i, start) = hulls[last];
-        put(k as usize, value(i, k).min(FAR));
-        if k == start && last > 0 {
-            last -= 1;
-        }
-    }
-}
