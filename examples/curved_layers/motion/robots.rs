@@ -4,7 +4,8 @@
 //! a table which carries the part, tilts and turns. Of the table the scene has the plate and a post down to the tilt
 //! axis: the makers' frame around it depends on the cell.
 //!
-//! The UR3 stands on a pedestal and hangs its elbow below its base, by up to 0.3 m; floor and pedestal are not in the scene.
+//! Both arms stand on a pedestal ([`PEDESTAL_MM`]), since the UR3 hangs its elbow below its base, by up to 0.3 m. No work
+//! gives a height or a girth: both are ours.
 
 use crate::failure;
 use curvlay_examples::args::Failure;
@@ -12,13 +13,19 @@ use curvlay_examples::motion::{OverTable, PartInHand, Placed, eight, six_and_two
 use curvlay_kinematics::program::{ConfData, Target};
 use curvlay_kinematics::scene::{Body, Mount, Posture, SceneModel, Shape, links};
 use curvlay_kinematics::{Cell, Waypoint, robots};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
 /// The post under the table: its radius, and how far below the table's top it ends, in millimetres. The tilt axis is
 /// 105 mm below the top.
 const POST_RADIUS: f64 = 60.0;
 const POST_MM: f64 = 105.0;
+
+/// How high the arms stand over the floor, in millimetres: from here on a UR3 does not touch the floor with its links, lower
+/// it does. The pedestal is as wide as the foot on it.
+pub const PEDESTAL_MM: f64 = 600.0;
+/// The floor around it, to either side, and how thick it is.
+const FLOOR_MM: [f64; 2] = [1500.0, 50.0];
 
 /// What screws the nozzle to the flange: its radius, and from where to where it reaches above the tip.
 const HOLDER_RADIUS: f64 = 25.0;
@@ -77,6 +84,21 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> {
     fn placement(&self, joints: &[f64; N]) -> Option<Placement>;
 }
 
+/// Floor and pedestal, under the foot of an arm.
+fn stand(links: &[Body]) -> [Body; 2] {
+    let radius = |body: &Body| match &body.shape {
+        Shape::Hull { points, .. } => points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max),
+        Shape::Capsule { radius, .. } => *radius,
+        Shape::Mesh { .. } | Shape::Cells { .. } => 0.0,
+    };
+    let [wide, thick] = FLOOR_MM;
+    let [low, high] = [Point3::new(-wide, -wide, -thick), Point3::new(wide, wide, 0.0)];
+    let down = Isometry3::translation(0.0, 0.0, -PEDESTAL_MM);
+    let body = |name: &str, shape| Body { name: name.into(), mount: Mount::Base, mount_body: down, shape };
+    let foot = links.first().map_or(0.0, radius);
+    [body("floor", Shape::block(low, high)), body("pedestal", Shape::cylinder(foot, 0.0, PEDESTAL_MM))]
+}
+
 /// The frames of a cell.
 fn stance_of(cell: &Cell, joints: &[f64; 6], part_in_hand: bool) -> Stance {
     let arm = cell.arm().frames(joints);
@@ -108,7 +130,8 @@ impl Printer<6, 1> for PartInHand {
     }
 
     fn scene(&self) -> SceneModel {
-        SceneModel { links: links(&robots::UR3), ..SceneModel::of(*self.cell().arm()) }
+        let links = links(&robots::UR3);
+        SceneModel { bodies: stand(&links).into(), links, ..SceneModel::of(*self.cell().arm()) }
     }
 
     fn nozzle(&self) -> (Mount, Isometry3<f64>) {
@@ -151,12 +174,16 @@ impl Printer<8, 3> for OverTable {
         let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
         let post = Shape::cylinder(POST_RADIUS, -POST_MM, -super::workcell::PLATE_MM);
         let [low, high] = HOLDER;
+        let links = links(&robots::IRB1200);
+        let [floor, pedestal] = stand(&links);
         let bodies = vec![
+            floor,
+            pedestal,
             body("post", Mount::Table, Isometry3::identity(), post),
             body("holder", link, flange_nozzle, Shape::cylinder(HOLDER_RADIUS, low, high)),
         ];
         let positioner = Some(*cell.positioner());
-        SceneModel { links: links(&robots::IRB1200), bodies, positioner, ..SceneModel::of(*cell.arm()) }
+        SceneModel { links, bodies, positioner, ..SceneModel::of(*cell.arm()) }
     }
 
     fn nozzle(&self) -> (Mount, Isometry3<f64>) {

@@ -4,8 +4,10 @@
 //! motions between them are checked too, best by a proof for each as a whole. What is exact is the caller's to say, by
 //! closures that are told which waypoint they look at: a part grows while it is printed.
 
+mod dense;
 mod repair;
 
+pub use dense::{DENSE_STEP, MotionFree, dense_postures, repair_by_turning};
 pub use repair::{Repair, RepairError, RepairOptions, repair};
 
 use crate::Progress;

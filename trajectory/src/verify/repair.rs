@@ -7,22 +7,24 @@
 //! few splits as possible, then the least sum of those changes.
 
 use super::Verification;
+use std::cell::RefCell;
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// How waypoints are repaired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RepairOptions {
-    /// Of each waypoint, this many candidates, the nearest ones, are tried: the motions to be checked grow with its
-    /// square.
+    /// Of each waypoint, this many candidates are tried: half of them the nearest, half ever farther off, so that there are
+    /// steps between a posture and one far away. The motions to be checked grow with its square.
     pub nearest: usize,
-    /// How many waypoints on either side of a run may move with it when that saves a split.
+    /// How many waypoints on either side of a run may move with it when that saves a split; 1, 2, 4 ... are tried.
     pub widen: usize,
 }
 
 impl Default for RepairOptions {
-    /// 24 candidates, 2 waypoints on either side.
+    /// 48 candidates, 16 waypoints on either side.
     fn default() -> Self {
-        RepairOptions { nearest: 24, widen: 2 }
+        RepairOptions { nearest: 48, widen: 16 }
     }
 }
 
@@ -51,6 +53,16 @@ pub enum RepairError {
         waypoint: usize,
         /// Number of waypoints.
         count: usize,
+    },
+    /// Times, waypoints and robot are of different paths.
+    #[error("{times} times and {waypoints} waypoints for a robot with {robot}: one each is needed")]
+    Lengths {
+        /// Number of times.
+        times: usize,
+        /// Number of waypoints.
+        waypoints: usize,
+        /// Waypoints of the robot.
+        robot: usize,
     },
     /// With no candidates allowed there is nothing to choose from.
     #[error("0 candidates a waypoint: at least 1 is needed")]
@@ -93,7 +105,7 @@ struct Choice<const N: usize> {
 /// [`RepairError`] when the verification does not fit the trajectory, or no candidate is allowed.
 ///
 /// # Cost
-/// One call of `candidates` for each waypoint of a run (and of its neighbours where widened), and at most
+/// One call of `candidates` for each waypoint of a run and each of its neighbours where widened, and at most
 /// `nearest^2` calls of `fits` a motion; where the nearest candidates fit, about `nearest`. Deterministic.
 ///
 /// # Example
@@ -130,13 +142,17 @@ pub fn repair<const N: usize>(
         wanted[i] = true;
         wanted[i + 1] = true;
     }
+    // Wider attempts ask again.
+    let known: RefCell<BTreeMap<usize, Vec<[f64; N]>>> = RefCell::default();
+    let candidates = |i: usize| known.borrow_mut().entry(i).or_insert_with(|| candidates(i)).clone();
     let mut repair = Repair { waypoints: waypoints.to_vec(), changed: vec![], splits: vec![], stuck: vec![] };
     let mut next = 0;
     while let Some(first) = (next..count).find(|&i| wanted[i]) {
         let last = (first..count).take_while(|&i| wanted[i]).last().unwrap_or(first);
-        let run = Run { waypoints, collides: &collides, candidates, fits, nearest: options.nearest };
+        let run = Run { waypoints, collides: &collides, candidates: &candidates, fits, nearest: options.nearest };
         let mut best = run.solve(&repair, first, last);
-        for wider in 1..=options.widen {
+        let wider = std::iter::successors(Some(1), |wider: &usize| wider.checked_mul(2));
+        for wider in wider.take_while(|&wider| wider < 2 * options.widen).map(|wider| wider.min(options.widen)) {
             if best.splits.is_empty() {
                 break;
             }
@@ -173,6 +189,21 @@ struct Run<'a, const N: usize, C: ?Sized, F: ?Sized> {
     nearest: usize,
 }
 
+/// Of a sorted list so many: the first half of them from its beginning, the others in steps that grow by the same share
+/// up to its end.
+fn spread<T>(all: Vec<T>, count: usize) -> Vec<T> {
+    let (total, near) = (all.len(), count.div_ceil(2));
+    if total <= count {
+        return all;
+    }
+    let share = total as f64 / near as f64;
+    let far = |k: usize| (near as f64 * share.powf(k as f64 / (count - near) as f64)).round() as usize - 1;
+    let mut wanted: Vec<usize> = (0..near).chain((1..=count - near).map(far)).collect();
+    wanted.dedup();
+    let mut next = wanted.into_iter().peekable();
+    all.into_iter().enumerate().filter_map(|(k, item)| next.next_if(|&at| at <= k).map(|_| item)).collect()
+}
+
 /// Postures for the waypoints of a run.
 struct Solved<const N: usize> {
     first: usize,
@@ -200,8 +231,7 @@ where
             all.insert(0, Choice { joints: *old, change: 0.0 });
         }
         all.sort_by(|a, b| a.change.total_cmp(&b.change));
-        all.truncate(self.nearest);
-        all
+        spread(all, self.nearest)
     }
 
     /// The shortest path from the waypoint before `first` to the one after `last`, which stay as they are so far.
