@@ -62,6 +62,8 @@ pub struct Row {
     pub tnr: [Option<f64>; 2],
     /// Share of collisions that are not predicted.
     pub missed: [Option<f64>; 2],
+    /// What was added to the bias after learning: 1 in the dissertation.
+    pub bias_shift: f64,
     /// 0 for one that does not learn.
     pub kernels: usize,
     pub samples: usize,
@@ -148,10 +150,16 @@ pub fn study(
         std::array::from_fn(|j| ours.iter().map(|sample| sample.joints[j]).reduce(pick).unwrap_or(0.0))
     };
     let random = random_samples(&space, &corner(f64::min), &corner(f64::max), ours.len(), 3)?;
-    for (name, samples) in [("svm", &ours), ("svm_random", &random)] {
-        match Svm::train(samples, &SvmOptions::default()) {
+    for (name, samples, bias_shift) in [
+        ("svm", &ours, 0.0),
+        ("svm_random", &random, 0.0),
+        ("svm_shifted", &ours, 1.0),
+        ("svm_random_shifted", &random, 1.0),
+    ] {
+        match Svm::train(samples, &SvmOptions { bias_shift, ..SvmOptions::default() }) {
             Ok(svm) => {
-                study.rows.push(Row { kernels: svm.kernels(), samples: samples.len(), ..row(name, &svm, [&near, &on]) })
+                let row = row(name, &svm, [&near, &on]);
+                study.rows.push(Row { kernels: svm.kernels(), samples: samples.len(), bias_shift, ..row });
             }
             Err(error) => study.notes.push(format!("{name} was not trained: {error}")),
         }
@@ -174,6 +182,7 @@ fn row(name: &'static str, indicator: &dyn CollisionIndicator<6>, known: [&Vec<S
         name,
         tnr: rates.map(|rates| rates.tnr()),
         missed: rates.map(|rates| rates.missed_rate()),
+        bias_shift: 0.0,
         kernels: 0,
         samples: 0,
         evaluation_us: 1e6 * least / timed.len().max(1) as f64,

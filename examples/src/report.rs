@@ -113,6 +113,11 @@ impl Report {
         self.push(&format!("<figure class=\"plot\">\n{svg}\n<figcaption>{legend}{caption}</figcaption></figure>"))
     }
 
+    /// A drawing, an `svg` element of ours, with a line under it. It is put in as it is.
+    pub fn drawing(&mut self, caption: &str, svg: &str) -> &mut Self {
+        self.push(&format!("<figure class=\"plot\">\n{svg}\n<figcaption>{}</figcaption></figure>", escaped(caption)))
+    }
+
     fn push(&mut self, html: &str) -> &mut Self {
         self.body += html;
         self.body.push('\n');

@@ -68,11 +68,17 @@ fn the_spiral_is_planned_on_both_robots() {
         assert!(figure(&format!("geometric_tnr_{place}")) >= 0.95);
         assert!(figure(&format!("geometric_missed_{place}")) <= 0.05);
         for key in ["tnr", "missed"] {
-            for name in ["svm", "svm_random", "geometric"] {
+            for name in ["svm", "svm_random", "svm_shifted", "svm_random_shifted", "geometric"] {
                 assert!((0.0..=1.0).contains(&figure(&format!("{name}_{key}_{place}"))));
             }
         }
     }
+    // A shifted bias finds more and cries wolf more often.
+    for place in ["near", "contact"] {
+        assert!(figure(&format!("svm_shifted_tnr_{place}")) <= figure(&format!("svm_tnr_{place}")));
+        assert!(figure(&format!("svm_shifted_missed_{place}")) <= figure(&format!("svm_missed_{place}")));
+    }
+    assert_eq!((figure("svm_bias_shift"), figure("svm_shifted_bias_shift")), (0.0, 1.0));
     assert_eq!((figure("svm_samples"), figure("geometric_kernels")), (150.0, 0.0));
     assert!(figure("svm_kernels") > 0.0 && figure("geometric_evaluation_us") > 0.0);
     let report = fs::read_to_string(path.join("report.html")).unwrap();

@@ -241,25 +241,29 @@ const MOST_ROUNDS: usize = 24;
 /// How deep in the solid the aim lies, in millimetres: overlaps are not told deeper.
 const DEEP_MM: f64 = 2.0;
 
-/// Where a cylinder comes deepest into a field: the distance, its slope, and the place.
+/// Where a cylinder comes deepest into a field, if to less than `best`: the distance, its slope, and the place.
 pub(super) fn drum_field(
     drum: &Drum,
     field: &impl Fn(&Point3<f64>) -> (f64, Vector3<f64>),
-) -> (f64, Vector3<f64>, Point3<f64>) {
+    best: f64,
+) -> Option<(f64, Vector3<f64>, Point3<f64>)> {
     let mut at = drum.middle;
-    let (value, slope) = field(&at);
+    let (mut value, mut slope) = field(&at);
+    if value - drum.half.hypot(drum.radius) >= best {
+        return None;
+    }
     let mut found = (value, slope, at);
     for _ in 0..MOST_ROUNDS {
-        let (value, slope) = field(&at);
-        if value < found.0 {
-            found = (value, slope, at);
-        }
         let next = drum.onto(&(at - slope * (value + DEEP_MM)));
         if (next - at).norm_squared() < FINE_MM * FINE_MM {
             break;
         }
         at = next;
+        (value, slope) = field(&at);
+        if value < found.0 {
+            found = (value, slope, at);
+        }
     }
     let (value, slope, at) = found;
-    (value, drum.across(&at, &slope), at)
+    (value < best).then(|| (value, drum.across(&at, &slope), at))
 }

@@ -101,8 +101,12 @@ impl Distances {
             .collect();
         let with = |others: usize| (0..longs.len()).flat_map(move |k| (0..others).map(move |l| [k, l]));
         let mut parts: Vec<[usize; 2]> = with(grids.len()).filter(|&[k, l]| meet(longs[k].body, grids[l].0)).collect();
-        // The head first: slim things are those that come near.
-        parts.sort_by(|a, b| longs[a[0]].radius.total_cmp(&longs[b[0]].radius));
+        // The head first: slim things are those that come near. Cylinders, which take longest, last.
+        let order = |k: usize| (longs[k].is_cylinder, longs[k].radius);
+        parts.sort_by(|a, b| {
+            let ((first, wide), (second, other)) = (order(a[0]), order(b[0]));
+            first.cmp(&second).then(wide.total_cmp(&other))
+        });
         let grounds = with(planes.len()).filter(|&[k, l]| meet(longs[k].body, planes[l].body)).collect::<Vec<_>>();
         // Capsules stand before cylinders.
         let pairs: Vec<([usize; 2], f64)> = with(longs.len())
@@ -170,8 +174,7 @@ impl Distances {
             }
             let found = if long.is_cylinder {
                 let drum = Drum::new(&at.middle, &at.half, long.radius);
-                let (distance, slope, at) = drum_field(&drum, &|p| field.gradient(p));
-                Some((distance, slope, at))
+                drum_field(&drum, &|p| field.gradient(p), best.distance)
             } else {
                 let (from, to) = at.ends();
                 let fine = FINE * field.spacing();
@@ -224,7 +227,7 @@ impl Distances {
         }
         let drum = Drum::new(&b.middle, &b.half, second.radius);
         let found = if first.is_cylinder {
-            Some(drum_field(&Drum::new(&a.middle, &a.half, first.radius), &|p| drum.distance(p)))
+            drum_field(&Drum::new(&a.middle, &a.half, first.radius), &|p| drum.distance(p), best.distance)
         } else {
             segment_drum(a.parts(), &drum, best.distance + first.radius)
                 .map(|(value, slope, at)| (value - first.radius, slope, at))
