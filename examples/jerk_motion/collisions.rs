@@ -53,7 +53,7 @@ const PLANES: usize = 600;
 const BLEND_MM: f64 = 4.0;
 /// Postures whose evaluation is timed, and how often.
 const TIMED: usize = 2000;
-const RUNS: usize = 5;
+const RUNS: usize = 15;
 
 /// One indicator in Table 4.1; a rate is none where there was nothing to count.
 pub struct Row {

@@ -8,7 +8,7 @@ use common::ur3::Ur3;
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
-use curvlay_trajectory::verify::{Repair, RepairError, RepairOptions, Verification, repair_by_turning, verify};
+use curvlay_trajectory::verify::{Checks, Repair, RepairError, RepairOptions, Verification, repair_by_turning, verify};
 use curvlay_trajectory::{Bounds, LadderOptions, Robot, RunIn, Timeline, Trajectory, plan_ladder};
 
 const BALL: f64 = 25.0;
@@ -70,7 +70,8 @@ fn repaired(robot: &Ur3, scene: &Scene, joints: &[[f64; 6]], bounds: &Bounds<6>,
     let options = RepairOptions { widen, ..RepairOptions::default() };
     let found = checked(scene, joints);
     let posture = |_: usize, joints: &[f64; 6]| is_free(scene, joints);
-    repair_by_turning(robot, &robot.times(), joints, bounds, &found, (&posture, &motion), &options).unwrap()
+    let checks = Checks { posture_free: posture, motion_free: motion };
+    repair_by_turning(robot, &robot.times(), joints, bounds, &found, &checks, &options).unwrap()
 }
 
 /// Every waypoint as it is asked for, every motion that is no split slow enough and free.
@@ -132,11 +133,13 @@ fn where_joints_are_too_slow_there_is_a_split_on_either_side() {
 fn lengths_must_agree() {
     let robot = arc(30);
     let joints = way(&robot);
-    let free = |_: usize, _: &[f64; 6]| true;
-    let passes = |_: usize, _: &[f64; 6], _: &[f64; 6]| true;
+    let checks = Checks {
+        posture_free: |_: usize, _: &[f64; 6]| true,
+        motion_free: |_: usize, _: &[f64; 6], _: &[f64; 6]| true,
+    };
     let with = |times: &[f64], joints: &[[f64; 6]]| {
         let found = Verification::default();
-        repair_by_turning(&robot, times, joints, &robot.bounds(), &found, (&free, &passes), &RepairOptions::default())
+        repair_by_turning(&robot, times, joints, &robot.bounds(), &found, &checks, &RepairOptions::default())
     };
     assert_eq!(with(&robot.times(), &joints).unwrap().changed, Vec::<usize>::new());
     let error = with(&robot.times()[1..], &joints).unwrap_err();

@@ -62,12 +62,21 @@ fn image(angle: f64, near: f64, lower: f64, upper: f64) -> f64 {
     turned.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs())).unwrap_or(f64::NAN)
 }
 
+/// What is free, told by two closures as [`verify`](super::verify) takes them.
+#[derive(Clone, Copy, Debug)]
+pub struct Checks<P, M> {
+    /// Whether waypoint `i` is free at some joints.
+    pub posture_free: P,
+    /// Whether the motion from waypoint `i` to `i + 1` is.
+    pub motion_free: M,
+}
+
 /// Gives waypoints that collide another angle of the tool, so that both sides of what is repaired are joined.
 ///
 /// # Arguments
 /// * `times`, `waypoints`: of the trajectory, one each a waypoint of the robot.
 /// * `found`: what collides, from [`verify`](super::verify).
-/// * `posture_free(i, joints)`, `motion_free(i, from, to)`: as there.
+/// * `checks`: what is free.
 ///
 /// # Returns
 /// What [`repair`] does, from the postures of [`dense_postures`] that are free. A motion counts as possible when no joint
@@ -86,26 +95,22 @@ pub fn repair_by_turning<const N: usize>(
     waypoints: &[[f64; N]],
     bounds: &Bounds<N>,
     found: &Verification,
-    checks: (&(dyn Fn(usize, &[f64; N]) -> bool + '_), &MotionFree<'_, N>),
+    checks: &Checks<impl Fn(usize, &[f64; N]) -> bool, impl Fn(usize, &[f64; N], &[f64; N]) -> bool>,
     options: &RepairOptions,
 ) -> Result<Repair<N>, RepairError> {
-    let (posture_free, motion_free) = checks;
     let count = waypoints.len();
     if times.len() != count || robot.waypoints() != count {
         return Err(RepairError::Lengths { times: times.len(), waypoints: count, robot: robot.waypoints() });
     }
     let candidates = |i: usize| {
         let mut all = dense_postures(robot, i, &waypoints[i], bounds);
-        all.retain(|joints| posture_free(i, joints));
+        all.retain(|joints| (checks.posture_free)(i, joints));
         all
     };
     let fits = |i: usize, from: &[f64; N], to: &[f64; N]| {
         let seconds = times[i + 1] - times[i];
         let slow = (0..N).all(|j| (to[j] - from[j]).abs() <= bounds.velocity[j] * seconds);
-        slow && motion_free(i, from, to)
+        slow && (checks.motion_free)(i, from, to)
     };
     repair(waypoints, found, &candidates, &fits, options)
 }
-
-/// Whether the motion from a waypoint to the next is free.
-pub type MotionFree<'a, const N: usize> = dyn Fn(usize, &[f64; N], &[f64; N]) -> bool + 'a;

@@ -7,7 +7,7 @@
 mod dense;
 mod repair;
 
-pub use dense::{DENSE_STEP, MotionFree, dense_postures, repair_by_turning};
+pub use dense::{Checks, DENSE_STEP, dense_postures, repair_by_turning};
 pub use repair::{Repair, RepairError, RepairOptions, repair};
 
 use crate::Progress;
