@@ -8,7 +8,7 @@
 //! with the truth and what the machine learned from the samples so far, the same for random samples, and a slice of joint
 //! space. `--help` lists the options.
 
-mod arm;
+pub mod arm;
 mod picture;
 
 use clap::Parser;
