@@ -5,6 +5,7 @@
 use curvlay_trajectory::indicator::{ContactFn, ContactSpace};
 use std::f64::consts::{PI, TAU};
 
+/// Lengths of the links.
 pub const LINKS: [f64; 3] = [300.0, 250.0, 150.0];
 /// Half the girth of a link.
 pub const GIRTH: f64 = 15.0;

@@ -13,6 +13,7 @@ use common::summary;
 use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
 use example::Args;
+use std::f64::consts::PI;
 use std::fs;
 
 fn arguments(words: &[&str]) -> Result<Args, clap::Error> {
@@ -50,12 +51,12 @@ fn stages_gather_at_the_boundary() {
 #[test]
 fn the_arm_is_what_it_says() {
     for k in 0..500 {
-        let (along, turn) = (0.0125 * f64::from(k), 0.37 * f64::from(k) % 6.28);
+        let (along, turn) = (0.0125 * f64::from(k), 0.37 * f64::from(k) % (2.0 * PI));
         for side in [-1.0, 1.0] {
             let Some(q) = example::arm::inverse(example::arm::on_path(along), turn, side) else { continue };
             let [place, direction] = example::arm::on_contact(&q);
             assert!((place - along).sin().abs() < 1e-9 && (direction - turn).sin().abs() < 1e-9);
-            assert!(q[1] * side >= 0.0 && q.iter().all(|angle| angle.abs() <= 3.1415927));
+            assert!(q[1] * side >= 0.0 && q.iter().all(|angle| angle.abs() <= PI + 1e-9));
             let at = example::arm::corners(&q);
             let touches = (0..3).any(|link| {
                 (0..=400).any(|step| {
