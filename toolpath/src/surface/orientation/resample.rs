@@ -17,10 +17,10 @@ const APART: f64 = 0.5;
 
 /// A curve by arc length.
 pub(super) struct Line {
-    points: Vec<Point3<f64>>,
-    widths: Vec<f64>,
+    pub points: Vec<Point3<f64>>,
+    pub widths: Vec<f64>,
     /// Arc length at each point.
-    arcs: Vec<f64>,
+    pub arcs: Vec<f64>,
     closed: bool,
 }
 
