@@ -70,7 +70,7 @@ fn go_on(_: curvlay_toolpath::Progress) -> ControlFlow<()> {
 }
 
 fn earlier() -> GougingOptions {
-    GougingOptions { own_layer: false, ..GougingOptions::default() }
+    GougingOptions { own_layer: false, most_depth: f64::INFINITY, ..GougingOptions::default() }
 }
 
 fn orient(stack: &LayerStack) -> Oriented {

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// Layers thinner than this share of their height are taken for as thick: beads of no height are none.
 const LEAST_HEIGHT: f64 = 0.02;
 
-/// Share of the waypoints that may gouge, listed, before a run counts as failed.
+/// Share of the waypoints that may gouge, listed, before a run counts as failed; and of the paths that may be left out.
 pub const GOUGING_SHARE: f64 = 1e-3;
 
 /// How far the volume of the beads may be off that of what they cover.
@@ -75,12 +75,21 @@ impl MachineRun {
         self.freed.paths.iter().map(|path| path.waypoints.len()).sum()
     }
 
+    /// Length of the paths, and of the pieces that are left out because the nozzle would run into what is built.
+    pub fn lengths_mm(&self) -> [f64; 2] {
+        [self.deposition.bead_mm, self.freed.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).sum()]
+    }
+
     /// Whether what is left of gouging, travels and the volume are within bounds.
     pub fn failed_checks(&self) -> Vec<String> {
         let mut failed = Vec::new();
         let (left, waypoints) = (self.freed.left.len(), self.waypoints());
         if left as f64 > GOUGING_SHARE * waypoints as f64 {
             failed.push(format!("{left} of {waypoints} waypoints gouge"));
+        }
+        let [laid, left_out] = self.lengths_mm();
+        if left_out > GOUGING_SHARE * (laid + left_out) {
+            failed.push(format!("{left_out:.1} mm of {:.1} mm of paths are left out", laid + left_out));
         }
         if !self.travels.blocked.is_empty() {
             failed.push(format!("{} travels are blocked", self.travels.blocked.len()));
@@ -163,8 +172,12 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     // What the closest points say, unfiltered, for the picture of one path.
     let unfiltered = OrientOptions { max_turn: PI, low_pass_rounds: 0, ..OrientOptions::default() };
     let unfiltered = stack.orient(&unfiltered, &progress).map_err(failure)?;
-    let longest = (0..freed.paths.len()).max_by_key(|&path| freed.paths[path].waypoints.len());
-    let example = longest.map(|path| [unfiltered.paths[path].clone(), freed.paths[path].clone()]);
+    let longest = freed.paths.iter().max_by_key(|path| path.waypoints.len());
+    let example = longest.and_then(|path| {
+        // Paths may have been cut.
+        let of_curve = |other: &&ToolPath| (other.layer, other.curve) == (path.layer, path.curve);
+        Some([unfiltered.paths.iter().find(of_curve)?.clone(), path.clone()])
+    });
 
     let covered = |(layer, (sheet, thickness)): (&Option<Layer>, (&_, &Vec<f64>))| {
         layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * volume(sheet, thickness))

@@ -179,6 +179,7 @@ fn a_curve_fills_each_layer() {
 
     // The machine file holds what the figures say, and can be read back.
     assert_eq!((figure("gouging_before"), figure("gouging_waypoints")), (0.0, 0.0));
+    assert_eq!((figure("paths_laid_first"), figure("left_out_pieces"), figure("left_out_mm")), (0.0, 0.0, 0.0));
     assert!(figure("max_turn_deg") < 1e-6);
     // Beads hold what they cover, and no more where they overlap.
     assert!((figure("extruded_mm3") / figure("covered_mm3") - 1.0).abs() < 0.02, "{}", figure("extruded_mm3"));

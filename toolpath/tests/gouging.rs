@@ -5,12 +5,15 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod common;
+#[path = "common/creases.rs"]
+mod creases;
 #[path = "common/layers.rs"]
 mod layers;
 #[path = "common/nozzle.rs"]
 mod nozzle;
 
-use common::{go_on, rng, rough};
+use common::go_on;
+use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::{
     Freed, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, ToolPath,
@@ -18,26 +21,17 @@ use curvlay_toolpath::surface::{
 use layers::{Layer, path, with_stack};
 use nozzle::{inside, to_profile};
 use proptest::prelude::*;
-use rand::RngExt;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::ControlFlow;
-
-const H: f64 = 0.8;
-/// What searches may be off by, in millimetres: pieces of a fiftieth of a layer, and the same again as slack of caps.
-const PIECE: f64 = 0.02 * H;
 
 fn free_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> Freed {
     with_stack(layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
 }
 
-/// Nothing but earlier layers, and no smoothing for paths of two waypoints.
+/// Nothing but earlier layers, nothing left out, and no smoothing for paths of two waypoints.
 fn alone() -> GougingOptions {
-    GougingOptions { max_turn: PI, own_layer: false, plate: false, ..GougingOptions::default() }
-}
-
-/// A triangle far below everything: a layer for paths.
-fn nowhere() -> Layer {
-    Layer::sheet([0.0, 0.0, -900.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 1, H)
+    let default = GougingOptions::default();
+    GougingOptions { max_turn: PI, own_layer: false, plate: false, most_depth: f64::INFINITY, ..default }
 }
 
 /// Frees a nozzle at one place, given twice.
@@ -155,22 +149,6 @@ fn above_the_plate_it_leans_no_farther_than_the_plate_lets_it() {
     assert!((freed.left[0].depth - 0.3).abs() < 1e-12);
 }
 
-/// A groove along y: two sides that lean by `angle` from the upright, `gap` wide at the height of the tip.
-fn groove(angle: f64, gap: f64) -> Layer {
-    groove_of(angle, gap, 10)
-}
-
-/// The same of `n` by `n` squares a side.
-fn groove_of(angle: f64, gap: f64, n: u32) -> Layer {
-    let (sin, cos) = angle.sin_cos();
-    let side = |sign: f64| {
-        let foot = [sign * (gap / 2.0 - 2.0 * angle.tan()), sign * 40.0, -2.0];
-        let up = [sign * 40.0 * sin, 0.0, 40.0 * cos];
-        Layer::sheet(foot, up, [0.0, -sign * 80.0, 0.0], n, H)
-    };
-    side(1.0).and(&side(-1.0))
-}
-
 #[test]
 fn a_wide_groove_leaves_it_upright_and_a_narrow_one_no_way_out() {
     let tip = Point3::new(0.0, 0.0, 0.0);
@@ -210,7 +188,7 @@ fn lines_in_a_groove() -> (Layer, ToolPath) {
 #[test]
 fn from_its_end_a_path_finds_room_that_it_takes_away_from_its_start() {
     let (layer, lines) = lines_in_a_groove();
-    let options = GougingOptions { max_turn: PI, plate: false, ..GougingOptions::default() };
+    let options = GougingOptions { cut: false, own_layer: true, ..alone() };
     let forward = free_with(
         std::slice::from_ref(&layer),
         std::slice::from_ref(&lines),
@@ -259,70 +237,6 @@ fn the_side_of_a_layer_may_be_entered_by_a_quarter() {
     // Sheets are at 0.05 and 0.25, where the nozzle is 0.55 and 0.75 wide.
     assert!(!gouges(0.75 - H / 4.0 + 0.02));
     assert!(gouges(0.75 - H / 4.0 - 0.02));
-}
-
-/// How deep a nozzle is in layers, by a look at a raster of `step` on all sheets. Clearance as the crate defines it, which
-/// has its own tests.
-fn slow_depth(sheets: &[Point3<f64>], tip: Point3<f64>, direction: &UnitVector3<f64>) -> f64 {
-    0.25 * H - slow_lack(sheets, tip, direction)
-}
-
-fn slow_lack(sheets: &[Point3<f64>], tip: Point3<f64>, direction: &UnitVector3<f64>) -> f64 {
-    let nozzle = Nozzle::default();
-    let clearance = |p: &Point3<f64>| {
-        let v = p - tip;
-        let z = v.dot(direction);
-        nozzle.clearance(z, (v - direction.into_inner() * z).norm())
-    };
-    sheets.iter().map(clearance).fold(f64::INFINITY, f64::min)
-}
-
-/// Points of what is left of layers if a quarter is taken off as a skin.
-fn sheets(layers: &[Layer], step: f64) -> Vec<Point3<f64>> {
-    let mut points = Vec::new();
-    for layer in layers {
-        let corners = |t: &[u32; 3]| t.map(|v| layer.vertices[v as usize]);
-        let mut normals = vec![Vector3::zeros(); layer.vertices.len()];
-        let mut edges = std::collections::BTreeMap::new();
-        for t in &layer.triangles {
-            let [a, b, c] = corners(t);
-            t.iter().for_each(|&v| normals[v as usize] += (b - a).cross(&(c - a)));
-            let sides = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-            sides.iter().for_each(|&[a, b]| *edges.entry([a.min(b), a.max(b)]).or_insert(0) += 1);
-        }
-        let single = edges.iter().filter(|(_, count)| **count == 1);
-        let rims: Vec<_> = single.map(|(edge, _)| edge.map(|v| layer.vertices[v as usize])).collect();
-        for t in &layer.triangles {
-            let [a, b, c] = corners(t);
-            let n = t.map(|v| normals[v as usize].normalize());
-            let parts = ((b - a).norm().max((c - a).norm()).max((c - b).norm()) / step).ceil() as usize;
-            for (i, j) in (0..=parts).flat_map(|i| (0..=parts - i).map(move |j| (i, j))) {
-                let w = [i, j, parts - i - j].map(|k| k as f64 / parts as f64);
-                let p = Point3::from(a.coords * w[0] + b.coords * w[1] + c.coords * w[2]);
-                if rims.iter().all(|r| common::to_segment(p, r[0], r[1]) >= 0.25 * H) {
-                    let normal = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
-                    points.extend([-1.0, 0.0, 1.0].map(|side| p + normal * (side * 0.25 * H)));
-                }
-            }
-        }
-    }
-    points
-}
-
-/// A rough layer with hills of up to 8 mm, and tips over it, some of them close to its slopes.
-fn hills(seed: u64) -> (Layer, Vec<Point3<f64>>) {
-    let mesh = rough(7, seed, 1.6, |i, j| (i, j) == (3, 4));
-    let vertices: Vec<_> = mesh.vertices().iter().map(|p| Point3::new(2.0 * p.x, 2.0 * p.y, 5.0 * p.z)).collect();
-    let layer = Layer::new(&vertices, mesh.triangles(), H);
-    let mut rng = rng(seed);
-    let tip = |_| {
-        let t = mesh.triangles()[rng.random_range(0..mesh.triangles().len())].map(|v| vertices[v as usize]);
-        let w = common::random_barycentric(&mut rng);
-        let p = Point3::from(t[0].coords * w[0] + t[1].coords * w[1] + t[2].coords * w[2]);
-        let normal = (t[1] - t[0]).cross(&(t[2] - t[0])).normalize();
-        p + normal * rng.random_range(0.6 * H..2.5 * H)
-    };
-    (layer, (0..6).map(tip).collect())
 }
 
 proptest! {
@@ -484,6 +398,8 @@ fn paths_and_options_that_cannot_be_used_are_named() {
     for (name, options) in [
         ("allowed_depth", GougingOptions { allowed_depth: 0.6, ..default }),
         ("allowed_depth", GougingOptions { allowed_depth: f64::NAN, ..default }),
+        ("most_depth", GougingOptions { most_depth: 0.2, ..default }),
+        ("most_depth", GougingOptions { most_depth: f64::NAN, ..default }),
         ("max_tilt", GougingOptions { max_tilt: 4.0, ..default }),
         ("max_turn", GougingOptions { max_turn: 0.0, ..default }),
     ] {

@@ -10,7 +10,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{NozzlePart, Obstacle, ToolPath};
+use curvlay_toolpath::surface::{Freed, NozzlePart, Obstacle, ToolPath};
 use std::collections::HashSet;
 use std::io;
 
@@ -25,6 +25,9 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
     }
     if !run.freed.left.is_empty() {
         folder.write_with("gouging.csv", |out| gouging(run, out))?;
+    }
+    if !run.freed.left_out.is_empty() {
+        folder.write_with("left_out.csv", |out| left_out(run, out))?;
     }
     if !run.freed.sharp.is_empty() {
         folder.write_with("turns.csv", |out| turns(run, out))?;
@@ -63,13 +66,26 @@ fn gouging(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
             Obstacle::Layer(_) => "no tilt frees it of earlier layers",
             _ => "too near to the plate",
         };
-        let part = match gouge.part {
-            NozzlePart::Tip => "tip",
-            NozzlePart::Cone => "cone",
-            _ => "block",
-        };
-        let place = place(run, gouge.path, gouge.waypoint);
+        let (place, part) = (place(run, gouge.path, gouge.waypoint), part(gouge.part));
         writeln!(out, "{place},{},{:.4},{part},{why}", name(gouge.obstacle), gouge.depth)
+    })
+}
+
+fn part(part: NozzlePart) -> &'static str {
+    match part {
+        NozzlePart::Tip => "tip",
+        NozzlePart::Cone => "cone",
+        _ => "block",
+    }
+}
+
+/// Pieces of curves that are not printed.
+fn left_out(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
+    writeln!(out, "layer,curve,from_mm,to_mm,x,y,z,obstacle,depth_mm,nozzle_part")?;
+    run.freed.left_out.iter().try_for_each(|piece| {
+        let ([from, to], tip) = (piece.arcs, piece.tip);
+        write!(out, "{},{},{from:.3},{to:.3},{:.3},{:.3},{:.3},", piece.layer + 1, piece.curve, tip.x, tip.y, tip.z)?;
+        writeln!(out, "{},{:.4},{}", name(piece.obstacle), piece.depth, part(piece.part))
     })
 }
 
@@ -113,6 +129,9 @@ pub fn summary(args: &Args, run: &MachineRun, written: &Written, summary: &mut S
         .set("gouging_of_own_layer", freed.left.iter().filter(|gouge| gouge.own_layer).count())?
         .set("gouging_max_depth_mm", freed.left.iter().map(|gouge| gouge.depth).fold(0.0, f64::max))?
         .set("paths_reversed", freed.reversed.len())?
+        .set("paths_laid_first", freed.laid_first.len())?
+        .set("left_out_pieces", freed.left_out.len())?
+        .set("left_out_mm", run.lengths_mm()[1])?
         .set("max_tilt_deg", freed.max_tilt.to_degrees())?
         .set("extruded_mm3", deposition.extruded_mm3)?
         .set("covered_mm3", run.covered_mm3)?
@@ -138,7 +157,7 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
         .row(["turns, raw".to_owned(), turns(&run.raw)])
         .row(["turns".to_owned(), turns(&freed.turns)])
-        .row(["gouging".to_owned(), format!("{} waypoints before, {} after", freed.gouging_before, freed.left.len())])
+        .row(["gouging".to_owned(), gouging_row(freed)])
         .row(["tilted".to_owned(), format!("{}, by at most {:.1} degrees", freed.tilted, freed.max_tilt.to_degrees())])
         .row(["extruded".to_owned(), format!("{:.1} mm3 on {:.1} mm3", deposition.extruded_mm3, run.covered_mm3)])
         .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
@@ -146,6 +165,15 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
         .row(["travels".to_owned(), travels(run)])
         .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
         .row(["orientation".to_owned(), format!("{}, gouging {}", seconds(times.orientation), seconds(times.gouging))]);
+}
+
+fn gouging_row(freed: &Freed) -> String {
+    let (before, after) = (freed.gouging_before, freed.left.len());
+    let mut row = format!("{before} waypoints before, {after} after");
+    if !freed.left_out.is_empty() {
+        row += &format!("; {} pieces of paths left out", freed.left_out.len());
+    }
+    row
 }
 
 fn travels(run: &MachineRun) -> String {

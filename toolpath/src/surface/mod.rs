@@ -28,7 +28,7 @@ mod union;
 
 pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit, deposit_along};
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
-pub use gouging::{Freed, Gouge, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle};
+pub use gouging::{Freed, Gouge, GougingError, GougingOptions, LeftOut, Nozzle, NozzleError, NozzlePart, Obstacle};
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};

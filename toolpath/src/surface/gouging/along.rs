@@ -30,6 +30,7 @@ const AROUND: usize = 8;
 const SMALL: f64 = 0.004;
 
 /// A path set free.
+#[derive(Clone, Debug, Default)]
 pub(super) struct FreedPath {
     pub waypoints: Vec<Waypoint>,
     pub gouging_before: usize,
@@ -38,8 +39,10 @@ pub(super) struct FreedPath {
     pub taken_out: usize,
     /// How far each is from its first direction.
     pub tilts: Vec<f64>,
-    /// Waypoints that are not free.
-    pub left: Vec<Gouge>,
+    /// Waypoints that are not free, each with its number in the path given.
+    pub left: Vec<(usize, Gouge)>,
+    /// Whether they go from the end of the path given to its start.
+    pub reversed: bool,
 }
 
 /// Numbers of the first waypoints of a path and of its layer.
@@ -59,8 +62,8 @@ struct Step {
     before: u32,
     /// No tilt frees it.
     stuck: bool,
-    /// It was not put between here.
-    given: bool,
+    /// Its number in the path given; none if it was put between here.
+    given: Option<usize>,
 }
 
 struct Walker<'a> {
@@ -74,7 +77,7 @@ struct Walker<'a> {
 pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &GougingOptions) -> FreedPath {
     let mut done = start.path + 1;
     let mut steps: Vec<Step> = Vec::with_capacity(path.waypoints.len());
-    for (waypoint, number) in path.waypoints.iter().zip(start.path + 2..) {
+    for (k, (waypoint, number)) in path.waypoints.iter().zip(start.path + 2..).enumerate() {
         let before = match steps.last() {
             Some(last) if waypoint.added => last.before,
             _ => done,
@@ -82,7 +85,7 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &Goug
         if !waypoint.added {
             done = number;
         }
-        steps.push(Step { waypoint: *waypoint, wanted: waypoint.direction, before, stuck: false, given: true });
+        steps.push(Step { waypoint: *waypoint, wanted: waypoint.direction, before, stuck: false, given: Some(k) });
     }
     let mut walker = Walker { scene, options, steps, stack: Vec::new() };
     let gouging_before = (0..walker.steps.len()).filter(|&k| walker.free(k)).count();
@@ -98,7 +101,7 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &Goug
         // A turn that is listed is better than waypoints in it that gouge.
         walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
     }
-    let given = |steps: &[Step]| steps.iter().filter(|step| step.given).count();
+    let given = |steps: &[Step]| steps.iter().filter(|step| step.given.is_some()).count();
     let (kept, all) = (given(&walker.steps), walker.steps.len());
     let (added, taken_out) = (all - kept, path.waypoints.len() - kept);
     FreedPath { gouging_before, added, taken_out, ..walker.finish(start.layer) }
@@ -191,7 +194,7 @@ impl Walker<'_> {
             if let Some(last) = self.steps.last().copied() {
                 for waypoint in between(&last.waypoint, &step.waypoint, limit) {
                     let (wanted, before) = (waypoint.direction, last.before);
-                    self.steps.push(Step { waypoint, wanted, before, stuck: false, given: false });
+                    self.steps.push(Step { waypoint, wanted, before, stuck: false, given: None });
                     self.free(self.steps.len() - 1);
                 }
             }
@@ -230,11 +233,14 @@ impl Walker<'_> {
 
     /// What came of it; `layer` is the number of the first waypoint of the layer.
     fn finish(mut self, layer: u32) -> FreedPath {
-        let left = (0..self.steps.len()).filter(|&k| self.steps[k].stuck);
-        let left = left.collect::<Vec<_>>().into_iter().filter_map(|k| self.gouge(k, layer)).collect();
+        let stuck = |k: &usize| self.steps[*k].stuck;
+        // What was put between and is not free has been taken out.
+        let given = |k: usize| Some((k, self.steps[k].given?));
+        let stuck: Vec<_> = (0..self.steps.len()).filter(stuck).filter_map(given).collect();
+        let left = stuck.into_iter().filter_map(|(k, given)| Some((given, self.gouge(k, layer)?))).collect();
         let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.direction)).collect();
         let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
-        FreedPath { waypoints, tilts, left, gouging_before: 0, added: 0, taken_out: 0 }
+        FreedPath { waypoints, tilts, left, ..FreedPath::default() }
     }
 
     /// How a waypoint that no tilt frees gouges.

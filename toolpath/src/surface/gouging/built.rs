@@ -3,20 +3,15 @@
 //! A triangle of an earlier layer is there when its layer is finished. A triangle of the layer itself is there once the last
 //! bead that touches it has been laid; one that no bead touches, when the layer is finished.
 
-use crate::Progress;
 use crate::surface::orientation::ToolPath;
-use crate::surface::parallel;
 use crate::surface::stack::{Keys, LayerStack};
-use std::ops::ControlFlow;
 
-/// The number of the first waypoint of each path.
-pub(super) fn starts(paths: &[ToolPath]) -> Vec<u32> {
-    let count = |sum: &mut u32, path: &ToolPath| {
-        let start = *sum;
-        *sum += path.waypoints.len() as u32;
-        Some(start)
-    };
-    paths.iter().scan(0, count).collect()
+/// A path and the triangles that its beads touch, each time with the waypoint. Without any of these its layer is there only
+/// when it is finished.
+#[derive(Clone, Debug)]
+pub(super) struct Laid {
+    pub path: ToolPath,
+    pub touched: Vec<(u32, u32)>,
 }
 
 /// When each triangle is there, as the waypoints done by then.
@@ -26,44 +21,36 @@ pub(super) struct Built {
     pub backward: Keys,
 }
 
-/// When each triangle is built; `None` if cancelled.
-pub(super) fn built(
-    stack: &LayerStack,
-    paths: &[ToolPath],
-    starts: &[u32],
-    own_layer: bool,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Option<Built> {
+/// When each triangle is built, if paths are laid in this order.
+pub(super) fn built<'a>(stack: &LayerStack, order: impl Iterator<Item = &'a Laid>) -> Built {
+    let triangles = stack.tree.triangles();
     let mut finished = vec![0; stack.layers.len()];
-    for (path, start) in paths.iter().zip(starts) {
-        finished[path.layer as usize] = start + path.waypoints.len() as u32;
+    let mut laid = vec![[0; 2]; triangles.len()];
+    let mut start = 0;
+    for Laid { path, touched } in order {
+        // The last path that touches a triangle counts: its last waypoint there, and, from its end, its first.
+        let end = start + path.waypoints.len() as u32;
+        for &(triangle, k) in touched {
+            let [last, first] = &mut laid[triangle as usize];
+            *last = start + k + 1;
+            *first = if *first <= start { end - k } else { *first };
+        }
+        finished[path.layer as usize] = end;
+        start = end;
     }
     // A layer without paths is finished with the one before.
     (1..finished.len()).for_each(|layer| finished[layer] = finished[layer].max(finished[layer - 1]));
-    let triangles = stack.tree.triangles();
-    let mut keys: Vec<u32> = triangles.iter().map(|triangle| finished[triangle.layer as usize]).collect();
-    let mut backward = keys.clone();
-    if own_layer {
-        let touched = parallel::map(paths, "built", progress, |_, path| touched(stack, path))?;
-        let mut laid = vec![[0; 2]; keys.len()];
-        for ((of_path, path), start) in touched.iter().zip(paths).zip(starts) {
-            // The last path that touches a triangle counts: its last waypoint there, and, from its end, its first.
-            let end = start + path.waypoints.len() as u32;
-            for &(triangle, k) in of_path {
-                let [last, first] = &mut laid[triangle as usize];
-                *last = start + k + 1;
-                *first = if *first <= *start { end - k } else { *first };
-            }
-        }
-        for (triangle, [last, first]) in laid.into_iter().enumerate().filter(|(_, laid)| laid[0] > 0) {
-            (keys[triangle], backward[triangle]) = (last, first);
-        }
-    }
-    Some(Built { keys: Keys::new(&stack.tree, keys), backward: Keys::new(&stack.tree, backward) })
+    let keys = |way: usize| {
+        let key = |(triangle, laid): (usize, &[u32; 2])| {
+            if laid[way] > 0 { laid[way] } else { finished[triangles[triangle].layer as usize] }
+        };
+        Keys::new(&stack.tree, laid.iter().enumerate().map(key).collect())
+    };
+    Built { keys: keys(0), backward: keys(1) }
 }
 
 /// The triangles that the beads of a path touch, each time with the waypoint.
-fn touched(stack: &LayerStack, path: &ToolPath) -> Vec<(u32, u32)> {
+pub(super) fn touched(stack: &LayerStack, path: &ToolPath) -> Vec<(u32, u32)> {
     let mut touched = Vec::new();
     for (waypoint, k) in path.waypoints.iter().zip(0..) {
         let layer = path.layer..path.layer + 1;

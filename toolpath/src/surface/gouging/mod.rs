@@ -3,7 +3,9 @@
 //! Dai 2020, section 3.6.3, names local gouging as an open point: directions for best adhesion may drive the nozzle into
 //! the model. Here each waypoint is checked against all that is built by then (`deepest`), tilted by the least angle that
 //! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is. A path on which waypoints are
-//! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free.
+//! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free. If
+//! that is not enough, pieces of paths are cut out and laid before the rest of the layer; those where the nozzle would run into
+//! what is built are left out (`order`).
 //!
 //! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
 //! (`built`). The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
@@ -16,14 +18,16 @@ mod along;
 mod built;
 mod deepest;
 mod nozzle;
+mod order;
 mod tilt;
 
 use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
-use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
 pub(super) use deepest::{Scene, Stand};
+use nalgebra::Point3;
 pub use nozzle::{Nozzle, NozzleError, NozzlePart};
+use order::Place;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -41,6 +45,12 @@ pub struct GougingOptions {
     /// Whether a path with waypoints that no tilt frees may be printed from its end to its start, if fewer are left that
     /// way: yes. Other beads of the layer are then there before them.
     pub reverse: bool,
+    /// Whether a path may be cut where only beads of its own layer close a waypoint in, and the piece around it laid before
+    /// the rest of the layer, if fewer are left that way: yes.
+    pub cut: bool,
+    /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
+    /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
+    pub most_depth: f64,
     /// Whether there is a plate at z = 0, below which nothing may reach: yes.
     pub plate: bool,
 }
@@ -54,6 +64,8 @@ impl Default for GougingOptions {
             max_turn,
             own_layer: true,
             reverse: true,
+            cut: true,
+            most_depth: 1.0,
             plate: true,
         }
     }
@@ -76,6 +88,34 @@ pub struct Gouge {
     pub own_layer: bool,
 }
 
+/// A piece of a curve that is not printed: somewhere on it the nozzle would run into what is built, however it is tilted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOut {
+    /// The layer, from 0.
+    pub layer: u32,
+    /// The curve of the layer, from 0.
+    pub curve: u32,
+    /// Where it begins and ends, by length along the curve in millimetres.
+    pub arcs: [f64; 2],
+    /// The tip where the nozzle would be deepest.
+    pub tip: Point3<f64>,
+    /// What it would be in there.
+    pub obstacle: Obstacle,
+    /// How deep, in millimetres.
+    pub depth: f64,
+    /// Which part of it.
+    pub part: NozzlePart,
+}
+
+impl LeftOut {
+    fn new(piece: &ToolPath, gouge: &Gouge) -> Option<LeftOut> {
+        let (first, last) = (piece.waypoints.first()?, piece.waypoints.last()?);
+        let tip = piece.waypoints.get(gouge.waypoint)?.tip;
+        let (&ToolPath { layer, curve, .. }, &Gouge { obstacle, depth, part, .. }) = (piece, gouge);
+        Some(LeftOut { layer, curve, arcs: [first.arc, last.arc], tip, obstacle, depth, part })
+    }
+}
+
 /// What a nozzle runs into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -89,7 +129,8 @@ pub enum Obstacle {
 /// Paths along which the nozzle gouges nothing, but for what is listed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freed {
-    /// The paths; with points added where neighbours would turn too far.
+    /// The paths in the order in which they are printed; with points added where neighbours would turn too far. If some were
+    /// cut there are more of them than were given: parts know their layer and curve, and arcs go on from where they were cut.
     pub paths: Vec<ToolPath>,
     /// Waypoints that gouged before.
     pub gouging_before: usize,
@@ -105,8 +146,13 @@ pub struct Freed {
     pub taken_out: usize,
     /// Paths that are printed from their end to their start, in order: fewer waypoints gouge that way.
     pub reversed: Vec<usize>,
+    /// Paths that are laid before the rest of their layer, in order: beads of it would close them in. Most are pieces of a
+    /// curve, cut out of it.
+    pub laid_first: Vec<usize>,
     /// Waypoints that no tilt frees.
     pub left: Vec<Gouge>,
+    /// Pieces of curves that are not printed, by layer, curve and place.
+    pub left_out: Vec<LeftOut>,
     /// Turns along the paths now.
     pub turns: Turns,
     /// Neighbours that differ by more than the limit.
@@ -170,6 +216,7 @@ impl GougingOptions {
         let sound = [
             ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
             ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),
+            ("most_depth", self.most_depth, self.most_depth >= self.allowed_depth, "no less than allowed_depth"),
             ("max_turn", self.max_turn, turn, "0.1 to 180 degrees, in radians"),
         ];
         match sound.into_iter().find(|(.., sound, _)| !sound) {
@@ -184,7 +231,7 @@ impl LayerStack<'_> {
     ///
     /// # Arguments
     /// * `paths`: of these layers, in the order in which they are printed.
-    /// * `progress`: called with the stages `built` and `gouging`; may cancel.
+    /// * `progress`: called with the stages `built` and `gouging`, once more for layers whose order is changed; may cancel.
     ///
     /// # Errors
     /// [`GougingError`].
@@ -226,39 +273,26 @@ impl LayerStack<'_> {
     ) -> Result<Freed, GougingError> {
         options.check()?;
         self.check_paths(&paths)?;
-        let starts = built::starts(&paths);
-        let built = built::built(self, &paths, &starts, options.own_layer, progress).ok_or(GougingError::Cancelled)?;
-        let scene = |keys| Scene { tree: &self.tree, rims: &self.rims, keys, nozzle, plate: options.plate };
-        let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
-        let work = |k: usize, path: &ToolPath| {
-            let first = paths.partition_point(|other| other.layer < path.layer);
-            let start = along::Start { path: starts[k], layer: starts[first] };
-            let there = along::freed(&forward, path, start, options);
-            if there.left.is_empty() || !(options.own_layer && options.reverse) {
-                return (there, false);
-            }
-            let back = along::freed(&backward, &path.reversed(), start, options);
-            if back.left.len() < there.left.len() { (back, true) } else { (there, false) }
-        };
-        let done = parallel::map(&paths, "gouging", progress, work).ok_or(GougingError::Cancelled)?;
+        let order::Run { places, gouging_before, left_out } =
+            order::Freeing { stack: self, nozzle, options, progress }.run(paths)?;
         let mut freed = Freed {
-            paths,
-            gouging_before: 0,
+            paths: Vec::with_capacity(places.len()),
+            gouging_before,
             tilted: 0,
             max_tilt: 0.0,
             mean_tilt: 0.0,
             added: 0,
             taken_out: 0,
             reversed: Vec::new(),
+            laid_first: Vec::new(),
             left: Vec::new(),
+            left_out,
             turns: Turns::default(),
             sharp: Vec::new(),
         };
-        for (k, (done, reversed)) in done.into_iter().enumerate() {
-            if reversed {
-                freed.reversed.push(k);
-            }
-            freed.gouging_before += done.gouging_before;
+        for (k, Place { laid, first, freed: done }) in places.into_iter().enumerate() {
+            freed.reversed.extend(done.reversed.then_some(k));
+            freed.laid_first.extend(first.then_some(k));
             freed.added += done.added;
             freed.taken_out += done.taken_out;
             for &tilt in done.tilts.iter().filter(|&&tilt| tilt > 0.0) {
@@ -266,8 +300,10 @@ impl LayerStack<'_> {
                 freed.max_tilt = freed.max_tilt.max(tilt);
                 freed.mean_tilt += tilt;
             }
-            freed.left.extend(done.left.into_iter().map(|gouge| Gouge { path: k, ..gouge }));
-            freed.paths[k].waypoints = done.waypoints;
+            let mut left: Vec<Gouge> = done.left.into_iter().map(|(_, gouge)| Gouge { path: k, ..gouge }).collect();
+            left.sort_by_key(|gouge| gouge.waypoint);
+            freed.left.append(&mut left);
+            freed.paths.push(ToolPath { waypoints: done.waypoints, ..laid.path });
         }
         freed.mean_tilt /= freed.tilted.max(1) as f64;
         freed.turns = Turns::of(&freed.paths);

@@ -1,0 +1,293 @@
+//! In which order the paths of a layer are laid so that beads do not close each other in, and what is left out.
+//!
+//! The slow twin prints the layer once more: it keeps the triangles that the beads so far have finished, and holds a dense
+//! raster of points on them against the nozzle, waypoint by waypoint.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+#[path = "common/creases.rs"]
+mod creases;
+#[path = "common/layers.rs"]
+mod layers;
+
+use common::go_on;
+use creases::{H, PIECE, groove, groove_of, hills, nowhere, slow_depth};
+use curvlay_toolpath::nalgebra::{Point3, Vector3};
+use curvlay_toolpath::surface::{
+    Freed, GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ToolPath, TravelOptions, Waypoint,
+};
+use layers::{Layer, path, with_stack};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+fn free_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> Freed {
+    with_stack(layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+}
+
+/// No smoothing, nothing left out.
+fn rough_turns() -> GougingOptions {
+    GougingOptions { max_turn: PI, plate: false, most_depth: f64::INFINITY, ..GougingOptions::default() }
+}
+
+/// A narrow groove of one layer. Along its front half both sides are laid before the bottom, along its back half after it; so
+/// whichever way round the path is printed, half of the bottom is closed in.
+fn groove_with_lines() -> (Layer, ToolPath) {
+    let angle = 0.75_f64;
+    let (sin, cos) = angle.sin_cos();
+    let sides = groove_of(angle, 4.0 * angle.tan(), 80);
+    let on_side = |sign: f64, y: f64| {
+        let (foot, up) = (Point3::new(sign * 8.0 * sin, y, 8.0 * cos - 2.0), Vector3::new(-sign * cos, 0.0, sin));
+        (foot + up * (H / 2.0), up)
+    };
+    let line = |from: i32, to: i32, at: &dyn Fn(f64) -> (Point3<f64>, Vector3<f64>)| {
+        let step = (to - from).signum();
+        (0..=(to - from).abs()).map(|k| at(f64::from(from + k * step))).collect::<Vec<_>>()
+    };
+    let bottom = line(-20, 20, &|y| (Point3::new(0.0, y, -1.0), Vector3::z()));
+    let sides_of = |from, to| [line(from, to, &|y| on_side(1.0, y)), line(to, from, &|y| on_side(-1.0, y))].concat();
+    (sides, path(0, &[sides_of(-1, -20), bottom, sides_of(20, 1)].concat()))
+}
+
+/// Whether waypoints along the bottom are in order, front to back.
+fn at_the_bottom(waypoints: &[Waypoint]) -> bool {
+    waypoints.iter().all(|w| w.tip.x.abs() < 1e-9)
+}
+
+#[test]
+fn what_beads_of_the_layer_close_in_is_laid_first() {
+    let (layer, lines) = groove_with_lines();
+    let (layers, paths) = (std::slice::from_ref(&layer), std::slice::from_ref(&lines));
+    let whole = free_with(layers, paths, &GougingOptions { cut: false, ..rough_turns() });
+    assert!(whole.left.len() > 10 && whole.left.iter().all(|gouge| gouge.own_layer), "{:?}", whole.left.len());
+    assert!(whole.laid_first.is_empty() && whole.paths.len() == 1);
+    let freed = free_with(layers, paths, &rough_turns());
+    assert_eq!((freed.left.len(), &freed.laid_first[..], freed.gouging_before), (0, &[0][..], whole.gouging_before));
+    // One piece of the bottom, then what comes before it and what comes behind.
+    assert_eq!(freed.paths.len(), 3);
+    assert!(at_the_bottom(&freed.paths[0].waypoints) && freed.paths[0].waypoints.len() > 10);
+    assert_eq!(printed(&freed.paths), printed(paths));
+    assert_eq!(replayed(layers, &freed), []);
+    // What comes of it does not depend on the number of threads.
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| free_with(layers, paths, &rough_turns()))
+    };
+    assert_eq!(on(1), on(4));
+}
+
+#[test]
+fn what_earlier_layers_close_in_stays_where_it_is() {
+    let tip = |y: f64| (Point3::new(0.0, y, 0.0), Vector3::z());
+    let lines = path(1, &[tip(-1.0), tip(0.0), tip(1.0)]);
+    let freed = free_with(&[groove(0.3, 2.0), nowhere()], std::slice::from_ref(&lines), &rough_turns());
+    assert_eq!((freed.left.len(), freed.paths.len(), freed.laid_first.len()), (3, 1, 0));
+    assert_eq!(printed(&freed.paths), printed(&[lines]));
+}
+
+/// A path that comes down into a groove that is too narrow, goes along it, and up again.
+fn dip() -> (Vec<Layer>, ToolPath) {
+    let at = |y: f64, z: f64| (Point3::new(0.0, y, z), Vector3::z());
+    let high = |y: f64| at(y, 60.0);
+    let path = path(1, &[high(-30.0), high(-20.0), high(-10.0), at(-1.0, 0.0), at(0.0, -0.4), high(10.0), high(20.0)]);
+    (vec![groove(0.3, 2.0), nowhere()], path)
+}
+
+#[test]
+fn what_would_run_into_the_part_is_left_out_and_listed() {
+    let (layers, dip) = dip();
+    let never = free_with(&layers, std::slice::from_ref(&dip), &rough_turns());
+    let [one, other] = never.left[..] else { panic!("{:?}", never.left) };
+    assert!((one.waypoint, other.waypoint) == (3, 4) && one.depth.min(other.depth) > H, "{:?}", never.left);
+    let deepest = if one.depth > other.depth { one } else { other };
+    let freed = free_with(&layers, std::slice::from_ref(&dip), &GougingOptions { most_depth: 1.0, ..rough_turns() });
+    assert_eq!((freed.left.len(), freed.gouging_before, freed.paths.len()), (0, 2, 2));
+    let arcs = [2, 5].map(|k: usize| dip.waypoints[k].arc);
+    let (tip, depth, part) = (dip.waypoints[deepest.waypoint].tip, deepest.depth, NozzlePart::Cone);
+    assert_eq!(freed.left_out, [LeftOut { layer: 1, curve: 0, arcs, tip, obstacle: Obstacle::Layer(0), depth, part }]);
+    // The rest is as it was.
+    assert_eq!(freed.paths[0].waypoints, dip.waypoints[..3]);
+    assert_eq!(freed.paths[1].waypoints, dip.waypoints[5..]);
+    // A little deeper than a layer may be allowed, and is then listed as before.
+    let deep = 1.01 * deepest.depth / H;
+    let freed = free_with(&layers, &[dip], &GougingOptions { most_depth: deep, ..rough_turns() });
+    assert_eq!((freed.left, freed.left_out.len()), (never.left, 0));
+}
+
+#[test]
+fn a_path_may_be_left_out_whole() {
+    let (layers, dip) = dip();
+    let bottom = ToolPath { waypoints: dip.waypoints[3..5].to_vec(), ..dip.clone() };
+    let paths = [bottom.clone(), ToolPath { curve: 1, ..dip.clone() }];
+    let freed = free_with(&layers, &paths, &GougingOptions { most_depth: 1.0, ..rough_turns() });
+    assert_eq!((freed.paths.len(), freed.left_out.len(), freed.left.len()), (2, 2, 0));
+    assert!(freed.paths.iter().all(|path| path.curve == 1));
+    let alone = free_with(&layers, &[bottom], &GougingOptions { most_depth: 1.0, ..rough_turns() });
+    assert_eq!((alone.paths.len(), alone.left_out.len(), alone.turns.steps), (0, 1, 0));
+}
+
+/// From and to a place where no direction is free no way leads. Without what is laid there the others have theirs.
+#[test]
+fn what_is_left_out_blocks_no_travel() {
+    // A shaft of 6 by 6 mm, 40 mm deep, narrower than the block.
+    let wall = |corner: [f64; 3], along: [f64; 3]| Layer::sheet(corner, along, [0.0, 0.0, 40.0], 6, H);
+    let (x, y) = ([6.0, 0.0, 0.0], [0.0, 6.0, 0.0]);
+    let walls = wall([0.0; 3], x).and(&wall([0.0; 3], y)).and(&wall([6.0, 0.0, 0.0], y)).and(&wall([0.0, 6.0, 0.0], x));
+    let layers = [walls, Layer::sheet([0.0, 0.0, 0.4], [90.0, 0.0, 0.0], [0.0, 6.0, 0.0], 9, H)];
+    let line = |curve: u32, x: f64| {
+        let at = |y: f64| (Point3::new(x, y, 0.8), Vector3::z());
+        ToolPath { curve, ..path(1, &[at(2.5), at(3.5)]) }
+    };
+    let blocked = |most_depth: f64| {
+        with_stack(&layers, |stack| {
+            let options = GougingOptions { most_depth, ..rough_turns() };
+            let paths = vec![line(0, 60.0), line(1, 3.0), line(2, 70.0)];
+            let freed = stack.free(paths, &Nozzle::default(), &options, &go_on).unwrap();
+            // Not high enough to leave the shaft.
+            let options = TravelOptions { max_lift: 20.0, ..TravelOptions::default() };
+            stack.travels(&freed.paths, &Nozzle::default(), &options, &go_on).unwrap().blocked.len()
+        })
+    };
+    assert_eq!((blocked(f64::INFINITY), blocked(1.0)), (2, 0));
+}
+
+/// Pieces of bead between samples, by their ends: each one way round, in an order that does not depend on the printing.
+fn printed(paths: &[ToolPath]) -> Vec<[[u64; 3]; 2]> {
+    let bits = |w: &Waypoint| [w.tip.x.to_bits(), w.tip.y.to_bits(), w.tip.z.to_bits()];
+    let mut pieces = Vec::new();
+    for path in paths {
+        let samples: Vec<_> = path.waypoints.iter().filter(|w| !w.added).map(bits).collect();
+        pieces.extend(samples.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]));
+    }
+    pieces.sort_unstable();
+    pieces
+}
+
+/// The point of a triangle nearest to another, by a dense raster.
+fn near(corners: &[Point3<f64>; 3], p: &Point3<f64>, reach: f64) -> Option<f64> {
+    let [low, high] = [corners[0].inf(&corners[1]).inf(&corners[2]), corners[0].sup(&corners[1]).sup(&corners[2])];
+    if (0..3).any(|k| p[k] < low[k] - reach || p[k] > high[k] + reach) {
+        return None;
+    }
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).normalize();
+    let foot = p - normal * (p - corners[0]).dot(&normal);
+    let inside = (0..3).all(|k| (corners[(k + 1) % 3] - corners[k]).cross(&(foot - corners[k])).dot(&normal) >= 0.0);
+    let sides = (0..3).map(|k| common::to_segment(*p, corners[k], corners[(k + 1) % 3]));
+    Some(if inside { (foot - p).norm() } else { sides.fold(f64::INFINITY, f64::min) })
+}
+
+/// The waypoints that are too deep in beads of the first and only layer laid before, and not listed.
+fn replayed(layers: &[Layer], freed: &Freed) -> Vec<(usize, usize, f64)> {
+    let layer = &layers[0];
+    let corners: Vec<[Point3<f64>; 3]> =
+        layer.triangles.iter().map(|t| t.map(|v| layer.vertices[v as usize])).collect();
+    // When each triangle is touched last, as a number of samples.
+    let mut last = vec![None; corners.len()];
+    let samples = || freed.paths.iter().flat_map(|path| path.waypoints.iter().filter(|w| !w.added));
+    for (number, w) in samples().enumerate() {
+        let distances: Vec<_> = corners.iter().map(|t| near(t, &w.tip, 9.0).unwrap_or(f64::INFINITY)).collect();
+        let nearest = (0..corners.len()).fold(0, |best, k| if distances[k] < distances[best] { k } else { best });
+        let foot = foot(&corners[nearest], &w.tip);
+        for (t, corners) in corners.iter().enumerate() {
+            if near(corners, &foot, 0.4).is_some_and(|distance| distance <= 0.4) {
+                last[t] = Some(number);
+            }
+        }
+    }
+    // Points of each triangle on all sheets, but for a strip along the boundary: pieces of the search that are half in it may
+    // not count.
+    let points: Vec<Vec<Point3<f64>>> = creases::sheets_by_triangle(layer, 0.12, 0.25 * H + 2.0 * PIECE);
+    let (mut deep, mut number) = (Vec::new(), 0);
+    for (k, path) in freed.paths.iter().enumerate() {
+        let mut before = number;
+        for (waypoint, w) in path.waypoints.iter().enumerate() {
+            if !w.added {
+                before = number;
+                number += 1;
+            }
+            let there = (0..corners.len()).filter(|&t| last[t].is_some_and(|last| last < before));
+            let there: Vec<Point3<f64>> = there.flat_map(|t| points[t].iter().copied()).collect();
+            let depth = slow_depth(&there, w.tip, &w.direction);
+            let listed = freed.left.iter().any(|gouge| (gouge.path, gouge.waypoint) == (k, waypoint));
+            if depth > 0.25 * H + PIECE && !listed {
+                deep.push((k, waypoint, depth));
+            }
+        }
+    }
+    deep
+}
+
+/// The point of a triangle nearest to another.
+fn foot(corners: &[Point3<f64>; 3], p: &Point3<f64>) -> Point3<f64> {
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).normalize();
+    let foot = p - normal * (p - corners[0]).dot(&normal);
+    let side = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let share = ((p - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+        a + (b - a) * share
+    };
+    if (0..3).all(|k| (corners[(k + 1) % 3] - corners[k]).cross(&(foot - corners[k])).dot(&normal) >= 0.0) {
+        return foot;
+    }
+    (1..3).map(side).fold(side(0), |best, other| if (other - p).norm() < (best - p).norm() { other } else { best })
+}
+
+/// Rows of beads over hills, to and fro: in creases some close others in.
+fn rows(seed: u64) -> (Layer, Vec<ToolPath>) {
+    let (layer, _) = hills(seed);
+    let triangles: Vec<[Point3<f64>; 3]> =
+        layer.triangles.iter().map(|t| t.map(|v| layer.vertices[v as usize])).collect();
+    let over = |x: f64, y: f64| {
+        // The triangle under the place, if there is one.
+        triangles.iter().find_map(|[a, b, c]| {
+            let normal = (b - a).cross(&(c - a));
+            let p = Point3::new(x, y, a.z - (normal.x * (x - a.x) + normal.y * (y - a.y)) / normal.z);
+            let inside = [(a, b), (b, c), (c, a)].iter().all(|(s, e)| (*e - *s).cross(&(p - *s)).dot(&normal) >= 0.0);
+            let up = normal.normalize();
+            inside.then_some((p + up * (H / 2.0), up))
+        })
+    };
+    let row = |k: u32| {
+        let places = (0..14).map(|i| if k.is_multiple_of(2) { i } else { 13 - i });
+        places.filter_map(|i| over(0.5 + f64::from(i), 1.0 + 1.7 * f64::from(k))).collect::<Vec<_>>()
+    };
+    let all: Vec<Vec<_>> = (0..8).map(row).collect();
+    // Two curves: every other pair of rows.
+    let curve = |odd: usize| {
+        path(
+            0,
+            &all.iter().enumerate().filter(|(k, _)| k / 2 % 2 == odd).flat_map(|(_, r)| r.clone()).collect::<Vec<_>>(),
+        )
+    };
+    (layer, vec![curve(0), ToolPath { curve: 1, ..curve(1) }])
+}
+
+/// Prints rows over hills once more, as they are given and in the order found.
+fn prints_clear(seed: u64) -> Result<(), TestCaseError> {
+    let (layer, paths) = rows(seed);
+    let layers = std::slice::from_ref(&layer);
+    let whole = free_with(layers, &paths, &GougingOptions { cut: false, ..rough_turns() });
+    let freed = free_with(layers, &paths, &rough_turns());
+    prop_assert!(freed.left.len() <= whole.left.len());
+    prop_assert_eq!(freed.laid_first.is_empty(), freed.left.len() == whole.left.len());
+    // All of each path, once, and what is laid first is.
+    prop_assert_eq!(printed(&freed.paths), printed(&paths));
+    prop_assert!(freed.laid_first.iter().enumerate().all(|(k, &path)| k == path));
+    prop_assert_eq!(replayed(layers, &freed), vec![]);
+    prop_assert_eq!(replayed(layers, &whole), vec![]);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn printed_once_more_in_that_order_nothing_gouges(seed in 0_u64..300) {
+        prints_clear(seed)?;
+    }
+}
+
+/// Here some nozzles touch the edge of the strip that does not count, beside a hole.
+#[test]
+fn beside_a_hole_nothing_gouges() {
+    prints_clear(293).unwrap();
+}
