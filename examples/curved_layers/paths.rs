@@ -15,6 +15,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+/// The least width of an admissible bead, in beads: what none of it could cover counts as unfillable.
+const LEAST_WIDTH: f64 = 0.75;
 /// How far level sets may be off, in beads.
 const TOLERANCE: f64 = 0.0125;
 
@@ -75,7 +77,10 @@ pub struct Totals {
     pub covered_fraction: f64,
     pub overlap_fraction: f64,
     pub spill_fraction: f64,
+    /// What no admissible bead could cover without reaching over the boundary.
     pub unfillable_fraction: f64,
+    /// What is covered of the rest.
+    pub filled_fraction: f64,
     /// Width of the largest gap.
     pub largest_gap_mm: f64,
     pub sharp_turns: usize,
@@ -125,7 +130,7 @@ fn fill(
     let mut filled = |even: bool| -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
         let paths = field.paths(&PathOptions { bead, pattern, fitted: !even })?;
         lap(&mut times.paths);
-        let statistics = statistics(&mesh, &paths)?;
+        let statistics = statistics(&mesh, &paths, LEAST_WIDTH * bead)?;
         lap(&mut times.statistics);
         Ok(Layer { paths, statistics, even, times })
     };
@@ -141,6 +146,7 @@ fn fill(
 fn statistics(
     mesh: &SurfaceMesh,
     paths: &LayerPaths,
+    least_width_mm: f64,
 ) -> Result<PathStatistics, Box<dyn std::error::Error + Send + Sync>> {
     let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = paths
         .paths
@@ -152,7 +158,8 @@ fn statistics(
         .collect();
     let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
     let go_on = |_| ControlFlow::Continue(());
-    Ok(path_statistics(mesh.vertices(), mesh.triangles(), &curves, &StatisticsOptions::default(), &go_on)?)
+    let options = StatisticsOptions { least_width_mm, ..StatisticsOptions::default() };
+    Ok(path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, &go_on)?)
 }
 
 /// Puts the curves of each layer in an order with short ways between them; the length of these before and after.
@@ -179,17 +186,19 @@ fn order(layers: &mut [Option<Layer>]) -> Result<[f64; 2], Failure> {
 
 fn totals(layers: &[Option<Layer>], [unordered_jump_mm, jump_mm]: [f64; 2]) -> Totals {
     let mut totals = Totals { unordered_jump_mm, jump_mm, ..Totals::default() };
-    let (mut area, mut unfillable) = (0.0, 0.0);
+    let mut area = 0.0;
     for Layer { paths, statistics, even, .. } in layers.iter().flatten() {
         totals.even_layers += usize::from(*even);
         area += statistics.area_mm2;
-        unfillable += paths.unfilled.iter().map(|unfilled| unfilled.area).sum::<f64>();
         totals.regions += paths.regions;
         totals.curves += statistics.curves;
         totals.path_mm += statistics.path_mm;
         totals.covered_fraction += statistics.covered_fraction * statistics.area_mm2;
         totals.overlap_fraction += statistics.overlap_fraction * statistics.area_mm2;
         totals.spill_fraction += statistics.spill_fraction * statistics.area_mm2;
+        let unfillable = statistics.unfillable_fraction * statistics.area_mm2;
+        totals.unfillable_fraction += unfillable;
+        totals.filled_fraction += statistics.filled_fraction * (statistics.area_mm2 - unfillable);
         // A closed sheet without beads has no largest gap.
         let gap = statistics.largest_gap.map_or(0.0, |gap| 2.0 * gap.radius_mm);
         totals.largest_gap_mm = totals.largest_gap_mm.max(if gap.is_finite() { gap } else { 0.0 });
@@ -198,10 +207,10 @@ fn totals(layers: &[Option<Layer>], [unordered_jump_mm, jump_mm]: [f64; 2]) -> T
     }
     totals.jumps = totals.curves.saturating_sub(1);
     if area > 0.0 {
-        for share in [&mut totals.covered_fraction, &mut totals.overlap_fraction, &mut totals.spill_fraction] {
-            *share /= area;
-        }
-        totals.unfillable_fraction = unfillable / area;
+        let fillable = area - totals.unfillable_fraction;
+        totals.filled_fraction = if fillable > 0.0 { totals.filled_fraction / fillable } else { 1.0 };
+        let of_all = [&mut totals.covered_fraction, &mut totals.overlap_fraction, &mut totals.spill_fraction];
+        of_all.into_iter().chain([&mut totals.unfillable_fraction]).for_each(|share| *share /= area);
     }
     totals
 }

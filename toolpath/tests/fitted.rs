@@ -129,6 +129,45 @@ fn very_small_rings_beside_none_are_left_out() {
 }
 
 #[test]
+fn bridges_keep_clear_of_needles() {
+    // Rings as thin as needles: a bridge came to its ring through the other side of it (188), or crossed one that it had
+    // nothing to do with (196), between two of its points. Bridges that were chords over crests (46).
+    [46, 144, 171, 188, 196].into_iter().for_each(corridors_are_sound);
+}
+
+#[test]
+fn what_rings_leave_between_three_holes_is_filled() {
+    // Three blocks with room for one bead more where they meet.
+    let block = |i: usize, j: usize| (j < 6 && !(6..9).contains(&i)) || (j >= 9 && (4..11).contains(&i));
+    let mesh = grid(15, 3, 0.3, block, |p| Point3::new(p.x, p.y, 0.0));
+    let distance = to_boundary(&mesh);
+    for bead in [0.9, 1.0, 1.1, 1.25, 1.4] {
+        let got = filled(&distance, bead, true);
+        assert!(in_range(&got, bead));
+        let found = statistics(&mesh, &got);
+        assert_eq!(found.self_crossings, 0, "{bead}");
+        assert!(found.covered_fraction > 0.94 && found.overlap_fraction < 0.06, "{bead} {found:?}");
+        assert!(found.largest_gap.unwrap().radius_mm < 0.45 * bead, "{bead} {found:?}");
+    }
+}
+
+#[test]
+fn branches_and_dots_get_beads_of_their_own() {
+    // A cross of four arms, less than a bead wide and three long: one bead through two arms, one in each of the others.
+    let cross = |i: usize, j: usize| i != 7 && j != 7;
+    let mesh = grid(15, 3, 0.0, cross, |p| Point3::new(0.8 * p.x, 0.8 * p.y, 0.0));
+    let got = filled(&to_boundary(&mesh), 0.9, true);
+    assert_eq!((got.paths.len(), got.regions), (3, 3));
+    let found = statistics(&mesh, &got);
+    assert!(found.covered_fraction > 0.97 && found.self_crossings == 0, "{found:?}");
+    // A square with room for no more than a dot.
+    let mesh = grid(1, 3, 0.0, |_, _| false, |p| Point3::new(p.x, p.y, 0.0));
+    let got = filled(&to_boundary(&mesh), 1.0, true);
+    assert_eq!((got.paths.len(), got.unfilled.len()), (1, 0));
+    assert!((got.paths[0].length() - 0.25).abs() < 0.01 && statistics(&mesh, &got).covered_fraction > 0.8);
+}
+
+#[test]
 fn corridors_are_one_curve_without_crossing() {
     (0..24).for_each(corridors_are_sound);
 }
@@ -150,5 +189,6 @@ proptest! {
         prop_assert!(in_range(&got, bead));
         let found = statistics(&mesh, &got);
         prop_assert!(found.covered_fraction > 0.85, "{:?}", found);
+        prop_assert_eq!(found.self_crossings, 0);
     }
 }

@@ -6,7 +6,7 @@ mod common;
 
 use approx::assert_abs_diff_eq;
 use common::{go_on, grid, refined, rng, rough};
-use curvlay_toolpath::nalgebra::{Isometry3, Point2, Point3, Vector3};
+use curvlay_toolpath::nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use curvlay_toolpath::surface::{
     BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, SurfaceMesh, path_statistics,
 };
@@ -746,4 +746,90 @@ fn no_more_is_done_than_there_is() {
     };
     let options = StatisticsOptions { samples_per_width: 3.0, ..StatisticsOptions::default() };
     path_statistics(mesh.vertices(), mesh.triangles(), &[curve], &options, &sound).unwrap();
+}
+
+/// Figures for beads of a least width; a bead of 1 mm sets the step.
+fn room_for(mesh: &SurfaceMesh, least_width_mm: f64) -> PathStatistics {
+    let corner = mesh.vertices()[0];
+    let dot = (vec![corner], vec![1.0]);
+    measure_with(mesh, &[dot], &StatisticsOptions { least_width_mm, ..at_step(25.0) })
+}
+
+#[test]
+fn corners_have_tips_that_no_bead_fills() {
+    // A disc of radius r leaves (1 - pi / 4) r^2 of each right angle.
+    let mesh = square(8, 5);
+    for width in [0.75, 1.5, 4.0] {
+        let found = room_for(&mesh, width);
+        let wanted = (4.0 - PI) * width * width / 4.0;
+        assert_abs_diff_eq!(found.unfillable_fraction * 64.0, wanted, epsilon = 0.03 + 0.06 * wanted);
+    }
+    assert_eq!(room_for(&mesh, 0.0).unfillable_fraction, 0.0);
+    // A bead wider than the square.
+    let found = room_for(&mesh, 8.5);
+    assert_eq!((found.unfillable_fraction, found.filled_fraction), (1.0, 1.0));
+}
+
+#[test]
+fn necks_that_no_bead_fits_are_unfillable() {
+    // Two squares of 8 mm and a bar of 1 mm by 6 mm between them, the bar bent upward.
+    let bar = |i: usize, j: usize| (8..14).contains(&i) && j != 4;
+    let bent = |p: Point2<f64>| Point3::new(p.x, p.y, 2.0 * ((p.x - 11.0) / 3.0).powi(2).min(1.0));
+    let mesh = grid(22, 5, 0.0, |i, j| j >= 8 || bar(i, j), bent);
+    let [narrow, wide] = [0.9, 1.1].map(|width| room_for(&mesh, width));
+    let tips = |width: f64| 8.0 * (1.0 - PI / 4.0) * width * width / 4.0;
+    let bars = wide.area_mm2 - 128.0;
+    assert_abs_diff_eq!(narrow.unfillable_fraction * narrow.area_mm2, tips(0.9), epsilon = 0.15);
+    // Beads reach a little way into the bar's ends.
+    let found = wide.unfillable_fraction * wide.area_mm2;
+    assert!(found < bars + tips(1.1) && found > bars + tips(1.1) - 0.8, "{found} {bars}");
+}
+
+/// Whether a disc that has room covers a point of the plane, by trying centres all around it.
+fn has_room(there: &dyn Fn(i64, i64) -> bool, p: Point2<f64>, radius: f64) -> bool {
+    let is_free = |c: Point2<f64>| {
+        let reach = radius.ceil() as i64 + 1;
+        let (i, j) = (c.x.floor() as i64, c.y.floor() as i64);
+        let outside = (-reach..=reach).flat_map(|di| (-reach..=reach).map(move |dj| (i + di, j + dj)));
+        outside.filter(|&(i, j)| !there(i, j)).all(|(i, j)| {
+            let nearest = Point2::new(c.x.clamp(i as f64, i as f64 + 1.0), c.y.clamp(j as f64, j as f64 + 1.0));
+            (nearest - c).norm() >= radius
+        })
+    };
+    let steps = 24;
+    (0..=steps).any(|k| {
+        let turns = 8 * k.max(1);
+        (0..turns).any(|t| {
+            let (sin, cos) = (2.0 * PI * t as f64 / turns as f64).sin_cos();
+            is_free(p + Vector2::new(cos, sin) * (radius * k as f64 / steps as f64))
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    #[test]
+    fn unfillable_as_by_trying_centres(
+        squares in prop::collection::vec(prop::bool::weighted(0.6), 25),
+        seed in 0_u64..1000,
+        width in 0.6..1.9_f64,
+    ) {
+        let there = |i: i64, j: i64| (0..5).contains(&i) && (0..5).contains(&j) && squares[(i + 5 * j) as usize];
+        // Squares that touch in a corner only are no surface.
+        let touches = |i: i64, j: i64| there(i, j) == there(i + 1, j + 1)
+            && there(i + 1, j) == there(i, j + 1) && there(i, j) != there(i + 1, j);
+        prop_assume!(squares.iter().any(|&s| s) && !(0..25).any(|k| touches(k % 5, k / 5)));
+        let mesh = grid(5, seed, 0.0, |i, j| !squares[i + 5 * j], plane);
+        let found = room_for(&mesh, width).unfillable_fraction;
+        let mut draw = rng(seed);
+        let (mut inside, mut out) = (0, 0);
+        while inside < 3000 {
+            let p = Point2::new(5.0 * draw.random::<f64>(), 5.0 * draw.random::<f64>());
+            if there(p.x.floor() as i64, p.y.floor() as i64) {
+                inside += 1;
+                out += usize::from(!has_room(&there, p, 0.5 * width));
+            }
+        }
+        prop_assert!((found - f64::from(out as u32) / 3000.0).abs() < 0.04, "{} {}", found, out);
+    }
 }

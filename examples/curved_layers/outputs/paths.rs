@@ -54,6 +54,7 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
         .set("overlap_fraction", totals.overlap_fraction)?
         .set("spill_fraction", totals.spill_fraction)?
         .set("unfillable_fraction", totals.unfillable_fraction)?
+        .set("filled_fraction", totals.filled_fraction)?
         .set("largest_gap_mm", totals.largest_gap_mm)?
         .set("sharp_turns", totals.sharp_turns)?
         .set("self_crossings", totals.self_crossings)?
@@ -76,6 +77,7 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row(["covered twice".to_owned(), share(totals.overlap_fraction)])
         .row(["past the boundary".to_owned(), share(totals.spill_fraction)])
         .row(["no bead fits".to_owned(), share(totals.unfillable_fraction)])
+        .row(["covered of the rest".to_owned(), share(totals.filled_fraction)])
         .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.largest_gap_mm)])
         .row(["sharp turns".to_owned(), totals.sharp_turns.to_string()])
         .row(["crossings".to_owned(), totals.self_crossings.to_string()])

@@ -54,10 +54,3 @@ fn crossing(field: &LevelField, half_edge: u32, over: &impl Fn(u32) -> f64) -> S
     let position = top.0 + (bottom.0 - top.0) * (top.1 / (top.1 - bottom.1)).clamp(0.0, 1.0);
     field.surface_point(half_edge / 3, position)
 }
-
-impl LevelField<'_> {
-    /// A triangle of the refined mesh that each ring of a level crosses, in the order of the rings.
-    pub(in crate::surface) fn triangles_of_rings(&self, levels: &(impl Levels + ?Sized), level: usize) -> Vec<u32> {
-        trace(self, levels, level).into_iter().map(|traced| traced.triangle).collect()
-    }
-}

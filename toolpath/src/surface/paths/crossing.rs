@@ -43,7 +43,8 @@ pub(super) fn crosses_itself(mesh: &SurfaceMesh, points: &[SurfacePoint], same: 
     stretches.iter().enumerate().any(meets)
 }
 
-fn normal(mesh: &SurfaceMesh, triangle: u32) -> Vector3<f64> {
+/// The direction in which a triangle faces.
+pub(super) fn normal(mesh: &SurfaceMesh, triangle: u32) -> Vector3<f64> {
     let [a, b, c] = mesh.triangles()[triangle as usize].map(|v| mesh.vertices()[v as usize]);
     (b - a).cross(&(c - a)).normalize()
 }

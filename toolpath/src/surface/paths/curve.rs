@@ -136,6 +136,24 @@ impl Loop {
         points
     }
 
+    /// What a cut leaves of the segments that come within a reach of a point in space, and some others.
+    pub fn left(&self, mesh: &SurfaceMesh, cut: [f64; 2], p: Point3<f64>, reach: f64) -> Vec<[SurfacePoint; 2]> {
+        let rest = self.length() - (cut[1] - cut[0]);
+        let mut found = Vec::new();
+        for block in (0..self.balls.len()).filter(|&k| (self.balls[k].0 - p).norm() <= self.balls[k].1 + reach) {
+            for k in block * BLOCK..self.points.len().min((block + 1) * BLOCK) {
+                // From the end of the cut on.
+                let from = self.wrapped(self.starts[k] - cut[1]);
+                let to = from + (self.starts[k + 1] - self.starts[k]);
+                let parts = [[from, to.min(rest)], [self.length(), to]];
+                for part in parts.into_iter().filter(|part| part[0] < part[1]) {
+                    found.push(part.map(|place| self.at(mesh, cut[1] + place)));
+                }
+            }
+        }
+        found
+    }
+
     /// All points, from the first one on.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points

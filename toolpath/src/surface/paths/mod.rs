@@ -5,7 +5,10 @@
 //! [`Pattern::Spirals`]. The other patterns stand beside it for comparison.
 //!
 //! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
-//! * `spacing`: where rings lie, and how wide beads are. `narrow`: single beads where the surface is less than a bead wide. `spirals`: where rings are cut and bridged. `plan`: from cuts and bridges to curves. `crossing`: whether these cross. `thin`: fewer points. `zigzag`: rows to and fro, from where `cut` cuts the surface.
+//! * `spacing`: where rings lie, and how wide their beads are. `spirals`: where rings are cut and bridged. `plan`: from
+//!   cuts and bridges to curves. `crossing`: whether these cross. `stretches`: what is near. `thin`: fewer points.
+//! * `widths`: how wide bridges are. `narrow`: single beads where there is no room for two, or some is left.
+//! * `zigzag`: rows to and fro, from where `cut` cuts the surface.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
 //! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the
@@ -19,7 +22,9 @@ mod narrow;
 mod plan;
 mod spacing;
 mod spirals;
+mod stretches;
 mod thin;
+mod widths;
 mod zigzag;
 
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
@@ -33,8 +38,6 @@ use thin::{Curve, thinned};
 const MOST_LEVELS: usize = 100_000;
 /// Points of a path nearer together than this share of a bead are thinned out.
 const THIN: f64 = 0.02;
-/// The same for single beads, which follow edges of the mesh.
-const SINGLE_THIN: f64 = 0.05;
 
 /// How a region is filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -124,8 +127,8 @@ impl SurfacePath {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum UnfilledReason {
-    /// There is no room for a bead: it is narrower than half a bead everywhere (three quarters for fitted ones), or
-    /// shorter than a bead.
+    /// There is no room for a bead: it is narrower than three quarters of a bead everywhere; for even ones narrower than
+    /// half a bead, or shorter than a bead.
     Narrow,
     /// It has no boundary to measure from.
     NoBoundary,
@@ -148,7 +151,8 @@ pub struct LayerPaths {
     /// All curves, region by region.
     pub paths: Vec<SurfacePath>,
     /// Connected regions: parts of the surface wide enough for two beads (necks narrower than a bead, or than one and a
-    /// half for fitted ones, do not connect), then narrower parts that a single bead fills.
+    /// half for fitted ones, do not connect), then what a single bead fills: narrower parts, each branch by itself, and
+    /// what fitted beads leave where three sides meet.
     pub regions: usize,
     /// What is left out.
     pub unfilled: Vec<Unfilled>,
@@ -260,24 +264,32 @@ impl LevelField<'_> {
             }
         };
         curves.sort_by_key(|curve| curve.region);
-        let wide = curves.len();
-        let on_boundary = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
-        let is_ring: Vec<bool> = on_boundary.map(|(_, on)| on.is_some()).collect();
-        let singles = narrow::single_beads(self, &spacing, bead, &is_ring);
-        for (points, region) in singles.into_iter().zip(found.regions as u32..) {
-            curves.push(Curve { points, closed: false, region, least: SINGLE_THIN * bead });
-        }
-        found.regions += curves.len() - wide;
         thinned(mesh, &mut curves, bead);
-        let width = |number: usize, at: &SurfacePoint| match number < wide {
-            true => spacing.width(at),
-            false => spacing.single(self.distance().at(at.triangle, at.barycentric).distance),
+        let mut widths: Vec<Vec<f64>> = match fitted {
+            true => widths::fitted(mesh, &spacing, &curves, bead),
+            false => curves.iter().map(|curve| vec![bead; curve.points.len()]).collect(),
         };
-        let path = |(number, curve): (usize, Curve)| {
-            let points = curve.points.into_iter().map(|at| PathPoint { at, width: width(number, &at) }).collect();
+        let singles = match options.pattern {
+            // Rows keep off the boundary: what a ring along it would cover is theirs.
+            Pattern::Zigzag => {
+                let outer = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
+                let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
+                let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
+                let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
+                narrow::single_beads(self, &spacing, bead, &rims, &widths)
+            }
+            _ => narrow::single_beads(self, &spacing, bead, &curves, &widths),
+        };
+        for (points, width) in singles {
+            curves.push(Curve { points, closed: false, region: found.regions as u32, least: 0.0 });
+            widths.push(width);
+            found.regions += 1;
+        }
+        let path = |(curve, widths): (Curve, Vec<f64>)| {
+            let points = curve.points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width }).collect();
             SurfacePath { points, closed: curve.closed, region: curve.region }
         };
-        found.paths = curves.into_iter().enumerate().map(path).collect();
+        found.paths = curves.into_iter().zip(widths).map(path).collect();
         found.unfilled = self.unfilled(&found.paths);
         Ok(found)
     }

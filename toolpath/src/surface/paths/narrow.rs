@@ -1,90 +1,172 @@
-//! Single beads for what is narrower than a bead.
+//! Single beads for what is narrower than two, and for what is left between others.
 //!
-//! Where the surface is less than a bead wide there is no level set half a bead from the boundary. A single bead runs
-//! there along the medial axis: the refined mesh has edges along it, and a path along edges that avoids low distances
-//! keeps to them. The bead is that of the longest way found: from the summit to the farthest place, and from there to
-//! the farthest again. This takes in regions as a whole, and tails and necks of wider ones from where these are covered.
+//! Where the surface is less than a bead wide there is no level set half a bead from the boundary, and where rings turn
+//! around the meeting of three sides they leave room. A single bead runs there along the middle of the room: the refined
+//! mesh has edges along the medial axis, and a path along edges that avoids places with little room keeps to them. The
+//! bead is that of the longest way found: from the place with the most room to the farthest one, and from there to the
+//! farthest again. Branches follow by themselves, from where the first bead covers them.
 
+use super::crossing::cross;
 use super::spacing::Spacing;
-use crate::surface::level_set::{Around, LevelField, Levels, SurfacePoint};
-use crate::surface::union::{join, root};
+use super::stretches::{Stretches, nearest};
+use super::thin::Curve;
+use crate::surface::level_set::{Around, LevelField, SurfacePoint};
+use crate::surface::mesh::previous;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// How far from the first level set its bead reaches, and a little room to the next, in beads.
-const COVERED: f64 = 0.75;
-/// Least length of a single bead, in beads.
-const SHORTEST: f64 = 1.0;
-/// How strongly paths avoid places off the medial axis: the power of the distance that a step costs.
+/// How far from a single bead its branches begin, in beads: what it covers, and a little.
+const BRANCH: f64 = 0.75;
+/// Least length of a single bead, in beads. What is shorter is drawn out to this: a dot where there is room for no more.
+const SHORTEST: f64 = 0.25;
+/// Points of single beads, which follow edges of the mesh, are at least this far apart, in beads.
+const THIN: f64 = 0.05;
+/// How strongly paths avoid places off the middle: the power of the room that a step costs.
 const POWER: i32 = 3;
+/// Beads that fit may lie as deep in others as this share of half the least width.
+const DEEP: f64 = 0.25;
+/// Stretches are looked up this far from a vertex, in beads: half the widest bead and half the least one.
+const LOOK: f64 = 1.0;
+/// Even beads leave the room between rings as it is: only what is nearer to the boundary than this, in beads, gets a
+/// single one. Rings that are left out for being short are no farther in.
+const EVEN_MOST: f64 = 0.66;
+/// And an even bead that is shorter than this, in beads, is left out: most of it would lie outside.
+const EVEN_SHORTEST: f64 = 1.0;
+/// Vertices with room are this far from other curves, in beads: half the least width and the least room. An edge between two
+/// of them that is shorter than twice this crosses none.
+const APART: f64 = 0.5;
 
 /// Shortest paths: for each vertex what it costs, how long the path is, and the vertex before.
 type Reached = Vec<Option<(f64, f64, u32)>>;
 
-/// Curves for single beads.
-///
-/// `is_ring` says for each ring of the first level, in order, whether a bead runs along it.
+/// A single bead: points and widths.
+pub(super) type Single = (Vec<SurfacePoint>, Vec<f64>);
+
+/// Single beads where curves with widths leave room.
 pub(super) fn single_beads(
     field: &LevelField,
     spacing: &Spacing,
     bead: f64,
-    is_ring: &[bool],
-) -> Vec<Vec<SurfacePoint>> {
-    let graph = Graph { field, around: Around::new(field) };
-    // What lies inside of rings is covered, and what is near.
-    let over = |v: u32| field.values[v as usize] > spacing.at(0, v);
-    let mut parents: Vec<u32> = (0..field.values.len() as u32).collect();
-    for h in 0..field.half_edges() {
-        let ends = [field.tail(h), field.head(h)];
-        if ends.iter().all(|&v| over(v)) {
-            join(&mut parents, ends[0], ends[1]);
-        }
-    }
-    let mut inside = vec![false; field.values.len()];
-    for (triangle, _) in field.triangles_of_rings(spacing, 0).into_iter().zip(is_ring).filter(|(_, is_ring)| **is_ring)
-    {
-        let corners = field.triangles[triangle as usize].iter();
-        corners.filter(|&&v| over(v)).for_each(|&v| inside[root(&mut parents, v) as usize] = true);
-    }
-    let all = 0..field.values.len() as u32;
-    let roots: Vec<u32> = all.clone().map(|v| root(&mut parents, v)).collect();
-    // Only from its rim.
-    let is_inner = |v: u32| over(v) && inside[roots[v as usize] as usize];
-    let rim: Vec<u32> =
-        all.clone().filter(|&v| is_inner(v) && graph.neighbours(v).any(|other| !is_inner(other))).collect();
-    let near = graph.reach(&rim, |v| !is_inner(v), |length, _| length, COVERED * bead);
-    let mut open: Vec<bool> = all
-        .clone()
-        .map(|v| {
-            let value = field.values[v as usize];
-            value.is_finite() && value >= spacing.least_single() && near[v as usize].is_none() && !is_inner(v)
-        })
-        .collect();
-    let mut found = Vec::new();
-    for v in all {
+    curves: &[Curve],
+    widths: &[Vec<f64>],
+) -> Vec<Single> {
+    let beside = Beside { curves, widths, stretches: Stretches::of(curves, 4.0 / 3.0 * LOOK * bead) };
+    let least = spacing.least_single();
+    let (shallow, most) = match spacing.fits() {
+        true => ((1.0 - DEEP) * least, f64::INFINITY),
+        false => (least, EVEN_MOST * bead),
+    };
+    let room = |v: u32| match field.values[v as usize] {
+        value if value >= least && value < most => beside.room(field.points[v as usize], value, shallow),
+        _ => 0.0,
+    };
+    let room: Vec<f64> = (0..field.values.len() as u32).map(room).collect();
+    let mut open: Vec<bool> = room.iter().map(|&room| room > 0.0).collect();
+    let graph = Graph { field, around: Around::new(field), room, beside, safe: 2.0 * APART * bead };
+    let mut found: Vec<Vec<SurfacePoint>> = Vec::new();
+    let mut singles = Vec::new();
+    let mut waiting: Vec<u32> = (0..field.values.len() as u32).rev().collect();
+    while let Some(v) = waiting.pop() {
         if !open[v as usize] {
             continue;
         }
-        let part: Vec<u32> = graph.part(v, &open);
-        found.extend(graph.longest(&part, &open).filter(|(_, length)| *length >= SHORTEST * bead).map(|(way, _)| way));
-        part.iter().for_each(|&v| open[v as usize] = false);
+        let part = graph.part(v, &open);
+        let way = graph.longest(&part, &open);
+        let covered = graph.reach(&way, |v| open[v as usize], |length, _| length, BRANCH * bead);
+        part.iter().filter(|&&v| covered[v as usize].is_some()).for_each(|&v| open[v as usize] = false);
+        waiting.extend(part.iter().rev().filter(|&&v| open[v as usize]));
+        if !spacing.fits() && graph.along(&way) < EVEN_SHORTEST * bead {
+            continue;
+        }
+        let (points, room) = graph.line(&way, SHORTEST * bead);
+        if points.len() > 1 && !graph.crosses(&points, &found) {
+            let widths = room.into_iter().map(|room| spacing.single(room));
+            singles.push(apart(points.iter().copied().zip(widths), THIN * bead));
+            found.push(points);
+        }
     }
-    let point = |v: u32| field.surface_point(graph.around.of(v)[0] / 3, field.points[v as usize]);
-    found.into_iter().map(|way| way.into_iter().map(point).collect()).collect()
+    singles
+}
+
+/// What is left of points if those near the one before go; the first and the last stay.
+fn apart(points: impl Iterator<Item = (SurfacePoint, f64)>, least: f64) -> Single {
+    let mut kept: Vec<(SurfacePoint, f64)> = Vec::new();
+    let near = |kept: &[(SurfacePoint, f64)], at: &SurfacePoint| {
+        kept.last().is_some_and(|(last, _)| (last.position - at.position).norm() < least)
+    };
+    let mut skipped = None;
+    for (at, width) in points {
+        skipped = near(&kept, &at).then_some((at, width));
+        if skipped.is_none() {
+            kept.push((at, width));
+        }
+    }
+    if let Some(last) = skipped {
+        if kept.len() > 1 {
+            kept.pop();
+        }
+        kept.push(last);
+    }
+    kept.into_iter().unzip()
+}
+
+/// Curves that are there already.
+struct Beside<'a> {
+    curves: &'a [Curve],
+    widths: &'a [Vec<f64>],
+    stretches: Stretches,
+}
+
+impl Beside<'_> {
+    /// How far a point is from the beads around it, at most `most`; zero if it is nearer than `least`.
+    fn room(&self, p: nalgebra::Point3<f64>, most: f64, least: f64) -> f64 {
+        let mut room = most;
+        for [number, k] in self.stretches.near(p) {
+            let (points, widths) = (&self.curves[number as usize].points, &self.widths[number as usize]);
+            let ends = [k as usize, (k as usize + 1) % points.len()];
+            let width = 0.5 * (widths[ends[0]] + widths[ends[1]]);
+            room = room.min((nearest(ends.map(|k| points[k].position), p) - p).norm() - 0.5 * width);
+            if room < least {
+                return 0.0;
+            }
+        }
+        room
+    }
 }
 
 /// Vertices and edges of the refined mesh.
 struct Graph<'a, 'd> {
     field: &'a LevelField<'d>,
     around: Around,
+    /// How far each vertex is from the boundary and from beads; zero where that is too little.
+    room: Vec<f64>,
+    beside: Beside<'a>,
+    /// Edges shorter than this between vertices with room cross no curve.
+    safe: f64,
 }
 
 impl Graph<'_, '_> {
-    fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
-        self.around.neighbours(self.field, v)
+    fn length(&self, v: u32, other: u32) -> f64 {
+        (self.field.points[other as usize] - self.field.points[v as usize]).norm()
     }
 
-    /// Dijkstra's algorithm. The cost of a step depends on its length and the mean distance on it.
+    /// The length of a way.
+    fn along(&self, way: &[u32]) -> f64 {
+        way.windows(2).map(|pair| self.length(pair[0], pair[1])).sum()
+    }
+
+    /// The open vertices beside one that edges lead to without crossing a bead.
+    fn neighbours<'a>(&'a self, v: u32, open: impl Fn(u32) -> bool + 'a) -> impl Iterator<Item = u32> + 'a {
+        let is_clear = move |&other: &u32| {
+            let [p, q] = [v, other].map(|v| self.field.points[v as usize]);
+            let steps = ((q - p).norm() / self.safe).floor() as usize;
+            let room = |k: usize| self.beside.room(p + (q - p) * (k as f64 / (steps + 1) as f64), self.safe, 0.0);
+            (1..=steps).all(|k| room(k) > 0.0)
+        };
+        self.around.neighbours(self.field, v).filter(move |&other| open(other)).filter(is_clear)
+    }
+
+    /// Dijkstra's algorithm. The cost of a step depends on its length and the mean room on it.
     fn reach(&self, from: &[u32], open: impl Fn(u32) -> bool, cost: impl Fn(f64, f64) -> f64, most: f64) -> Reached {
         let mut reached: Reached = vec![None; self.field.values.len()];
         let mut queue = BinaryHeap::new();
@@ -97,10 +179,9 @@ impl Graph<'_, '_> {
             let Some((here, length, _)) = reached[v as usize].filter(|(here, ..)| here.to_bits() == bits) else {
                 continue;
             };
-            for other in self.neighbours(v).filter(|&other| open(other)) {
-                let [p, q] = [v, other].map(|v| self.field.points[v as usize]);
-                let mean = 0.5 * (self.field.values[v as usize] + self.field.values[other as usize]);
-                let step = (q - p).norm();
+            for other in self.neighbours(v, &open) {
+                let mean = 0.5 * (self.room[v as usize] + self.room[other as usize]);
+                let step = self.length(v, other);
                 let there = here + cost(step, mean);
                 if there <= most && reached[other as usize].is_none_or(|(known, ..)| there < known) {
                     reached[other as usize] = Some((there, length + step, v));
@@ -117,8 +198,8 @@ impl Graph<'_, '_> {
         let mut seen = std::collections::BTreeSet::from([v]);
         let mut k = 0;
         while k < part.len() {
-            for other in self.neighbours(part[k]) {
-                if open[other as usize] && seen.insert(other) {
+            for other in self.neighbours(part[k], |other| open[other as usize]) {
+                if seen.insert(other) {
                     part.push(other);
                 }
             }
@@ -127,26 +208,59 @@ impl Graph<'_, '_> {
         part
     }
 
-    /// A long way through a part, and its length.
-    fn longest(&self, part: &[u32], open: &[bool]) -> Option<(Vec<u32>, f64)> {
-        let value = |v: u32| self.field.values[v as usize];
-        let summit = part.iter().copied().max_by(|&a, &b| value(a).total_cmp(&value(b)).then(b.cmp(&a)))?;
-        let high = value(summit);
+    /// A long way through a part.
+    fn longest(&self, part: &[u32], open: &[bool]) -> Vec<u32> {
+        let value = |v: u32| self.room[v as usize];
+        let Some(summit) = part.iter().copied().max_by(|&a, &b| value(a).total_cmp(&value(b)).then(b.cmp(&a))) else {
+            return Vec::new();
+        };
         let far = |from: u32| {
-            let cost = |length: f64, mean: f64| length * (high / mean).powi(POWER);
+            let cost = |length: f64, mean: f64| length * (value(summit) / mean).powi(POWER);
             let reached = self.reach(&[from], |v| open[v as usize], cost, f64::INFINITY);
             let length = |v: u32| reached[v as usize].map_or(0.0, |(_, length, _)| length);
             let end = part.iter().copied().max_by(|&a, &b| length(a).total_cmp(&length(b)).then(b.cmp(&a)));
-            (end.unwrap_or(from), end.map_or(0.0, length), reached)
+            (end.unwrap_or(from), reached)
         };
-        let (one, ..) = far(summit);
-        let (other, length, reached) = far(one);
+        let (one, _) = far(summit);
+        let (other, reached) = far(one);
         let mut way = vec![other];
-        let mut at = other;
-        while at != one {
-            at = reached[at as usize]?.2;
-            way.push(at);
+        while let Some(&at) = way.last().filter(|&&at| at != one) {
+            let Some((_, _, before)) = reached[at as usize] else { break };
+            way.push(before);
         }
-        Some((way, length))
+        way
+    }
+
+    /// The points of a way, and the room at each. One that is too short goes on a little, to where there is most room.
+    fn line(&self, way: &[u32], shortest: f64) -> Single {
+        let position = |v: u32| self.field.points[v as usize];
+        let point = |&v: &u32| self.field.surface_point(self.around.of(v)[0] / 3, position(v));
+        let (mut points, mut room): Single =
+            (way.iter().map(point).collect(), way.iter().map(|&v| self.room[v as usize]).collect());
+        let missing = shortest - self.along(way);
+        let Some(&last) = way.last().filter(|_| missing > 0.0) else { return (points, room) };
+        let sides = self.around.of(last).iter();
+        let ways_on = sides.flat_map(|&h| [self.field.head(h), self.field.tail(previous(h))].map(|v| (h / 3, v)));
+        let value = |v: u32| (self.room[v as usize], self.field.values[v as usize]);
+        let on = ways_on.filter(|(_, v)| !way.contains(v)).max_by(|(_, a), (_, b)| {
+            let (a, b) = (value(*a), value(*b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        if let Some((triangle, to)) = on {
+            let share = (missing / self.length(last, to)).min(1.0);
+            points.push(self.field.surface_point(triangle, position(last) + (position(to) - position(last)) * share));
+            room.push(self.room[last as usize]);
+        }
+        (points, room)
+    }
+
+    /// Whether a line crosses others. Those of short stretches never do: they begin where others cover nothing.
+    fn crosses(&self, points: &[SurfacePoint], others: &[Vec<SurfacePoint>]) -> bool {
+        let mesh = self.field.distance().mesh();
+        let long = |pair: &&[SurfacePoint]| (pair[1].position - pair[0].position).norm() > 0.5 * self.safe;
+        points.windows(2).filter(long).any(|one| {
+            let mut all = others.iter().flat_map(|line| line.windows(2));
+            all.any(|other| cross(mesh, [&one[0], &one[1]], [&other[0], &other[1]]))
+        })
     }
 }

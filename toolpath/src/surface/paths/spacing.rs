@@ -41,6 +41,9 @@ const CORNER: f64 = 0.35;
 /// end is found.
 const AHEAD: [f64; 2] = [0.15, 1.0];
 
+/// A point this near to a level, as a share of the way to the next, is on it.
+const BETWEEN: f64 = 0.05;
+
 /// Where the levels of rings are, and how wide beads are.
 pub(super) struct Spacing<'f, 'd> {
     field: &'f LevelField<'d>,
@@ -147,20 +150,22 @@ impl<'f, 'd> Spacing<'f, 'd> {
         })
     }
 
-    /// The width of a bead at a point.
-    pub fn width(&self, at: &SurfacePoint) -> f64 {
+    /// The width of a bead at a point, and whether the point lies between two levels. Between them it goes evenly from one to
+    /// the other.
+    pub fn width(&self, at: &SurfacePoint) -> (f64, bool) {
         if !self.fits() {
-            return self.bead;
+            return (self.bead, false);
         }
         let (part, weights) = self.part(at);
         let corners = self.field.triangles[part as usize];
         let mean = |of: &[f64]| (0..3).map(|k| of[corners[k] as usize] * weights[k]).sum::<f64>();
         let (value, rings, ridge) = (mean(&self.field.values), mean(&self.rings), mean(&self.ridge));
-        // Between two rings it goes evenly from one to the other.
         let above = (0..self.count).find(|&level| self.place(level, rings, ridge)[0] >= value).unwrap_or(self.count);
         let [high, low] = [above, above.saturating_sub(1)].map(|level| self.place(level, rings, ridge));
         let share = if high[0] > low[0] { ((value - low[0]) / (high[0] - low[0])).clamp(0.0, 1.0) } else { 0.0 };
-        (low[1] + (high[1] - low[1]) * share).clamp(WIDTHS[0] * self.bead, WIDTHS[1] * self.bead)
+        let width = low[1] + (high[1] - low[1]) * share;
+        let between = share.min(1.0 - share) > BETWEEN;
+        (width.clamp(WIDTHS[0] * self.bead, WIDTHS[1] * self.bead), between)
     }
 
     /// The width of a single bead along the medial axis; none where it is too narrow for one.

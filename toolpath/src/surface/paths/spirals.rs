@@ -13,6 +13,8 @@
 //!                \       \
 //!   3 ======= L      G       R ===================
 //! ```
+//! A single ring is joined to its parent by two bridges straight across, a bead apart.
+//!
 //! Each `L` of a ring i runs by the `G` of the next ring to the `R` of the one after. So two arms wind inward, each
 //! over every other ring, in even spacing: a Fermat spiral. Its arms are joined around the last ring; on the outside they
 //! lead into the parent, at places next to each other, or are entry and exit of the region.
@@ -25,7 +27,7 @@
 //! is found for a single ring, it becomes a curve of its own, or is left out if it is very small.
 
 use super::chains::{Beside, Chain};
-use super::crossing::crosses_itself;
+use super::crossing::{cross, crosses_itself};
 use super::curve::{Loop, locate};
 use super::plan::{End, Plan, Side};
 use super::spacing::Spacing;
@@ -35,8 +37,13 @@ use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Point3;
 
 /// Half of a window, in beads, widest first. The wider, the more even the spacing: bridges are `sin(atan(1 / h)) h` beads
-/// apart: 0.95, 0.89, 0.71, 0.45, 0.24, 0.12. And the less they turn.
-const WINDOWS: [f64; 6] = [3.0, 2.0, 1.0, 0.5, 0.25, 0.125];
+/// apart, 0.83, 0.71, 0.45, 0.24, 0.12, and the less they turn. But beside the outermost and the innermost bridge a wedge as long as the
+/// window stays bare: half windows of three beads leave 2 % more bare, and 0.83 is still a width that a bead may have.
+const WINDOWS: [f64; 5] = [1.5, 1.0, 0.5, 0.25, 0.125];
+/// The same where a single ring is joined to its parent: two bridges straight across, a bead apart, leave nothing bare.
+const PAIR_WINDOWS: [f64; 4] = [0.5, 0.375, 0.25, 0.125];
+/// Where the bridge of a chain comes to its parent, in half windows from the middle.
+const DOOR: f64 = 0.5;
 /// Least width of a half window that is tried on small rings, as a share of their length; a window takes two of them
 /// and a margin.
 const SHARE: f64 = 1.0 / 6.0;
@@ -54,6 +61,8 @@ const BETWEEN_SHARE: f64 = 0.02;
 const CLEAR: f64 = 0.3;
 /// How far a bridge may be from straight, in beads: sheets that bend more sharply have no place for it.
 const BEND: f64 = 0.3;
+/// And between its stations it follows the surface where that is farther than this from straight, in beads.
+const OFF: f64 = 0.005;
 /// A ring that no bridge leads to is left out if it is shorter, in beads: it goes round less than the width of a bead.
 const BLOT: f64 = 2.1;
 /// How far along the rings that it joins a bridge is held against them, in beads.
@@ -105,6 +114,17 @@ impl Rung<'_> {
     fn cut(&self, shares: [f64; 2]) -> [f64; 2] {
         let [a, b] = shares.map(|share| self.at(share));
         [a.min(b), a.max(b)]
+    }
+}
+
+/// From where to where a rung is cut, in half windows from its place.
+fn cut_shares(k: usize, last: usize, parented: bool) -> [f64; 2] {
+    match k {
+        _ if parented && last == 1 => [-1.0, 1.0],
+        0 if parented => [-1.0, DOOR],
+        0 => [-1.0, 0.5],
+        _ if k == last => [-0.5, 1.0],
+        _ => [-1.0, 1.0],
     }
 }
 
@@ -165,10 +185,11 @@ impl<'a> Weaver<'a> {
     /// bridges them. Says whether that was possible.
     fn weave(&mut self, rings: &[u32], chain: &Chain, beside: Option<Beside>) -> bool {
         let lines = self.lines(rings, chain, beside);
-        for window in WINDOWS {
+        let windows = if beside.is_some() && rings.len() == 2 { &PAIR_WINDOWS[..] } else { &WINDOWS[..] };
+        for &window in windows {
             let mut rated: Vec<(f64, Vec<Rung>)> = lines
                 .iter()
-                .map(|places| self.rungs(rings, places, window * self.rings.bead, beside))
+                .map(|places| self.rungs(rings, places, window, beside))
                 .filter_map(|rungs| self.rate(&rungs).map(|rate| (rate, rungs)))
                 .collect();
             rated.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -218,8 +239,12 @@ impl<'a> Weaver<'a> {
     }
 
     fn rungs(&self, rings: &[u32], places: &[f64], half: f64, beside: Option<Beside>) -> Vec<Rung<'a>> {
+        let pair = rings.len() == 2 && beside.is_some();
         let rung = |(k, (&ring, &place)): (usize, (&u32, &f64))| {
             let on = self.rings.loops[ring as usize].as_ref()?;
+            // The two bridges of a pair are beads of this width, side by side.
+            let width = || self.rings.spacing.width(&on.at(self.rings.mesh, place)).0;
+            let half = half * if pair { width() } else { self.rings.bead };
             let half = half.min(on.length() * SHARE);
             // Rings have what is higher on their left: across a ridge they run in opposite directions.
             let half = if k == 0 && beside == Some(Beside::Across) { -half } else { half };
@@ -264,10 +289,13 @@ impl<'a> Weaver<'a> {
         let rising = |k: usize| shares().map(move |t| (k, t, t));
         let last = rungs.len() - 1;
         let mut bridges: Vec<Stations> = Vec::new();
+        if parented && last == 1 {
+            return vec![shares().map(|u| (0, 1.0, 1.0 - u)).collect(), shares().map(|t| (0, -1.0, t)).collect()];
+        }
         match parented {
             // From the door half way along, then straight to the parent.
             true => {
-                bridges.push(shares().map(|u| (0, 0.5_f64.max(1.0 - u), 1.0 - u)).collect());
+                bridges.push(shares().map(|u| (0, DOOR.max(1.0 - u), 1.0 - u)).collect());
             }
             false => bridges.push(rising(0).collect()),
         }
@@ -285,7 +313,7 @@ impl<'a> Weaver<'a> {
             for (n, &(k, share, t)) in stations.iter().enumerate() {
                 let pair = &rungs[k..k + 2];
                 let point = self.station(pair, share, t)?;
-                if let (Some(last), Some(&(before, _, s))) = (points.last(), n.checked_sub(1).map(|n| &stations[n]))
+                if let (Some(&last), Some(&(before, _, s))) = (points.last(), n.checked_sub(1).map(|n| &stations[n]))
                     && before == k
                 {
                     // Between stations too: rings may have corners.
@@ -296,12 +324,16 @@ impl<'a> Weaver<'a> {
                             return None;
                         }
                         in_band[k].push((number, wanted));
+                        // Over a crest straight lines leave the surface.
+                        if (between.position - wanted).norm() > OFF * self.rings.bead {
+                            points.push(between);
+                        }
                     }
                 }
                 in_band[k].push((number, point.position));
                 points.push(point);
             }
-            if self.crosses(rungs, number, parented, &points) {
+            if self.crosses(rungs, number, parented, &points) || self.meets_rings(rungs, number, parented, &points) {
                 return None;
             }
             laid.push(points);
@@ -325,7 +357,9 @@ impl<'a> Weaver<'a> {
     fn crosses(&self, rungs: &[Rung], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
         let last = rungs.len() - 1;
         let (before, after) = match number {
-            0 if parented => (Some((1, 1.0)), (0, 0.5)),
+            0 if parented && last == 1 => (Some((1, 1.0)), (0, 1.0)),
+            1 if parented && last == 1 => (Some((0, -1.0)), (1, -1.0)),
+            0 if parented => (Some((1, 1.0)), (0, DOOR)),
             0 => (None, (1, 1.0)),
             _ if number == last => (Some((last - 1, -1.0)), (last, -0.5)),
             _ => (Some((number - 1, -1.0)), (number + 1, 1.0)),
@@ -335,6 +369,35 @@ impl<'a> Weaver<'a> {
         all.extend(points);
         all.extend(self.arc(&rungs[after.0], after.1));
         crosses_itself(self.rings.mesh, &all, SAME * self.rings.bead)
+    }
+
+    /// Whether a bridge crosses what its own cuts leave of the rings around the bands that it passes. A ring may be as
+    /// thin as a needle, and the bridge pass from one side of it to the other between two points.
+    fn meets_rings(&self, rungs: &[Rung], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
+        let (mesh, last) = (self.rings.mesh, rungs.len() - 1);
+        let first = number.saturating_sub(1).min(last - 1);
+        let through = if number == 0 || number == last { first } else { (first + 1).min(last - 1) };
+        let bands = (first..=through).filter_map(|k| self.band(&rungs[k..k + 2]));
+        let mut around: Vec<u32> = Vec::new();
+        for band in bands.map(|band| &self.rings.sets.bands[band]) {
+            around.extend(band.below.iter().chain(&band.above));
+        }
+        around.sort_unstable();
+        around.dedup();
+        let same = |a: &SurfacePoint, b: &SurfacePoint| (a.position - b.position).norm() <= SAME * self.rings.bead;
+        let is_end = |at: &SurfacePoint| same(at, &points[0]) || same(at, &points[points.len() - 1]);
+        around.into_iter().any(|ring| {
+            let Some(on) = &self.rings.loops[ring as usize] else { return false };
+            let rung = (0..=last).find(|&k| rungs[k].ring == ring);
+            let cut = rung.map_or([0.0; 2], |k| rungs[k].cut(cut_shares(k, last, parented)));
+            points.windows(2).any(|pair| {
+                let way = pair[1].position - pair[0].position;
+                let left = on.left(mesh, cut, pair[0].position + 0.5 * way, 0.5 * way.norm());
+                // What begins where the bridge ends is looked at by `crosses`.
+                let apart = left.iter().filter(|[from, to]| !is_end(from) && !is_end(to));
+                apart.into_iter().any(|[from, to]| cross(mesh, [&pair[0], &pair[1]], [from, to]))
+            })
+        })
     }
 
     /// A ring from one end of its window on, away from the window.
@@ -413,12 +476,7 @@ impl<'a> Weaver<'a> {
         }
         let mut cuts: Vec<usize> = Vec::with_capacity(rungs.len());
         for (k, rung) in rungs.iter().enumerate() {
-            let shares = match k {
-                0 => [-1.0, 0.5],
-                _ if k == last => [-0.5, 1.0],
-                _ => [-1.0, 1.0],
-            };
-            let [from, to] = rung.cut(shares);
+            let [from, to] = rung.cut(cut_shares(k, last, parented));
             cuts.push(self.plan.cut(rung.ring, from, to));
         }
         let left = |k: usize| -> Option<End> { Some((cuts[k], rungs[k].side(false))) };
@@ -431,7 +489,7 @@ impl<'a> Weaver<'a> {
         } else {
             // The exit goes on along the door for a little, as the first arm leaves it.
             let steps = STEPS as usize;
-            let along = (1..=steps).rev().map(|k| rungs[0].at(-0.25 * k as f64 / steps as f64));
+            let along = (1..=steps).rev().map(|k| rungs[0].at(-0.5 * k as f64 / steps as f64));
             let mut points: Vec<SurfacePoint> = along.map(|place| rungs[0].on.at(mesh, place)).collect();
             points.extend(outside);
             self.plan.bridge(points, [None, right(1)]);

@@ -4,15 +4,19 @@
 //! cut off its neighbour. So each chord is held against all stretches of the curves as they were; where it meets one,
 //! the points stay. Two chords that each keep clear of the curves as they were cannot cross each other either: between a
 //! chord and what it replaces there is then no other stretch, and no way in. Points stay too where a chord would turn back
-//! on its neighbour: over a crest both run down the same side then, and what is straight there is not clear.
+//! on its neighbour: over a crest both run down the same side then, and what is straight there is not clear. And they stay where
+//! the surface folds, since a chord there leaves it.
 
-use super::crossing::cross;
+use super::crossing::{cross, normal};
+use super::stretches::Stretches;
 use crate::surface::level_set::SurfacePoint;
 use crate::surface::mesh::SurfaceMesh;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 /// Points nearer together than this share of a bead are one.
 pub(super) const SAME: f64 = 1e-9;
+/// Normals whose cosine is less than this are those of a fold: 30 degrees.
+const FOLD: f64 = 0.866;
 /// Side of a cell in which stretches are looked up, in beads. Smaller ones take more of them, larger ones more tests.
 const CELL: f64 = 0.5;
 
@@ -25,16 +29,25 @@ pub(super) struct Curve {
     pub least: f64,
 }
 
+impl Curve {
+    /// How many stretches it has; each begins at the point of its number.
+    pub fn stretches(&self) -> usize {
+        if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
+    }
+}
+
 /// For each curve the points that are kept; the first and the last are.
 pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64) {
     curves.iter_mut().for_each(|curve| drop_near(&mut curve.points, SAME * bead, |_| true));
-    let stretches = Stretches::new(curves, CELL * bead);
+    let stretches = Stretches::of(curves, CELL * bead);
     let kept: Vec<Vec<SurfacePoint>> = (0_u32..)
         .zip(curves.iter())
         .map(|(number, curve)| {
             let mut points = curve.points.clone();
             drop_near(&mut points, curve.least, |[before, from, to]| {
-                !turns_back(curve, [before, from, to]) && !stretches.meet(mesh, curves, number, from, to)
+                !turns_back(curve, [before, from, to])
+                    && !folds(mesh, &curve.points[from..=to])
+                    && !meets(&stretches, mesh, curves, number, from, to)
             });
             points
         })
@@ -77,76 +90,35 @@ fn turns_back(curve: &Curve, [before, from, to]: [usize; 3]) -> bool {
     back(way(before, from)) || back(way(to, after))
 }
 
-/// All stretches of curves by the cells of a grid.
-struct Stretches {
-    side: f64,
-    /// Cells with the numbers of a curve and of a stretch of it, sorted.
-    cells: Vec<([i64; 3], [u32; 2])>,
+/// Whether the surface bends sharply under a part of a curve: there a chord is no way on the surface.
+fn folds(mesh: &SurfaceMesh, points: &[SurfacePoint]) -> bool {
+    let first = normal(mesh, points[0].triangle);
+    points[1..].iter().any(|at| normal(mesh, at.triangle).dot(&first) < FOLD)
 }
 
-impl Stretches {
-    fn new(curves: &[Curve], side: f64) -> Self {
-        let mut cells = Vec::new();
-        for (number, curve) in (0..).zip(curves) {
-            let count = curve.points.len();
-            for k in 0..if curve.closed { count } else { count.saturating_sub(1) } {
-                let ends = [k, (k + 1) % count].map(|k| curve.points[k].position);
-                let first = cells.len();
-                for p in samples(ends, side) {
-                    let entry = (cell(p, side), [number, k as u32]);
-                    if !cells[first..].contains(&entry) {
-                        cells.push(entry);
-                    }
-                }
-            }
+/// Whether the chord from one point of a curve to another meets a stretch but for those it replaces and their
+/// neighbours.
+fn meets(stretches: &Stretches, mesh: &SurfaceMesh, curves: &[Curve], number: u32, from: usize, to: usize) -> bool {
+    let curve = &curves[number as usize];
+    let chord = [from, to].map(|k| &curve.points[k]);
+    let own = |k: usize| {
+        let before = if from > 0 { from - 1 } else { curve.points.len() - 1 };
+        (from..=to).contains(&k) || k == before
+    };
+    stretches.along(chord.map(|p| p.position)).any(|[other, k]| {
+        let k = k as usize;
+        if other == number && own(k) {
+            return false;
         }
-        cells.sort_unstable();
-        Stretches { side, cells }
-    }
-
-    /// Whether the chord from one point of a curve to another meets a stretch but for those it replaces and their
-    /// neighbours.
-    fn meet(&self, mesh: &SurfaceMesh, curves: &[Curve], number: u32, from: usize, to: usize) -> bool {
-        let curve = &curves[number as usize];
-        let count = curve.points.len();
-        let chord = [from, to].map(|k| &curve.points[k]);
-        let own = |k: usize| {
-            let before = if from > 0 { from - 1 } else { count - 1 };
-            (from..=to).contains(&k) || k == before
-        };
-        let meets = |[other, k]: [u32; 2]| {
-            let k = k as usize;
-            if other == number && own(k) {
-                return false;
-            }
-            let points = &curves[other as usize].points;
-            cross(mesh, chord, [&points[k], &points[(k + 1) % points.len()]])
-        };
-        samples(chord.map(|p| p.position), self.side).any(|p| {
-            let [x, y, z] = cell(p, self.side);
-            // Samples are a quarter of a side from what they stand for at most, so what crosses is in the next cell.
-            (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j])).any(|[x, y]| {
-                let start = self.cells.partition_point(|entry| entry.0 < [x, y, z - 1]);
-                let near = self.cells[start..].iter().take_while(|entry| entry.0 <= [x, y, z + 1]);
-                near.into_iter().any(|entry| meets(entry.1))
-            })
-        })
-    }
-}
-
-/// Points along a stretch, half a side apart at most, both ends included.
-fn samples([a, b]: [Point3<f64>; 2], side: f64) -> impl Iterator<Item = Point3<f64>> {
-    let steps = (2.0 * (b - a).norm() / side).ceil().max(1.0);
-    (0..=steps as usize).map(move |k| a + (b - a) * (k as f64 / steps))
-}
-
-fn cell(p: Point3<f64>, side: f64) -> [i64; 3] {
-    [p.x, p.y, p.z].map(|x| (x / side).floor() as i64)
+        let points = &curves[other as usize].points;
+        cross(mesh, chord, [&points[k], &points[(k + 1) % points.len()]])
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Point3;
 
     #[test]
     fn a_chord_that_would_cut_off_a_neighbour_keeps_its_points() {

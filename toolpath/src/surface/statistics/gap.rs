@@ -105,7 +105,7 @@ pub(super) fn largest(
 }
 
 /// The boundary as beads without width.
-fn rim(raster: &Raster) -> Vec<Piece> {
+pub(super) fn rim(raster: &Raster) -> Vec<Piece> {
     let sheet = raster.sheet;
     let mut rims = Vec::new();
     for (t, across) in sheet.across.iter().enumerate() {

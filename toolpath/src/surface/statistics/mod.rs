@@ -8,7 +8,7 @@
 //! * `sheet`: triangles laid flat, and how one continues in the next. `locate`: nearest points.
 //! * `trace`: curves laid on the surface, in pieces of one triangle each. `curve`: lengths and turns.
 //! * `walk`: a piece seen from the triangles around it. `raster`: samples, and what covers them.
-//! * `gap`: the largest bare disc. `spill`: what lies past the boundary. `crossing`: curves that meet.
+//! * `gap`: the largest bare disc. `fillable`: what no bead could cover. `spill`: what lies past the boundary. `crossing`: curves that meet.
 //!
 //! Beads cover only what is connected with them over the surface, so sheets that fold over each other in space stay
 //! apart. Distances are straight lines over unfolded triangles: exact on planes and whatever unrolls into them. Where a
@@ -19,6 +19,7 @@
 
 mod crossing;
 mod curve;
+mod fillable;
 mod gap;
 mod locate;
 mod raster;
@@ -57,6 +58,9 @@ pub struct StatisticsOptions {
     pub most_samples: usize,
     /// Direction changes by more than this within a quarter of the width are sharp turns: 60 degrees, in radians.
     pub sharp_turn: f64,
+    /// The least width of a bead that is admissible, in millimetres: what none of this width can cover counts as
+    /// unfillable. Zero, so that nothing does.
+    pub least_width_mm: f64,
     /// `in_width_range` counts widths from the first to the second; in millimetres, all of them.
     pub width_range_mm: [f64; 2],
 }
@@ -67,6 +71,7 @@ impl Default for StatisticsOptions {
             samples_per_width: 14.0,
             most_samples: 1 << 26,
             sharp_turn: std::f64::consts::FRAC_PI_3,
+            least_width_mm: 0.0,
             width_range_mm: [0.0, f64::INFINITY],
         }
     }
@@ -107,6 +112,12 @@ pub struct PathStatistics {
     pub overlap_fraction: f64,
     /// Area of beads past the boundary, each bead counted by itself, as a share of the area of the surface.
     pub spill_fraction: f64,
+    /// Share that no disc of the least width ([`StatisticsOptions::least_width_mm`]) covers without reaching over the
+    /// boundary: what is narrower, and the tips of corners. No bead could cover it and spill nothing. The beads given have
+    /// no part in it.
+    pub unfillable_fraction: f64,
+    /// Covered share of the rest, of what beads can fill; one if there is no rest.
+    pub filled_fraction: f64,
     /// The largest gap; none if every sample is covered.
     pub largest_gap: Option<Gap>,
     /// Curves with at least one point.
@@ -334,8 +345,15 @@ pub fn path_statistics(
         _ => ControlFlow::Continue(()),
     };
     let largest_gap = gap::largest(&raster, &mut walker, &pieces, &mut tick)?;
+    let out_of_reach = match 0.5 * options.least_width_mm {
+        radius if radius > 0.0 => fillable::out_of_reach(&raster, &mut walker, [radius, step], &mut tick)?,
+        _ => vec![false; raster.samples()],
+    };
 
-    let [once, twice] = raster.covered();
+    let once = raster.area(|sample| !raster.is_bare(sample));
+    let twice = raster.area(|sample| raster.is_twice(sample));
+    let unfillable = raster.area(|sample| out_of_reach[sample]);
+    let filled = raster.area(|sample| !raster.is_bare(sample) && !out_of_reach[sample]);
     let (jumps, jump_mm) = jumps(curves);
     let each: Vec<CurveStatistics> = laid.iter().map(|l| l.statistics).collect();
     let sum = |of: fn(&curve::Laid) -> f64| laid.iter().map(of).fold(0.0, |a, b| a + b);
@@ -343,6 +361,8 @@ pub fn path_statistics(
     Ok(PathStatistics {
         area_mm2: sheet.area,
         covered_fraction: once / sheet.area,
+        unfillable_fraction: unfillable / sheet.area,
+        filled_fraction: if unfillable < sheet.area { filled / (sheet.area - unfillable) } else { 1.0 },
         overlap_fraction: twice / sheet.area,
         spill_fraction: spilled.max(0.0) / sheet.area,
         largest_gap,
@@ -369,6 +389,9 @@ fn check_options(options: &StatisticsOptions) -> Result<(), StatisticsError> {
     }
     if !(0.0..=std::f64::consts::PI).contains(&options.sharp_turn) {
         return bad("sharp_turn", options.sharp_turn, "an angle from 0 to pi");
+    }
+    if !(0.0..=1e100).contains(&options.least_width_mm) {
+        return bad("least_width_mm", options.least_width_mm, "a length");
     }
     if let Some(&value) = options.width_range_mm.iter().find(|w| w.is_nan()) {
         return bad("width_range_mm", value, "two lengths");

@@ -136,17 +136,17 @@ impl<'s> Raster<'s> {
         stamp.rim
     }
 
-    /// Area covered at least once, and more than once.
-    pub(super) fn covered(&self) -> [f64; 2] {
-        let mut sums = [0.0; 2];
-        for row in &self.rows {
-            let covers = &self.covers[row.first as usize..(row.first + row.count) as usize];
-            let once = covers.iter().filter(|c| c.curve != BARE).count();
-            let twice = covers.iter().filter(|c| c.curve == TWICE).count();
-            sums[0] += once as f64 * row.area;
-            sums[1] += twice as f64 * row.area;
-        }
-        sums
+    /// Area of the samples for which something holds: given the number of each.
+    pub(super) fn area(&self, holds: impl Fn(usize) -> bool) -> f64 {
+        let of_row = |row: &Row| {
+            let samples = row.first as usize..(row.first + row.count) as usize;
+            samples.filter(|&sample| holds(sample)).count() as f64 * row.area
+        };
+        self.rows.iter().map(of_row).sum()
+    }
+
+    pub(super) fn is_twice(&self, sample: usize) -> bool {
+        self.covers[sample].curve == TWICE
     }
 
     /// Where a sample is in space.

@@ -94,7 +94,8 @@ fn between(a: Vector2<f64>, b: Vector2<f64>, [p, q]: [Vector2<f64>; 2], reach: f
     ends.min(to_segment(a, p, q)).min(to_segment(b, p, q))
 }
 
-fn to_segment(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+/// Distance of a point from a segment.
+pub(super) fn to_segment(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let along = b - a;
     let length = along.norm_squared();
     let t = if length > 0.0 { ((p - a).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
