@@ -361,7 +361,7 @@ pub fn path_statistics(
     Ok(PathStatistics {
         area_mm2: sheet.area,
         covered_fraction: once / sheet.area,
-        unfillable_fraction: unfillable / sheet.area,
+        unfillable_fraction: (unfillable / sheet.area).min(1.0),
         filled_fraction: if unfillable < sheet.area { filled / (sheet.area - unfillable) } else { 1.0 },
         overlap_fraction: twice / sheet.area,
         spill_fraction: spilled.max(0.0) / sheet.area,
