@@ -77,7 +77,8 @@ impl MachineRun {
 
     /// Length of the paths, and of the pieces that are left out because the nozzle would run into what is built.
     pub fn lengths_mm(&self) -> [f64; 2] {
-        [self.deposition.bead_mm, self.freed.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).sum()]
+        let left_out = self.freed.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]);
+        [self.deposition.bead_mm, left_out.fold(0.0, |sum, length| sum + length)] // a sum of nothing is -0.0
     }
 
     /// Whether what is left of gouging, travels and the volume are within bounds.

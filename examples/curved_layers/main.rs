@@ -175,6 +175,9 @@ fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Res
 /// The order of the cells and its surfaces.
 type Layers = (FieldRun, Option<SurfacesRun>);
 
+/// How much less of the part an un-built order has to lose to be taken: it waits more, so its layers are less even.
+const WORTH: f64 = 0.01;
+
 /// Layers by the best strategy for the part, by the one that was asked for, or with a saved field.
 fn layers(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Layers, Failure> {
     let by = |strategy: Strategy, saved: Option<SavedField>| -> Result<Layers, Failure> {
@@ -191,9 +194,11 @@ fn layers(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> R
         return Ok(incremental);
     }
     let unbuilt = by(Strategy::Unbuild, None)?;
-    // Missed cells are not the only loss: where a side of the part has to wait, surfaces end.
+    let volume = incremental.0.mesh.volume_mm3();
+    // What is missed, and what the layers leave bare of the rest, or lay twice.
+    let lost = |run: &SurfacesRun| run.missed_mm3 + (volume - run.missed_mm3 - run.spacing.volume_mm3).abs();
     let is_better = match (&incremental.1, &unbuilt.1) {
-        (Some(incremental), Some(unbuilt)) => unbuilt.spacing.volume_mm3 > incremental.spacing.volume_mm3,
+        (Some(incremental), Some(unbuilt)) => lost(unbuilt) + WORTH * volume < lost(incremental),
         _ => unbuilt.0.growth.missed.len() < incremental.0.growth.missed.len(),
     };
     Ok(if is_better { unbuilt } else { incremental })
