@@ -8,6 +8,8 @@
 //! with the truth and what the machine learned from the samples so far, the same for random samples, and a slice of joint
 //! space. `--help` lists the options.
 
+// The arm on which the crate's own tests learn.
+#[path = "../../trajectory/tests/common/planar.rs"]
 pub mod arm;
 mod picture;
 
@@ -91,9 +93,9 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Stag
     // Later rounds of both, where there are any, count as refinement.
     let cut = [("initial", until(0)), ("up-scaled", until(1)), ("refined", set.samples.len())];
     let mut drawing = Drawing::default();
-    let posture = |along: f64, turn: f64| arm::inverse(arm::on_path(along), turn, 1.0);
+    let joints = |[along, turn]: [f64; 2]| arm::inverse(arm::on_path(along), turn, 1.0);
     let postures: Vec<[f64; 3]> =
-        [(0.4, 0.3), (1.7, 0.9), (2.6, 5.4), (4.4, 0.2)].into_iter().filter_map(|(a, t)| posture(a, t)).collect();
+        [[0.4, 0.3], [1.7, 0.9], [2.6, 5.4], [4.4, 0.2]].into_iter().filter_map(joints).collect();
     drawing.scene("arm, path and discs", &postures);
     let mut stages = vec![];
     let no_dots = vec![false; random.len()];
@@ -102,7 +104,6 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Stag
         bars.update("learn", stages.len() as u64, 4);
         let svm = Svm::train(samples, &SvmOptions::default())
             .map_err(|error| Failure::new(format!("{name} samples: {error}; --initial or --samples is too small")))?;
-        let joints = |[along, turn]: [f64; 2]| arm::inverse(arm::on_path(along), turn, 1.0);
         let wrong = drawing.map(&Map {
             title: format!("{name}: {} samples, {} kernels", samples.len(), svm.kernels()),
             axes: ["place on the path", "direction of the last link"],

@@ -5,6 +5,7 @@
 use curvlay_trajectory::indicator::{ContactFn, ContactSpace};
 use std::f64::consts::{PI, TAU};
 
+/// Lengths of the links, in millimetres.
 pub const LINKS: [f64; 3] = [300.0, 250.0, 150.0];
 /// Half the girth of a link.
 pub const GIRTH: f64 = 15.0;
@@ -30,6 +31,7 @@ fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (ap[0] - t * ab[0]).hypot(ap[1] - t * ab[1])
 }
 
+/// The truth: whether a link touches a disc.
 pub fn collides(q: &[f64; 3]) -> bool {
     let at = corners(q);
     DISCS.iter().any(|(center, radius)| (0..3).any(|k| to_segment(*center, at[k], at[k + 1]) < radius + GIRTH))
@@ -41,7 +43,20 @@ pub fn gap(q: &[f64; 3]) -> f64 {
     (tip[0] - PATH.0[0]).hypot(tip[1] - PATH.0[1]) - PATH.1
 }
 
-/// Joints in `(-pi, pi]` for a tip and the direction of the last link; the elbow on one side or the other.
+/// A point of the path, by the angle about its centre.
+pub fn on_path(along: f64) -> [f64; 2] {
+    [PATH.0[0] + PATH.1 * along.cos(), PATH.0[1] + PATH.1 * along.sin()]
+}
+
+/// Where on the path the tip is, and where the last link points, both in `[0, 2 pi)`.
+pub fn on_contact(q: &[f64; 3]) -> [f64; 2] {
+    let tip = corners(q)[3];
+    let along = (tip[1] - PATH.0[1]).atan2(tip[0] - PATH.0[0]);
+    [along.rem_euclid(TAU), (q[0] + q[1] + q[2]).rem_euclid(TAU)]
+}
+
+/// Joints in `(-pi, pi]` for a tip and the direction of the last link; the elbow bends by the sign of `side`. `None` out
+/// of reach.
 pub fn inverse(tip: [f64; 2], turn: f64, side: f64) -> Option<[f64; 3]> {
     let wrist = [tip[0] - LINKS[2] * turn.cos(), tip[1] - LINKS[2] * turn.sin()];
     let far = wrist[0].hypot(wrist[1]);
@@ -55,12 +70,13 @@ pub fn inverse(tip: [f64; 2], turn: f64, side: f64) -> Option<[f64; 3]> {
     Some([within(q1), q2, within(turn - q1 - q2)])
 }
 
-pub fn sample(random: &mut dyn FnMut() -> f64) -> Option<[f64; 3]> {
+/// Any point of the path, any direction of the last link, either elbow.
+fn sample(random: &mut dyn FnMut() -> f64) -> Option<[f64; 3]> {
     let (along, turn) = (TAU * random(), TAU * random());
-    let side = if random() < 0.5 { -1.0 } else { 1.0 };
-    inverse([PATH.0[0] + PATH.1 * along.cos(), PATH.0[1] + PATH.1 * along.sin()], turn, side)
+    inverse(on_path(along), turn, if random() < 0.5 { -1.0 } else { 1.0 })
 }
 
+/// The contact space.
 pub fn space() -> impl ContactSpace<3> {
     ContactFn { collides, gap, sample }
 }
