@@ -1,6 +1,6 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, trajectories and `report.html`.
 
-use super::collisions::Study;
+use super::collisions::{PAPER_SHIFT, Study};
 use super::planning::{Figures, Planned};
 use super::plot::{Curve, draw};
 use super::{Args, Results, Run};
@@ -169,8 +169,8 @@ pub fn indicators(study: &Study) -> Table {
         ]);
     }
     for (name, [near, on], kernels, samples) in PAPER_INDICATORS {
-        let (kernels, samples) = (kernels.to_string(), samples.to_string());
-        table.row([name, near, on, "-", "-", "1", kernels.as_str(), samples.as_str(), "-"]);
+        let [shift, kernels, samples] = [PAPER_SHIFT.to_string(), kernels.to_string(), samples.to_string()];
+        table.row([name, near, on, "-", "-", &shift, &kernels, &samples, "-"]);
     }
     table
 }
