@@ -8,15 +8,13 @@ use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
     BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, Pattern, StatisticsOptions, SurfaceDistance,
-    SurfaceMesh, TravelCurve, order_curves, path_statistics,
+    SurfaceMesh, TravelCurve, WIDTHS, order_curves, path_statistics,
 };
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// The least width of an admissible bead, in beads: what none of it could cover counts as unfillable.
-const LEAST_WIDTH: f64 = 0.75;
 /// How far level sets may be off, in beads.
 const TOLERANCE: f64 = 0.0125;
 
@@ -130,7 +128,8 @@ fn fill(
     let mut filled = |even: bool| -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
         let paths = field.paths(&PathOptions { bead, pattern, fitted: !even })?;
         lap(&mut times.paths);
-        let statistics = statistics(&mesh, &paths, LEAST_WIDTH * bead)?;
+        // What not even the narrowest bead could cover counts as unfillable.
+        let statistics = statistics(&mesh, &paths, WIDTHS[0] * bead)?;
         lap(&mut times.statistics);
         Ok(Layer { paths, statistics, even, times })
     };

@@ -32,6 +32,7 @@ use super::mesh::MeshError;
 use super::order::Visit;
 use curve::Loop;
 use spacing::Spacing;
+pub use spacing::WIDTHS;
 use thin::{Curve, thinned};
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.

@@ -17,8 +17,8 @@ use crate::surface::mesh::{next, previous};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// Widths of beads, as shares of what was asked for.
-pub(super) const WIDTHS: [f64; 2] = [0.75, 1.25];
+/// The least and the largest width of a bead, as shares of what was asked for.
+pub const WIDTHS: [f64; 2] = [0.75, 1.25];
 /// Rings that share what is left. Two would do for the widths above; the more, the more rings move where their number
 /// changes, and the closer widths stay to what was asked for.
 const INNER: usize = 3;
