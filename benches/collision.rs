@@ -1,4 +1,5 @@
-//! The collision scene: a UR3 with an extruder over a part of 20,000 triangles on a desk, at 500 random postures.
+//! The collision scene: a UR3 with an extruder over a part of 20,000 triangles on a desk, at 500 random postures, and at 500
+//! working ones, the nozzle a third of a millimetre from the part.
 //!
 //! * `boolean`: whether anything touches. The baseline asks parry, pair by pair of bodies, for the same pairs: its mesh
 //!   has parry's own tree, its hulls parry's polyhedra.
@@ -11,7 +12,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_benches::time_questions;
-use curvlay_kinematics::nalgebra::{Isometry3, Point3};
+use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, links};
 use curvlay_kinematics::{Arm, robots};
 use parry3d_f64::math::{Pose, Rot3, Vector};
@@ -26,6 +27,10 @@ const POSTURES: usize = 500;
 /// Around and along the part; twice their product is the number of triangles.
 const AROUND: u32 = 200;
 const ALONG: u32 = 50;
+/// Where the part stands, how far the nozzle reaches beyond the flange, and how near to the part it works, in millimetres.
+const STANDS: [f64; 3] = [-280.0, -110.0, 0.5];
+const TIP: f64 = 94.0;
+const WORKS: f64 = 0.3;
 
 /// A fluted vase, 120 mm high.
 fn vase() -> Shape {
@@ -46,15 +51,14 @@ fn vase() -> Shape {
 
 fn bodies(part: Shape) -> Vec<Body> {
     let at = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
-    let nozzle = Shape::Capsule { from: Point3::new(0.0, 0.0, 4.0), to: Point3::new(0.0, 0.0, 90.0), radius: 4.0 };
+    let nozzle = Shape::Capsule { from: Point3::new(0.0, 0.0, 4.0), to: Point3::new(0.0, 0.0, TIP - 4.0), radius: 4.0 };
     let extruder = Shape::block(Point3::new(-25.0, -30.0, 0.0), Point3::new(25.0, 30.0, 50.0));
     let desk = Shape::block(Point3::new(-600.0, -600.0, -30.0), Point3::new(600.0, 600.0, 0.0));
-    let stands = Isometry3::translation(-280.0, -110.0, 0.5);
     vec![
         at("nozzle", Mount::Link(6), Isometry3::identity(), nozzle),
         at("extruder", Mount::Link(6), Isometry3::identity(), extruder),
         at("desk", Mount::Base, Isometry3::identity(), desk),
-        at("part", Mount::Base, stands, part),
+        at("part", Mount::Base, Isometry3::from(STANDS), part),
     ]
 }
 
@@ -136,9 +140,29 @@ fn postures() -> Vec<Posture> {
     while found.len() < POSTURES {
         let joints = [0; 6].map(|_| random.random_range(-PI..PI));
         let flange = arm.forward(&joints);
-        let down = (flange.rotation * nalgebra::Vector3::z()).z < -0.5;
+        let down = (flange.rotation * Vector3::z()).z < -0.5;
         if down && flange.translation.vector.z > 120.0 {
             found.push(joints.into());
+        }
+    }
+    found
+}
+
+/// Postures with the nozzle's tip over a triangle of the part, along its normal, on any branch and at any turn.
+fn working(part: &Shape) -> Vec<Posture> {
+    let Shape::Mesh { points, triangles } = part else { return vec![] };
+    let mut random = Pcg64Mcg::seed_from_u64(6);
+    let arm = Arm::new(&robots::UR3).expect("published numbers");
+    let mut found: Vec<Posture> = vec![];
+    while found.len() < POSTURES {
+        let [a, b, c] = triangles[random.random_range(0..triangles.len())].map(|k| points[k as usize].coords);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let tip = (a + b + c) / 3.0 + Vector3::from(STANDS) + (TIP + WORKS) * normal;
+        let side = Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+        let flange = Isometry3::from_parts(tip.into(), UnitQuaternion::face_towards(&-normal, &side));
+        let branches: Vec<_> = arm.inverse(&flange).iter().map(|(_, joints)| *joints).collect();
+        if !branches.is_empty() {
+            found.push(branches[random.random_range(0..branches.len())].into());
         }
     }
     found
@@ -147,33 +171,39 @@ fn postures() -> Vec<Posture> {
 fn bench(c: &mut Criterion) {
     let scene = scene(vase());
     let baseline = Baseline::new(&scene);
-    let all = postures();
     let touches = |posture: &Posture| scene.touching(posture).expect("angles").is_some();
     let distance = |posture: &Posture| scene.nearest(posture).expect("angles").map_or(f64::INFINITY, |n| n.distance);
-    let mut differing = 0;
-    for posture in &all {
-        let (ours, theirs) = (distance(posture), baseline.distance(posture));
-        assert_eq!(touches(posture), ours <= 0.0);
-        differing += usize::from((ours - theirs).abs() > 1e-5 || touches(posture) != baseline.touching(posture));
-    }
-    let free: Vec<Posture> = all.iter().filter(|posture| !touches(posture)).copied().collect();
-    eprintln!(
-        "{} pairs; {} of {POSTURES} postures are free; answers differ at {differing}",
-        scene.pairs().count(),
-        free.len()
-    );
-
-    for (name, some) in [("all", &all), ("free", &free)] {
-        time_questions(&format!("boolean_{name}/scene"), some.len(), || {
-            some.iter().for_each(|p| _ = black_box(touches(p)))
+    // The free ones of some postures, timed after the answers for all of them were compared.
+    let compared = |name: &str, all: Vec<Posture>| {
+        let mut differing = 0;
+        for posture in &all {
+            let (ours, theirs) = (distance(posture), baseline.distance(posture));
+            assert_eq!(touches(posture), ours <= 0.0);
+            differing += usize::from((ours - theirs).abs() > 1e-5 || touches(posture) != baseline.touching(posture));
+        }
+        let free: Vec<Posture> = all.iter().filter(|posture| !touches(posture)).copied().collect();
+        let pairs = scene.pairs().count();
+        eprintln!(
+            "{name}: {pairs} pairs; {} of {POSTURES} postures are free; answers differ at {differing}",
+            free.len()
+        );
+        for (share, some) in [("all", &all), ("free", &free)] {
+            time_questions(&format!("boolean_{name}_{share}/scene"), some.len(), || {
+                some.iter().for_each(|p| _ = black_box(touches(p)))
+            });
+            let theirs = || some.iter().for_each(|p| _ = black_box(baseline.touching(p)));
+            time_questions(&format!("boolean_{name}_{share}/baseline_parry"), some.len(), theirs);
+        }
+        time_questions(&format!("distance_{name}_free/scene"), free.len(), || {
+            free.iter().for_each(|p| _ = black_box(distance(p)))
         });
-        let theirs = || some.iter().for_each(|p| _ = black_box(baseline.touching(p)));
-        time_questions(&format!("boolean_{name}/baseline_parry"), some.len(), theirs);
-    }
-    time_questions("distance_free/scene", free.len(), || free.iter().for_each(|p| _ = black_box(distance(p))));
-    time_questions("distance_free/baseline_parry", free.len(), || {
-        free.iter().for_each(|p| _ = black_box(baseline.distance(p)))
-    });
+        time_questions(&format!("distance_{name}_free/baseline_parry"), free.len(), || {
+            free.iter().for_each(|p| _ = black_box(baseline.distance(p)))
+        });
+        free
+    };
+    compared("working", working(&vase()));
+    let free = compared("random", postures());
 
     let mut group = c.benchmark_group("collision");
     group.sample_size(20).throughput(Throughput::Elements(free.len() as u64));
