@@ -301,6 +301,51 @@ fn limits_and_cones_are_told() {
     assert!(exact.fault(&at(0.1, 0.0, 350.0, [0.0; 3])).is_some());
 }
 
+/// Least distance of two segments, by the closest of 200 points of one to the other.
+fn slow_gap(a: [Vector3<f64>; 2], b: [Vector3<f64>; 2]) -> f64 {
+    let to_b = |p: Vector3<f64>| {
+        let along = b[1] - b[0];
+        let t = ((p - b[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (b[0] + along * t - p).norm()
+    };
+    (0..=200).map(|k| to_b(a[0].lerp(&a[1], f64::from(k) / 200.0))).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn legs_that_touch_are_told() {
+    let thick = StewartModel { leg_radius: 25.0, ..hexagon() };
+    let (table, lines) = (stewart(&thick), stewart(&hexagon()));
+    assert_eq!(table.fault(&at(0.0, 0.0, 350.0, [0.0; 3])), None);
+    // Turned about the vertical until legs come together in the middle, as lines still free.
+    let over = at(0.0, 0.0, 250.0, [0.0, 0.0, 2.9]);
+    assert_eq!(lines.fault(&over), None);
+    assert!(matches!(table.fault(&over), Some(StewartFault::Legs { least: 50.0, .. })));
+    // Legs that share a joint do not touch there: three pairs on the platform, as on the octahedral machine.
+    let shared = StewartModel { leg_radius: 25.0, ..StewartModel::hexagon(325.0, 0.2, 125.0, PI / 3.0) };
+    assert_eq!(stewart(&shared).fault(&at(0.0, 0.0, 350.0, [0.0; 3])), None);
+
+    let (mut touching, mut free) = (0, 0);
+    for turn in 0..60 {
+        let pose = at(0.0, 0.0, 250.0, [0.1, -0.2, 0.1 * f64::from(turn) - 3.0]);
+        let leg = |k: usize| [thick.base[k].into(), (pose * Point3::from(thick.platform[k])).coords];
+        let gaps = (0..6).flat_map(|i| (i + 1..6).map(move |k| slow_gap(leg(i), leg(k))));
+        let gap = gaps.fold(f64::INFINITY, f64::min);
+        match table.fault(&pose) {
+            Some(StewartFault::Legs { legs: [i, k], distance, .. }) => {
+                let slow = slow_gap(leg(i), leg(k));
+                assert!(distance < 50.0 && (slow - 1.5..=slow + 1e-9).contains(&distance), "{distance} {slow}");
+                touching += 1;
+            }
+            None => {
+                assert!(gap >= 50.0 - 1e-9, "{gap}");
+                free += 1;
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(touching > 5 && free > 5, "{touching} {free}");
+}
+
 #[test]
 fn paths_are_checked_pose_by_pose() {
     let model = StewartModel { shortest: [300.0; 6], longest: [500.0; 6], ..hexagon() };
@@ -371,6 +416,10 @@ fn numbers_that_make_no_platform_are_named() {
     for cone in [0.0, -1.0, f64::NAN, 4.0] {
         let bad = StewartModel { platform_cone: cone, ..good };
         assert!(matches!(Stewart::new(&bad), Err(StewartModelError::Cone { what: "platform_cone", .. })));
+    }
+    for radius in [-1.0, f64::NAN, 1e7] {
+        let bad = StewartModel { leg_radius: radius, ..good };
+        assert!(matches!(Stewart::new(&bad), Err(StewartModelError::LegRadius { .. })));
     }
     let line = std::array::from_fn(|k| [k as f64, 2.0 * k as f64, 0.0]);
     assert_eq!(Stewart::new(&StewartModel { base: line, ..good }), Err(StewartModelError::OnALine { what: "base" }));

@@ -9,8 +9,10 @@
 //! `d_i = t + R b_i - a_i` and its length `l_i = |d_i|`. That way is a formula. The other way has up to 40 answers, the
 //! *modes* of the platform, and no formula of use: here Newton's method from a near pose, or from many random ones.
 //!
-//! Poses are `base_platform` in millimetres. Collisions of legs with each other are not looked at.
+//! Poses are `base_platform` in millimetres. Legs are kept apart from each other as capsules between their joints; what
+//! carries the joints, the nozzle and the part are not looked at.
 
+mod legs;
 mod modes;
 mod newton;
 mod quality;
@@ -42,12 +44,15 @@ pub struct StewartModel {
     pub platform_axes: [[f64; 3]; 6],
     /// How far a leg may lean from it.
     pub platform_cone: f64,
+    /// Half the girth of a leg: two legs nearer than twice that touch, unless their joints are that near on the base or on
+    /// the platform, where they share one. 0: legs are lines and never touch.
+    pub leg_radius: f64,
 }
 
 impl StewartModel {
     /// Joints on two circles, in pairs at 0, 120 and 240 degrees, each joint this far in angle from the middle of its
     /// pair: leg `2k` at `120 k` degrees less the angle, leg `2k + 1` at the angle more. No limits; cones about the
-    /// vertical, open to all sides.
+    /// vertical, open to all sides; legs without girth.
     pub fn hexagon(base_radius: f64, base_angle: f64, platform_radius: f64, platform_angle: f64) -> Self {
         let ring = |radius: f64, angle: f64| {
             std::array::from_fn(|leg| {
@@ -65,6 +70,7 @@ impl StewartModel {
             base_cone: PI,
             platform_axes: [[0.0, 0.0, -1.0]; 6],
             platform_cone: PI,
+            leg_radius: 0.0,
         }
     }
 
@@ -122,6 +128,12 @@ pub enum StewartModelError {
         /// Its value.
         value: f64,
     },
+    /// Legs have no such girth.
+    #[error("`leg_radius` is {value}: it must be from 0 to 1e6 mm")]
+    LegRadius {
+        /// Its value.
+        value: f64,
+    },
     /// The joints of base or platform lie on a line: no legs hold such a platform.
     #[error("the joints of the {what} lie on a line")]
     OnALine {
@@ -169,6 +181,16 @@ pub enum StewartFault {
         /// How far it may.
         most: f64,
     },
+    /// Two legs touch.
+    #[error("legs {} and {} are {distance} mm apart from axis to axis; they touch at {least}", legs[0] + 1, legs[1] + 1)]
+    Legs {
+        /// The legs.
+        legs: [usize; 2],
+        /// Between their axes.
+        distance: f64,
+        /// What their girth needs.
+        least: f64,
+    },
 }
 
 /// A Stewart platform, ready to be asked.
@@ -193,6 +215,7 @@ pub struct Stewart {
     base_cone: f64,
     platform_axes: [Vector3<f64>; 6],
     platform_cone: f64,
+    leg_radius: f64,
     /// The planes in which the joints lie, if they do.
     planes: Option<(Plane, Plane)>,
     /// Middle of the platform's joints, and their mean distance from it (root of the mean square).
@@ -237,6 +260,10 @@ impl Stewart {
                 return Err(StewartModelError::Cone { what, value });
             }
         }
+        let leg_radius = model.leg_radius;
+        if !(0.0..=LARGEST).contains(&leg_radius) {
+            return Err(StewartModelError::LegRadius { value: leg_radius });
+        }
         let units = |what: &'static str, axes: [[f64; 3]; 6]| {
             let mut units = [Vector3::zeros(); 6];
             for (leg, unit) in units.iter_mut().enumerate() {
@@ -260,6 +287,7 @@ impl Stewart {
             base_cone: model.base_cone,
             platform_axes: units("platform_axes", model.platform_axes)?,
             platform_cone: model.platform_cone,
+            leg_radius,
             planes: planar.then_some((base_plane, platform_plane)),
             centre,
             radius,
@@ -282,7 +310,8 @@ impl Stewart {
         std::array::from_fn(|k| r * self.platform[k] + t - self.base[k])
     }
 
-    /// Why the platform cannot take a pose: the first leg out of its limits or its cones. `None` when it can.
+    /// Why the platform cannot take a pose: the first leg out of its limits or its cones, else the first two legs that touch.
+    /// `None` when it can.
     ///
     /// # Example
     /// ```
@@ -312,6 +341,6 @@ impl Stewart {
                 return Some(StewartFault::PlatformJoint { leg, angle, most: self.platform_cone });
             }
         }
-        None
+        self.touching_legs(&vectors)
     }
 }
