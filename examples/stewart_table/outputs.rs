@@ -96,7 +96,7 @@ fn report(args: &Args, printed: &Printed) -> Report {
     }
     report.table("This run", &table(printed)).paragraph(
         "The layer was followed a second time by the legs alone, each pose found from the one before, as a control \
-         would; legs do not look out for one another here.",
+         would. No leg touches another where a waypoint is reached.",
     );
     if let (Some(first), Some(last)) = (printed.poses.first(), printed.poses.last()) {
         let toward = Vector3::new(0.55, -1.0, 0.45);
@@ -117,7 +117,7 @@ fn picture(printed: &Printed, base_platform: &Isometry3<f64>, toward: Vector3<f6
         let next = (k + 1) % 6;
         scene.bar(base[k], base[next], 5.0, BASE);
         scene.bar(platform[k], platform[next], 3.0, INK);
-        scene.bar(base[k], platform[k], 4.0, INK);
+        scene.bar(base[k], platform[k], model.leg_radius, INK);
         let middle = base_platform * Point3::origin();
         scene.triangles([([middle, platform[k], platform[next]], PLATE)]);
     }

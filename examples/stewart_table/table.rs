@@ -11,11 +11,11 @@ use std::time::{Duration, Instant};
 /// Height at which the platform's joints were mounted: the middle of their cones.
 const HOME_MM: f64 = 370.0;
 
-/// The machine: a base of 325 mm, a platform of 125 mm, legs of 330 to 540 mm and 30 mm thick, joints that lean by 45
+/// The machine: a base of 325 mm, a platform of 125 mm, legs of 330 to 540 mm and 16 mm thick, joints that lean by 45
 /// degrees.
 pub fn machine() -> StewartModel {
     let open = StewartModel::hexagon(325.0, PI / 12.0, 125.0, PI / 4.0);
-    let limited = StewartModel { shortest: [330.0; 6], longest: [540.0; 6], leg_radius: 15.0, ..open };
+    let limited = StewartModel { shortest: [330.0; 6], longest: [540.0; 6], leg_radius: 8.0, ..open };
     limited.with_cones_at(&Isometry3::translation(0.0, 0.0, HOME_MM), PI / 4.0, PI / 4.0)
 }
 
