@@ -50,6 +50,20 @@ fn summary(folder: &str) -> Value {
     serde_json::from_slice(&fs::read(Path::new(folder).join("summary.json")).unwrap()).unwrap()
 }
 
+/// Whether the page on formats has every key of the summary and the columns of every table in a folder.
+fn documented(folder: &str) {
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    for key in summary(folder).as_object().unwrap().keys() {
+        assert!(page.contains(&format!("`{key}`")), "{key}");
+    }
+    let tables = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+    for table in tables.filter(|path| path.extension().is_some_and(|ending| ending == "csv")) {
+        let text = fs::read_to_string(&table).unwrap();
+        let columns = text.lines().next().unwrap().replace("q6,q7,q8", "q6");
+        assert!(page.contains(&format!("`{columns}`")), "{}: {columns}", table.display());
+    }
+}
+
 /// A binary STL of boxes, each given by two corners.
 fn boxes(boxes: &[[[f32; 3]; 2]]) -> Vec<u8> {
     const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -235,6 +249,7 @@ fn a_robot_prints_a_block() {
     let out = scratch.path("out");
     let (size, common) = ([16.0, 12.0, 4.0], ["--cell", "2", "--stage", "motion"]);
     let figures = block(size, &out, &common);
+    documented(&out);
     let count = |key: &str| figures[key].as_u64().unwrap();
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
     assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
@@ -378,6 +393,7 @@ fn what_is_printed_later_is_in_nobodys_way() {
     let out = scratch.path("out");
     let args = ["--cell", "8", "--bead", "4", "--stage", "motion", "--cell8", "--program", "csv"];
     let figures = block([16.0, 16.0, 80.0], &out, &args);
+    documented(&out);
     let count = |key: &str| figures[key].as_u64().unwrap();
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (10, 9, 0));
     assert_eq!((count("blocked_waypoints"), count("unreachable_waypoints"), count("collisions")), (0, 0, 0));

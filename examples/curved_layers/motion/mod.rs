@@ -238,6 +238,14 @@ impl Motion {
         }
     }
 
+    /// The place in the part that stands in the middle of what carries it, on the plate.
+    pub fn shift(&self) -> Vector3<f64> {
+        match self {
+            Motion::PartInHand(run) => run.shift,
+            Motion::OverTable(run) => run.shift,
+        }
+    }
+
     /// Whether nothing touches and all bounds hold.
     pub fn is_ok(&self) -> bool {
         [FaultKind::Collision, FaultKind::Bounds].iter().all(|&kind| self.figures().count(kind) == 0)

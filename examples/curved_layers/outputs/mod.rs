@@ -55,7 +55,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         }
         let written = programs::products(run, &args.motion, folder)?;
         refused = written.refused.clone();
-        motion::summary(run.figures(), &mut summary)?;
+        motion::summary(run.figures(), &run.shift(), &mut summary)?;
         programs::summary(&written, &mut summary)?;
         motion::rows(run.figures(), &mut table);
         programs::rows(&written, &mut table);

@@ -93,11 +93,13 @@ fn write_layers(layers: &[LayerFigures], out: &mut dyn Write) -> io::Result<()> 
     })
 }
 
-pub fn summary(run: &Figures, summary: &mut Summary) -> Result<(), Failure> {
+pub fn summary(run: &Figures, shift: &Vector3<f64>, summary: &mut Summary) -> Result<(), Failure> {
     let times = &run.times;
     let worst = run.layers.iter().filter(|layer| layer.motions > 0).map(|layer| layer.factor(Times::all));
     summary
         .set("cell", run.name)?
+        .set("part_shift_x_mm", shift.x)?
+        .set("part_shift_y_mm", shift.y)?
         .set("robot_time_s", run.robot_s())?
         .set("plan_s", run.plan_s())?
         .set_seconds("plan_motion_s", times.plan)?
