@@ -130,11 +130,21 @@ proptest! {
     ) {
         let hull = hull_of(&points, depth);
         prop_assume!(hull.is_solid());
-        let rows = rows_of(RowLattice { origin, step, count: [32; 2] }, &hull);
-        for (interval, [y, z]) in each_row(&rows) {
-            prop_assert_eq!(interval, from_all_planes(&hull, y, z));
-        }
+        assert_all_planes(&hull, RowLattice { origin, step, count: [32; 2] });
     }
+}
+
+fn assert_all_planes(hull: &ConvexHull, lattice: RowLattice) {
+    for (interval, [y, z]) in each_row(&rows_of(lattice, hull)) {
+        assert_eq!(interval, from_all_planes(hull, y, z), "row y {y}, z {z}");
+    }
+}
+
+/// Found at random: a slim body across the whole range, rows that pass it at a slant.
+#[test]
+fn a_needle_across_the_whole_range() {
+    let needle = [[0, 0, 0], [0, 0, -68], [-32_767, 29_486, -32_767], [-32_767, -32_767, -6_246]];
+    assert_all_planes(&hull_of(&needle, 0.0), RowLattice { origin: [-1_293, -16_012], step: 1_763, count: [32; 2] });
 }
 
 /// The interval of one row as every plane bounds it.
