@@ -15,17 +15,6 @@ use curvlay_trajectory::{
     smooth_globally,
 };
 
-/// An arc beside the hand's axis, at 25 to 50 mm: turning the part about the nozzle moves the wrist on a circle as wide.
-fn arc(count: usize) -> Ur3 {
-    let point = |k: usize| {
-        let turn = 1.6 * k as f64 / count as f64;
-        (Point3::new(60.0 * turn.cos(), 60.0 * turn.sin(), 20.0), Vector3::z())
-    };
-    let mut robot = Ur3::new(&(0..count).map(point).collect::<Vec<_>>());
-    robot.waypoints.iter_mut().for_each(|waypoint| waypoint.position += Vector3::new(30.0, 20.0, 0.0));
-    robot
-}
-
 fn ladder(robot: &Ur3) -> Vec<Rung<6, 1>> {
     plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().rungs
 }
@@ -67,7 +56,7 @@ fn touched(scene: &Scene, rungs: &[Rung<6, 1>]) -> usize {
 
 #[test]
 fn a_path_that_collides_comes_clear() {
-    let robot = arc(80);
+    let robot = Ur3::arc(80);
     let (times, bounds, start) = (robot.times(), robot.bounds(), ladder(&robot));
     let line = Timeline::new(&times, RunIn::default()).unwrap();
     let options = GlobalOptions::default();
@@ -109,7 +98,7 @@ fn a_path_that_collides_comes_clear() {
 
 #[test]
 fn what_cannot_be_cleared_is_listed() {
-    let robot = arc(30);
+    let robot = Ur3::arc(30);
     let line = Timeline::new(&robot.times(), RunIn::default()).unwrap();
     let always = IndicatorFn { value: |_: &[f64; 6]| 1.0, gradient: |_: &[f64; 6]| (1.0, [0.0; 6]) };
     let start = ladder(&robot);

@@ -15,17 +15,6 @@ const BALL: f64 = 25.0;
 /// What a proof of a motion may take away from the room, in millimetres.
 const FINE: f64 = 0.05;
 
-/// An arc beside the hand's axis: turning the part about the nozzle moves the wrist on a wide circle.
-fn arc(count: usize) -> Ur3 {
-    let point = |k: usize| {
-        let turn = 1.6 * k as f64 / count as f64;
-        (Point3::new(60.0 * turn.cos(), 60.0 * turn.sin(), 20.0), Vector3::z())
-    };
-    let mut robot = Ur3::new(&(0..count).map(point).collect::<Vec<_>>());
-    robot.waypoints.iter_mut().for_each(|waypoint| waypoint.position += Vector3::new(30.0, 20.0, 0.0));
-    robot
-}
-
 fn way(robot: &Ur3) -> Vec<[f64; 6]> {
     plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().joints()
 }
@@ -92,7 +81,7 @@ fn sound(robot: &Ur3, scene: &Scene, bounds: &Bounds<6>, repair: &Repair<6>) {
 
 #[test]
 fn a_stretch_that_collides_is_turned_aside_and_joined_on_both_sides() {
-    let robot = arc(80);
+    let robot = Ur3::arc(80);
     let (joints, bounds) = (way(&robot), robot.bounds());
     let scene = scene(&robot, &joints[40], 8.0);
     let before = checked(&scene, &joints);
@@ -110,7 +99,7 @@ fn a_stretch_that_collides_is_turned_aside_and_joined_on_both_sides() {
 
 #[test]
 fn where_joints_are_too_slow_there_is_a_split_on_either_side() {
-    let robot = arc(80);
+    let robot = Ur3::arc(80);
     let joints = way(&robot);
     let scene = scene(&robot, &joints[40], 8.0);
     // As fast as the path needs, and no faster: nothing is left for turning aside.
@@ -131,7 +120,7 @@ fn where_joints_are_too_slow_there_is_a_split_on_either_side() {
 
 #[test]
 fn lengths_must_agree() {
-    let robot = arc(30);
+    let robot = Ur3::arc(30);
     let joints = way(&robot);
     let checks = Checks {
         posture_free: |_: usize, _: &[f64; 6]| true,

@@ -41,6 +41,17 @@ impl Ur3 {
         Ur3::new(&(0..count).map(point).collect::<Vec<_>>())
     }
 
+    /// An arc beside the hand's axis, at 25 to 50 mm: turning the part about the nozzle moves the wrist on a circle as wide.
+    pub fn arc(count: usize) -> Self {
+        let point = |k: usize| {
+            let turn = 1.6 * k as f64 / count as f64;
+            (Point3::new(60.0 * turn.cos(), 60.0 * turn.sin(), 20.0), Vector3::z())
+        };
+        let mut robot = Ur3::new(&(0..count).map(point).collect::<Vec<_>>());
+        robot.waypoints.iter_mut().for_each(|waypoint| waypoint.position += Vector3::new(30.0, 20.0, 0.0));
+        robot
+    }
+
     pub fn times(&self) -> Vec<f64> {
         (0..self.waypoints.len()).map(|k| STEP * k as f64).collect()
     }

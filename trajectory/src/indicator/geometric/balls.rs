@@ -66,7 +66,6 @@ impl BallTree {
     ) -> Option<(f64, Point3<f64>)> {
         // All balls below a node are within its radius. The field may be wrong at both places.
         let slack = 2.0 * field.error_bound();
-
         let ask = |node: usize| {
             let Node { center, radius, .. } = &self.nodes[node];
             let at = field_body * center;
