@@ -3,12 +3,22 @@
 //! The least sum by which they must be missed is a linear program that always has a solution, with room around it: each
 //! row is made soft at the price 1. Where the sum is not zero, its multipliers are a proof (J. Farkas, 1902): with these
 //! factors the rows add up to one that has no variable left and cannot hold.
+//!
+//! Of an iterative method something is always left, `r x <= value` with a small `r` and a `value` below zero, and that
+//! holds far enough out. Rows of one variable take up what is left of it, which makes the proof exact where all variables
+//! have bounds of their own. Of the others it says how far out a point would have to lie.
 
 use super::interior::Interior;
 use super::qp::{BandedQp, QpOptions};
+use super::system::largest;
 
 /// A sum of misses up to this, relative to the largest bound, is rounding.
 const NOTHING: f64 = 1e-6;
+
+/// Rows are contradictory when no point keeps them whose variables are up to this many times those of the point that misses
+/// them least. With less, problems whose solutions lie far out are called infeasible; with more, rounding in variables
+/// without bounds leaves no proof at all.
+const FAR: f64 = 1e6;
 
 /// Multipliers of the rows that prove them contradictory; `None` where they are not, or nothing can be proved.
 pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f64>> {
@@ -67,14 +77,35 @@ pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f6
         }
     }
     let found = Interior::new(&loose).solve(options, None);
-    // The multipliers prove it whether or not the last digits of the point are there.
-    let proved = found.dual_residual <= NOTHING && found.lower_bound > NOTHING * scale;
-    if !proved {
-        return None;
-    }
     let mut proof = vec![0.0; qp.rows.len()];
     for (row, copy) in kept {
         proof[row] = found.duals[copy];
     }
-    Some(proof)
+    // The multipliers prove it whether or not the last digits of the point are there.
+    let (value, left) = settle(qp, &mut proof);
+    let reach = FAR * (1.0 + largest(&found.x));
+    (value < -NOTHING * scale && left * reach < -value).then_some(proof)
+}
+
+/// Lets hard rows of one variable take up what is left of it in the sum of all rows with these factors. Returns the bound of
+/// the sum, and the sum of what is left of the other variables.
+fn settle(qp: &BandedQp, factors: &mut [f64]) -> (f64, f64) {
+    let mut left = vec![0.0; qp.variables()];
+    for (row, by) in factors.iter().enumerate() {
+        for &(variable, value) in qp.terms_of(row) {
+            left[variable as usize] += by * value;
+        }
+    }
+    let bound = |row: usize, by: f64| if by > 0.0 { qp.rows[row].upper } else { qp.rows[row].lower };
+    for (row, by) in factors.iter_mut().enumerate() {
+        let &[(variable, value)] = qp.terms_of(row) else { continue };
+        let left = &mut left[variable as usize];
+        let all = *by - *left / value;
+        if qp.rows[row].penalty == f64::INFINITY && all.is_finite() && bound(row, all).is_finite() {
+            (*by, *left) = (all, 0.0);
+        }
+    }
+    let used = factors.iter().enumerate().filter(|(_, by)| by.abs() > 0.0);
+    let value = used.map(|(row, &by)| by * bound(row, by)).sum();
+    (value, left.iter().map(|by| by.abs()).sum())
 }

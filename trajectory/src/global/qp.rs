@@ -84,7 +84,8 @@ impl Default for QpOptions {
 pub enum QpStatus {
     /// Within the tolerance, or within 100 times of it where rounding allows no further step.
     Solved,
-    /// The hard rows contradict each other; `duals` prove it.
+    /// The hard rows contradict each other; `duals` prove it. What is left of variables that have no bounds of their own
+    /// is so little that a point which keeps all rows would be a million times as far out as the one found.
     Infeasible,
     /// What is minimised has no least value; `x` is a direction in which it falls for ever.
     Unbounded,
@@ -102,7 +103,7 @@ pub struct QpSolution {
     /// The variables, border last.
     pub x: Vec<f64>,
     /// A multiplier a row: positive where the upper bound pushes. Of an infeasible problem, a proof: the combination of
-    /// the rows with these factors has no variable left and contradicts the bounds.
+    /// the rows with these factors has next to nothing left of any variable and contradicts the bounds.
     pub duals: Vec<f64>,
     /// Least value found, penalties included.
     pub value: f64,
