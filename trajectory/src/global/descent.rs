@@ -3,7 +3,8 @@
 //! Each round solves the linearised problem of [`super::model`] and tries shares 1, 1/2, 1/4 ... of its step on the
 //! exact merit: the integral of the squared jerk of the spline through the exact inverse kinematics, the price of
 //! passed bounds, and the price of the peak. A step that the merit accepts whole lowers the damping, one that it does
-//! not raises it; waypoints that cannot be reached at all raise their own and their neighbours' alone.
+//! not raises it; waypoints that cannot be reached at all raise their own and their neighbours' alone. Where steps have
+//! fallen short damping stays above for a while: how far the linear problem can be trusted changes slowly.
 
 use super::model::{Model, PeakTerm, Step};
 use super::point::{Point, Unreachable};
@@ -19,6 +20,11 @@ const HALVINGS: usize = 8;
 /// Damping before the first step, and its least and greatest value, in units of the squared jerk over squared joints.
 /// The stiffest motions, to and fro at neighbouring waypoints, resist with about `100 / h^5`; the softest with nothing.
 const DAMPING: [f64; 3] = [1e-2, 1e-9, 1e9];
+
+/// Damping at which a step fell short, times this, is the least from then on; each step that does not lessens that to this
+/// share. Without it every other round goes back to where the one before has failed: two to four times as many.
+const ABOVE_FAILED: f64 = 4.0;
+const FORGETS: f64 = 0.9;
 
 /// Waypoints on each side that share the damping of one out of reach.
 const NEIGHBOURS: usize = 8;
@@ -61,6 +67,8 @@ pub(super) struct Descent<'a, R: ?Sized, const N: usize, const F: usize> {
     pub point: Point<N, F>,
     pub merit: Merit,
     pub damping: Vec<f64>,
+    /// What the damping is at least.
+    least_damping: f64,
 }
 
 /// How one round went.
@@ -77,7 +85,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
     pub fn new(robot: &'a R, branches: &'a [u32], steep: f64, point: Point<N, F>, model: &mut Model<'_, N, F>) -> Self {
         let merit = Merit::of(model, &point);
         let damping = vec![DAMPING[0]; point.free.len()];
-        Descent { robot, branches, steep, point, merit, damping }
+        Descent { robot, branches, steep, point, merit, damping, least_damping: DAMPING[1] }
     }
 
     /// Values the point anew, after prices have changed; steps are damped as in the beginning.
@@ -126,6 +134,12 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
                             0 => 2.0,
                             _ => 4.0,
                         };
+                        let least = self.damping.iter().copied().fold(f64::INFINITY, f64::min);
+                        self.least_damping = if by > 1.0 {
+                            self.least_damping.max(ABOVE_FAILED * least).min(DAMPING[2])
+                        } else {
+                            (FORGETS * self.least_damping).max(DAMPING[1])
+                        };
                         self.damp(by);
                         return Ok(Round::Fell(step));
                     }
@@ -145,6 +159,6 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
     }
 
     fn damp(&mut self, by: f64) {
-        self.damping.iter_mut().for_each(|value| *value = (*value * by).clamp(DAMPING[1], DAMPING[2]));
+        self.damping.iter_mut().for_each(|value| *value = (*value * by).clamp(self.least_damping, DAMPING[2]));
     }
 }
