@@ -1,8 +1,9 @@
 //! Which nodes of the rung before can be reached from: the cheapest way to a node, without a list of edges.
 //!
 //! The speed limits make a box of what is in reach. The nodes of the rung before are sorted into cells by two of their
-//! joints, so that a question looks at the cells that touch the box, the nearest ones first, and stops where even the
-//! cheapest node of a cell could no longer win. Cells only sort: the answer is that of trying every node.
+//! joints, and within a cell by their cost, so that a question looks at the cells that touch the box, the nearest ones
+//! first, and leaves a cell where even the cheapest node left could no longer win. It begins with a guess, which most often
+//! is next to the answer. Cells and guesses only sort: the answer is that of trying every node.
 
 use super::Norm;
 use super::nodes::Kind;
@@ -29,7 +30,9 @@ impl<const N: usize> Measure<N> {
 
     pub fn distance(&self, joint: usize, a: f64, b: f64) -> f64 {
         let straight = (a - b).abs();
-        straight.min(self.period[joint] - straight)
+        let round = self.period[joint] - straight;
+        // Not `min`, which also looks for NaN.
+        if round < straight { round } else { straight }
     }
 }
 
@@ -67,7 +70,12 @@ impl Axis {
     }
 
     fn cell<const N: usize>(&self, node: &[f64; N]) -> usize {
-        (((node[self.joint] - self.origin) / self.size).max(0.0) as usize).min(self.count - 1)
+        (self.at(node).max(0.0) as usize).min(self.count - 1)
+    }
+
+    /// Where a node lies along the joint, in cells.
+    fn at<const N: usize>(&self, node: &[f64; N]) -> f64 {
+        (node[self.joint] - self.origin) / self.size
     }
 
     /// Steps to the cells that the box touches, each cell once.
@@ -80,23 +88,37 @@ impl Axis {
     fn moved(&self, cell: usize, step: isize) -> Option<usize> {
         let at = cell as isize + step;
         let count = self.count as isize;
-        if self.circular {
-            Some(at.rem_euclid(count) as usize)
-        } else {
-            (0..count).contains(&at).then_some(at as usize)
+        if (0..count).contains(&at) {
+            return Some(at as usize);
         }
+        // No step goes round more than once.
+        self.circular.then_some(if at < 0 { at + count } else { at - count } as usize)
     }
 
     /// No two nodes in cells `step` apart are nearer than this.
     fn gap(&self, step: isize) -> f64 {
         self.size * step.unsigned_abs().saturating_sub(1) as f64
     }
+
+    /// No node in the cell `step` from its own is nearer than this to a node `within` of its cell.
+    fn gap_from(&self, within: f64, step: isize) -> f64 {
+        let cells = match step {
+            0 => return 0.0,
+            // The other way round may be as near.
+            _ if self.circular && 2 * step.unsigned_abs() + 1 >= self.count => return self.gap(step),
+            1.. => step as f64 - within,
+            _ => within - 1.0 - step as f64,
+        };
+        // A hair less, for what rounding has put on the wrong side of a border.
+        (self.size * (cells - 1e-9)).max(0.0)
+    }
 }
 
 /// A step to another cell, and what it costs at least.
 #[derive(Clone, Copy, Debug)]
 struct Step {
-    by: [isize; 2],
+    /// Which of the steps along each axis.
+    ways: [usize; 2],
     least: f64,
 }
 
@@ -106,14 +128,17 @@ pub(super) struct Buckets<const N: usize> {
     axes: [Axis; 2],
     /// Steps from a cell, the cheapest first.
     steps: Vec<Step>,
+    /// Of the node in question: the cell a step along each axis leads to, and the least cost of going there.
+    ways: [Vec<(usize, f64)>; 2],
     /// First node of each cell among those below, and their number.
     starts: Vec<u32>,
-    /// The least cost in each cell, and of all.
-    least: Vec<f64>,
+    /// The least cost of all.
     least_of_all: f64,
     joints: Vec<[f64; N]>,
     costs: Vec<f64>,
     ids: Vec<u32>,
+    /// Where each node stands in these lists.
+    places: Vec<u32>,
 }
 
 impl<const N: usize> Buckets<N> {
@@ -134,24 +159,24 @@ impl<const N: usize> Buckets<N> {
         // One joint twice: its second axis has one cell.
         let axes = if by[0] == by[1] { [axes[0], Axis { count: 1, reach: 0, ..axes[1] }] } else { axes };
         let mut steps = Vec::new();
-        for across in axes[1].steps() {
-            for along in axes[0].steps() {
-                let by = [along, across];
-                let least = [0, 1].map(|k| measure.cost(axes[k].joint, axes[k].gap(by[k])));
-                steps.push(Step { by, least: least[0] + least[1] });
+        for (j, across) in axes[1].steps().enumerate() {
+            for (i, along) in axes[0].steps().enumerate() {
+                let least = [(0, along), (1, across)].map(|(k, by)| measure.cost(axes[k].joint, axes[k].gap(by)));
+                let far = along.unsigned_abs() + across.unsigned_abs();
+                steps.push((far, Step { ways: [i, j], least: least[0] + least[1] }));
             }
         }
-        let far = |step: &Step| step.by.map(isize::unsigned_abs).into_iter().sum::<usize>();
-        steps.sort_by(|a, b| a.least.total_cmp(&b.least).then(far(a).cmp(&far(b))));
+        steps.sort_by(|(far_a, a), (far_b, b)| a.least.total_cmp(&b.least).then(far_a.cmp(far_b)));
         let mut found = Buckets {
             axes,
-            steps,
+            steps: steps.into_iter().map(|(_, step)| step).collect(),
+            ways: [Vec::new(), Vec::new()],
             starts: vec![0; axes[0].count * axes[1].count + 1],
-            least: vec![f64::INFINITY; axes[0].count * axes[1].count],
             least_of_all: f64::INFINITY,
             joints: Vec::new(),
             costs: Vec::new(),
             ids: Vec::new(),
+            places: vec![u32::MAX; nodes.len()],
         };
         let reached: Vec<(u32, usize)> = (0..nodes.len())
             .filter(|&node| costs[node] < f64::INFINITY)
@@ -165,10 +190,16 @@ impl<const N: usize> Buckets<N> {
         found.ids.resize(reached.len(), 0);
         for &(node, cell) in &reached {
             found.ids[next[cell] as usize] = node;
-            found.least[cell] = found.least[cell].min(costs[node as usize]);
+            found.least_of_all = found.least_of_all.min(costs[node as usize]);
             next[cell] += 1;
         }
-        found.least_of_all = found.least.iter().copied().fold(f64::INFINITY, f64::min);
+        for cell in found.starts.windows(2) {
+            let ids = &mut found.ids[cell[0] as usize..cell[1] as usize];
+            ids.sort_unstable_by(|&a, &b| costs[a as usize].total_cmp(&costs[b as usize]).then(a.cmp(&b)));
+        }
+        for (place, &id) in (0..).zip(&found.ids) {
+            found.places[id as usize] = place;
+        }
         found.joints = found.ids.iter().map(|&id| nodes[id as usize]).collect();
         found.costs = found.ids.iter().map(|&id| costs[id as usize]).collect();
         found
@@ -184,40 +215,69 @@ impl<const N: usize> Buckets<N> {
     }
 
     /// The cheapest way to a node: its cost, and the node before (of equals the first). `None` if none is in reach.
-    pub fn cheapest(&self, node: &[f64; N], limits: &[f64; N], measure: &Measure<N>) -> Option<(f64, u32)> {
-        let home = self.axes.map(|axis| axis.cell(node));
+    /// Whatever nodes before are guessed first, the answer is the same; good guesses make it fast.
+    pub fn cheapest(
+        &mut self,
+        node: &[f64; N],
+        limits: &[f64; N],
+        measure: &Measure<N>,
+        guesses: [u32; 2],
+    ) -> Option<(f64, u32)> {
         let mut best = (f64::INFINITY, u32::MAX);
+        for guess in guesses {
+            let place = self.places.get(guess as usize).copied().filter(|&place| place != u32::MAX);
+            if let Some(place) = place {
+                self.compare(place as usize, node, limits, measure, &mut best);
+            }
+        }
+        for (ways, axis) in self.ways.iter_mut().zip(&self.axes) {
+            let home = axis.cell(node);
+            let within = axis.at(node) - home as f64;
+            ways.clear();
+            for step in axis.steps() {
+                let cost = measure.cost(axis.joint, axis.gap_from(within, step));
+                // Beyond the last cell nothing can be reached.
+                ways.push(axis.moved(home, step).map_or((0, f64::INFINITY), |cell| (cell, cost)));
+            }
+        }
         for step in &self.steps {
             if self.least_of_all + step.least > best.0 {
                 break;
             }
-            let (Some(along), Some(across)) =
-                (self.axes[0].moved(home[0], step.by[0]), self.axes[1].moved(home[1], step.by[1]))
-            else {
-                continue;
-            };
-            let cell = along + self.axes[0].count * across;
-            if self.least[cell] + step.least > best.0 {
+            let ((along, gap), (across, gap_across)) = (self.ways[0][step.ways[0]], self.ways[1][step.ways[1]]);
+            let least = gap + gap_across;
+            if least == f64::INFINITY {
                 continue;
             }
+            let cell = along + self.axes[0].count * across;
             for at in self.starts[cell] as usize..self.starts[cell + 1] as usize {
-                let mut cost = self.costs[at];
-                if cost > best.0 {
-                    continue;
+                if self.costs[at] + least > best.0 {
+                    break;
                 }
-                let mut near = true;
-                for joint in 0..N {
-                    let distance = measure.distance(joint, node[joint], self.joints[at][joint]);
-                    near &= distance <= limits[joint];
-                    cost += measure.cost(joint, distance);
-                }
-                let id = self.ids[at];
-                if near && (cost < best.0 || (cost <= best.0 && id < best.1)) {
-                    best = (cost, id);
-                }
+                self.compare(at, node, limits, measure, &mut best);
             }
         }
         (best.1 != u32::MAX).then_some(best)
+    }
+
+    /// Puts a node in the lists in the place of the best one if the way from it is cheaper.
+    #[inline(always)] // a call costs as much as what it does
+    fn compare(&self, at: usize, node: &[f64; N], limits: &[f64; N], measure: &Measure<N>, best: &mut (f64, u32)) {
+        let before = &self.joints[at];
+        let mut apart = [0.0; N];
+        for joint in 0..N {
+            apart[joint] = measure.distance(joint, node[joint], before[joint]);
+        }
+        // What is out of reach costs more than anything.
+        for joint in 0..N {
+            let cost = measure.cost(joint, apart[joint]);
+            apart[joint] = if apart[joint] <= limits[joint] { cost } else { f64::INFINITY };
+        }
+        let cost = self.costs[at] + apart.iter().sum::<f64>();
+        let id = self.ids[at];
+        if cost < best.0 || (cost <= best.0 && id < best.1 && cost < f64::INFINITY) {
+            *best = (cost, id);
+        }
     }
 }
 

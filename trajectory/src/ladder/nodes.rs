@@ -74,6 +74,10 @@ pub(super) fn each_image<const N: usize>(joints: &[f64; N], kinds: &[Kind; N], e
         };
         (first[joint], more[joint]) = found;
     }
+    if more == [0; N] {
+        each(first);
+        return;
+    }
     let mut turns = [0u32; N];
     loop {
         let image = std::array::from_fn(|joint| {

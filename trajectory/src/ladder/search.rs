@@ -98,13 +98,20 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 if at % CHOOSE_AFTER == 1 {
                     by = best_pair(&before.joints, &self.kinds, &limits);
                 }
-                let buckets = Buckets::new(&before.joints, &costs_before, &self.kinds, by, &limits, &self.measure);
+                let mut buckets = Buckets::new(&before.joints, &costs_before, &self.kinds, by, &limits, &self.measure);
                 debug_assert!(!buckets.is_empty(), "a rung that is reached");
                 let mut reached = false;
-                for (node, joints) in nodes.joints.iter().enumerate() {
-                    let found = buckets.cheapest(joints, &limits, &self.measure);
-                    reached |= found.is_some();
-                    (costs[node], back[node]) = found.unwrap_or((f64::INFINITY, START));
+                for sample in 0..nodes.starts.len() - 1 {
+                    let (first, end) = (nodes.starts[sample] as usize, nodes.starts[sample + 1] as usize);
+                    for node in first..end {
+                        // The way to the same branch of the sample before, and its like from the next sample.
+                        let like = sample.checked_sub(1).map(|before| nodes.starts[before] as usize + node - first);
+                        let like = like.filter(|&like| like < first).map_or(START, |like| back[like]);
+                        let guesses = [like, like.saturating_add((end - first) as u32)];
+                        let found = buckets.cheapest(&nodes.joints[node], &limits, &self.measure, guesses);
+                        reached |= found.is_some();
+                        (costs[node], back[node]) = found.unwrap_or((f64::INFINITY, START));
+                    }
                 }
                 if !reached {
                     if !self.breaks {
