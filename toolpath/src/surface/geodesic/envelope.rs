@@ -8,18 +8,51 @@
 //! collinear edges are one from the start. Parts that touch and agree to rounding become one window; without that a
 //! flat region would have a window for every edge of its boundary.
 
-use super::wave::{Wave, contest};
+use super::wave::{Contest, Wave, contest};
 use crate::surface::mesh::NONE;
 
-/// A stretch of an edge that one wave crosses.
+/// A stretch of an edge that one wave crosses. There are millions of them: the wave is kept without its tag.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub span: [f64; 2],
-    pub wave: Wave,
+    /// The figures of the wave, in their order.
+    figures: [f64; 3],
     /// The half-edge whose triangle the wave enters; [`NONE`] at the boundary.
     pub enters: u32,
     /// Not yet propagated.
     pub waiting: bool,
+    is_strip: bool,
+}
+
+impl Window {
+    /// A window that waits.
+    pub fn new(span: [f64; 2], wave: Wave, enters: u32) -> Self {
+        let (figures, is_strip) = match wave {
+            Wave::Point { x, depth, base } => ([x, depth, base], false),
+            Wave::Strip { along, across, base } => ([along, across, base], true),
+        };
+        Window { span, figures, enters, waiting: true, is_strip }
+    }
+
+    pub fn wave(&self) -> Wave {
+        match (self.is_strip, self.figures) {
+            (false, [x, depth, base]) => Wave::Point { x, depth, base },
+            (true, [along, across, base]) => Wave::Strip { along, across, base },
+        }
+    }
+
+    /// As seen from the same edge run the other way.
+    pub fn reversed(&self, length: f64) -> Window {
+        let [from, to] = self.span;
+        Window {
+            waiting: self.waiting,
+            ..Window::new([length - to, length - from], self.wave().reversed(length), self.enters)
+        }
+    }
+
+    fn width(&self) -> f64 {
+        self.span[1] - self.span[0]
+    }
 }
 
 /// A window narrower than this share of its edge is rounding noise: its ends are the same up to a few units in the last
@@ -34,15 +67,11 @@ const TOUCHING: f64 = 1e-12;
 pub(super) struct Envelope {
     /// The windows of each edge in order, at its lower half-edge.
     edges: Vec<Vec<Window>>,
-    slack: f64,
-    /// What takes the place of the windows that a new one meets.
-    scratch: Vec<Window>,
 }
 
 impl Envelope {
-    /// A challenger must be ahead by more than `slack`.
-    pub fn new(half_edges: u32, slack: f64) -> Self {
-        Envelope { edges: vec![Vec::new(); half_edges as usize], slack, scratch: Vec::new() }
+    pub fn new(half_edges: u32) -> Self {
+        Envelope { edges: vec![Vec::new(); half_edges as usize] }
     }
 
     /// Windows of an edge, in its order.
@@ -50,29 +79,95 @@ impl Envelope {
         &self.edges[edge as usize]
     }
 
-    /// Moves the windows that wait to enter a half-edge to the end of a list, and marks them as done.
-    pub fn take_waiting(&mut self, edge: u32, enters: u32, list: &mut Vec<Window>) {
-        for window in self.edges[edge as usize].iter_mut().filter(|w| w.waiting && w.enters == enters) {
-            window.waiting = false;
-            list.push(*window);
-        }
+    /// Takes the windows of an edge out, until [`Self::put_back`]: what propagates does not change them.
+    pub fn take(&mut self, edge: u32) -> Vec<Window> {
+        std::mem::take(&mut self.edges[edge as usize])
+    }
+
+    pub fn put_back(&mut self, edge: u32, windows: Vec<Window>) {
+        self.edges[edge as usize] = windows;
     }
 
     pub fn len(&self) -> usize {
         self.edges.iter().map(Vec::len).sum()
     }
 
-    /// Adds a window to an edge of the given length where it is ahead, and takes that stretch from those who had it.
-    /// Returns whether it was ahead anywhere.
-    pub fn insert(&mut self, edge: u32, length: f64, new: Window) -> bool {
-        let narrow = NARROW * length;
+    /// Adds windows in order, which do not overlap, to an edge of the given length. Returns whether any was ahead
+    /// anywhere.
+    pub fn add(&mut self, edge: u32, length: f64, new: &[Window], trim: &mut Trim) -> bool {
         let windows = &mut self.edges[edge as usize];
+        let (Some(first), Some(last)) = (windows.first(), windows.last()) else {
+            windows.extend_from_slice(new);
+            return !new.is_empty();
+        };
+        // What lies beyond the windows that are there needs no comparison, but the next ones, which may be parts of
+        // the same wave.
+        let (start, end) = (first.span[0], last.span[1]);
+        let below = new.partition_point(|window| window.span[1] <= start).saturating_sub(1);
+        let above = (new.partition_point(|window| window.span[0] < end) + 1).clamp(below, new.len());
+        let mut gained = below > 0 || above < new.len();
+        for window in &new[below..above] {
+            gained |= trim.insert(windows, length, *window);
+        }
+        windows.extend_from_slice(&new[above..]);
+        windows.splice(..0, new[..below].iter().copied());
+        gained
+    }
+}
+
+/// Trims windows against each other; where a challenger is not ahead by more than `slack`, the stretch stays with the
+/// one who had it.
+pub(super) struct Trim {
+    slack: f64,
+    /// What takes the place of the windows that a new one meets.
+    scratch: Vec<Window>,
+}
+
+impl Trim {
+    pub fn new(slack: f64) -> Self {
+        Trim { slack, scratch: Vec::new() }
+    }
+
+    /// As [`Self::insert`], for a window that starts near the end of those that are there and ends behind it.
+    pub fn append(&mut self, windows: &mut Vec<Window>, length: f64, mut new: Window) {
+        if let Some(last) = windows.last_mut().filter(|last| new.span[0] < last.span[1]) {
+            let common = [new.span[0], last.span[1]];
+            if common[1] - common[0] <= TOUCHING * length {
+                // The common ray of two windows, computed twice: no need to ask who is ahead there.
+                new.span[0] = last.span[1];
+            } else if last.span[0] < common[0] && common[1] < new.span[1] {
+                let Contest { challenger_first, cuts, count } = contest(&new.wave(), &last.wave(), common, self.slack);
+                match (challenger_first, count) {
+                    (false, 0) => new.span[0] = last.span[1],
+                    (true, 0) => last.span[1] = new.span[0],
+                    (false, 1) => (last.span[1], new.span[0]) = (cuts[0], cuts[0]),
+                    _ => {
+                        self.insert(windows, length, new);
+                        return;
+                    }
+                }
+            } else {
+                self.insert(windows, length, new);
+                return;
+            }
+        }
+        Merged { windows, narrow: NARROW * length, same: self.same(length) }.push(new);
+    }
+
+    fn same(&self, length: f64) -> Same {
+        Same { touching: TOUCHING * length, slack: self.slack }
+    }
+
+    /// Adds a window to those in order on an edge where it is ahead, and takes that stretch from those who had it.
+    /// Returns whether it was ahead anywhere.
+    pub fn insert(&mut self, windows: &mut Vec<Window>, length: f64, new: Window) -> bool {
+        let narrow = NARROW * length;
         let first = windows.partition_point(|old| old.span[1] <= new.span[0]);
         let met = windows[first..].iter().take_while(|old| old.span[0] < new.span[1]).count();
-        let same = Same { touching: TOUCHING * length, slack: self.slack };
+        let same = self.same(length);
         if met == 0 {
             // Nothing is in the way, as for most windows.
-            if new.span[1] - new.span[0] <= narrow {
+            if new.width() <= narrow {
                 return false;
             }
             if first > 0 && same.wave(&windows[first - 1], &new) {
@@ -95,7 +190,7 @@ impl Envelope {
         for old in &windows[first..first + met] {
             let common = [old.span[0].max(new.span[0]), old.span[1].min(new.span[1])];
             gained |= merged.push(Window { span: [at, common[0]], ..new });
-            let result = contest(&new.wave, &old.wave, common, self.slack);
+            let result = contest(&new.wave(), &old.wave(), common, self.slack);
             let mut start = common[0];
             let mut challenger = result.challenger_first;
             let mut kept = old.span[0];
@@ -136,8 +231,9 @@ impl Same {
             && next.waiting
             && one.enters == next.enters
             && next.enters != NONE
+            && one.is_strip == next.is_strip
             && next.span[0] - one.span[1] <= self.touching
-            && one.wave.agrees(&next.wave, next.span[1], self.slack)
+            && one.wave().agrees(&next.wave(), next.span[1], self.slack)
     }
 }
 
@@ -151,7 +247,7 @@ struct Merged<'a> {
 impl Merged<'_> {
     /// Returns whether the window was wide enough to count.
     fn push(&mut self, window: Window) -> bool {
-        if window.span[1] - window.span[0] <= self.narrow {
+        if window.width() <= self.narrow {
             return false;
         }
         match self.windows.last_mut() {

@@ -94,8 +94,9 @@ impl<'m> SurfaceDistance<'m> {
     /// [`DistanceError::NoBoundary`], [`DistanceError::Cancelled`].
     ///
     /// # Cost
-    /// Time and memory are proportional to the number of windows: some per edge, and more where the surface is
-    /// saddle-shaped. One thread; the result does not depend on timing.
+    /// Time and memory are proportional to the number of windows: two a triangle on planes. On curved surfaces each
+    /// vertex between an edge and the boundary splits the lines to that edge, so their number grows as the square root
+    /// of that of triangles. One thread; the result does not depend on timing.
     ///
     /// # Example
     /// ```

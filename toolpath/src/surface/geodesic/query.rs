@@ -177,8 +177,8 @@ impl SurfaceDistance<'_> {
             let edge = self.mesh.edge(h);
             for window in self.envelope.on(edge).iter().filter(|window| window.enters == h) {
                 let ([from, to], wave) = match edge == h {
-                    true => (window.span, window.wave),
-                    false => ([length - window.span[1], length - window.span[0]], window.wave.reversed(length)),
+                    true => (window.span, window.wave()),
+                    false => ([length - window.span[1], length - window.span[0]], window.wave().reversed(length)),
                 };
                 let gate = Some([from, to].map(|t| (placed(t, 0.0), wave.at(t))));
                 add(match wave {
@@ -206,7 +206,7 @@ impl SurfaceDistance<'_> {
         let beside = &windows[next.saturating_sub(1)..windows.len().min(next + 1)];
         let over = |window: &Window| {
             let bend = t.clamp(window.span[0], window.span[1]);
-            window.wave.at(bend) + (t - bend).abs()
+            window.wave().at(bend) + (t - bend).abs()
         };
         let [tail, head] = [self.mesh.tail(edge), self.mesh.head(edge)].map(|v| self.distances[v as usize]);
         beside.iter().map(over).fold((tail + t).min(head + (length - t)), f64::min)

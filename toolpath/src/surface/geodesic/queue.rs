@@ -20,6 +20,11 @@ impl BucketQueue {
         BucketQueue { buckets: Vec::new(), width, current: 0, taken: 0, most }
     }
 
+    /// Keys that differ by less count as equal.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
     /// Keys below that of the current bucket join it.
     pub fn push(&mut self, key: f64, item: u32) {
         let bucket = ((key / self.width) as usize).min(self.most).max(self.current);

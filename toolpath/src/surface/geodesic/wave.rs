@@ -43,6 +43,17 @@ impl Wave {
         }
     }
 
+    /// Whether the distance at `t` is more than the given one; but for rounding, and without a root.
+    pub fn is_later(&self, t: f64, than: f64) -> bool {
+        match *self {
+            Wave::Point { x, depth, base } => {
+                let room = than - base;
+                room < 0.0 || room * room < (t - x) * (t - x) + depth * depth
+            }
+            Wave::Strip { .. } => self.at(t) > than,
+        }
+    }
+
     /// The direction of travel across the edge at `t`, of any length.
     pub fn direction(&self, t: f64) -> [f64; 2] {
         match *self {
