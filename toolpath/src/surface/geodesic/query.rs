@@ -110,6 +110,17 @@ impl TriangleLights {
         self.lights.iter().fold(f64::INFINITY, |best, light| light.reach(p, best).map_or(best, |(found, _)| found))
     }
 
+    /// The distances at some points laid flat.
+    pub fn distances<const N: usize>(&self, points: [[f64; 2]; N]) -> [f64; N] {
+        let mut best = [f64::INFINITY; N];
+        for light in &self.lights {
+            for (best, &p) in best.iter_mut().zip(&points) {
+                *best = light.reach(p, *best).map_or(*best, |(found, _)| found);
+            }
+        }
+        best
+    }
+
     /// The distance, and how it grows along a direction in the plane.
     pub fn slope(&self, p: [f64; 2], [u, v]: [f64; 2]) -> (f64, f64) {
         let mut best = (f64::INFINITY, [0.0; 2]);

@@ -10,7 +10,7 @@ use crate::Progress;
 use crate::surface::geodesic::TriangleLights;
 use crate::surface::mesh::{NONE, next, previous};
 use nalgebra::Point3;
-use std::cmp::Reverse;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
@@ -37,11 +37,41 @@ const MOST_NEW: [usize; 2] = [64, 1 << 16];
 /// thousands. One takes some kilobytes.
 const KEPT: usize = 1 << 12;
 
-/// Edges between two reports of progress.
+/// Cuts between two reports of progress, nearly.
 const REPORT: usize = 1 << 10;
 
 /// A place of a cut and the distance there.
 type Cut = (Point3<f64>, f64);
+
+/// An edge that is to be cut.
+#[derive(Clone, Copy)]
+struct Off {
+    /// Its length and one of its half-edges.
+    key: (u64, Reverse<u32>),
+    /// Numbers of its ends, by which it is known when its half-edge is another edge's.
+    ends: [u32; 2],
+    cut: Cut,
+}
+
+impl Ord for Off {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key.cmp(&other.key)
+    }
+}
+
+impl PartialOrd for Off {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Off {
+    fn eq(&self, other: &Self) -> bool {
+        self.key == other.key
+    }
+}
+
+impl Eq for Off {}
 
 /// A field that is being refined.
 pub(super) struct Refiner<'r, 'd> {
@@ -49,8 +79,8 @@ pub(super) struct Refiner<'r, 'd> {
     tolerance: f64,
     /// Lights of triangles seen of late; that of triangle `t` has the place `t % KEPT`.
     lights: Vec<TriangleLights>,
-    /// Edges that wait for a check by one of their half-edges, longest first. What is not as long as it was is stale.
-    edges: BinaryHeap<(u64, Reverse<u32>)>,
+    /// Edges that are to be cut, longest first. What has other ends by now is stale.
+    edges: BinaryHeap<Off>,
     edge_waits: Vec<bool>,
     /// Triangles that wait for a check.
     hollow: Vec<u32>,
@@ -69,30 +99,25 @@ impl<'r, 'd> Refiner<'r, 'd> {
             hollow: (0..triangles as u32).collect(),
             hollow_waits: vec![true; triangles],
         };
-        let all = (0..half_edges as u32).filter(|&h| h < refiner.field.twins[h as usize]);
-        let items: Vec<(u64, Reverse<u32>)> = all.map(|h| refiner.by_length(h)).collect();
-        items.iter().for_each(|(_, Reverse(h))| refiner.edge_waits[*h as usize] = true);
-        refiner.edges = items.into();
+        let all = (0..half_edges as u32).filter(|&h| h < refiner.field.twins[h as usize]).collect::<Vec<_>>();
+        all.into_iter().for_each(|h| refiner.check(h));
         refiner
     }
 
     pub fn refine(&mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), LevelSetError> {
         let most = self.field.triangles.len() * (MOST_NEW[0] + 1) + MOST_NEW[1];
         loop {
-            while let Some(item) = self.edges.pop() {
-                let Reverse(h) = item.1;
-                if self.by_length(h) != item {
+            while let Some(Off { key: (_, Reverse(h)), ends, cut }) = self.edges.pop() {
+                if [self.field.tail(h), self.field.head(h)] != ends {
                     continue;
                 }
                 self.edge_waits[h as usize] = false;
-                if let Some(off) = self.off_line(h, EDGE_SHARE) {
-                    let (longest, off) = self.longest_around(h, off);
-                    if longest != h {
-                        // Before the cut, which may give it another number.
-                        self.check(h);
-                    }
-                    self.cut(longest, off);
+                let (longest, cut) = self.longest_around(h, cut);
+                if longest != h {
+                    // Before the cut, which may give it another number.
+                    self.check(h);
                 }
+                self.cut(longest, cut);
                 if self.edges.len().is_multiple_of(REPORT) {
                     // Cuts add edges, so this is a lower bound of what is left.
                     let total = u64::from(self.field.half_edges() / 2);
@@ -114,10 +139,14 @@ impl<'r, 'd> Refiner<'r, 'd> {
         }
     }
 
-    /// Lets an edge wait.
+    /// Lets an edge wait if it is to be cut.
     fn check(&mut self, h: u32) {
-        self.edges.push(self.by_length(h));
-        self.edge_waits[h as usize] = true;
+        let off = self.off_line(h, EDGE_SHARE);
+        self.edge_waits[h as usize] = off.is_some();
+        if let Some(cut) = off {
+            let ends = [self.field.tail(h), self.field.head(h)];
+            self.edges.push(Off { key: self.by_length(h), ends, cut });
+        }
     }
 
     /// Lets a triangle wait.
@@ -212,7 +241,8 @@ impl<'r, 'd> Refiner<'r, 'd> {
         } else {
             let lights = self.lights(h / 3);
             let [a, b] = [a, b].map(|p| lights.flat(p));
-            PROBES.map(|t| lights.distance([0, 1].map(|k| a[k] + (b[k] - a[k]) * t)) - line(t))
+            let found = lights.distances(PROBES.map(|t| [0, 1].map(|k| a[k] + (b[k] - a[k]) * t)));
+            [0, 1, 2].map(|k| found[k] - line(PROBES[k]))
         };
         let worst = (0..PROBES.len()).max_by(|&i, &j| probed[i].abs().total_cmp(&probed[j].abs()))?;
         if probed[worst].abs() <= allowed {
