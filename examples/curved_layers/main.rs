@@ -15,7 +15,7 @@ mod surfaces;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{
-    Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, run_with_args, warn,
+    Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, from_zero, run_with_args, warn,
 };
 use curvlay_examples::bars::Bars;
 use curvlay_examples::shapes::jug;
@@ -51,6 +51,9 @@ struct Args {
     /// How each layer is filled
     #[arg(long, default_value = "spirals")]
     pattern: Fill,
+    /// Single beads between others cover at least so many squares of a bead, or the gap stays; 0 fills them all
+    #[arg(long, value_name = "SQUARES", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
+    least_gap: f64,
     /// Diameter of the filament in millimetres
     #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
     filament: f64,

@@ -23,6 +23,8 @@ pub struct PathsRun {
     pub bead_mm: f64,
     /// How surfaces are filled, in a word.
     pub pattern: &'static str,
+    /// Smaller gaps between curves stay, in squares of a bead.
+    pub least_gap: f64,
     /// The paths of each surface, in the order of the surfaces; none for an empty surface.
     pub layers: Vec<Option<Layer>>,
     pub totals: Totals,
@@ -91,11 +93,12 @@ pub struct Totals {
 pub fn run(args: &Args, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun, Failure> {
     let bead_mm = args.bead.unwrap_or(surfaces.height_mm);
     let pattern = args.pattern.of_surface();
+    let options = PathOptions { bead: bead_mm, pattern, fitted: true, least_gap: args.least_gap };
     let start = Instant::now();
     let done = AtomicU64::new(0);
     let total = surfaces.sheets.len() as u64;
     let layer = |(number, sheet): (usize, &TrimmedSheet)| {
-        let filled = (!sheet.triangles.is_empty()).then(|| fill(sheet, bead_mm, pattern)).transpose();
+        let filled = (!sheet.triangles.is_empty()).then(|| fill(sheet, &options)).transpose();
         bars.update("paths", done.fetch_add(1, Ordering::Relaxed) + 1, total);
         filled.map_err(|error| failure(format!("layer {}: {error}", number + 1)))
     };
@@ -108,15 +111,13 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun,
         times.paths += layer.times.paths;
         times.statistics += layer.times.statistics;
     }
-    Ok(PathsRun { bead_mm, pattern: args.pattern.name(), totals: totals(&layers, jumps), layers, times })
+    let (pattern, least_gap) = (args.pattern.name(), args.least_gap);
+    Ok(PathsRun { bead_mm, pattern, least_gap, totals: totals(&layers, jumps), layers, times })
 }
 
-fn fill(
-    sheet: &TrimmedSheet,
-    bead: f64,
-    pattern: crate::Pattern,
-) -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
+fn fill(sheet: &TrimmedSheet, options: &PathOptions) -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
     let go_on = |_| ControlFlow::Continue(());
+    let bead = options.bead;
     let mut times = Times::default();
     let mesh = SurfaceMesh::new(sheet.vertices.clone(), sheet.triangles.clone())?;
     let mut last = Instant::now();
@@ -126,7 +127,7 @@ fn fill(
     let field = LevelField::new(&distance, TOLERANCE * bead, &go_on)?;
     lap(&mut times.paths);
     let mut filled = |even: bool| -> Result<Layer, Box<dyn std::error::Error + Send + Sync>> {
-        let paths = field.paths(&PathOptions { bead, pattern, fitted: !even })?;
+        let paths = field.paths(&PathOptions { fitted: !even, ..*options })?;
         lap(&mut times.paths);
         // What not even the narrowest bead could cover counts as unfillable.
         let statistics = statistics(&mesh, &paths, WIDTHS[0] * bead)?;
@@ -137,7 +138,7 @@ fn fill(
     match filled(false) {
         Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
         // Rows are even as they are.
-        fitted if pattern == Pattern::Zigzag => fitted,
+        fitted if options.pattern == Pattern::Zigzag => fitted,
         fitted => filled(true).or(fitted),
     }
 }

@@ -193,6 +193,15 @@ pub fn above_zero(text: &str) -> Result<f64, String> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err("must be above 0 and finite".to_owned()) }
 }
 
+/// A number from 0 on, for clap.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn from_zero(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("must be 0 or more, and finite".to_owned()) }
+}
+
 fn eps(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if (0.0..=16.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 16".to_owned()) }

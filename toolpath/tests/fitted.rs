@@ -44,9 +44,7 @@ fn strips_of_any_width_are_full() {
         let mesh = strip(width);
         let distance = to_boundary(&mesh);
         let got = filled(&distance, 1.0, true);
-        // One spiral. A joint may leave room for a dot, or just not: that is a region of its own.
-        let spirals = got.paths.iter().filter(|path| path.length() > 0.25 + 1e-9).count();
-        assert_eq!((spirals, got.paths.len()), (1, got.regions), "{width}");
+        assert_eq!((got.paths.len(), got.regions), (1, 1), "{width}");
         assert!(in_range(&got, 1.0), "{width}");
         let found = statistics(&mesh, &got);
         assert_eq!(found.self_crossings, 0, "{width}");
@@ -167,6 +165,30 @@ fn branches_and_dots_get_beads_of_their_own() {
     let got = filled(&to_boundary(&mesh), 1.0, true);
     assert_eq!((got.paths.len(), got.unfilled.len()), (1, 0));
     assert!((got.paths[0].length() - 0.25).abs() < 0.01 && statistics(&mesh, &got).covered_fraction > 0.8);
+}
+
+#[test]
+fn gaps_are_filled_from_the_least_on() {
+    let mesh = corridors(&[true; 16], 5, 0.5);
+    let distance = to_boundary(&mesh);
+    let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
+    let with = |least_gap: f64| field.paths(&PathOptions { bead: 0.6, least_gap, ..PathOptions::default() }).unwrap();
+    let [every, large, none] = [0.0, 1.0, 100.0].map(with);
+    assert!(every.paths.len() > large.paths.len() && large.paths.len() >= none.paths.len());
+    // The spirals are the same, and so are the single beads that stay.
+    assert!(
+        [&large, &none]
+            .iter()
+            .all(|some| some.paths.iter().all(|path| { every.paths.iter().any(|one| one.points == path.points) }))
+    );
+    let covered = |some: &LayerPaths| statistics(&mesh, some).covered_fraction;
+    assert!(covered(&every) >= covered(&large) && covered(&large) >= covered(&none));
+    // Without another curve there is no gap: the one bead that fits is laid, whatever it covers.
+    let dot = grid(1, 3, 0.0, |_, _| false, |p| Point3::new(p.x, p.y, 0.0));
+    let distance = to_boundary(&dot);
+    let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
+    let options = PathOptions { bead: 1.0, least_gap: 100.0, ..PathOptions::default() };
+    assert_eq!(field.paths(&options).unwrap().paths.len(), 1);
 }
 
 #[test]

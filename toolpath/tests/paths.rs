@@ -306,6 +306,10 @@ fn what_cannot_be_done_says_why() {
     for bead in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(with(bead), Err(PathError::Bead { .. })));
     }
+    for gap in [-1.0, f64::NAN, f64::INFINITY] {
+        let told = field.paths(&PathOptions { least_gap: gap, ..PathOptions::default() });
+        assert!(matches!(told, Err(PathError::Gap { .. })));
+    }
     assert!(matches!(with(1e-300), Err(PathError::BeadTooSmall { .. })));
     assert!(with(1e300).unwrap().paths.is_empty());
     let from_corner = SurfaceDistance::to(&mesh, Sources { vertices: &[0], ..Sources::default() }, &go_on).unwrap();

@@ -39,6 +39,7 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
     summary
         .set("bead_mm", run.bead_mm)?
         .set("pattern", run.pattern)?
+        .set("least_gap", run.least_gap)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
         .set_seconds("statistics_s", times.statistics)?

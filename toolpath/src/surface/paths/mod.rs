@@ -65,11 +65,14 @@ pub struct PathOptions {
     /// opposite sides face each other: so they do by default. Else all beads have the width asked for, as in the paper.
     /// Those of a zigzag always have.
     pub fitted: bool,
+    /// A single bead in what other curves leave covers at least this many squares of a bead, or the gap stays: each is a
+    /// curve more, with a way to it. One by default. A part of the surface without any other curve always gets one.
+    pub least_gap: f64,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true }
+        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true, least_gap: 1.0 }
     }
 }
 
@@ -169,6 +172,12 @@ pub enum PathError {
         /// The width that was asked for.
         bead: f64,
     },
+    /// The least gap is no number from 0 on.
+    #[error("a least gap of {gap} squares of a bead, it must be 0 or more")]
+    Gap {
+        /// What was asked for.
+        gap: f64,
+    },
     /// The region is very many beads wide; check the unit.
     #[error("a bead of {bead} mm in a region that reaches {reach} mm inward: more than 100000 beads")]
     BeadTooSmall {
@@ -227,6 +236,10 @@ impl LevelField<'_> {
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
         }
+        let gap = options.least_gap;
+        if !(gap >= 0.0 && gap.is_finite()) {
+            return Err(PathError::Gap { gap });
+        }
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
         let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted);
         let sets = self.sets(&spacing);
@@ -277,9 +290,9 @@ impl LevelField<'_> {
                 let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
                 let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
                 let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
-                narrow::single_beads(self, &spacing, bead, &rims, &widths)
+                narrow::single_beads(self, &spacing, [bead, gap], &rims, &widths)
             }
-            _ => narrow::single_beads(self, &spacing, bead, &curves, &widths),
+            _ => narrow::single_beads(self, &spacing, [bead, gap], &curves, &widths),
         };
         for (points, width) in singles {
             curves.push(Curve { points, closed: false, region: found.regions as u32, least: 0.0 });

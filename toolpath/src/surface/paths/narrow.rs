@@ -42,11 +42,12 @@ type Reached = Vec<Option<(f64, f64, u32)>>;
 /// A single bead: points and widths.
 pub(super) type Single = (Vec<SurfacePoint>, Vec<f64>);
 
-/// Single beads where curves with widths leave room.
+/// Single beads where curves with widths leave room: those that cover at least `gap` squares of a bead, and one in each part
+/// of the mesh that has no curve.
 pub(super) fn single_beads(
     field: &LevelField,
     spacing: &Spacing,
-    bead: f64,
+    [bead, gap]: [f64; 2],
     curves: &[Curve],
     widths: &[Vec<f64>],
 ) -> Vec<Single> {
@@ -63,6 +64,10 @@ pub(super) fn single_beads(
     let room: Vec<f64> = (0..field.values.len() as u32).map(room).collect();
     let mut open: Vec<bool> = room.iter().map(|&room| room > 0.0).collect();
     let graph = Graph { field, around: Around::new(field), room, beside, safe: 2.0 * APART * bead };
+    let parts = field.distance().mesh().regions();
+    let mut has_curve = vec![false; parts.count];
+    let part_of = |point: &SurfacePoint| parts.of_triangle[point.triangle as usize] as usize;
+    curves.iter().flat_map(|curve| &curve.points).for_each(|point| has_curve[part_of(point)] = true);
     let mut found: Vec<Vec<SurfacePoint>> = Vec::new();
     let mut singles = Vec::new();
     let mut waiting: Vec<u32> = (0..field.values.len() as u32).rev().collect();
@@ -79,7 +84,12 @@ pub(super) fn single_beads(
             continue;
         }
         let (points, room) = graph.line(&way, SHORTEST * bead);
+        let Some(mesh_part) = points.first().map(part_of) else { continue };
+        if has_curve[mesh_part] && graph.covered(&way) < gap * bead * bead {
+            continue;
+        }
         if points.len() > 1 && !graph.crosses(&points, &found) {
+            has_curve[mesh_part] = true;
             let widths = room.into_iter().map(|room| spacing.single(room));
             singles.push(apart(points.iter().copied().zip(widths), THIN * bead));
             found.push(points);
@@ -153,6 +163,12 @@ impl Graph<'_, '_> {
     /// The length of a way.
     fn along(&self, way: &[u32]) -> f64 {
         way.windows(2).map(|pair| self.length(pair[0], pair[1])).sum()
+    }
+
+    /// What a bead along a way covers that touches nothing, with round ends squared.
+    fn covered(&self, way: &[u32]) -> f64 {
+        let width = 2.0 * way.iter().map(|&v| self.room[v as usize]).sum::<f64>() / way.len().max(1) as f64;
+        (self.along(way) + width) * width
     }
 
     /// The open vertices beside one that edges lead to without crossing a bead.
