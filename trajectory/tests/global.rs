@@ -7,8 +7,9 @@ use common::ur3::Ur3;
 use common::{Planar, quiet};
 use curvlay_trajectory::nalgebra::{DMatrix, DVector, Vector3};
 use curvlay_trajectory::{
-    Bounds, BoundsError, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, LadderOptions, Progress, Quantity,
-    Robot, RunIn, Rung, Timeline, Trajectory, plan_ladder, run_in_and_out, smooth_globally,
+    Bounds, BoundsError, FreeRange, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, LadderOptions, Posture,
+    Progress, Quantity, Robot, RobotFn, RunIn, Rung, Timeline, Trajectory, plan_ladder, run_in_and_out,
+    smooth_globally,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -296,4 +297,34 @@ fn what_cannot_be_is_named() {
     let stop = |_: Progress| ControlFlow::Break(());
     let error = smooth_globally(&robot, &line, &start, &Bounds::NONE, &plain, &stop).unwrap_err();
     assert_eq!(error, GlobalError::Stopped);
+}
+
+/// Two joints on the arc `(h, g)` of one parameter: `h` has to stay below one half, where `g`, which is shaken, is small. The way
+/// there leads over the hump of `h`, beyond which `g` is large.
+#[test]
+fn a_start_within_all_bounds_is_never_made_worse() {
+    let shaken = |waypoint: usize| if waypoint.is_multiple_of(2) { 0.02 } else { -0.02 };
+    let along = |x: f64| {
+        let (by, slope) = if x < 1.0 { (0.6, -0.6) } else { (6.0, 6.0) };
+        (0.1 + by * (x - 1.0).abs(), slope)
+    };
+    let joints = move |i: usize, x: f64| [1.0 - 1.2 * (x - 0.95) * (x - 0.95), shaken(i) * along(x).0];
+    let robot = RobotFn {
+        waypoints: 60,
+        free: [FreeRange::Within(-1.0, 3.0)],
+        solutions: move |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free[0])),
+        posture: move |i: usize, free: &[f64; 1], _| {
+            let rates = [[-2.4 * (free[0] - 0.95), shaken(i) * along(free[0]).1]];
+            Some(Posture { joints: joints(i, free[0]), rates })
+        },
+    };
+    let line = timeline(60);
+    let bounds = Bounds { upper: [0.5, 9.0], lower: [-9.0; 2], ..Bounds::NONE };
+    let start: Vec<_> = (0..60).map(|i| Rung { joints: joints(i, 0.0), free: [0.0], branch: 0 }).collect();
+    let found = smooth_globally(&robot, &line, &start, &bounds, &GlobalOptions::default(), &quiet).unwrap();
+    let q: Vec<_> = start.iter().map(|rung| rung.joints).collect();
+    let before = Trajectory::through(&line, &q).unwrap();
+    assert!(before.violations(&bounds, 0.0).is_empty() && found.violations.is_empty());
+    assert!(found.trajectory.squared_jerk() < before.squared_jerk());
+    assert!(found.rungs.iter().all(|rung| rung.free[0] < 0.31), "{:?}", found.rungs[30]);
 }

@@ -192,7 +192,9 @@ pub enum GlobalError {
 /// * `progress`: called once a round; it may stop the work.
 ///
 /// # Returns
-/// The motion. Limits that no path meets are a status, and the places are listed.
+/// The motion. Limits that no path meets are a status, and the places are listed. Where the spline through the start (with
+/// the best run-in and run-out) is within all bounds but those on jerk, the first pass ends with no more squared jerk than it
+/// has, but for a hair where it touches bounds.
 ///
 /// # Errors
 /// [`GlobalError`] names the waypoint or the option.

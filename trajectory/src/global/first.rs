@@ -4,6 +4,9 @@
 //! following a narrow, bent valley from far away, in tiny steps. Where bounds are missed at the low price, other ways
 //! around those places are tried once ([`super::detour`]). A higher price is asked for only while it helps: the dual
 //! value of a linearised problem says by how much it can.
+//!
+//! The way through no bounds at all may end in a worse valley than the one that the start lies in. Where it has, the
+//! search goes on from the start: a start that holds all bounds is never made worse.
 
 use super::avoid::Avoid;
 use super::descent::{Descent, Merit, Round};
@@ -57,6 +60,7 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     avoid: Option<Avoid<'_, N>>,
     tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<FirstPass, GlobalError> {
+    let mut start = descent.point.with_easy_ends(model.line).map(|start| (start, model.drawn_in));
     model.penalty = 0.0;
     descent.value(model);
     let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, least_missed: 0.0 };
@@ -119,6 +123,8 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
                 tightened += 1;
                 model.drawn_in += 2.0 * over;
                 descent.value(model);
+            } else if go_back(descent, model, &mut start) {
+                (pass.settled, pass.least_missed) = (false, 0.0);
             }
         } else if priced && descent.merit.price <= options.tolerance * descent.merit.squared_jerk {
             last_price = true;
@@ -143,8 +149,32 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
             }
         }
     }
+    if go_back(descent, model, &mut start) {
+        pass.least_missed = 0.0;
+    }
     pass.missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { 0.0 };
     Ok(pass)
+}
+
+/// Puts the descent back to the start, once, if that is better with bounds drawn in as little as at first; says whether it was.
+fn go_back<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    descent: &mut Descent<'_, R, N, F>,
+    model: &mut Model<'_, N, F>,
+    start: &mut Option<(Point<N, F>, f64)>,
+) -> bool {
+    let total = descent.merit.total(0.0);
+    let Some((start, drawn_in)) = start.take().filter(|(start, _)| start.squared_jerk(model.line) < total) else {
+        return false;
+    };
+    let drawn_in = std::mem::replace(&mut model.drawn_in, drawn_in);
+    let better = Merit::of(model, &start).total(0.0) < total;
+    if better {
+        descent.point = start;
+        descent.value(model);
+    } else {
+        model.drawn_in = drawn_in;
+    }
+    better
 }
 
 /// Puts the descent on another way around what is missed, if there is one; returns where it was.

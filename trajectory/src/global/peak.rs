@@ -81,10 +81,13 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
         let aim = most - SPARE * allowed;
         let peak_before = best.1.peak;
         let kept = merit.squared_jerk <= most && rise_measured <= options.rise;
-        if kept && merit.price <= best.1.price + options.tolerance * merit.squared_jerk && better {
+        let passes = merit.price > best.1.price + options.tolerance * merit.squared_jerk;
+        if kept && !passes && better {
             best = (descent.point.clone(), merit);
         }
-        slow = if best.1.peak < (1.0 - SLOW) * peak_before || best.1.peak > 1.1 * merit.peak { 0 } else { slow + 1 };
+        // What has too much squared jerk yet comes back with the price; a lower peak for bounds passed farther does not.
+        let awaited = best.1.peak > 1.1 * merit.peak && !passes;
+        slow = if best.1.peak < (1.0 - SLOW) * peak_before || awaited { 0 } else { slow + 1 };
         let (step, still) = match round {
             Round::Fell(step) => (step, false),
             Round::Still(step) => (step, true),

@@ -1,7 +1,7 @@
 //! A point of the search: free parameters at the waypoints, joints at all knots, and the spline through them.
 
 use super::Cone;
-use crate::{Bounds, FreeRange, Robot, Rung, Timeline};
+use crate::{Bounds, FreeRange, Robot, Rung, Timeline, run_in_and_out};
 use std::f64::consts::TAU;
 
 /// Column norms of `dq/dfree` below this count as this: parameters that hardly move the joints take no giant steps.
@@ -95,6 +95,14 @@ impl<const N: usize, const F: usize> Point<N, F> {
         point.knots[range.end..].fill(last);
         point.bend(line);
         Ok(point)
+    }
+
+    /// The same waypoints, with the run-in and run-out of least squared jerk.
+    pub fn with_easy_ends(&self, line: &Timeline) -> Option<Self> {
+        let knots = run_in_and_out(line, &self.knots[line.waypoints()]).ok()?;
+        let mut point = Point { knots, ..self.clone() };
+        point.bend(line);
+        Some(point)
     }
 
     /// Evaluates one waypoint at its parameters; joints are the images nearest to `like`.
