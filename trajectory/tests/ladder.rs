@@ -67,6 +67,12 @@ fn slow_cost<const N: usize>(
     bounds: &Bounds<N>,
     options: &LadderOptions<N, 1>,
 ) -> Option<f64> {
+    let apart = |from: &[f64; N], to: &[f64; N]| -> [f64; N] {
+        let straight = |j: usize| to[j] - from[j];
+        std::array::from_fn(|j| if bounds.is_endless(j) { wrapped(straight(j)).abs() } else { straight(j).abs() })
+    };
+    let cost =
+        |j: usize, apart: f64| options.weights[j] * if options.norm == Norm::Squared { apart * apart } else { apart };
     let rungs: Vec<Vec<[f64; N]>> = robot
         .joints
         .iter()
@@ -78,26 +84,20 @@ fn slow_cost<const N: usize>(
     for at in 1..rungs.len() {
         for (a, from) in rungs[at - 1].iter().enumerate() {
             for (b, to) in rungs[at].iter().enumerate() {
-                let apart: Vec<f64> = (0..N)
-                    .map(
-                        |j| if bounds.is_endless(j) { wrapped(to[j] - from[j]).abs() } else { (to[j] - from[j]).abs() },
-                    )
-                    .collect();
-                let time = times[at] - times[at - 1];
+                let (apart, time) = (apart(from, to), times[at] - times[at - 1]);
                 if (0..N).all(|j| apart[j] <= bounds.velocity[j] * time) {
-                    let cost = |j: usize| match options.norm {
-                        Norm::Squared => options.weights[j] * apart[j] * apart[j],
-                        Norm::Absolute => options.weights[j] * apart[j],
-                    };
-                    edges[firsts[at - 1] + a].push((firsts[at] + b, (0..N).map(cost).sum()));
+                    edges[firsts[at - 1] + a].push((firsts[at] + b, (0..N).map(|j| cost(j, apart[j])).sum()));
                 }
             }
         }
     }
     // Costs that are not negative order like their bits.
     let mut costs = vec![f64::INFINITY; nodes];
-    let mut heap: BinaryHeap<Reverse<(u64, usize)>> = (0..rungs[0].len()).map(|node| Reverse((0, node))).collect();
-    costs[..rungs[0].len()].fill(0.0);
+    let mut heap = BinaryHeap::new();
+    for (node, joints) in rungs[0].iter().enumerate() {
+        costs[node] = options.from.map_or(0.0, |from| (0..N).map(|j| cost(j, apart(&from, joints)[j])).sum());
+        heap.push(Reverse((costs[node].to_bits(), node)));
+    }
     while let Some(Reverse((bits, node))) = heap.pop() {
         let cost = f64::from_bits(bits);
         if cost > costs[node] {
@@ -131,10 +131,12 @@ fn assert_is_a_path<const N: usize, R: Robot<N, 1>>(
         });
         assert!(met, "rung {at} is no solution");
         assert!((0..N).all(|j| bounds.lower[j] <= rung.joints[j] && rung.joints[j] <= bounds.upper[j]), "{rung:?}");
-        if at > 0 && !ladder.breaks.contains(&at) {
-            for j in 0..N {
-                let apart = (rung.joints[j] - ladder.rungs[at - 1].joints[j]).abs();
-                assert!(apart <= bounds.velocity[j] * (times[at] - times[at - 1]) * (1.0 + 1e-9), "rung {at}");
+        if !ladder.breaks.contains(&at) {
+            let before = if at > 0 { Some(ladder.rungs[at - 1].joints) } else { options.from };
+            let time = if at > 0 { times[at] - times[at - 1] } else { f64::INFINITY };
+            for (j, before) in before.iter().flatten().enumerate() {
+                let apart = (rung.joints[j] - before).abs();
+                assert!(apart <= bounds.velocity[j] * time * (1.0 + 1e-9), "rung {at}");
                 cost += options.weights[j] * if options.norm == Norm::Squared { apart * apart } else { apart };
             }
         }
@@ -159,6 +161,7 @@ prop_compose! {
         stops in prop::array::uniform3(stops()),
         velocity in prop::array::uniform3(prop_oneof![6 => 0.3..4.0f64, 1 => Just(f64::INFINITY)]),
         absolute in any::<bool>(), weights in prop::array::uniform3(0.0..2.0f64),
+        from in prop::option::of(prop::array::uniform3(-7.0..7.0f64)),
     ) -> (Listed<3>, Vec<f64>, Bounds<3>, LadderOptions<3, 1>) {
         // Solutions that wander from waypoint to waypoint, so that there are paths and dead ends.
         let mut state = seed | 1;
@@ -179,7 +182,8 @@ prop_compose! {
         let times = (0..waypoints).map(|k| 0.25 * k as f64 + 0.05 * ((k * k) % 3) as f64).collect();
         let bounds = Bounds { lower: stops.map(|s| s.0), upper: stops.map(|s| s.1), velocity, ..Bounds::NONE };
         let norm = if absolute { Norm::Absolute } else { Norm::Squared };
-        let options = LadderOptions { samples: [samples as u32], doublings: 0, norm, weights, ..LadderOptions::default() };
+        let options =
+            LadderOptions { samples: [samples as u32], doublings: 0, norm, weights, from, ..LadderOptions::default() };
         (Listed { joints }, times, bounds, options)
     }
 }
@@ -240,6 +244,38 @@ fn samples_are_doubled_until_there_is_a_path() {
     let few = LadderOptions { doublings: 0, ..options };
     let found = plan_ladder(&robot, &times, &bounds, &few, &quiet);
     assert!(matches!(found, Err(LadderError::NoPath { samples: 4, .. } | LadderError::Unreachable { samples: 4, .. })));
+}
+
+#[test]
+fn a_path_begins_near_where_the_joints_are_and_without_a_whole_turn() {
+    // Two branches, the second a little shorter; a joint with stops two turns apart, and one without end.
+    let robot = RobotFn {
+        waypoints: 5,
+        free: [FreeRange::Within(0.0, 1.0)],
+        solutions: |i: usize, _: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| {
+            each(0, [2.9 + 0.011 * i as f64, 3.0]);
+            each(1, [-1.0 + 0.010 * i as f64, 0.0]);
+        },
+        posture: |_: usize, _: &[f64; 1], _: u32| None,
+    };
+    let stops = (f64::INFINITY, TAU);
+    let bounds = Bounds { lower: [-stops.1, -stops.0], upper: [stops.1, stops.0], velocity: [1.0; 2], ..Bounds::NONE };
+    let anywhere = LadderOptions { samples: [1], doublings: 0, ..LadderOptions::default() };
+    let begins = |from| {
+        let ladder = plan_ladder(&robot, &times(5, 0.1), &bounds, &LadderOptions { from, ..anywhere }, &quiet).unwrap();
+        (ladder.rungs[0].branch, ladder.rungs[0].joints, ladder.cost)
+    };
+    let near = |found: [f64; 2], joints: [f64; 2]| (0..2).all(|j| (found[j] - joints[j]).abs() < 1e-12);
+    let (branch, joints, cost) = begins(None);
+    assert!(branch == 1 && near(joints, [-1.0, 0.0]) && (cost - 4.0 * 0.0001).abs() < 1e-12);
+    // The long way round the circle, for both joints: images of the first branch are next to it.
+    let (branch, joints, cost) = begins(Some([-3.4, 9.0]));
+    assert!(branch == 0 && near(joints, [2.9 - TAU, 3.0 + TAU]), "{branch} {joints:?}");
+    let way = (2.9 - TAU + 3.4_f64).powi(2) + (3.0 + TAU - 9.0_f64).powi(2);
+    assert!((cost - way - 4.0 * 0.000121).abs() < 1e-12, "{cost}");
+    let wild = LadderOptions { from: Some([0.0, f64::NAN]), ..anywhere };
+    let found = plan_ladder(&robot, &times(5, 0.1), &bounds, &wild, &quiet);
+    assert!(matches!(found, Err(LadderError::Option { value, .. }) if value.is_nan()), "{found:?}");
 }
 
 #[test]

@@ -34,6 +34,11 @@ impl<const N: usize> Measure<N> {
         // Not `min`, which also looks for NaN.
         if round < straight { round } else { straight }
     }
+
+    /// What a step from one node to another costs.
+    pub fn between(&self, a: &[f64; N], b: &[f64; N]) -> f64 {
+        (0..N).map(|joint| self.cost(joint, self.distance(joint, a[joint], b[joint]))).sum()
+    }
 }
 
 /// Cells along one joint.

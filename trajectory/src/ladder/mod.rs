@@ -9,7 +9,8 @@
 //! Distances are circular where a joint turns without end. A joint with stops a turn or more apart has several images
 //! of an angle. They would multiply the nodes; instead such a joint begins as circular, and the path is turned into
 //! its stops afterwards. If it fits, it is the best of all (nothing is cheaper without stops). If not, the search is
-//! done again with every image of that joint a node of its own. So the result is exact either way.
+//! done again with every image of that joint a node of its own. So the result is exact either way. The same holds of the
+//! way to the first rung from where the joints are before ([`LadderOptions::from`]).
 //!
 //! No edge is stored: see `search`. Departs from the dissertation: instead of doubling without end it stops after
 //! [`LadderOptions::doublings`]; and there is a search that is not exact but fast, [`LadderSearch::CoarseToFine`].
@@ -23,7 +24,7 @@ use crate::bounds::BoundsError;
 use crate::robot::Robot;
 use crate::{Bounds, Progress};
 use buckets::Measure;
-use nodes::{Branches, Kind, Window};
+use nodes::{Branches, Kind, Window, wrapped};
 use search::{Path, Search, Stuck};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
@@ -65,6 +66,10 @@ pub struct LadderOptions<const N: usize, const F: usize> {
     /// Whether a path may break off and start anew where speeds do not allow to go on, after all doublings (section
     /// 3.5.3). Else that is an error. Default false.
     pub breaks: bool,
+    /// Where the joints are before the path: the way to the first waypoint then costs what a step does, but no speed
+    /// bounds it. Of many paths that are nearly as short it takes the one that is near by, without whole turns on the way.
+    /// Default none: a path may begin anywhere.
+    pub from: Option<[f64; N]>,
 }
 
 impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
@@ -76,6 +81,7 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
             norm: Norm::Squared,
             search: LadderSearch::Exact,
             breaks: false,
+            from: None,
         }
     }
 }
@@ -101,7 +107,8 @@ pub struct Ladder<const N: usize, const F: usize> {
     pub rungs: Vec<Rung<N, F>>,
     /// The first waypoints of the motions after the first; none when the path never breaks off.
     pub breaks: Vec<usize>,
-    /// `J_trans` of Eq. 4.6 (the sum of Eq. 3.4 with [`Norm::Absolute`]), without the breaks.
+    /// `J_trans` of Eq. 4.6 (the sum of Eq. 3.4 with [`Norm::Absolute`]), without the breaks; with the way from
+    /// [`LadderOptions::from`].
     pub cost: f64,
     /// The samples with which it was found.
     pub samples: [u32; F],
@@ -270,6 +277,9 @@ fn check<const N: usize, const F: usize>(
     if let Some(&weight) = options.weights.iter().find(|weight| !(**weight >= 0.0 && weight.is_finite())) {
         return Err(LadderError::Option { what: "a weight must be finite and not below 0; it", value: weight });
     }
+    if let Some(&value) = options.from.iter().flatten().find(|value| !value.is_finite()) {
+        return Err(LadderError::Option { what: "joints before the path must be finite; one", value });
+    }
     let samples = count(&options.samples);
     if samples == 0 || samples > MOST_SAMPLES || options.samples.iter().any(|&n| n > u32::MAX / 4) {
         let what = "the number of samples must be from 1 to 2^20; it";
@@ -325,16 +335,19 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         let measure = Measure { norm, weights, period: kinds.map(Kind::period) };
         let Climb { robot, times, progress, .. } = *self;
         let velocity = self.bounds.velocity;
-        Search { robot, waypoints, times, velocity, kinds, measure, window, branches, breaks, progress }.run()
+        let angle = |from: &[f64; N], j: usize| if kinds[j] == Kind::Circular { wrapped(from[j]) } else { from[j] };
+        let from = self.options.from.map(|from| std::array::from_fn(|j| angle(&from, j)));
+        Search { robot, waypoints, times, velocity, kinds, measure, window, branches, breaks, from, progress }.run()
     }
 
-    /// Takes the whole turns out of circular joints and turns each run into its stops; else names a joint that does
-    /// not fit.
+    /// Takes the whole turns out of circular joints and turns each run into its stops, the first one next to where the
+    /// joints are before; else names a joint that does not fit.
     fn lift(&self, path: &mut Path<N, F>, kinds: &[Kind; N]) -> Result<(), usize> {
         let mut starts = vec![0];
         starts.extend(&path.breaks);
         starts.push(path.rungs.len());
         for run in starts.windows(2).map(|ends| ends[0]..ends[1]) {
+            let from = self.options.from.filter(|_| run.start == 0);
             let rungs = &mut path.rungs[run];
             for joint in (0..N).filter(|&joint| kinds[joint] == Kind::Circular) {
                 // Whole turns by which each angle follows the one before by the short way.
@@ -348,16 +361,20 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
                     turns.push(turn);
                 }
                 let (lower, upper) = (self.bounds.lower[joint], self.bounds.upper[joint]);
-                let by = if lower <= least && most <= upper && self.bounds.is_endless(joint) {
-                    0.0
-                } else {
-                    // Turns that bring the middle of the run next to the middle between the stops, or the run inside
-                    // a lone stop.
-                    match (lower.is_finite(), upper.is_finite()) {
-                        (true, true) => ((lower + upper - least - most) / 2.0 / TAU).round(),
-                        (true, false) => ((lower - least) / TAU).ceil(),
-                        _ => ((upper - most) / TAU).floor(),
+                // Turns that bring the run next to where it comes from, else its middle next to the middle between the
+                // stops.
+                let wanted = match from {
+                    Some(from) => ((from[joint] - rungs[0].joints[joint]) / TAU).round(),
+                    None if lower.is_finite() && upper.is_finite() => {
+                        ((lower + upper - least - most) / 2.0 / TAU).round()
                     }
+                    None => 0.0,
+                };
+                // Inside a lone stop there is always room.
+                let by = match (lower.is_finite(), upper.is_finite()) {
+                    (true, false) => wanted.max(((lower - least) / TAU).ceil()),
+                    (false, true) => wanted.min(((upper - most) / TAU).floor()),
+                    _ => wanted,
                 };
                 if !self.bounds.is_endless(joint) && (least + TAU * by < lower || most + TAU * by > upper) {
                     return Err(joint);

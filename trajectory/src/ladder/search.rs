@@ -38,6 +38,8 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     pub branches: &'a (dyn Fn(usize) -> Branches<'a> + 'a),
     /// Whether to start anew where a rung is out of reach of the one before.
     pub breaks: bool,
+    /// Where the joints are before the first rung; the way there counts.
+    pub from: Option<[f64; N]>,
     pub progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
 
@@ -91,6 +93,9 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
             let mut back = vec![START; nodes.joints.len()];
             costs.clear();
             costs.resize(nodes.joints.len(), 0.0);
+            if let (0, Some(from)) = (at, &self.from) {
+                nodes.joints.iter().zip(&mut costs).for_each(|(node, cost)| *cost = self.measure.between(from, node));
+            }
             if at > 0 {
                 let time = self.times[waypoint] - self.times[self.waypoints[at - 1]];
                 // Eq. 4.4; what is on the limit but for rounding is within.
