@@ -4,8 +4,9 @@
 //! a table which carries the part, tilts and turns. Of the table the scene has the plate and a post down to the tilt
 //! axis: the makers' frame around it depends on the cell.
 //!
-//! Both arms stand on a pedestal ([`PEDESTAL_MM`]), since the UR3 hangs its elbow below its base, by up to 0.3 m. No work
-//! gives a height or a girth: both are ours.
+//! Neither work nor maker says what the arms stand on, so the stands are ours. The IRB 1200 has a pedestal. The UR3
+//! hangs its elbow up to 0.14 m below its base and swings it from one side to the other, where a pedestal would be in the
+//! way of half of all postures: it sits on a beam that reaches from a pillar behind it, and its elbow passes below.
 
 use crate::failure;
 use curvlay_examples::args::Failure;
@@ -13,7 +14,7 @@ use curvlay_examples::motion::{OverTable, PartInHand, Placed, eight, six_and_two
 use curvlay_kinematics::program::{ConfData, Target};
 use curvlay_kinematics::scene::{Body, Mount, Posture, SceneModel, Shape, links};
 use curvlay_kinematics::{Cell, Waypoint, robots};
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
 /// The post under the table: its radius, and how far below the table's top it ends, in millimetres. The tilt axis is
@@ -22,8 +23,13 @@ const POST_RADIUS: f64 = 60.0;
 const POST_MM: f64 = 105.0;
 
 /// How high the arms stand over the floor, in millimetres: from here on a UR3 does not touch the floor with its links, lower
-/// it does. The pedestal is as wide as the foot on it.
-pub const PEDESTAL_MM: f64 = 600.0;
+/// it does.
+pub const STAND_MM: f64 = 600.0;
+/// The beam under a UR3, as wide as its foot: how thick it is, and how far behind the arm's axis it leaves the pillar. Of
+/// steel it gives by a fiftieth of a millimetre under the arm; thicker than 45 mm the elbow does not pass under it.
+const BEAM_MM: [f64; 2] = [40.0, 400.0];
+/// The pillar, along the beam and across.
+const PILLAR_MM: [f64; 2] = [100.0, 200.0];
 /// The floor around it, to either side, and how thick it is.
 const FLOOR_MM: [f64; 2] = [1500.0, 50.0];
 
@@ -49,7 +55,7 @@ pub struct Placement {
 }
 
 /// A cell that prints.
-pub trait Printer<const N: usize, const F: usize>: Placed<N, F> {
+pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Send {
     /// What a report calls it.
     const NAME: &'static str;
 
@@ -84,19 +90,41 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> {
     fn placement(&self, joints: &[f64; N]) -> Option<Placement>;
 }
 
-/// Floor and pedestal, under the foot of an arm.
-fn stand(links: &[Body]) -> [Body; 2] {
-    let radius = |body: &Body| match &body.shape {
+/// What stands in the base, besides the arm.
+fn fixed(name: &str, shape: Shape) -> Body {
+    Body { name: name.into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape }
+}
+
+fn block(low: [f64; 3], high: [f64; 3]) -> Shape {
+    Shape::block(low.into(), high.into())
+}
+
+fn floor() -> Body {
+    let [wide, thick] = FLOOR_MM;
+    fixed("floor", block([-wide, -wide, -STAND_MM - thick], [wide, wide, -STAND_MM]))
+}
+
+/// A pedestal as wide as the foot of an arm.
+fn pedestal(links: &[Body]) -> Body {
+    fixed("pedestal", Shape::cylinder(foot(links), -STAND_MM, 0.0))
+}
+
+/// A beam as wide as the foot of an arm, and the pillar from which it reaches.
+fn beam(links: &[Body]) -> [Body; 2] {
+    let (foot, [thick, behind], [along, across]) = (foot(links), BEAM_MM, PILLAR_MM);
+    [
+        fixed("beam", block([-behind, -foot, -thick], [foot, foot, 0.0])),
+        fixed("pillar", block([-behind - along, -across / 2.0, -STAND_MM], [-behind, across / 2.0, 0.0])),
+    ]
+}
+
+/// The radius of an arm's foot.
+fn foot(links: &[Body]) -> f64 {
+    links.first().map_or(0.0, |body| match &body.shape {
         Shape::Hull { points, .. } => points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max),
         Shape::Capsule { radius, .. } => *radius,
         Shape::Mesh { .. } | Shape::Cells { .. } => 0.0,
-    };
-    let [wide, thick] = FLOOR_MM;
-    let [low, high] = [Point3::new(-wide, -wide, -thick), Point3::new(wide, wide, 0.0)];
-    let down = Isometry3::translation(0.0, 0.0, -PEDESTAL_MM);
-    let body = |name: &str, shape| Body { name: name.into(), mount: Mount::Base, mount_body: down, shape };
-    let foot = links.first().map_or(0.0, radius);
-    [body("floor", Shape::block(low, high)), body("pedestal", Shape::cylinder(foot, 0.0, PEDESTAL_MM))]
+    })
 }
 
 /// The frames of a cell.
@@ -131,7 +159,8 @@ impl Printer<6, 1> for PartInHand {
 
     fn scene(&self) -> SceneModel {
         let links = links(&robots::UR3);
-        SceneModel { bodies: stand(&links).into(), links, ..SceneModel::of(*self.cell().arm()) }
+        let [beam, pillar] = beam(&links);
+        SceneModel { bodies: vec![floor(), beam, pillar], links, ..SceneModel::of(*self.cell().arm()) }
     }
 
     fn nozzle(&self) -> (Mount, Isometry3<f64>) {
@@ -175,10 +204,9 @@ impl Printer<8, 3> for OverTable {
         let post = Shape::cylinder(POST_RADIUS, -POST_MM, -super::workcell::PLATE_MM);
         let [low, high] = HOLDER;
         let links = links(&robots::IRB1200);
-        let [floor, pedestal] = stand(&links);
         let bodies = vec![
-            floor,
-            pedestal,
+            floor(),
+            pedestal(&links),
             body("post", Mount::Table, Isometry3::identity(), post),
             body("holder", link, flange_nozzle, Shape::cylinder(HOLDER_RADIUS, low, high)),
         ];
