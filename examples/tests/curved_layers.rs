@@ -339,6 +339,40 @@ fn a_robot_prints_a_block() {
     assert_eq!(joined, steps[1..]);
 }
 
+/// Bug: each path began wherever its own motion was best, often on another branch of the arm than the path before ends on,
+/// with the elbow on the other side of the pedestal. Of a post with two arms, which are printed sideways, two paths could not
+/// be reached.
+#[test]
+fn each_path_begins_near_where_the_one_before_ends() {
+    let scratch = Scratch::new("tee");
+    let (mesh, out) = (scratch.path("tee.stl"), scratch.path("out"));
+    let post = [[0.0; 3], [12.0, 12.0, 36.0]];
+    let arms = [[[12.0, 0.0, 24.0], [40.0, 12.0, 36.0]], [[-28.0, 0.0, 24.0], [0.0, 12.0, 36.0]]];
+    fs::write(&mesh, boxes(&[post, arms[0], arms[1]])).unwrap();
+    let args = ["--cell", "4", "--bead", "4", "--stage", "motion", "--program", "none"];
+    let output = run(&[&["--mesh", &mesh, "--quiet", "--out", &out], &args[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    let count = |key: &str| figures[key].as_u64().unwrap();
+    assert!(count("transfers") >= 20);
+    assert_eq!((count("without_transfer"), count("collisions"), count("blocked_waypoints")), (0, 0, 0));
+    // How far joints are from the first to the last posture of each transfer.
+    let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let joints = |line: &[&str]| -> [f64; 6] { std::array::from_fn(|joint| line[joint + 1].parse().unwrap()) };
+    let mut far: Vec<f64> = (lines.chunk_by(|a, b| (a[7] == "transfer") == (b[7] == "transfer")))
+        .filter(|same| same[0][7] == "transfer")
+        .map(|same| {
+            let (from, to) = (joints(&same[0]), joints(&same[same.len() - 1]));
+            from.iter().zip(&to).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        })
+        .collect();
+    far.sort_by(f64::total_cmp);
+    assert_eq!(far.len() as u64, count("transfers"));
+    // It was 3.1 and 4.4 rad: other branches, and whole turns.
+    assert!(far[far.len() / 2] < 1.0 && far[far.len() - 1] < std::f64::consts::PI, "{far:?}");
+}
+
 /// A block on a table that tilts and turns: the program has every waypoint on the part, at the speed of the deposition.
 #[test]
 fn an_arm_over_a_table_prints_a_block() {

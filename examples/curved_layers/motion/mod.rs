@@ -5,6 +5,7 @@
 //! cannot keep up with the feed; each run gets the motion of least jerk (`run`). Then every motion and the transfers in
 //! between are checked against the cell, with the part as it is built by then (`workcell`).
 
+mod climb;
 pub mod robots;
 mod run;
 mod workcell;
@@ -286,6 +287,7 @@ fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     let (mut missed_mm, mut least_feed) = (0.0_f64, 1.0_f64);
     let (mut layers, mut faults, mut transfers) = (Vec::new(), Vec::new(), Vec::new());
     let mut runs: Vec<Run<N, F>> = Vec::new();
+    let mut before = None;
     // Layer by layer, since the part grows.
     let mut next = 0;
     for paths_of_layer in paths.chunk_by(|a, b| a.layer == b.layer) {
@@ -294,9 +296,14 @@ fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
         bars.update("plan motions", next as u64, paths.len() as u64);
         let planning = Instant::now();
         cell.begin(number)?;
-        let of_path = |path: usize| run::plan(path, &paths[path], &steps[path], &shift, &cell);
+        let of_path = |path: usize| climb::prepare(path, &paths[path], &steps[path], &shift, &cell);
         let of_layer = (next..next + paths_of_layer.len()).into_par_iter();
-        let planned: Vec<run::Planned<N, F>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
+        let prepared: Vec<climb::Prepared<R>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
+        // One after the other, since each begins near where the one before ends.
+        let climbed = |prepared| climb::climb(prepared, &mut before, &cell);
+        let climbed: Vec<climb::Climbed<N, F, R>> = prepared.into_iter().map(climbed).collect::<Result<_, _>>()?;
+        let smoothed = |climbed: &climb::Climbed<N, F, R>| run::smoothed(climbed, &cell);
+        let planned: Vec<run::Planned<N, F>> = climbed.par_iter().map(smoothed).collect::<Result<_, _>>()?;
         times.plan += planning.elapsed();
         next += paths_of_layer.len();
         let first = runs.len();

@@ -26,16 +26,33 @@ pub const PLATE_MM: f64 = 4.0;
 const RESOLUTION_MM: f64 = 2.0;
 const FINE_MM: f64 = 0.25;
 
-/// How far things stay apart at waypoints while the nozzle prints, in millimetres: more than sweeps leave undecided, and
-/// than the smooth motion sways between two of them.
-const ALOOF_MM: f64 = 3.0;
+/// How far things stay apart at waypoints while the nozzle prints, in millimetres, the best first. With the first there is
+/// room for the smooth motion to sway between two waypoints, and for the arm to leave. Each next one is for paths that cannot
+/// be followed so: the last is just more than fine sweeps leave undecided.
+pub const ROOMS_MM: [f64; 3] = [10.0, 3.0, 0.75];
 
-/// The same for waypoints that no posture reaches so: more than fine sweeps leave undecided.
-const CLOSE_MM: f64 = 0.75;
-
-/// How far the nozzle backs off before a transfer, in millimetres: the first of these that clears the part, and where
-/// that leads nowhere the last.
+/// How far the nozzle backs off before a transfer, in millimetres. From the first on it may not touch the part; up to there
+/// all of the layer is in the scene, of cells as rough as the layer is thick.
 const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
+
+/// How a transfer is looked for, one way after the other: from near by, from far off, and both again with the tool turned
+/// about the nozzle, which takes links of the arm out of the way. Then longer, too, and with shorter edges.
+const EFFORTS: [Effort; 4] = {
+    let near = Effort { far: false, turns: &[0.0], iterations: 500, step: 0.5 };
+    let turned = Effort { turns: &[0.25, -0.25, 0.5, -0.5, 1.0, -1.0], iterations: 5000, step: 0.25, ..near };
+    [near, Effort { far: true, ..near }, turned, Effort { far: true, ..turned }]
+};
+
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Whether the farthest of the lifts is wanted that are free, not the nearest.
+    far: bool,
+    /// Radians, the first that is free.
+    turns: &'static [f64],
+    /// Random postures, and the longest edge in radians.
+    iterations: usize,
+    step: f64,
+}
 
 /// Transfers speed up and change their acceleration within these, in rad/s^2 and rad/s^3.
 const ACCELERATION: f64 = 5.0;
@@ -45,9 +62,8 @@ const JERK: f64 = 50.0;
 pub struct Workcell<'a, const N: usize, const F: usize, R> {
     /// The nozzle may touch the part: that it does so only at its tip is what the check for gouging says.
     printing: Scene,
-    /// The same for postures, which keep a distance that motions may use up.
-    aloof: Scene,
-    close: Scene,
+    /// The same for postures, which keep a distance that motions may use up: [`ROOMS_MM`].
+    rooms: [Scene; ROOMS_MM.len()],
     /// Nothing may touch anything. One layer behind while transfers lead to the layer that is printed next.
     moving: Scene,
     robot: R,
@@ -93,13 +109,13 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         let allowed = vec![may("nozzle", "part"), may("hot end", "part"), may("nozzle", "plate")];
         let model = SceneModel { allowed, ..model };
         let with = |margin: f64| Scene::new(SceneModel { margin, ..model.clone() }).map_err(failure);
-        let [printing, aloof, close] = [with(0.0)?, with(ALOOF_MM)?, with(CLOSE_MM)?];
+        let [wide, aloof, close] = ROOMS_MM.map(with);
+        let (printing, rooms) = (with(0.0)?, [wide?, aloof?, close?]);
         let moving = Scene::new(SceneModel { allowed: vec![], ..model }).map_err(failure)?;
         let bounds = Bounds { acceleration: [ACCELERATION; N], jerk: [JERK; N], ..robot.bounds(true) };
         Ok(Workcell {
             printing,
-            aloof,
-            close,
+            rooms,
             moving,
             robot,
             field,
@@ -113,7 +129,7 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
     /// Adds the cells of all surfaces up to one, which is about to be printed.
     pub fn begin(&mut self, surface: u32) -> Result<(), Failure> {
         let (rows, until) = self.rows(self.begun, surface);
-        for scene in [&mut self.printing, &mut self.aloof, &mut self.close] {
+        for scene in self.rooms.iter_mut().chain([&mut self.printing]) {
             scene.add_cells("part", &rows).map_err(failure)?;
         }
         self.begun = until;
@@ -141,15 +157,14 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         (rows, until)
     }
 
-    /// Whether a posture is free while the nozzle prints, with all of its layer there; `close`: barely.
-    pub fn may_print(&self, joints: &[f64; N], close: bool) -> bool {
-        let scene = if close { &self.close } else { &self.aloof };
-        matches!(scene.touching(&R::posture_of(joints)), Ok(None))
+    /// Whether a posture is free while the nozzle prints, with all of its layer there, and with this much room.
+    pub fn may_print(&self, joints: &[f64; N], room: usize) -> bool {
+        matches!(self.rooms[room].touching(&R::posture_of(joints)), Ok(None))
     }
 
     /// What is in the way at a posture, in words.
     pub fn in_the_way(&self, joints: &[f64; N]) -> Option<String> {
-        let [a, b] = self.close.touching(&R::posture_of(joints)).ok()??;
+        let [a, b] = self.rooms[ROOMS_MM.len() - 1].touching(&R::posture_of(joints)).ok()??;
         Some(format!("{a} and {b}"))
     }
 
@@ -170,43 +185,77 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
     pub fn transfer(&self, number: usize, from: &Run<N, F>, to: &Run<N, F>) -> Result<Transfer<N>, String> {
         let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
         let (start, goal) = (before[before.len() - 1], after[0]);
-        let (leave, reach) = (self.lifted(&from.ends[1], &start), self.lifted(&to.ends[0], &goal));
-        // Near by first; where that leads nowhere from far off.
-        let [Some(above), Some(before)] = [leave.first(), reach.first()] else {
-            return Err(
-                if leave.is_empty() { "the nozzle cannot back off" } else { "the nozzle cannot approach" }.into()
-            );
-        };
-        self.way(number, [&start, above, before, &goal]).or_else(|why| match (leave.last(), reach.last()) {
-            (Some(far), Some(off)) if leave.len().max(reach.len()) > 1 => self.way(number, [&start, far, off, &goal]),
-            _ => Err(why),
-        })
+        let name = format!("from path {} of layer {} to path {} of layer {}", from.path, from.layer, to.path, to.layer);
+        let mut why = String::new();
+        let mut tried = Vec::new();
+        for effort in &EFFORTS {
+            let lifted = [(&from.ends[1], &start), (&to.ends[0], &goal)].map(|(end, at)| self.lifted(end, at, effort));
+            let [Some(above), Some(before)] = lifted else {
+                let what = if lifted[0].is_none() { "back off" } else { "approach" };
+                why = format!("transfer {name}: the nozzle cannot {what}");
+                continue;
+            };
+            if tried.contains(&lifted) {
+                continue;
+            }
+            tried.push(lifted);
+            match self.way(&name, number, [&start, &above, &before, &goal], effort) {
+                Ok(transfer) => return Ok(transfer),
+                Err(error) => why = error,
+            }
+        }
+        Err(why)
     }
 
-    /// Free postures above the end of a run, the nearest first: along the nozzle, else half upright, else upright.
-    fn lifted(&self, (free, waypoint): &([f64; F], Waypoint), end: &[f64; N]) -> Vec<[f64; N]> {
+    /// A free posture above the end of a run: along the nozzle, else half upright, else upright.
+    fn lifted(&self, (free, waypoint): &([f64; F], Waypoint), end: &[f64; N], effort: &Effort) -> Option<[f64; N]> {
         let (axis, up) = (waypoint.axis.into_inner(), Vector3::z());
-        let along = |direction: Vector3<f64>| -> Vec<[f64; N]> {
-            let direction = direction.normalize();
-            let at = |lift: &f64| {
-                let position = waypoint.position + direction * *lift;
-                let joints = self.robot.near(&Waypoint { position, ..*waypoint }, free, end)?;
-                let is_free = self.posture_free(&joints) && sweep::<N, F, R>(&self.printing, end, &joints).is_none();
-                is_free.then_some(joints)
-            };
-            LIFTS_MM.iter().filter_map(at).collect()
-        };
         // Straight down there is no half way.
         let ways = [axis, axis + up, up].into_iter().filter(|way| way.norm() > 1e-3);
-        ways.map(along).find(|found| !found.is_empty()).unwrap_or_default()
+        let mut lifts = LIFTS_MM;
+        if effort.far {
+            lifts.reverse();
+        }
+        let found = |turn: f64, way: Vector3<f64>, lift: f64| {
+            let mut free = *free;
+            free[0] += turn;
+            let position = waypoint.position + way.normalize() * lift;
+            let joints = self.robot.near(&Waypoint { position, ..*waypoint }, &free, end)?;
+            let off = std::array::from_fn(|j| end[j] + (joints[j] - end[j]) * (LIFTS_MM[0] / lift));
+            let is_free = self.posture_free(&joints)
+                && sweep::<N, F, R>(&self.printing, end, &joints).is_none()
+                && self.free(&off, &joints)
+                && self.leads_off(end, &joints, &way);
+            is_free.then_some(joints)
+        };
+        let along = |turn: f64, way: Vector3<f64>| lifts.iter().find_map(|&lift| found(turn, way, lift));
+        effort.turns.iter().find_map(|&turn| ways.clone().find_map(|way| along(turn, way)))
+    }
+
+    /// Whether the tip goes off the part all along a motion that turns the tool: within 60 degrees of a way.
+    fn leads_off(&self, from: &[f64; N], to: &[f64; N], way: &Vector3<f64>) -> bool {
+        let tip = |share: f64| {
+            let stance = self.robot.stance(&std::array::from_fn(|j| from[j] + (to[j] - from[j]) * share))?;
+            Some(stance.part.inverse_transform_point(&stance.nozzle.translation.vector.into()))
+        };
+        let Some(start) = tip(0.0) else { return false };
+        let off = |k: u32| tip(f64::from(k) / 8.0).map(|tip| tip - start);
+        (1..=8).all(|k| off(k).is_some_and(|by| by.dot(way) >= 0.5 * by.norm() * way.norm()))
     }
 
     /// From an end over two free postures to the next.
-    fn way(&self, number: usize, [start, above, before, goal]: [&[f64; N]; 4]) -> Result<Transfer<N>, String> {
+    fn way(
+        &self,
+        name: &str,
+        number: usize,
+        [start, above, before, goal]: [&[f64; N]; 4],
+        effort: &Effort,
+    ) -> Result<Transfer<N>, String> {
+        let Effort { iterations, step, .. } = *effort;
         let options =
-            TransferOptions { seed: number as u64 + 1, iterations: 500, shortcuts: 30, ..TransferOptions::default() };
+            TransferOptions { seed: number as u64 + 1, iterations, step, shortcuts: 30, ..TransferOptions::default() };
         let told = |error: TransferError| error.to_string();
-        let planned = plan_transfer(&number.to_string(), above, before, &self.bounds, self, &options).map_err(told)?;
+        let planned = plan_transfer(name, above, before, &self.bounds, self, &options).map_err(told)?;
         let why = planned.to_string();
         let between = planned.found().ok_or(why)?;
         let corners = [*start].into_iter().chain(between.corners().iter().copied()).chain([*goal]).collect();
