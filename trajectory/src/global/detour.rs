@@ -143,6 +143,10 @@ fn best_chain<const N: usize, const F: usize>(
         let mut into: Vec<Vec<usize>> = vec![Vec::new(); nodes[at - 1].len()];
         if let Some(before) = lists.last() {
             before.iter().enumerate().for_each(|(index, pair)| into[pair.to].push(index));
+            // The cheapest first: once a chain is found, most of the others cost too much by themselves.
+            for list in &mut into {
+                list.sort_by(|&a, &b| before[a].cost.total_cmp(&before[b].cost));
+            }
         }
         let halves = times.get(at.wrapping_sub(2)).map(|before| 0.5 * (times[at] - before));
         for (from, a) in nodes[at - 1].iter().enumerate() {
@@ -161,6 +165,9 @@ fn best_chain<const N: usize, const F: usize>(
                     for &index in &into[from] {
                         let pair = &before[index];
                         let mut sum = pair.cost;
+                        if sum >= cost {
+                            break;
+                        }
                         for ((now, then), most) in velocity.iter().zip(&pair.velocity).zip(&bounds.acceleration) {
                             let acceleration = (now - then) / halves;
                             let share = acceleration / most;
