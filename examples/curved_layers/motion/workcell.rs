@@ -185,7 +185,13 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
     pub fn transfer(&self, number: usize, from: &Run<N, F>, to: &Run<N, F>) -> Result<Transfer<N>, String> {
         let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
         let (start, goal) = (before[before.len() - 1], after[0]);
-        let name = format!("from path {} of layer {} to path {} of layer {}", from.path, from.layer, to.path, to.layer);
+        let name = format!(
+            "from path {} of layer {} to path {} of layer {}",
+            from.path,
+            from.layer + 1,
+            to.path,
+            to.layer + 1
+        );
         let mut why = String::new();
         let mut tried = Vec::new();
         for effort in &EFFORTS {

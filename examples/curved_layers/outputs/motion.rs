@@ -11,6 +11,8 @@ use curvlay_examples::render::{Camera, INK, PLATFORM, Scene, layer_colour};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_hull::{ConvexHull, Depth};
+use curvlay_kinematics::scene::{Body, Mount, Shape};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use std::io::{self, Write};
 use std::time::Duration;
@@ -24,6 +26,10 @@ const PICTURE: [u32; 2] = [520, 480];
 /// Half the thickness of drawn links, and of the plate under the part, in millimetres.
 const BONE: f64 = 16.0;
 const PLATE: f64 = 2.0;
+
+/// What the arm stands on is drawn down to this far below its base, in millimetres, and in this colour.
+const STAND_MM: f64 = 120.0;
+const STAND: [u8; 3] = [158, 166, 176];
 
 /// Colours of the plot: motions, checks, transfers.
 const PARTS: [[u8; 3]; 3] = [pictures::EVEN, [150, 158, 168], [217, 120, 30]];
@@ -180,6 +186,7 @@ fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
         let [a, b] = [0, 1].map(|k: usize| Point3::from(ends[k].translation.vector));
         scene.bar(a, b, BONE, INK);
     }
+    run.robot.scene().bodies.iter().for_each(|body| stand(body, &mut scene));
     let carrier = stance.carrier * Point3::origin();
     let under = stance.part * Point3::new(0.0, 0.0, -PLATE);
     if (under - carrier).norm() > BONE {
@@ -202,4 +209,17 @@ fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
     scene.bar(above(8.0), above(60.0), 10.0, INK);
     let [width, height] = PICTURE;
     Some((format!("layer {} of {layers}", motion.layer + 1), scene.draw(width, height).to_png()))
+}
+
+/// Draws a body on which the arm stands, to the millimetre; the floor is farther down.
+fn stand(body: &Body, scene: &mut Scene) {
+    let (Mount::Base, Shape::Hull { points, .. }) = (body.mount, &body.shape) else { return };
+    let points = points.iter().map(|point| body.mount_body * point);
+    let corner = |p: Point3<f64>| [p.x, p.y, p.z.max(-STAND_MM)].map(|c| c.round() as i32);
+    let mut hull = ConvexHull::new(Depth::default());
+    if hull.insert(&points.map(corner).collect::<Vec<_>>()).is_ok() {
+        let point = |corner: Option<[i32; 3]>| corner.map(|at| Point3::from(at.map(f64::from)));
+        let corners = hull.triangles().filter_map(|[a, b, c]| Some([point(a)?, point(b)?, point(c)?]));
+        scene.triangles(corners.map(|corners| (corners, STAND)));
+    }
 }
