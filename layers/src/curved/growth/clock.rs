@@ -7,7 +7,7 @@
 //! later. Otherwise the front turns round the corner.
 //!
 //! Layer `k`, from 1, takes the cells with `k - 1 <= T < k` that have a support in an earlier layer, less those that would
-//! shadow others ([`super::prevention`]). What is held back gets a time in the layer in which it is let go ([`Restart`]), and
+//! shadow others ([`super::prevention`]). What is held back gets a time in the layer in which it is let go ([`SHORT_WAIT`]), and
 //! the front goes on from there at its usual pace. So the layers that the times are cut into are an order that can be built.
 
 use super::super::bits::CellSet;
@@ -23,24 +23,19 @@ use std::collections::BinaryHeap;
 use std::f64::consts::SQRT_2;
 use std::ops::ControlFlow;
 
-/// Times this close are one, where a front is level or a wait ends.
+/// Times this close are one, where a front is level.
 const ROUNDING: f64 = 1e-9;
+
+/// A front that has to wait no longer than this, in layers, sets out again as soon as it may: the surfaces there are a
+/// little closer. One that waits longer sets out in the middle of a layer, so that its first surface lies in the
+/// middle of the cells that waited; with the beginning of the layer it would lie on the face to those before.
+const SHORT_WAIT: f64 = 0.3;
 
 /// Neighbours one level down, the first in the list of offsets.
 const BELOW: usize = 5;
 
 /// The neighbours along each axis.
 const ALONG: [[[i32; 3]; 2]; 3] = [[[-1, 0, 0], [1, 0, 0]], [[0, -1, 0], [0, 1, 0]], [[0, 0, -1], [0, 0, 1]]];
-
-/// When a front that had to wait sets out again, within the layer in which it is let go.
-#[derive(Clone, Copy, PartialEq)]
-pub(in crate::curved) enum Restart {
-    /// At the beginning of the layer: the field has the least jump, but nothing holds the surfaces on both sides of it apart.
-    Begins,
-    /// After a whole number of layers, so that the surface behind a wait lies a layer from the last one before it; earlier
-    /// where a front that is on the move gets there from beside.
-    KeepsPace,
-}
 
 /// Times by the clock.
 pub(in crate::curved) struct Clocked {
@@ -75,10 +70,9 @@ pub(in crate::curved) fn grow_by_clock(
     rules: &Rules,
     release: Vec<f64>,
     stays_level: bool,
-    restart: Restart,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Clocked, GrowthError> {
-    let mut clock = Clock::new(cells, platform, rules, release, stays_level, restart)?;
+    let mut clock = Clock::new(cells, platform, rules, release, stays_level)?;
     let first = standing(cells, platform, rules);
     clock.front.build_all(&first)?;
     clock.build(&first.iter().map(|&cell| (cell, 0.5)).collect::<Vec<_>>());
@@ -102,7 +96,6 @@ struct Clock<'a> {
     front: Front,
     solid: CellSet,
     stays_level: bool,
-    restart: Restart,
     /// Cells of a level of the grid, empty ones included.
     level: u32,
     /// Times of the cells that are built or chosen for the layer in the making; not a number for the others.
@@ -124,14 +117,12 @@ impl<'a> Clock<'a> {
         rules: &'a Rules,
         release: Vec<f64>,
         stays_level: bool,
-        restart: Restart,
     ) -> Result<Self, GrowthError> {
         Ok(Clock {
             offsets: rules.neighbours.offsets(),
             front: Front::new(cells, platform, rules)?,
             solid: CellSet::of(cells),
             stays_level,
-            restart,
             level: cells.dims()[0] * cells.dims()[1],
             times: vec![f64::NAN; release.len()],
             due: vec![f64::INFINITY; release.len()],
@@ -171,23 +162,7 @@ impl<'a> Clock<'a> {
 
     /// When the front can get to the cell at the earliest.
     fn earliest(&self, cell: u32) -> f64 {
-        let (arrival, release) = (self.arrival(cell), self.release[cell as usize]);
-        let waited = self.waited(arrival, release);
-        if self.restart == Restart::Begins || waited <= arrival {
-            return waited;
-        }
-        let moving = |time: &f64| *time >= release - 1.0;
-        let along = |axis: usize| self.known_around(cell, &ALONG[axis]).map(|(_, time)| time).filter(moving);
-        let beside = upwind([0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min)));
-        if beside >= release { waited.min(beside) } else { waited }
-    }
-
-    /// The time at which what came at `time` goes on if it has to wait until `release`.
-    fn waited(&self, time: f64, release: f64) -> f64 {
-        match self.restart {
-            Restart::Begins => time.max(release),
-            Restart::KeepsPace => (time + (release - time - ROUNDING).ceil().max(0.0)).max(release),
-        }
+        waited(self.arrival(cell), self.release[cell as usize])
     }
 
     /// Neighbours of a cell that has got a time become due.
@@ -247,7 +222,7 @@ impl<'a> Clock<'a> {
                 continue; // until a neighbour is built
             }
             // What it was due by may have been held back since.
-            let (time, earliest) = (self.waited(time, layer), self.earliest(cell));
+            let (time, earliest) = (waited(time, layer), self.earliest(cell));
             if earliest > time {
                 self.set_due(cell, earliest);
                 continue;
@@ -293,6 +268,11 @@ impl<'a> Clock<'a> {
         // Over an edge only.
         self.known_around(cell, all).map(|(_, time)| time + SQRT_2).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// The time at which what came at `time` goes on if it has to wait until `release`, the beginning of a layer.
+fn waited(time: f64, release: f64) -> f64 {
+    if release - time > SHORT_WAIT { release + 0.5 } else { time.max(release) }
 }
 
 /// The time that gives a slope of 1 with the least times of the neighbours along each axis.

@@ -20,7 +20,7 @@ mod grower;
 mod order;
 mod prevention;
 
-pub(in crate::curved) use clock::{Restart, grow_by_clock};
+pub(in crate::curved) use clock::grow_by_clock;
 
 use super::cells::Cells;
 use super::order::LayerOrder;

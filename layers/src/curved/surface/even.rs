@@ -6,11 +6,9 @@
 //! same rules of support and accessibility, and no cell comes more than [`LAGS`] layers before its layer in the accepted
 //! order, which keeps what the order had learnt about who must wait for whom.
 //!
-//! Where neighbours often wait long for each other, the front waits for whole layers (`RESTARTS`): then layers add up to the
-//! part.
-//!
 //! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
-//! are tried, and the field with the more even slope and fewer waits is taken.
+//! are tried, and the field with the more even slope and fewer waits is taken. Its values are then smoothed within their layers
+//! (`smooth.rs`), which changes nothing of what the audit sees.
 //!
 //! The result is audited. If it fails, it is the turn of the less even one. If that fails too, or a cell is left over,
 //! the clock is held closer to the order, and at last the order itself is the field. So what comes out always passes
@@ -19,8 +17,9 @@
 use super::extend::JUMP;
 use super::field::{FieldError, LayerField, plain_field};
 use super::lattice::Lattice;
+use super::smooth::smoothed;
 use crate::Progress;
-use crate::curved::growth::{Restart, grow_by_clock};
+use crate::curved::growth::grow_by_clock;
 use crate::curved::{AuditError, AuditReport, Cells, GrowthError, LayerOrder, Platform, Rules, audit};
 use std::ops::ControlFlow;
 
@@ -29,12 +28,14 @@ use std::ops::ControlFlow;
 /// the field keeps more of the waits of the order.
 pub const LAGS: [f64; 2] = [10.0, 1.0];
 
-/// How a front that had to wait sets out again. At the beginning of a layer the field is the smoothest where waits are short
-/// and few. After whole layers the surfaces on both sides of a long wait keep their distance.
-const RESTARTS: [Restart; 2] = [Restart::Begins, Restart::KeepsPace];
+/// Sweeps of smoothing, and how far each goes.
+const SMOOTHING: (usize, f64) = (4, 0.5);
 
-/// Jumps a cell from which on fronts wait for whole layers. With 0.06 the surfaces still fill 0.98 of a part,
-/// with 0.09 it is 0.97, with 0.3 0.91.
+/// The same where there are [`MANY_JUMPS`]. Fields full of cuts lose area with each sweep: surfaces move out of the middle of
+/// the single cells that waited.
+const LIGHT_SMOOTHING: (usize, f64) = (1, 0.1);
+
+/// Jumps a cell from which on a field is full of cuts.
 const MANY_JUMPS: f64 = 0.08;
 
 /// A field of even layers.
@@ -46,7 +47,7 @@ pub struct Even {
     pub method: EvenMethod,
     /// The audit of its layers, which passed.
     pub audit: AuditReport,
-    /// Pairs of cells with a common face whose values are [`JUMP`] layers apart or more. No surface will run across.
+    /// Pairs of cells with a common face whose whole layers are [`JUMP`] apart or more. No surface will run across.
     pub jumps: usize,
 }
 
@@ -95,8 +96,7 @@ pub enum EvenError {
 ///
 /// # Cost
 /// About that of growing the order twice with incremental prevention, on two threads with the feature `rayon`, and of an
-/// audit; twice as much where fronts often wait, more if it has to try again. The same input gives the same field on
-/// any number of threads.
+/// audit; more if it has to try again. The same input gives the same field on any number of threads.
 ///
 /// # Example
 /// ```
@@ -110,7 +110,7 @@ pub enum EvenError {
 /// let growth = grow(&cells, &platform, &rules, &GrowthOptions::default(), None, &silent)?;
 /// let even = even(&cells, &platform, &rules, &growth.order, &[], &silent)?;
 /// assert_eq!(even.field.value(2), Some(0.5)); // the foot
-/// assert_eq!([20, 21, 22].map(|cell| even.field.value(cell)), [6.5, 5.5, 4.5].map(Some));
+/// assert_eq!(even.field.rounded().layer(6), [20, 24]); // the ends of the bar come last
 /// assert!(even.audit.is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -127,9 +127,9 @@ pub fn even(
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
     let layers = order.field(plain.values().len());
     for lag in LAGS {
-        let attempt = |stays_level: bool, restart: Restart| -> Result<Option<Attempt>, EvenError> {
+        let attempt = |stays_level: bool| -> Result<Option<Attempt>, EvenError> {
             let release = layers.iter().map(|&layer| (f64::from(layer) - lag).max(0.0)).collect();
-            let clocked = grow_by_clock(&built, platform, rules, release, stays_level, restart, progress)?;
+            let clocked = grow_by_clock(&built, platform, rules, release, stays_level, progress)?;
             if !clocked.complete {
                 return Ok(None);
             }
@@ -139,27 +139,20 @@ pub fn even(
             let unevenness = lattice.unevenness() + jumps as f64 / field.count() as f64;
             Ok(Some(Attempt { field, method: EvenMethod::Clock { lag, stays_level }, jumps, unevenness }))
         };
-        let mut best = None;
-        for restart in RESTARTS {
-            #[cfg(feature = "rayon")]
-            let (level, turning) = rayon::join(|| attempt(true, restart), || attempt(false, restart));
-            #[cfg(not(feature = "rayon"))]
-            let (level, turning) = (attempt(true, restart), attempt(false, restart));
-            let mut attempts: Vec<Attempt> = [level?, turning?].into_iter().flatten().collect();
-            attempts.sort_by(|a, b| a.unevenness.total_cmp(&b.unevenness));
-            for Attempt { field, method, jumps, .. } in attempts {
-                let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
-                if audit.is_ok() {
-                    best = Some(Even { field, method, audit, jumps });
-                    break;
-                }
+        #[cfg(feature = "rayon")]
+        let (level, turning) = rayon::join(|| attempt(true), || attempt(false));
+        #[cfg(not(feature = "rayon"))]
+        let (level, turning) = (attempt(true), attempt(false));
+        let mut attempts: Vec<Attempt> = [level?, turning?].into_iter().flatten().collect();
+        attempts.sort_by(|a, b| a.unevenness.total_cmp(&b.unevenness));
+        for Attempt { field, method, jumps, .. } in attempts {
+            let many = jumps as f64 > MANY_JUMPS * field.count() as f64;
+            let (sweeps, share) = if many { LIGHT_SMOOTHING } else { SMOOTHING };
+            let field = smoothed(field, sweeps, share);
+            let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
+            if audit.is_ok() {
+                return Ok(Even { field, method, audit, jumps });
             }
-            if best.as_ref().is_some_and(|even| even.jumps as f64 <= MANY_JUMPS * even.field.count() as f64) {
-                break;
-            }
-        }
-        if let Some(even) = best {
-            return Ok(even);
         }
     }
     let audit = audit(cells, platform, rules, &plain.rounded(), missed, progress)?;

@@ -12,9 +12,9 @@ use super::in_parallel;
 use super::lattice::{Lattice, ROOM};
 use crate::curved::Cells;
 
-/// Neighbours whose values are this far apart, in layers, are not joined: the front waited on one side of them, and
-/// surfaces drawn between the two would be squeezed into one cell. A lower limit would cut where the front is merely
-/// slow; with a higher one a cell would hold more surfaces than any nozzle can lay.
+/// Neighbours whose whole layers are this far apart are not joined: a layer of the order lies between them, so the front
+/// waited on one side, and surfaces drawn between the two would be squeezed. Where a front moves a cell a layer, neighbours
+/// are in the same layer or in the next, whichever way it faces. In the rings around the part values themselves are compared.
 pub const JUMP: f64 = 2.0;
 
 /// Cells that a thread takes at least: a few hundred microseconds of work. With fewer the threads spend more on sharing
@@ -45,7 +45,7 @@ impl ExtendedField {
         self.highest
     }
 
-    /// Pairs of cells with a common face whose values are [`JUMP`] layers apart or more: no surface runs across.
+    /// Pairs of cells with a common face whose whole layers are [`JUMP`] apart or more: no surface runs across.
     pub fn jumps(&self) -> usize {
         self.jumps
     }

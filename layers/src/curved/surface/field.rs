@@ -4,7 +4,7 @@
 
 use super::super::{Cells, LayerOrder};
 use super::extend::JUMP;
-use super::lattice::Lattice;
+use super::lattice::{Lattice, ROOM};
 
 /// When each cell of a part is built, in layers.
 ///
@@ -93,6 +93,16 @@ impl LayerField {
             }
         }
         if any { Ok(LayerField { dims: cells.dims(), values, layer_cells }) } else { Err(FieldError::Empty) }
+    }
+
+    /// The field with the values of the lattice, which was made of it.
+    pub(super) fn with_values(mut self, lattice: &Lattice) -> Self {
+        let [nx, ny, _] = self.dims.map(|d| d as usize);
+        for (row, values) in self.values.chunks_exact_mut(nx).enumerate() {
+            let start = lattice.index([0, (row % ny) as u32, (row / ny) as u32].map(|c| c + ROOM));
+            values.copy_from_slice(&lattice.values[start..start + nx]);
+        }
+        self
     }
 
     /// Cells of the grid along x, y and z.

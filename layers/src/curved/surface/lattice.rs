@@ -18,7 +18,7 @@ pub(super) struct Lattice {
 
 impl Lattice {
     /// The lattice of the centres of the cells, in the middle of its room; neighbours are joined if both have a value
-    /// and the two are less than `jump` apart.
+    /// and their whole layers are less than `jump` apart.
     pub(super) fn of(field: &LayerField, jump: f64) -> Self {
         let dims = field.dims().map(|d| d + 2 * ROOM);
         let len = dims.iter().map(|&d| d as usize).product();
@@ -34,7 +34,7 @@ impl Lattice {
             if !value.is_nan() {
                 for (axis, stride) in strides.iter().enumerate() {
                     // Comparisons with what is not a number are false.
-                    if (lattice.values[node + stride] - value).abs() < jump {
+                    if layers_between(lattice.values[node + stride], value) < jump {
                         lattice.joined[node] |= 1 << axis;
                     }
                 }
@@ -159,15 +159,20 @@ impl Lattice {
         (0..self.values.len()).filter(|&node| !self.values[node].is_nan()).map(steepness).filter(|&slope| slope > 0.0)
     }
 
-    /// Pairs of neighbours whose values are `jump` or more apart.
+    /// Pairs of neighbours whose whole layers are `jump` or more apart.
     pub(super) fn jumps(&self, jump: f64) -> usize {
         let strides = self.strides();
         let of_node = |node: usize| {
             let apart = |stride: &&usize| {
-                self.values.get(node + **stride).is_some_and(|next| (next - self.values[node]).abs() >= jump)
+                self.values.get(node + **stride).is_some_and(|&next| layers_between(next, self.values[node]) >= jump)
             };
             strides.iter().filter(apart).count()
         };
         (0..self.values.len()).map(of_node).sum()
     }
+}
+
+/// How far apart the whole layers of two values are.
+fn layers_between(a: f64, b: f64) -> f64 {
+    (a.floor() - b.floor()).abs()
 }

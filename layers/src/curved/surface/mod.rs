@@ -13,7 +13,7 @@
 //! ([`write_field_vtk`], [`write_surfaces_vtk`]).
 //!
 //! # Waits
-//! Where a front had to wait for another one, the values on both sides of a face differ by [`JUMP`] layers or more.
+//! Where a front had to wait for another one, the layers of the cells on both sides of a face differ by [`JUMP`] or more.
 //! Such a face is cut: a surface goes on to it from either side, and none runs across, so that surfaces are
 //! not squeezed into one cell.
 
@@ -22,6 +22,7 @@ mod even;
 mod extend;
 mod field;
 mod lattice;
+mod smooth;
 mod spacing;
 mod store;
 mod tree;
