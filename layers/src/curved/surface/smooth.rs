@@ -3,8 +3,9 @@
 //! The front of a re-timed order comes in whole cells, and where it waits it sets out again all at once. So its values
 //! are rough: two fronts that meet differ by a part of a layer, and a level that runs through the centres of many cells
 //! at once is torn by rounding. Here each value goes a share of the way to what its joined neighbours foretell: along
-//! each axis their mean unless the front parts or meets there, or at an end of the part or at a cut the straight continuation of what is on the other
-//! side. It never leaves its whole layer, so the layers of cells, their audit, and what is cut between them stay as they are.
+//! each axis their mean unless the front parts or meets there; at an end of the part or at a cut the straight continuation
+//! of what is on the other side. It never leaves its whole layer, so the layers of cells, their audit, and what is cut
+//! between them stay as they are.
 
 use super::extend::JUMP;
 use super::field::LayerField;
