@@ -347,7 +347,7 @@ fn each_path_begins_near_where_the_one_before_ends() {
     let scratch = Scratch::new("tee");
     let (mesh, out) = (scratch.path("tee.stl"), scratch.path("out"));
     let post = [[0.0; 3], [12.0, 12.0, 36.0]];
-    let arms = [[[12.0, 0.0, 24.0], [40.0, 12.0, 36.0]], [[-28.0, 0.0, 24.0], [0.0, 12.0, 36.0]]];
+    let arms = [[[12.0, 0.0, 24.0], [48.0, 12.0, 36.0]], [[-36.0, 0.0, 24.0], [0.0, 12.0, 36.0]]];
     fs::write(&mesh, boxes(&[post, arms[0], arms[1]])).unwrap();
     let args = ["--cell", "4", "--bead", "4", "--stage", "motion", "--program", "none"];
     let output = run(&[&["--mesh", &mesh, "--quiet", "--out", &out], &args[..]].concat());
