@@ -7,8 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, Pattern, StatisticsOptions, SurfaceDistance,
-    SurfaceMesh, TravelCurve, WIDTHS, order_curves, path_statistics,
+    BEAD_WIDTHS, BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, Pattern, StatisticsOptions,
+    SurfaceDistance, SurfaceMesh, TravelCurve, order_curves, path_statistics,
 };
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -130,7 +130,7 @@ fn fill(sheet: &TrimmedSheet, options: &PathOptions) -> Result<Layer, Box<dyn st
         let paths = field.paths(&PathOptions { fitted: !even, ..*options })?;
         lap(&mut times.paths);
         // What not even the narrowest bead could cover counts as unfillable.
-        let statistics = statistics(&mesh, &paths, WIDTHS[0] * bead)?;
+        let statistics = statistics(&mesh, &paths, BEAD_WIDTHS[0] * bead)?;
         lap(&mut times.statistics);
         Ok(Layer { paths, statistics, even, times })
     };

@@ -24,7 +24,7 @@ const POST_MM: f64 = 105.0;
 
 /// How high the arms stand over the floor, in millimetres: from here on a UR3 does not touch the floor with its links, lower
 /// it does.
-pub const STAND_MM: f64 = 600.0;
+const STAND_MM: f64 = 600.0;
 /// The beam under a UR3, as wide as its foot: how thick it is, and how far behind the arm's axis it leaves the pillar. Of
 /// steel it gives by a fiftieth of a millimetre under the arm; thicker than 45 mm the elbow does not pass under it.
 const BEAM_MM: [f64; 2] = [40.0, 400.0];

@@ -28,7 +28,7 @@ const BONE: f64 = 16.0;
 const PLATE: f64 = 2.0;
 
 /// What the arm stands on is drawn down to this far below its base, in millimetres, and in this colour.
-const STAND_MM: f64 = 120.0;
+const DRAWN_BELOW_MM: f64 = 120.0;
 const STAND: [u8; 3] = [158, 166, 176];
 
 /// Colours of the plot: motions, checks, transfers.
@@ -215,7 +215,7 @@ fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
 fn stand(body: &Body, scene: &mut Scene) {
     let (Mount::Base, Shape::Hull { points, .. }) = (body.mount, &body.shape) else { return };
     let points = points.iter().map(|point| body.mount_body * point);
-    let corner = |p: Point3<f64>| [p.x, p.y, p.z.max(-STAND_MM)].map(|c| c.round() as i32);
+    let corner = |p: Point3<f64>| [p.x, p.y, p.z.max(-DRAWN_BELOW_MM)].map(|c| c.round() as i32);
     let mut hull = ConvexHull::new(Depth::default());
     if hull.insert(&points.map(corner).collect::<Vec<_>>()).is_ok() {
         let point = |corner: Option<[i32; 3]>| corner.map(|at| Point3::from(at.map(f64::from)));

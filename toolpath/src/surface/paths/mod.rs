@@ -31,8 +31,8 @@ use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use super::mesh::MeshError;
 use super::order::Visit;
 use curve::Loop;
+pub use spacing::BEAD_WIDTHS;
 use spacing::Spacing;
-pub use spacing::WIDTHS;
 use thin::{Curve, thinned};
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.

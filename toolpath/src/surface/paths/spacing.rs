@@ -18,7 +18,7 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 /// The least and the largest width of a bead, as shares of what was asked for.
-pub const WIDTHS: [f64; 2] = [0.75, 1.25];
+pub const BEAD_WIDTHS: [f64; 2] = [0.75, 1.25];
 /// Rings that share what is left. Two would do for the widths above; the more, the more rings move where their number
 /// changes, and the closer widths stay to what was asked for.
 const INNER: usize = 3;
@@ -70,7 +70,7 @@ impl Levels for Spacing<'_, '_> {
             return (level as f64 + 0.5 + LIFT) * self.bead;
         }
         if level == 0 && self.neck[vertex as usize] {
-            return WIDTHS[0] * self.bead;
+            return BEAD_WIDTHS[0] * self.bead;
         }
         self.place(level, self.rings[vertex as usize], self.ridge[vertex as usize])[0]
     }
@@ -88,7 +88,7 @@ impl<'f, 'd> Spacing<'f, 'd> {
             parts[filled[parent as usize] as usize] = part;
             filled[parent as usize] += 1;
         }
-        let least = if fit { WIDTHS[0] } else { 1.0 };
+        let least = if fit { BEAD_WIDTHS[0] } else { 1.0 };
         let count = (reach / bead / least).floor() as usize + 1;
         let mut spacing =
             Spacing { field, bead, count, ridge: Vec::new(), rings: Vec::new(), neck: Vec::new(), parts, starts };
@@ -165,24 +165,28 @@ impl<'f, 'd> Spacing<'f, 'd> {
         let share = if high[0] > low[0] { ((value - low[0]) / (high[0] - low[0])).clamp(0.0, 1.0) } else { 0.0 };
         let width = low[1] + (high[1] - low[1]) * share;
         let between = share.min(1.0 - share) > BETWEEN;
-        (width.clamp(WIDTHS[0] * self.bead, WIDTHS[1] * self.bead), between)
+        (width.clamp(BEAD_WIDTHS[0] * self.bead, BEAD_WIDTHS[1] * self.bead), between)
     }
 
     /// The width of a single bead along the medial axis; none where it is too narrow for one.
     pub fn single(&self, value: f64) -> f64 {
-        if self.fits() { (2.0 * value).clamp(WIDTHS[0] * self.bead, WIDTHS[1] * self.bead) } else { self.bead }
+        if self.fits() {
+            (2.0 * value).clamp(BEAD_WIDTHS[0] * self.bead, BEAD_WIDTHS[1] * self.bead)
+        } else {
+            self.bead
+        }
     }
 
     /// The least distance from the boundary at which there may be a single bead.
     pub fn least_single(&self) -> f64 {
         // Even beads may lie half outside; those that fit do not.
-        if self.fits() { 0.5 * WIDTHS[0] * self.bead } else { 0.25 * self.bead }
+        if self.fits() { 0.5 * BEAD_WIDTHS[0] * self.bead } else { 0.25 * self.bead }
     }
 }
 
 /// How many rings fit below a ridge, given in beads: the number, and whether one more would fit too.
 fn rings(ridge: f64) -> (f64, bool) {
-    if ridge < WIDTHS[0] {
+    if ridge < BEAD_WIDTHS[0] {
         return (0.0, false);
     }
     if ridge < SECOND {
@@ -191,8 +195,8 @@ fn rings(ridge: f64) -> (f64, bool) {
     let inner = |rings: f64| rings.min(INNER as f64);
     // From here on one more ring fits, and up to there as many as there are.
     let fewer = ridge.floor().max(2.0);
-    let more_from = fewer + 1.0 - inner(fewer + 1.0) * (1.0 - WIDTHS[0]);
-    let up_to = fewer + inner(fewer) * (WIDTHS[1] - 1.0);
+    let more_from = fewer + 1.0 - inner(fewer + 1.0) * (1.0 - BEAD_WIDTHS[0]);
+    let up_to = fewer + inner(fewer) * (BEAD_WIDTHS[1] - 1.0);
     match ridge {
         _ if ridge < more_from => (fewer, false),
         _ if ridge > up_to => (fewer + 1.0, false),
@@ -262,11 +266,11 @@ fn limit(field: &LevelField, around: &Around, values: &mut [f64], slope: f64) {
 /// levels go on beyond the ridge.
 fn place(level: usize, m: f64, ridge: f64) -> [f64; 2] {
     if m < 1.0 {
-        return [WIDTHS[0] + level as f64, WIDTHS[0]];
+        return [BEAD_WIDTHS[0] + level as f64, BEAD_WIDTHS[0]];
     }
     let inner = m.min(INNER as f64);
     let outer = m - inner;
-    let width = ((ridge - outer) / inner).clamp(WIDTHS[0], WIDTHS[1]);
+    let width = ((ridge - outer) / inner).clamp(BEAD_WIDTHS[0], BEAD_WIDTHS[1]);
     let level = level as f64;
     if level < outer { [level + 0.5, 1.0] } else { [outer + (level - outer + 0.5) * width, width] }
 }
@@ -331,7 +335,7 @@ fn ridge(field: &LevelField, bead: f64) -> Vec<f64> {
 
 /// Vertices beside necks that are too narrow for two beads: there rings turn round.
 fn necks(field: &LevelField, bead: f64) -> Vec<bool> {
-    let least = WIDTHS[0] * bead;
+    let least = BEAD_WIDTHS[0] * bead;
     let mut beside = vec![false; field.values.len()];
     let saddles = field.pockets(0.0);
     let narrow = saddles.iter().filter(|pocket| pocket.height > least);

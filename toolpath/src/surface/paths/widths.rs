@@ -6,7 +6,7 @@
 //! widens what a neighbour narrows, and in turn, far into what was even.)
 
 use super::crossing::normal;
-use super::spacing::{Spacing, WIDTHS};
+use super::spacing::{BEAD_WIDTHS, Spacing};
 use super::stretches::Stretches;
 use super::thin::Curve;
 use crate::surface::mesh::SurfaceMesh;
@@ -79,13 +79,13 @@ impl Room<'_> {
             count += 1.0;
         }
         let width = if count > 0.0 { sum / count } else { self.bead };
-        width.clamp(WIDTHS[0] * self.bead, WIDTHS[1] * self.bead)
+        width.clamp(BEAD_WIDTHS[0] * self.bead, BEAD_WIDTHS[1] * self.bead)
     }
 
     /// The room on the left and on the right of a place of a curve.
     fn aside(&self, number: u32, arc: f64, p: Point3<f64>, [way, up]: [Vector3<f64>; 2]) -> [f64; 2] {
         let left = up.cross(&way);
-        let mut room = [(LOOK * self.bead, 0.5 * WIDTHS[1] * self.bead); 2];
+        let mut room = [(LOOK * self.bead, 0.5 * BEAD_WIDTHS[1] * self.bead); 2];
         for name in self.stretches.near(p) {
             let ends = match name {
                 [BOUNDARY, h] => ends_of(self.mesh, h),
