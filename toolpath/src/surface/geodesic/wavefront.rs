@@ -41,8 +41,8 @@ pub(super) struct WaveFront<'m> {
     envelope: Envelope,
     queue: BucketQueue,
     distances: Vec<f64>,
-    /// For vertices that cast a shadow, the angle of the fan from which the distance came.
-    arrivals: Vec<f64>,
+    /// For vertices that cast a shadow, where the distance came from.
+    arrivals: Vec<Arrival>,
     /// The distance with which a vertex last sent out a wave.
     sent: Vec<f64>,
     is_source: Vec<bool>,
@@ -53,6 +53,15 @@ pub(super) struct WaveFront<'m> {
     trim: Trim,
     slack: f64,
     reached: u64,
+}
+
+/// How a way comes in to a vertex.
+#[derive(Clone, Copy, Debug, Default)]
+struct Arrival {
+    /// The angle of the fan.
+    angle: f64,
+    /// How far that may be off, since the way bends a little: the straight one to the same vertex comes in between.
+    off: f64,
 }
 
 /// What a propagation leaves behind.
@@ -82,7 +91,7 @@ impl<'m> WaveFront<'m> {
             // No path is longer than all edges together.
             queue: BucketQueue::new(BUCKET * unfolding.mean_length(), (mesh.half_edges() as f64 / BUCKET) as usize),
             distances: vec![f64::INFINITY; vertices],
-            arrivals: vec![0.0; vertices],
+            arrivals: vec![Arrival::default(); vertices],
             sent: vec![f64::INFINITY; vertices],
             is_source: vec![false; mesh.half_edges() as usize],
             queued: vec![f64::INFINITY; mesh.half_edges() as usize],
@@ -203,19 +212,16 @@ impl<'m> WaveFront<'m> {
     /// rays or almost.
     fn see_apex(&mut self, crossing: &Crossing, [from, to]: [f64; 2], wave: &Wave, [past_first, past_last]: [f64; 2]) {
         let apex = crossing.apex;
-        let almost = |past: f64, t: f64| {
-            let (ray, up) = (wave.direction(t), [apex[0] - t, apex[1]]);
-            let squares = (ray[0] * ray[0] + ray[1] * ray[1]) * (up[0] * up[0] + up[1] * up[1]);
-            past * past <= SEEN * SEEN * squares
-        };
-        let (distance, bend) = if past_first <= 0.0 && past_last >= 0.0 {
-            (wave.beyond(apex), wave.crossing(apex).clamp(from, to))
+        let (distance, bend, off) = if past_first <= 0.0 && past_last >= 0.0 {
+            (wave.beyond(apex), wave.crossing(apex).clamp(from, to), 0.0)
         } else {
             let (past, end) = if past_first > 0.0 { (past_first, from) } else { (past_last, to) };
-            if !almost(past, end) {
+            let (ray, up) = (wave.direction(end), [apex[0] - end, apex[1]]);
+            let squares = (ray[0] * ray[0] + ray[1] * ray[1]) * (up[0] * up[0] + up[1] * up[1]);
+            if past * past > SEEN * SEEN * squares {
                 return;
             }
-            (wave.at(end) + (apex[0] - end).hypot(apex[1]), end)
+            (wave.at(end) + up[0].hypot(up[1]), end, past.abs() / squares.sqrt())
         };
         let vertex = self.mesh.tail(crossing.left.half_edge);
         if !self.improves(vertex, distance) {
@@ -223,20 +229,21 @@ impl<'m> WaveFront<'m> {
         }
         // Back to the source, counterclockwise from the half-edge that leaves the apex in this triangle.
         let back = apex[0].atan2(apex[1]) - (apex[0] - bend).atan2(apex[1]);
-        self.arrive(vertex, distance, crossing.left.half_edge, back);
+        self.arrive(vertex, distance, crossing.left.half_edge, [back, off]);
     }
 
     fn improves(&self, vertex: u32, distance: f64) -> bool {
         distance < self.distances[vertex as usize] - self.slack
     }
 
-    /// Notes a shorter way to a vertex, which came in from an angle to the left of a half-edge out of it.
-    fn arrive(&mut self, vertex: u32, distance: f64, out: u32, angle: f64) {
+    /// Notes a shorter way to a vertex, which came in from an angle to the left of a half-edge out of it, and may be off by
+    /// another.
+    fn arrive(&mut self, vertex: u32, distance: f64, out: u32, [angle, off]: [f64; 2]) {
         let old = std::mem::replace(&mut self.distances[vertex as usize], distance);
         self.reached += u64::from(old.is_infinite());
         if self.casts_shadow(vertex) {
             let before: f64 = self.mesh.fan(vertex).take_while(|&h| h != out).map(|h| self.unfolding.angle(h)).sum();
-            self.arrivals[vertex as usize] = before + angle;
+            self.arrivals[vertex as usize] = Arrival { angle: before + angle, off };
             self.queue.push(distance, VERTEX | vertex);
         }
     }
@@ -248,18 +255,20 @@ impl<'m> WaveFront<'m> {
 
     /// A vertex sends a wave where no straight line over it arrives.
     fn send_into_shadow(&mut self, vertex: u32) {
-        let (distance, back) = (self.distances[vertex as usize], self.arrivals[vertex as usize]);
+        let (distance, Arrival { angle, off }) = (self.distances[vertex as usize], self.arrivals[vertex as usize]);
         // A stale item: its wave is out, or a shorter one will come.
         if distance >= self.sent[vertex as usize] {
             return;
         }
         self.sent[vertex as usize] = distance;
         let total = self.unfolding.total(vertex);
+        // As far as straight lines may arrive, and no gap between: what overlaps is trimmed.
+        let [left, right] = [angle + PI - off, angle - PI + off];
         if self.mesh.is_boundary_vertex(vertex) {
-            self.send(vertex, [0.0, back - PI], distance);
-            self.send(vertex, [back + PI, total], distance);
+            self.send(vertex, [0.0, right], distance);
+            self.send(vertex, [left, total], distance);
         } else {
-            self.send_around(vertex, [back + PI, back - PI + total], distance);
+            self.send_around(vertex, [left, right + total], distance);
         }
     }
 
@@ -321,12 +330,13 @@ impl<'m> WaveFront<'m> {
             let edges = [(start, h, mesh.head(h)), (angle, previous(h), mesh.tail(previous(h)))];
             for (at, edge, other) in edges {
                 let distance = base + self.unfolding.frame(edge).length;
-                if from - LEAST_GAP <= at && at <= to + LEAST_GAP && self.improves(other, distance) {
+                let off = (from - at).max(at - to).max(0.0);
+                if off <= SEEN && self.improves(other, distance) {
                     let (out, back) = match edge == h {
                         true => (across, self.unfolding.angle(across)),
                         false => (edge, 0.0),
                     };
-                    self.arrive(other, distance, out, back);
+                    self.arrive(other, distance, out, [back, off]);
                 }
             }
             let frame = self.unfolding.frame(across);
