@@ -341,6 +341,24 @@ fn sheets_without_any_distance() {
 }
 
 #[test]
+fn a_curve_goes_on_over_a_flat_fold() {
+    // A plane strip that runs 10 mm on, 1 mm back and on again, folded flat: seen in space, a line along it runs back over
+    // itself, on the surface it is straight. It stays in its triangle wherever it is not on an edge.
+    for slant in [0.0, 0.3] {
+        let columns = [0.0, 10.0, 9.0, 20.0];
+        let place = |x: f64, y: f64| Point3::new(x + slant * (y - 2.5), y, 0.0);
+        let vertices: Vec<_> = columns.iter().flat_map(|&x| [place(x, 0.0), place(x, 5.0)]).collect();
+        let triangles: Vec<[u32; 3]> = [0, 2, 4].iter().flat_map(|&k| [[k, k + 2, k + 3], [k, k + 3, k + 1]]).collect();
+        let stops = [0.5, 3.0, 9.5, 9.9, 10.0, 9.7, 9.3, 9.0, 9.4, 9.8, 10.3, 19.5];
+        let along = line(stops.map(|x| Point3::new(x, 2.5, 0.0)), 1.0);
+        let found = try_measure(&vertices, &triangles, &[along], &StatisticsOptions::default()).unwrap();
+        assert_eq!((found.self_crossings, found.sharp_turns), (0, 0), "{slant}");
+        // 21 mm of bead with half a disc at each end, on 22 mm by 5.
+        assert_abs_diff_eq!(found.covered_fraction * 22.0 * 5.0, 21.0 + 0.25 * PI, epsilon = 0.05);
+    }
+}
+
+#[test]
 fn a_chord_over_a_notch_is_off_the_surface() {
     // A U of side 6 with a notch of 2 by 4; the chord at height 4 runs over it.
     let mesh = grid(6, 3, 0.5, |i, j| (2..4).contains(&i) && j >= 2, plane);

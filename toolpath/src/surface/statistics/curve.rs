@@ -88,14 +88,13 @@ pub(super) fn lay(
 ) -> Result<Laid, StatisticsError> {
     let sheet = tracer.sheet;
     let points = distinct(curve);
-    let mut spots: Vec<Spot> = Vec::with_capacity(points.len());
-    for &(p, radius) in &points {
-        let spot = tracer.locate(p, radius, spots.last().copied()).ok_or_else(|| {
+    let located = |(p, radius): (Vector3<f64>, f64), before: Option<(Spot, u32)>| {
+        tracer.locate(p, radius, before).ok_or_else(|| {
             let point = curve.points.iter().position(|q| q.coords == p).unwrap_or(0);
             StatisticsError::OffSurface { curve: number as usize, point, reach: radius }
-        })?;
-        spots.push(spot);
-    }
+        })
+    };
+    let mut spots = vec![located(points[0], None)?];
     let ends = [points[0].0, points[points.len() - 1].0];
     let closed = points.len() > 2 && curve.points.first() == curve.points.last();
     let mut laid = Laid { closed, ..Laid::default() };
@@ -109,6 +108,8 @@ pub(super) fn lay(
     let mut chords: Vec<[(u32, Vector2<f64>); 2]> = Vec::with_capacity(points.len());
     for k in 1..points.len() {
         let (from, to) = (points[k - 1], points[k]);
+        let came = chords.last().map_or(u32::MAX, |chord| chord[1].0);
+        spots.push(located(to, Some((spots[k - 1], came)))?);
         let hops = tracer.chord([spots[k - 1], spots[k]], [from.0, to.0], from.1.max(to.1));
         let first = hops.first().copied().flatten().map_or(spots[k - 1].triangle, |h| h.triangle);
         let last = hops.last().copied().flatten().map_or(spots[k].triangle, |h| h.triangle);

@@ -6,7 +6,7 @@
 //! rounding cannot lead it astray. Where it does not arrive (the chord leaves the surface over a notch of the boundary,
 //! or cuts below a crest) the chord is halved until its parts lie on the surface or are short: these are *off* it.
 
-use super::locate::Locator;
+use super::locate::{Locator, Near};
 use super::sheet::Sheet;
 use nalgebra::{Vector2, Vector3};
 
@@ -20,6 +20,9 @@ const LEAST_CHORD: f64 = 1.0 / 256.0;
 /// A point found this near, as a share of the width, to the triangle of the point before or one beside it is taken to
 /// lie there without asking all triangles. So sheets that touch are told apart.
 const NEAR: f64 = 1e-7;
+
+/// Triangles that are no farther than this share of the width apart from a point are equally near.
+const EQUAL: f64 = 1e-9;
 
 /// A way through a vertex that is longer than the chord by at most this share is none but for rounding: the vertex is
 /// then nearer to the chord than the 30,000th part of its length.
@@ -108,14 +111,22 @@ struct End {
 }
 
 impl Tracer<'_> {
-    /// The nearest point of the surface within `reach`, preferably beside the one before.
-    pub(super) fn locate(&self, p: Vector3<f64>, reach: f64, before: Option<Spot>) -> Option<Spot> {
-        let beside = before.and_then(|spot| {
+    /// The nearest point of the surface within `reach`, preferably beside the one before, to which the curve came in a
+    /// triangle. Where triangles lie on each other, folded flat, a curve that came to the edge between them goes on
+    /// over it; elsewhere it stays in its triangle.
+    pub(super) fn locate(&self, p: Vector3<f64>, reach: f64, before: Option<(Spot, u32)>) -> Option<Spot> {
+        let beside = before.and_then(|(spot, came)| {
             let across = self.sheet.across[spot.triangle as usize].iter().flatten().map(|a| a.triangle);
-            std::iter::once(spot.triangle)
-                .chain(across)
-                .map(|t| self.locator.on_triangle(t, p))
-                .min_by(|a, b| a.distance.total_cmp(&b.distance))
+            let near: Vec<Near> =
+                std::iter::once(spot.triangle).chain(across).map(|t| self.locator.on_triangle(t, p)).collect();
+            let least = near.iter().map(|near| near.distance).fold(f64::INFINITY, f64::min);
+            let rank = |near: &Near| match spot.seen_from(self.sheet, near.triangle) {
+                Some(_) => u8::from(near.triangle == came),
+                None => 2,
+            };
+            let nearest = near.into_iter().filter(|near| near.distance <= least + EQUAL * reach);
+            nearest
+                .min_by(|a, b| rank(a).cmp(&rank(b)).then(a.distance.total_cmp(&b.distance)))
                 .filter(|near| near.distance <= NEAR * reach)
         });
         beside.or_else(|| self.locator.nearest(p, reach)).map(|near| Spot::new(near.triangle, near.weights))
