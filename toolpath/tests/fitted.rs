@@ -136,6 +136,12 @@ fn bridges_keep_clear_of_needles() {
 }
 
 #[test]
+fn small_rings_that_no_bridge_leads_to_give_way_to_single_beads() {
+    // Rings of 2.1 to 2.5 beads on a ridge, with a ring beside them nowhere along their side: second curves of a region.
+    [324, 475].into_iter().for_each(corridors_are_sound);
+}
+
+#[test]
 fn what_rings_leave_between_three_holes_is_filled() {
     // Three blocks with room for one bead more where they meet.
     let block = |i: usize, j: usize| (j < 6 && !(6..9).contains(&i)) || (j >= 9 && (4..11).contains(&i));

@@ -205,7 +205,7 @@ impl LevelField<'_> {
     /// is left of the way across. With
     /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
     /// Where rings nowhere run side by side (rare: small rings in narrow places) a region gets more than one; compare
-    /// the number of paths with `regions`. Those shorter than about two beads are left out there: a gap of about a bead.
+    /// the number of paths with `regions`. Those shorter than about three beads are left out there: a single bead takes their place.
     /// [`Pattern::Zigzag`] has rows instead, a bead apart by geodesic distance, and more than one curve where holes and bays
     /// part them.
     ///

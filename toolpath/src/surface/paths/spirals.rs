@@ -24,7 +24,7 @@
 //! cross itself or the ends of the rings that it joins, as it may where a ring turns back on itself. And
 //! it must keep away from other bridges in the same band. Places are tried with wide windows first, those where the
 //! rings run side by side best. Where no line crosses all rings, a chain is joined to itself half way in; where no bridge
-//! is found for a single ring, it becomes a curve of its own, or is left out if it is very small.
+//! is found for a single ring, it becomes a curve of its own, or gives way to a single bead if it is very small.
 
 use super::chains::{Beside, Chain};
 use super::crossing::{cross, crosses_itself};
@@ -63,8 +63,9 @@ const CLEAR: f64 = 0.3;
 const BEND: f64 = 0.3;
 /// And between its stations it follows the surface where that is farther than this from straight, in beads.
 const OFF: f64 = 0.005;
-/// A ring that no bridge leads to is left out if it is shorter, in beads: it goes round less than the width of a bead.
-const BLOT: f64 = 2.1;
+/// A ring that no bridge leads to is left out if it is shorter, in beads: it goes round less than a disc as wide as a bead,
+/// which a single bead fills as well.
+const BLOT: f64 = std::f64::consts::PI;
 /// How far along the rings that it joins a bridge is held against them, in beads.
 const BESIDE: f64 = 2.0;
 /// Points of a bridge for each bead of length.
@@ -153,7 +154,7 @@ impl<'a> Weaver<'a> {
         };
         match rings {
             _ if joined => {}
-            // Nothing hangs on it, and by itself it would be a blot: the gap is less.
+            // Nothing hangs on it, and by itself it would be a blot: a single bead takes its place.
             [ring] if !parents.is_empty() && self.is_blot(*ring) => {}
             [ring] => self.open(*ring, chain),
             _ => {
