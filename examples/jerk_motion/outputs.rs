@@ -237,6 +237,9 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
         if let Some(bound) = figures.jerk_lower_bound {
             summary.set(&format!("{name}_jerk_lower_bound"), bound)?;
         }
+        if let Some(bound) = figures.speed_lower_bound {
+            summary.set(&format!("{name}_speed_lower_bound"), bound)?;
+        }
     }
     if let Some(study) = &results.study {
         set_study(study, &mut summary)?;
@@ -319,6 +322,12 @@ fn pictures<const N: usize>(run: &Run<N>, report: &mut Report) {
     let draw = |curve| draw(&before.trajectories, &after.trajectories, curve);
     report.picture("joint angles over time, rad", &draw(Curve::Angle));
     report.picture("jerk over time, rad/s^3", &draw(Curve::Jerk));
+    if let Some(speed) = before_figures.speed_lower_bound.filter(|speed| *speed > 1.0) {
+        report.notice(&format!(
+            "The path breaks off: no motion that meets its waypoints in time has less than {speed:.3} times the speed limit \
+             of some joint, with any tool angles and on any branch"
+        ));
+    }
     for violation in after_figures.violations.iter().take(12) {
         report.paragraph(&format!("beyond its bound: {violation}"));
     }

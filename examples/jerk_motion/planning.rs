@@ -13,6 +13,11 @@ use std::time::{Duration, Instant};
 /// The methods, by the words of the summary.
 pub const METHODS: [&str; 4] = ["ladder", "local", "global", "grid"];
 
+/// Waypoints before and after a break on which least speeds are told. The ladder breaks off where the last of its
+/// chains ends, which may be some waypoints beyond what stopped all others.
+const BEFORE_BREAK: usize = 24;
+const AFTER_BREAK: usize = 4;
+
 /// A motion by one method.
 #[derive(Clone, Debug)]
 pub struct Planned<const N: usize> {
@@ -44,6 +49,8 @@ pub struct Figures {
     pub hard_violations: usize,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
     pub jerk_lower_bound: Option<f64>,
+    /// What is proved of the stretch before a break: every motion needs so many times a speed limit.
+    pub speed_lower_bound: Option<f64>,
 }
 
 impl Figures {
@@ -119,6 +126,9 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
             let trajectories = whole.map_or_else(|| motion.splines(times), Ok)?;
             let mut planned = measured(method, robot, times, &bounds, &motion, trajectories, time);
             planned.figures.jerk_lower_bound = lower_bound;
+            if method == "ladder" {
+                planned.figures.speed_lower_bound = needed_speed(robot, times, &bounds, &motion)?;
+            }
             match all.iter_mut().find(|known| known.method == method) {
                 Some(known) => known.append(planned),
                 None => all.push(planned),
@@ -162,6 +172,21 @@ fn unhurried<const N: usize, const F: usize, R: Placed<N, F>>(
     let (ladder, _) = climb(robot, times, &Bounds { velocity: [f64::INFINITY; N], ..*bounds }, [4; F], 0, bars)?;
     let smoother = ladder.runs.len() == 1 && jerk(&ladder, times)? < jerk(start, times)?;
     Ok(smoother.then_some(ladder))
+}
+
+/// The greatest speed, in shares of the limits, that the stretches about the breaks of a motion need, whatever is done.
+fn needed_speed<const N: usize, const F: usize, R: Placed<N, F>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    motion: &Motion<N, F>,
+) -> Result<Option<f64>, Failure> {
+    let mut most = None;
+    for run in &motion.runs[1..] {
+        let around = run.start.saturating_sub(BEFORE_BREAK)..(run.start + AFTER_BREAK).min(times.len());
+        most = greater(most, robot.least_speed(times, bounds, around)?.map(|found| found.at_least));
+    }
+    Ok(most)
 }
 
 /// Algorithm 6 on every run that is long enough.
@@ -254,6 +279,7 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
         violations: Vec::new(),
         hard_violations: 0,
         jerk_lower_bound: None,
+        speed_lower_bound: None,
     };
     for (waypoint, rung) in motion.rungs.iter().enumerate() {
         let (mm, rad) = robot.missed(waypoint, &rung.joints);
@@ -292,6 +318,7 @@ impl<const N: usize> Planned<N> {
         ours.violations.extend(theirs.violations);
         ours.hard_violations += theirs.hard_violations;
         ours.jerk_lower_bound = greater(ours.jerk_lower_bound, theirs.jerk_lower_bound);
+        ours.speed_lower_bound = greater(ours.speed_lower_bound, theirs.speed_lower_bound);
         self.trajectories.extend(next.trajectories);
     }
 }

@@ -4,10 +4,10 @@ use curvlay_kinematics::{
     Arm, ArmError, Branch, Cell, CellError, JointLimits, Positioner, PositionerError, TableCell, Waypoint,
     nozzle_frame, robots,
 };
-use curvlay_trajectory::{Bounds, FreeRange, Posture, Robot};
+use curvlay_trajectory::{Bounds, FreeRange, LadderError, LeastSpeed, Posture, Robot, least_speed};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 /// Seconds from one waypoint to the next where no feed is given: 2,545 of them take 460 s, as in the dissertation.
 pub const STEP_S: f64 = 460.0 / 2545.0;
@@ -19,6 +19,9 @@ const JERK_RAD_S3: f64 = 1.0;
 
 /// How far the table may tilt to either side at a waypoint; its own stops are farther.
 const MOST_TILT: f64 = PI / 3.0;
+
+/// Cells of the tool angle by which least speeds are told: three digits.
+const CELLS: u32 = 8192;
 
 /// Numbers of ours that make no cell; never seen.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -51,6 +54,19 @@ pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
 
     /// The bounds of the figures, or with the makers' speeds.
     fn bounds(&self, makers_speeds: bool) -> Bounds<N>;
+
+    /// What speeds every motion through these waypoints needs; `None` with more than one free parameter.
+    ///
+    /// # Errors
+    /// As of [`least_speed`].
+    fn least_speed(
+        &self,
+        _times: &[f64],
+        _bounds: &Bounds<N>,
+        _waypoints: Range<usize>,
+    ) -> Result<Option<LeastSpeed>, LadderError> {
+        Ok(None)
+    }
 }
 
 /// Waypoints centred in x and y by their mean, the lowest at z = 0.
@@ -128,6 +144,15 @@ impl Placed<6, 1> for PartInHand {
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<6> {
         bounded(self.cell.arm().limits(), makers_speeds)
+    }
+
+    fn least_speed(
+        &self,
+        times: &[f64],
+        bounds: &Bounds<6>,
+        waypoints: Range<usize>,
+    ) -> Result<Option<LeastSpeed>, LadderError> {
+        least_speed(self, times, bounds, waypoints, CELLS, &|_| ControlFlow::Continue(())).map(Some)
     }
 }
 

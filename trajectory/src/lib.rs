@@ -25,7 +25,9 @@ pub use global::{
     QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
-pub use ladder::{Ladder, LadderError, LadderOptions, LadderSearch, MOST_SAMPLES, Norm, Rung, plan_ladder};
+pub use ladder::{
+    Ladder, LadderError, LadderOptions, LadderSearch, LeastSpeed, MOST_SAMPLES, Norm, Rung, least_speed, plan_ladder,
+};
 pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};
 pub use nalgebra;
 pub use path::{Defect, FEWEST_WAYPOINTS, PathError, PathOptions, PathPiece, TimedPath, Timing, timed_path};

@@ -19,6 +19,7 @@ mod buckets;
 mod coarse;
 mod nodes;
 mod search;
+mod slowest;
 
 use crate::bounds::BoundsError;
 use crate::robot::Robot;
@@ -26,6 +27,7 @@ use crate::{Bounds, Progress};
 use buckets::Measure;
 use nodes::{Branches, Kind, Window, wrapped};
 use search::{Path, Search, Stuck};
+pub use slowest::{LeastSpeed, least_speed};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
 
