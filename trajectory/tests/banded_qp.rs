@@ -292,18 +292,16 @@ fn barely_feasible(waypoints: usize, share: f64) -> Plain {
 }
 
 /// At .97 the sum of misses is .001 where the free steps are 28, and zero at 166: its multipliers once counted as a proof.
+/// Those of the solution are a thousand times those of .98; equations that were held by 1e-7 kept them from growing.
 #[test]
-fn what_can_only_be_met_far_out_is_not_called_infeasible() {
-    let problem = barely_feasible(300, 0.97);
-    let (theirs, value) = problem.clarabel();
-    let found = problem.banded().solve(&QpOptions::default(), None).unwrap();
-    assert_eq!(theirs, SolverStatus::Solved);
-    assert!(matches!(found.status, QpStatus::Solved | QpStatus::Iterations | QpStatus::Stalled), "{:?}", found.status);
-    assert!(found.lower_bound < value + 1e-6 * value.abs());
-    assert_eq!(
-        barely_feasible(300, 0.99).banded().solve(&QpOptions::default(), None).unwrap().status,
-        QpStatus::Solved
-    );
+fn what_can_only_be_met_far_out_is_solved() {
+    for share in [0.97, 0.971, 0.975, 0.99] {
+        let problem = barely_feasible(300, share);
+        assert_eq!(compare(&problem).unwrap(), QpStatus::Solved, "{share}");
+        let found = problem.banded().solve(&QpOptions::default(), None).unwrap();
+        // Sixty for nothing, and as many as any hard problem takes.
+        assert!(found.iterations <= 90, "{share} {}", found.iterations);
+    }
 }
 
 /// Bounds of its own make up for what is left of a variable: the same rows with these are infeasible, and that is proved

@@ -34,11 +34,16 @@ const SKETCHED: f64 = 1e-3;
 /// A proof of infeasibility or unboundedness holds to this, relative to its own size.
 const PROOF: f64 = 1e-8;
 
+/// The first products `s z` where multipliers are expected to be large, in those of any other problem: with what is
+/// hardly feasible, a start far below its multipliers is left in tiny steps, and one far above costs an iteration a digit.
+const LARGE_START: f64 = 1e4;
+
 /// The working state.
 pub(super) struct Interior<'a> {
     qp: &'a BandedQp,
     sides: Vec<Side>,
     system: System<'a>,
+    large_multipliers: bool,
 }
 
 /// An iterate: the variables, the multipliers of the equations, the sides, and how far it is from a solution.
@@ -66,7 +71,12 @@ struct Residuals {
 
 impl<'a> Interior<'a> {
     pub fn new(qp: &'a BandedQp) -> Self {
-        Interior { qp, sides: Side::all_of(qp), system: System::new(qp) }
+        Interior { qp, sides: Side::all_of(qp), system: System::new(qp, false), large_multipliers: false }
+    }
+
+    /// For a problem that is hardly feasible, so that its multipliers are large.
+    pub fn with_large_multipliers(qp: &'a BandedQp) -> Self {
+        Interior { qp, sides: Side::all_of(qp), system: System::new(qp, true), large_multipliers: true }
     }
 
     pub fn solve(mut self, options: &QpOptions, start: Option<&[f64]>) -> QpSolution {
@@ -171,7 +181,8 @@ impl<'a> Interior<'a> {
             price += if side.is_soft() { side.penalty * (-room).max(0.0) } else { 0.0 };
         }
         let share = (value.abs() + price) / self.sides.len().max(1) as f64;
-        let mean = share.max(0.1 * (1.0 + steepest).min(10.0));
+        let usual = share.max(0.1 * (1.0 + steepest).min(10.0));
+        let mean = if self.large_multipliers { LARGE_START * usual } else { usual };
         for side in &mut self.sides {
             let room = side.miss;
             if side.is_soft() {

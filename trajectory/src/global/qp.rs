@@ -67,7 +67,8 @@ pub enum QpError {
 /// How long and how exactly to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QpOptions {
-    /// Most iterations. Default 60; a sound problem takes 8 to 30.
+    /// Most iterations. Default 60; a sound problem takes 8 to 30. One that comes to no end, and is not proved to be
+    /// infeasible, gets as many again from a start for large multipliers.
     pub iterations: usize,
     /// Residuals and gap relative to the numbers that they are differences of. Default 1e-9.
     pub tolerance: f64,
@@ -113,7 +114,7 @@ pub struct QpSolution {
     pub primal_residual: f64,
     /// Greatest entry of the gradient of the Lagrangian.
     pub dual_residual: f64,
-    /// Iterations made.
+    /// Iterations made, in both tries where the first comes to no end.
     pub iterations: usize,
 }
 
@@ -257,11 +258,19 @@ impl BandedQp {
     pub fn solve(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
         self.check()?;
         let mut found = Interior::new(self).solve(options, start);
-        if matches!(found.status, QpStatus::Stalled | QpStatus::Iterations)
-            && let Some(proof) = contradiction(self, options)
-        {
-            found.status = QpStatus::Infeasible;
-            found.duals = proof;
+        let stuck = |found: &QpSolution| matches!(found.status, QpStatus::Stalled | QpStatus::Iterations);
+        if stuck(&found) {
+            if let Some(proof) = contradiction(self, options) {
+                found.status = QpStatus::Infeasible;
+                found.duals = proof;
+                return Ok(found);
+            }
+            let again = Interior::with_large_multipliers(self).solve(options, start);
+            let iterations = found.iterations + again.iterations;
+            if !stuck(&again) {
+                found = again;
+            }
+            found.iterations = iterations;
         }
         Ok(found)
     }

@@ -14,6 +14,11 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 /// all digits. Coefficients are expected to be of the order of 1.
 const REGULAR: f64 = 1e-7;
 
+/// What is added for equations where multipliers are large. A step leaves of an equation what is added times the step of
+/// its multiplier, so with 1e-7 multipliers of 1e6 come about slowly or never; with less than 1e-12 pivots are rounding.
+/// Equations that repeat each other need the former.
+const LARGE_MULTIPLIERS: f64 = 1e-11;
+
 /// Rounds of iterative refinement at most.
 const REFINEMENTS: usize = 8;
 
@@ -42,10 +47,13 @@ pub(super) struct System<'a> {
     schur: Option<LU<f64, Dyn, Dyn>>,
     /// Weight of the square of each row.
     weights: Vec<f64>,
+    /// What is added to the diagonal of equations.
+    regular: f64,
 }
 
 impl<'a> System<'a> {
-    pub fn new(qp: &'a BandedQp) -> Self {
+    /// `large_multipliers`: whether equations are expected to have such.
+    pub fn new(qp: &'a BandedQp, large_multipliers: bool) -> Self {
         let mut homes: Vec<(usize, u32)> = (0..qp.rows.len())
             .filter(|&row| qp.rows[row].is_equation())
             .map(|row| (qp.home(row).unwrap_or(0), row as u32))
@@ -101,6 +109,7 @@ impl<'a> System<'a> {
             corner: DMatrix::zeros(qp.border, qp.border),
             schur: None,
             weights: vec![0.0; qp.rows.len()],
+            regular: if large_multipliers { LARGE_MULTIPLIERS } else { REGULAR },
         }
     }
 
@@ -165,7 +174,7 @@ impl<'a> System<'a> {
             }
         }
         for (&slot, &sign) in self.diagonal.iter().zip(&self.signs) {
-            self.band.add(slot, sign * REGULAR);
+            self.band.add(slot, if sign > 0.0 { REGULAR } else { -self.regular });
         }
     }
 
@@ -275,7 +284,7 @@ impl<'a> System<'a> {
         let mut rest_e = Vec::with_capacity(equations.len());
         for ((&(row, _), want), push) in self.equations.iter().zip(equations).zip(dl) {
             let terms = qp.terms_of(row as usize);
-            rest_e.push(want - dot(terms, dx) + REGULAR * push);
+            rest_e.push(want - dot(terms, dx) + self.regular * push);
             for &(variable, by) in terms {
                 rest_x[variable as usize] -= by * push;
             }
