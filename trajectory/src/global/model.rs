@@ -227,7 +227,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             }
         }
         self.limit(point, peak, &mut start);
-        let solution = self.qp.solve(options, Some(&start))?;
+        let solution = self.qp.solve_once(options, Some(&start))?;
         let x = &solution.x;
         let read = |k: usize| std::array::from_fn(|joint| x[self.first[k] + joint]);
         let waypoints = (run..end).map(|k| std::array::from_fn(|f| x[self.first[k] + f])).collect();

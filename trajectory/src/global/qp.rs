@@ -256,8 +256,7 @@ impl BandedQp {
     /// Each iteration `O(stages * size^3)` time for the greatest size, equations of the stage included; memory
     /// `O(stages * size^2)`. Deterministic, one thread.
     pub fn solve(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
-        self.check()?;
-        let mut found = Interior::new(self).solve(options, start);
+        let mut found = self.solve_once(options, start)?;
         let stuck = |found: &QpSolution| matches!(found.status, QpStatus::Stalled | QpStatus::Iterations);
         if stuck(&found) {
             if let Some(proof) = contradiction(self, options) {
@@ -273,6 +272,12 @@ impl BandedQp {
             found.iterations = iterations;
         }
         Ok(found)
+    }
+
+    /// As [`BandedQp::solve`], but what comes to no end is returned as it is: for steps of which any part is welcome.
+    pub(super) fn solve_once(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
+        self.check()?;
+        Ok(Interior::new(self).solve(options, start))
     }
 
     /// The stage of a variable; `None` for one of the border.

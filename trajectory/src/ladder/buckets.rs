@@ -12,6 +12,9 @@ use std::f64::consts::{PI, TAU};
 /// Cells along one joint are at most this many; more cost time to lay out and separate nothing.
 const MOST_CELLS: usize = 64;
 
+/// So few nodes are sooner compared than laid out in cells.
+const FEW: usize = 64;
+
 /// How two nodes are compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measure<const N: usize> {
@@ -161,8 +164,10 @@ impl<const N: usize> Buckets<N> {
         measure: &Measure<N>,
     ) -> Self {
         let axes = by.map(|joint| Axis::new(joint, kinds, nodes, limits[joint]));
+        let whole = |axis: Axis| Axis { count: 1, reach: 0, ..axis };
         // One joint twice: its second axis has one cell.
-        let axes = if by[0] == by[1] { [axes[0], Axis { count: 1, reach: 0, ..axes[1] }] } else { axes };
+        let axes = if by[0] == by[1] { [axes[0], whole(axes[1])] } else { axes };
+        let axes = if nodes.len() <= FEW { axes.map(whole) } else { axes };
         let mut steps = Vec::new();
         for (j, across) in axes[1].steps().enumerate() {
             for (i, along) in axes[0].steps().enumerate() {

@@ -3,12 +3,14 @@
 //! The coarse path goes through every eighth waypoint, which leaves the joints eight times as far to move, so that an
 //! eighth of the samples is fine enough to tell good paths from bad ones. Then all waypoints are taken, with the
 //! samples in a band around the coarse path and the branches that it uses. Where the result touches the edge of its
-//! band, the band is laid around the result and the search goes on.
+//! band, the band is laid around the result and the search goes on. Bands overlap from round to round, so solutions are
+//! kept: they cost more than the search between them.
 
-use super::nodes::{Branches, Kind, Window, nearest, wrapped};
+use super::nodes::{Kind, Window, nearest, wrapped};
 use super::search::{Path, Stuck};
 use super::{Climb, Rung};
-use crate::robot::{FreeRange, Robot};
+use crate::robot::{FreeRange, Posture, Robot};
+use std::sync::{Mutex, PoisonError};
 
 /// Every so many waypoints and samples.
 const STRIDE: u32 = 8;
@@ -23,6 +25,57 @@ const ROUNDS: usize = 12;
 struct Guide<const F: usize> {
     free: Vec<[f64; F]>,
     branches: Vec<[u32; 2]>,
+}
+
+/// Free parameters of a waypoint that have been asked for with the number of solutions up to theirs, and the solutions.
+#[derive(Debug)]
+struct Known<const N: usize, const F: usize> {
+    asked: Vec<([f64; F], usize)>,
+    solutions: Vec<(u32, [f64; N])>,
+}
+
+impl<const N: usize, const F: usize> Default for Known<N, F> {
+    fn default() -> Self {
+        Known { asked: Vec::new(), solutions: Vec::new() }
+    }
+}
+
+/// A robot that solves every sample once, on the branches of the guide.
+struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
+    robot: &'a R,
+    branches: &'a [[u32; 2]],
+    known: Vec<Mutex<Known<N, F>>>,
+}
+
+impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Kept<'_, N, F, R> {
+    fn waypoints(&self) -> usize {
+        self.robot.waypoints()
+    }
+
+    fn free(&self) -> [FreeRange; F] {
+        self.robot.free()
+    }
+
+    fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
+        let mut known = self.known[waypoint].lock().unwrap_or_else(PoisonError::into_inner);
+        let Known { asked, solutions } = &mut *known;
+        let same = |other: &[f64; F]| (0..F).all(|f| other[f].to_bits() == free[f].to_bits());
+        let at = asked.iter().position(|(other, _)| same(other)).unwrap_or_else(|| {
+            self.robot.solutions(waypoint, free, &mut |branch, joints| {
+                if self.branches[waypoint].contains(&branch) {
+                    solutions.push((branch, joints));
+                }
+            });
+            asked.push((*free, solutions.len()));
+            asked.len() - 1
+        });
+        let first = at.checked_sub(1).map_or(0, |before| asked[before].1);
+        solutions[first..asked[at].1].iter().for_each(|(branch, joints)| each(*branch, *joints));
+    }
+
+    fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
+        self.robot.posture(waypoint, free, branch)
+    }
 }
 
 /// A path near a coarse one; `None` when there is none, or nothing to thin out.
@@ -43,15 +96,23 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let range = climb.robot.free();
     let found = climb.search(&thinned, kinds, &|_| Window::whole(coarse), &|_| None, false);
     let Some(path) = none_if_stuck(found)? else { return Ok(None) };
-    let mut guide = interpolated(&thinned, &path.rungs, &range);
+    let Guide { mut free, branches } = interpolated(&thinned, &path.rungs, &range);
     // Up to the neighbours of the coarse samples.
     let mut half: [u32; F] = std::array::from_fn(|f| samples[f].div_ceil(coarse[f]));
     let all: Vec<usize> = (0..waypoints).collect();
+    let kept =
+        Kept { robot: climb.robot, branches: &branches, known: (0..waypoints).map(|_| Mutex::default()).collect() };
+    let climb = Climb {
+        robot: &kept,
+        times: climb.times,
+        bounds: climb.bounds,
+        options: climb.options,
+        progress: climb.progress,
+    };
     let mut best: Option<Path<N, F>> = None;
     for _ in 0..ROUNDS {
-        let window = |at: usize| band(&guide.free[at], samples, half, &range);
-        let branches = |at: usize| -> Branches<'_> { Some(&guide.branches[at]) };
-        let Some(path) = none_if_stuck(climb.search(&all, kinds, &window, &branches, false))? else {
+        let window = |at: usize| band(&free[at], samples, half, &range);
+        let Some(path) = none_if_stuck(climb.search(&all, kinds, &window, &|_| None, false))? else {
             if (0..F).all(|f| 2 * half[f] + 1 >= samples[f]) {
                 return Ok(None);
             }
@@ -62,7 +123,7 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         let done = !path.rungs.iter().enumerate().any(|(at, rung)| touches(at, rung));
         let better = best.as_ref().is_none_or(|best| path.cost < best.cost);
         if better {
-            guide.free = path.rungs.iter().map(|rung| rung.free).collect();
+            free = path.rungs.iter().map(|rung| rung.free).collect();
             best = Some(path);
         }
         if done || !better {
