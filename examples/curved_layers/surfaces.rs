@@ -9,9 +9,9 @@ use curvlay_layers::curved::surface::{
     Even, EvenMethod, LayerField, SavedField, Spacing, SurfaceSlices, contour, even, extend, measure_spacing,
     mesh_stamp, plain_field,
 };
-use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet, Trimmer};
+use curvlay_layers::curved::trim::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
 use curvlay_voxel::VoxelGrid;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::fs::File;
@@ -35,7 +35,7 @@ pub struct SurfacesRun {
     /// The same for the field of hop counts.
     pub plain_spacing: Spacing,
     pub boundary: Boundary,
-    /// What the missed cells take of the part, if they were full.
+    /// What of the part lies in missed cells.
     pub missed_mm3: f64,
     pub times: Times,
     /// What it takes to go on from here another time.
@@ -132,7 +132,7 @@ pub fn run(
         origin: grid.origin(),
         mesh: mesh_stamp(&part.mesh.vertices, &part.mesh.triangles),
     };
-    let missed_mm3 = missed.len() as f64 * grid.cell_mm().powi(3);
+    let missed_mm3 = volume_in(&missed, grid, &trimmer).map_err(failure)?;
     let spacing = spacing.map_err(failure)?;
     let sheets = made.sheets;
     Ok(SurfacesRun {
@@ -191,6 +191,31 @@ fn sheets(
         trimmed.collect::<Result<Vec<_>, _>>()
     });
     Ok(Sheets { sheets: sheets.map_err(failure)?, contour: contour_time, trim })
+}
+
+/// Levels at which a missed cell is cut to measure what of the part lies in it.
+const CUTS: u32 = 4;
+
+/// How much of the part lies in these cells, many of which are at its skin: level sheets through them trimmed to the mesh.
+fn volume_in(cells: &[u32], grid: &VoxelGrid, trimmer: &Trimmer) -> Result<f64, TrimError> {
+    let h = grid.cell_mm();
+    let mut cells: Vec<[u32; 3]> = cells.iter().map(|&cell| grid.position(cell)).collect();
+    cells.sort_unstable_by_key(|&[x, y, z]| [z, y, x]);
+    let mut area = 0.0;
+    for level in cells.chunk_by(|a, b| a[2] == b[2]) {
+        for cut in 0..CUTS {
+            let z = f64::from(level[0][2]) + (f64::from(cut) + 0.5) / f64::from(CUTS);
+            let corner = |x: u32, y: u32| grid.origin() + Vector3::new(f64::from(x), f64::from(y), z) * h;
+            let square = |&[x, y, _]: &[u32; 3]| [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
+            let points: Vec<Point3<f64>> = level.iter().flat_map(square).map(|[x, y]| corner(x, y)).collect();
+            let triangles: Vec<[u32; 3]> =
+                (0..level.len() as u32).flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| 4 * k + v))).collect();
+            let sheet = trimmer.trim(&points, &triangles)?;
+            let corners = sheet.triangles.iter().map(|t| t.map(|v| sheet.vertices[v as usize]));
+            area += corners.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum::<f64>();
+        }
+    }
+    Ok(area * h / f64::from(CUTS))
 }
 
 /// Adds up where the sheets end.

@@ -291,6 +291,16 @@ fn a_gap_of_one_or_two_cells_is_not_bridged() {
 }
 
 #[test]
+fn a_front_that_is_a_little_slow_goes_on_across_a_layer() {
+    let cells = Cells::new([1, 1, 2], &[1, 1]).unwrap();
+    let jumps = |values: [f64; 2]| extend(&LayerField::new(&cells, values.to_vec(), 1.0).unwrap(), &cells).jumps();
+    // From the first layer to the third both times.
+    assert_eq!([jumps([0.9, 2.1]), jumps([0.5, 2.5])], [0, 1]);
+    // From one layer to the next, however far apart.
+    assert_eq!(jumps([0.01, 1.99]), 0);
+}
+
+#[test]
 fn at_a_wait_surfaces_go_on_to_the_face_and_none_is_squeezed() {
     // Level fronts; above half of the height everything came five layers later.
     let rows = rows_of([4, 4, 8], |_| true);

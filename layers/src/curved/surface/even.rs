@@ -7,17 +7,16 @@
 //! order, which keeps what the order had learnt about who must wait for whom.
 //!
 //! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
-//! are tried, and the field with the more even slope and fewer waits is taken. Its values are then smoothed within their layers
-//! (`smooth.rs`), which changes nothing of what the audit sees.
+//! are tried, the values of both evened out within their layers (`slope.rs`), which changes nothing of what the audit sees, and
+//! the field with the more even slope and fewer waits is taken.
 //!
 //! The result is audited. If it fails, it is the turn of the less even one. If that fails too, or a cell is left over,
 //! the clock is held closer to the order, and at last the order itself is the field. So what comes out always passes
 //! the audit.
 
-use super::extend::JUMP;
 use super::field::{FieldError, LayerField, plain_field};
 use super::lattice::Lattice;
-use super::smooth::smoothed;
+use super::slope::evened;
 use crate::Progress;
 use crate::curved::growth::grow_by_clock;
 use crate::curved::{AuditError, AuditReport, Cells, GrowthError, LayerOrder, Platform, Rules, audit};
@@ -28,16 +27,6 @@ use std::ops::ControlFlow;
 /// the field keeps more of the waits of the order.
 pub const LAGS: [f64; 2] = [10.0, 1.0];
 
-/// Sweeps of smoothing, and how far each goes.
-const SMOOTHING: (usize, f64) = (4, 0.5);
-
-/// The same where there are [`MANY_JUMPS`]. Fields full of cuts lose area with each sweep: surfaces move out of the middle of
-/// the single cells that waited.
-const LIGHT_SMOOTHING: (usize, f64) = (1, 0.1);
-
-/// Jumps a cell from which on a field is full of cuts.
-const MANY_JUMPS: f64 = 0.08;
-
 /// A field of even layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Even {
@@ -47,7 +36,7 @@ pub struct Even {
     pub method: EvenMethod,
     /// The audit of its layers, which passed.
     pub audit: AuditReport,
-    /// Pairs of cells with a common face whose whole layers are [`JUMP`] apart or more. No surface will run across.
+    /// Pairs of cells with a common face that is cut ([`JUMP`](super::JUMP)): no surface will run across.
     pub jumps: usize,
 }
 
@@ -133,9 +122,9 @@ pub fn even(
             if !clocked.complete {
                 return Ok(None);
             }
-            let field = LayerField::new(cells, clocked.times, 1.0)?;
-            let lattice = Lattice::of(&field, JUMP);
-            let jumps = lattice.jumps(JUMP);
+            let field = evened(LayerField::new(cells, clocked.times, 1.0)?);
+            let lattice = Lattice::of(&field);
+            let jumps = lattice.jumps();
             let unevenness = lattice.unevenness() + jumps as f64 / field.count() as f64;
             Ok(Some(Attempt { field, method: EvenMethod::Clock { lag, stays_level }, jumps, unevenness }))
         };
@@ -146,9 +135,6 @@ pub fn even(
         let mut attempts: Vec<Attempt> = [level?, turning?].into_iter().flatten().collect();
         attempts.sort_by(|a, b| a.unevenness.total_cmp(&b.unevenness));
         for Attempt { field, method, jumps, .. } in attempts {
-            let many = jumps as f64 > MANY_JUMPS * field.count() as f64;
-            let (sweeps, share) = if many { LIGHT_SMOOTHING } else { SMOOTHING };
-            let field = smoothed(field, sweeps, share);
             let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
             if audit.is_ok() {
                 return Ok(Even { field, method, audit, jumps });
@@ -156,7 +142,7 @@ pub fn even(
         }
     }
     let audit = audit(cells, platform, rules, &plain.rounded(), missed, progress)?;
-    let jumps = Lattice::of(&plain, JUMP).jumps(JUMP);
+    let jumps = Lattice::of(&plain).jumps();
     if audit.is_ok() {
         Ok(Even { field: plain, method: EvenMethod::Plain, audit, jumps })
     } else {

@@ -12,10 +12,15 @@ use super::in_parallel;
 use super::lattice::{Lattice, ROOM};
 use crate::curved::Cells;
 
-/// Neighbours whose whole layers are this far apart are not joined: a layer of the order lies between them, so the front
-/// waited on one side, and surfaces drawn between the two would be squeezed. Where a front moves a cell a layer, neighbours
-/// are in the same layer or in the next, whichever way it faces. In the rings around the part values themselves are compared.
+/// A face is cut if the whole layers of its cells are this far apart, and their values by [`APART`]. A layer of the order lies
+/// between them then, so the front waited on one side, and surfaces drawn between the two would be squeezed. Where a front
+/// moves a cell a layer, neighbours are in the same layer or in the next, whichever way it faces. In the rings around the
+/// part values themselves are compared.
 pub const JUMP: f64 = 2.0;
+
+/// Cells in layers 1 and 3 may have values no farther apart than a front that is a little slow. From here on, in layers, they count
+/// as torn: less makes more cuts and gaps beside them, more makes layers thinner there.
+pub(super) const APART: f64 = 1.45;
 
 /// Cells that a thread takes at least: a few hundred microseconds of work. With fewer the threads spend more on sharing
 /// out, with more a small part keeps one of them busy.
@@ -45,7 +50,7 @@ impl ExtendedField {
         self.highest
     }
 
-    /// Pairs of cells with a common face whose whole layers are [`JUMP`] apart or more: no surface runs across.
+    /// Pairs of cells with a common face that is cut ([`JUMP`]): no surface runs across.
     pub fn jumps(&self) -> usize {
         self.jumps
     }
@@ -91,11 +96,11 @@ impl ExtendedField {
 /// ```
 pub fn extend(field: &LayerField, cells: &Cells) -> ExtendedField {
     assert_eq!(field.dims(), cells.dims(), "the field belongs to another grid");
-    let mut lattice = Lattice::of(field, JUMP);
+    let mut lattice = Lattice::of(field);
     let strides = lattice.strides();
     let solid: Vec<u32> = (0..).zip(field.values()).filter(|(_, v)| !v.is_nan()).map(|(cell, _)| cell).collect();
     let node_of = |cell: u32| lattice.index(cells.position(cell).map(|c| c + ROOM));
-    let jumps = lattice.jumps(JUMP);
+    let jumps = lattice.jumps();
 
     // Ring cells: near a cell with a value, and not of the solid.
     let mut is_ring = vec![false; lattice.values.len()];

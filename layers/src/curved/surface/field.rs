@@ -3,7 +3,6 @@
 //! The plate is at 0; layer `k`, counted from 1, is the cells with `k - 1 <= value < k`, so `k - 1/2` is its middle.
 
 use super::super::{Cells, LayerOrder};
-use super::extend::JUMP;
 use super::lattice::{Lattice, ROOM};
 
 /// When each cell of a part is built, in layers.
@@ -184,6 +183,6 @@ pub fn plain_field(cells: &Cells, order: &LayerOrder) -> Result<LayerField, Fiel
     let layers = order.field(len);
     let value = |&layer: &u32| if layer == 0 { f64::NAN } else { f64::from(layer) - 0.5 };
     let field = LayerField::new(cells, layers.iter().map(value).collect(), 1.0)?;
-    let mean_slope = Lattice::of(&field, JUMP).mean_slope();
+    let mean_slope = Lattice::of(&field).mean_slope();
     Ok(LayerField { layer_cells: if mean_slope > 0.0 { 1.0 / mean_slope } else { 1.0 }, ..field })
 }

@@ -1,5 +1,6 @@
 //! The lattice of cell centres with room around it: values at its nodes, and which neighbours are joined.
 
+use super::extend::{APART, JUMP};
 use super::field::LayerField;
 
 /// Nodes added on each side: two rings of extension, and one more so that every edge has cubes all around.
@@ -18,8 +19,8 @@ pub(super) struct Lattice {
 
 impl Lattice {
     /// The lattice of the centres of the cells, in the middle of its room; neighbours are joined if both have a value
-    /// and their whole layers are less than `jump` apart.
-    pub(super) fn of(field: &LayerField, jump: f64) -> Self {
+    /// and no cut between them ([`is_cut`]).
+    pub(super) fn of(field: &LayerField) -> Self {
         let dims = field.dims().map(|d| d + 2 * ROOM);
         let len = dims.iter().map(|&d| d as usize).product();
         let mut lattice = Lattice { dims, values: vec![f64::NAN; len], joined: vec![0; len] };
@@ -33,8 +34,8 @@ impl Lattice {
             let value = lattice.values[node];
             if !value.is_nan() {
                 for (axis, stride) in strides.iter().enumerate() {
-                    // Comparisons with what is not a number are false.
-                    if layers_between(lattice.values[node + stride], value) < jump {
+                    let next = lattice.values[node + stride];
+                    if !next.is_nan() && !is_cut(next, value) {
                         lattice.joined[node] |= 1 << axis;
                     }
                 }
@@ -159,20 +160,20 @@ impl Lattice {
         (0..self.values.len()).filter(|&node| !self.values[node].is_nan()).map(steepness).filter(|&slope| slope > 0.0)
     }
 
-    /// Pairs of neighbours whose whole layers are `jump` or more apart.
-    pub(super) fn jumps(&self, jump: f64) -> usize {
+    /// Pairs of neighbours with values between which there is a cut, in a lattice as it was made.
+    pub(super) fn jumps(&self) -> usize {
         let strides = self.strides();
         let of_node = |node: usize| {
-            let apart = |stride: &&usize| {
-                self.values.get(node + **stride).is_some_and(|&next| layers_between(next, self.values[node]) >= jump)
-            };
-            strides.iter().filter(apart).count()
+            let is_jump =
+                |stride: &&usize| self.values.get(node + **stride).is_some_and(|&next| is_cut(next, self.values[node]));
+            strides.iter().filter(is_jump).count()
         };
         (0..self.values.len()).map(of_node).sum()
     }
 }
 
-/// How far apart the whole layers of two values are.
-fn layers_between(a: f64, b: f64) -> f64 {
-    (a.floor() - b.floor()).abs()
+/// Whether neighbours of these values are not joined: a whole layer of the order lies between them, and the values are apart
+/// as well. Of what is not a number: no.
+fn is_cut(a: f64, b: f64) -> bool {
+    (a.floor() - b.floor()).abs() >= JUMP && (a - b).abs() >= APART
 }

@@ -14,15 +14,15 @@
 //!
 //! # Waits
 //! Where a front had to wait for another one, the layers of the cells on both sides of a face differ by [`JUMP`] or more.
-//! Such a face is cut: a surface goes on to it from either side, and none runs across, so that surfaces are
-//! not squeezed into one cell.
+//! Unless a slow front can go on across, such a face is cut: a surface goes on to it from either side, and none runs across,
+//! so that surfaces are not squeezed into one cell.
 
 mod contour;
 mod even;
 mod extend;
 mod field;
 mod lattice;
-mod smooth;
+mod slope;
 mod spacing;
 mod store;
 mod tree;
