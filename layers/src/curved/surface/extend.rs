@@ -12,7 +12,7 @@ use super::in_parallel;
 use super::lattice::{Lattice, ROOM};
 use crate::curved::Cells;
 
-/// A face is cut if the whole layers of its cells are this far apart, and their values by [`APART`]. A layer of the order lies
+/// A face is cut if the whole layers of its cells are this far apart, and their values by 1.45. A layer of the order lies
 /// between them then, so the front waited on one side, and surfaces drawn between the two would be squeezed. Where a front
 /// moves a cell a layer, neighbours are in the same layer or in the next, whichever way it faces. In the rings around the
 /// part values themselves are compared.
