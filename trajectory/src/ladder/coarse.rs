@@ -94,7 +94,7 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         thinned.push(waypoints - 1);
     }
     let range = climb.robot.free();
-    let found = climb.search(&thinned, kinds, &|_| Window::whole(coarse), &|_| None, false);
+    let found = climb.search(&thinned, kinds, &|_| Window::whole(coarse), false);
     let Some(path) = none_if_stuck(found)? else { return Ok(None) };
     let Guide { mut free, branches } = interpolated(&thinned, &path.rungs, &range);
     // Up to the neighbours of the coarse samples.
@@ -112,7 +112,7 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let mut best: Option<Path<N, F>> = None;
     for _ in 0..ROUNDS {
         let window = |at: usize| band(&free[at], samples, half, &range);
-        let Some(path) = none_if_stuck(climb.search(&all, kinds, &window, &|_| None, false))? else {
+        let Some(path) = none_if_stuck(climb.search(&all, kinds, &window, false))? else {
             if (0..F).all(|f| 2 * half[f] + 1 >= samples[f]) {
                 return Ok(None);
             }

@@ -25,7 +25,7 @@ use crate::bounds::BoundsError;
 use crate::robot::Robot;
 use crate::{Bounds, Progress};
 use buckets::Measure;
-use nodes::{Branches, Kind, Window, wrapped};
+use nodes::{Kind, Window, wrapped};
 use search::{Path, Search, Stuck};
 pub use slowest::{LeastSpeed, least_speed};
 use std::f64::consts::TAU;
@@ -322,7 +322,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
     /// The shortest path over all samples.
     fn whole(&self, samples: [u32; F], kinds: [Kind; N], breaks: bool) -> Result<Path<N, F>, Stuck> {
         let all: Vec<usize> = (0..self.times.len()).collect();
-        self.search(&all, kinds, &|_| Window::whole(samples), &|_| None, breaks)
+        self.search(&all, kinds, &|_| Window::whole(samples), breaks)
     }
 
     fn search<'b>(
@@ -330,7 +330,6 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         waypoints: &'b [usize],
         kinds: [Kind; N],
         window: &'b (dyn Fn(usize) -> Window<F> + 'b),
-        branches: &'b (dyn Fn(usize) -> Branches<'b> + 'b),
         breaks: bool,
     ) -> Result<Path<N, F>, Stuck> {
         let LadderOptions { norm, weights, .. } = *self.options;
@@ -339,7 +338,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         let velocity = self.bounds.velocity;
         let angle = |from: &[f64; N], j: usize| if kinds[j] == Kind::Circular { wrapped(from[j]) } else { from[j] };
         let from = self.options.from.map(|from| std::array::from_fn(|j| angle(&from, j)));
-        Search { robot, waypoints, times, velocity, kinds, measure, window, branches, breaks, from, progress }.run()
+        Search { robot, waypoints, times, velocity, kinds, measure, window, breaks, from, progress }.run()
     }
 
     /// Takes the whole turns out of circular joints and turns each run into its stops, the first one next to where the

@@ -152,9 +152,6 @@ pub(super) struct Nodes<const N: usize> {
     pub starts: Vec<u32>,
 }
 
-/// The branches to look at, where not all.
-pub(super) type Branches<'a> = Option<&'a [u32]>;
-
 impl<const N: usize> Nodes<N> {
     /// Fills in the nodes of a waypoint; at most `most`.
     pub fn fill<const F: usize, R: Robot<N, F> + ?Sized>(
@@ -162,7 +159,6 @@ impl<const N: usize> Nodes<N> {
         robot: &R,
         waypoint: usize,
         window: &Window<F>,
-        branches: Branches<'_>,
         kinds: &[Kind; N],
         most: usize,
     ) {
@@ -171,15 +167,13 @@ impl<const N: usize> Nodes<N> {
         let range = robot.free();
         for sample in 0..window.len() {
             self.starts.push(self.joints.len() as u32);
-            robot.solutions(waypoint, &window.free(&range, sample), &mut |branch, joints| {
-                if branches.is_none_or(|wanted| wanted.contains(&branch)) {
-                    each_image(&joints, kinds, &mut |image| {
-                        if self.joints.len() < most {
-                            self.joints.push(image);
-                        }
-                        self.joints.len() < most
-                    });
-                }
+            robot.solutions(waypoint, &window.free(&range, sample), &mut |_, joints| {
+                each_image(&joints, kinds, &mut |image| {
+                    if self.joints.len() < most {
+                        self.joints.push(image);
+                    }
+                    self.joints.len() < most
+                });
             });
         }
         self.starts.push(self.joints.len() as u32);

@@ -4,7 +4,7 @@
 //! rung, and costs of two rungs and one number a node are all that is kept: where its cheapest way comes from.
 
 use super::buckets::{Buckets, Measure, best_pair};
-use super::nodes::{Branches, Kind, Nodes, Window, each_image};
+use super::nodes::{Kind, Nodes, Window, each_image};
 use super::{LadderError, Rung};
 use crate::Progress;
 use crate::robot::Robot;
@@ -34,8 +34,6 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     pub measure: Measure<N>,
     /// The samples of each of `waypoints`.
     pub window: &'a (dyn Fn(usize) -> Window<F> + 'a),
-    /// The branches of each of `waypoints`.
-    pub branches: &'a (dyn Fn(usize) -> Branches<'a> + 'a),
     /// Whether to start anew where a rung is out of reach of the one before.
     pub breaks: bool,
     /// Where the joints are before the first rung; the way there counts.
@@ -83,7 +81,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 return Err(Stuck::Failed(LadderError::Cancelled));
             }
             let window = (self.window)(at);
-            nodes.fill(self.robot, waypoint, &window, (self.branches)(at), &self.kinds, MOST_NODES);
+            nodes.fill(self.robot, waypoint, &window, &self.kinds, MOST_NODES);
             if nodes.joints.is_empty() {
                 return Err(Stuck::Unreachable(waypoint));
             }
@@ -176,15 +174,13 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         let mut next = starts[sample];
         let mut rung = Rung { joints: [0.0; N], free, branch: 0 };
         self.robot.solutions(self.waypoints[at], &free, &mut |branch, joints| {
-            if (self.branches)(at).is_none_or(|wanted| wanted.contains(&branch)) {
-                each_image(&joints, &self.kinds, &mut |image| {
-                    if next == node {
-                        (rung.joints, rung.branch) = (image, branch);
-                    }
-                    next += 1;
-                    next <= node
-                });
-            }
+            each_image(&joints, &self.kinds, &mut |image| {
+                if next == node {
+                    (rung.joints, rung.branch) = (image, branch);
+                }
+                next += 1;
+                next <= node
+            });
         });
         rung
     }
