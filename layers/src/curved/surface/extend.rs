@@ -9,18 +9,8 @@
 
 use super::field::LayerField;
 use super::in_parallel;
-use super::lattice::{Lattice, ROOM};
+use super::lattice::{JUMP, Lattice, ROOM};
 use crate::curved::Cells;
-
-/// A face is cut if the whole layers of its cells are this far apart, and their values by 1.45. A layer of the order lies
-/// between them then, so the front waited on one side, and surfaces drawn between the two would be squeezed. Where a front
-/// moves a cell a layer, neighbours are in the same layer or in the next, whichever way it faces. In the rings around the
-/// part values themselves are compared.
-pub const JUMP: f64 = 2.0;
-
-/// Cells in layers 1 and 3 may have values no farther apart than a front that is a little slow. From here on, in layers, they count
-/// as torn: less makes more cuts and gaps beside them, more makes layers thinner there.
-pub(super) const APART: f64 = 1.45;
 
 /// Cells that a thread takes at least: a few hundred microseconds of work. With fewer the threads spend more on sharing
 /// out, with more a small part keeps one of them busy.

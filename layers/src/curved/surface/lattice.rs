@@ -1,10 +1,19 @@
 //! The lattice of cell centres with room around it: values at its nodes, and which neighbours are joined.
 
-use super::extend::{APART, JUMP};
 use super::field::LayerField;
 
 /// Nodes added on each side: two rings of extension, and one more so that every edge has cubes all around.
 pub(super) const ROOM: u32 = 3;
+
+/// A face is cut if the whole layers of its cells are this far apart, and their values by [`APART`]. A layer of the order lies
+/// between them then, so the front waited on one side, and surfaces drawn between the two would be squeezed. Where a front
+/// moves a cell a layer, neighbours are in the same layer or in the next, whichever way it faces. In the rings around the
+/// part values themselves are compared.
+pub const JUMP: f64 = 2.0;
+
+/// Cells with a whole layer between them may have values no farther apart than those of a front that is a little slow. From
+/// here on, in layers, they count as torn: less makes more cuts and gaps beside them, more makes layers thinner there.
+pub const APART: f64 = 1.45;
 
 /// Values at the nodes of a lattice, and the edges along which they may be interpolated.
 #[derive(Clone, Debug)]
@@ -70,9 +79,8 @@ impl Lattice {
     /// the face between. `None` if the two are joined, or one has no value.
     pub(super) fn half_way(&self, low: usize, axis: usize) -> Option<[f64; 2]> {
         let high = low + self.strides()[axis];
-        let [a, b] = [self.values[low], *self.values.get(high)?];
-        let is_cut = !(a - b).is_nan() && self.joined[low] >> axis & 1 == 0;
-        is_cut.then(|| [a + self.slope(low, axis) / 2.0, b - self.slope(high, axis) / 2.0])
+        let end = |node: usize, way: f64| self.values[node] + way * self.slope(node, axis) / 2.0;
+        self.has_cut(low, axis).then(|| [end(low, 1.0), end(high, -1.0)])
     }
 
     /// Slope at a node along an axis, as [`Lattice::slopes`] has it.
@@ -160,20 +168,19 @@ impl Lattice {
         (0..self.values.len()).filter(|&node| !self.values[node].is_nan()).map(steepness).filter(|&slope| slope > 0.0)
     }
 
-    /// Pairs of neighbours with values between which there is a cut, in a lattice as it was made.
+    /// Pairs of neighbours with values that are not joined.
     pub(super) fn jumps(&self) -> usize {
-        let strides = self.strides();
-        let of_node = |node: usize| {
-            let is_jump =
-                |stride: &&usize| self.values.get(node + **stride).is_some_and(|&next| is_cut(next, self.values[node]));
-            strides.iter().filter(is_jump).count()
-        };
-        (0..self.values.len()).map(of_node).sum()
+        (0..self.values.len()).map(|node| (0..3).filter(|&axis| self.has_cut(node, axis)).count()).sum()
+    }
+
+    /// Whether a node and the next one along an axis have values, but are not joined.
+    fn has_cut(&self, low: usize, axis: usize) -> bool {
+        let high = self.values.get(low + self.strides()[axis]);
+        self.joined[low] >> axis & 1 == 0 && high.is_some_and(|high| !(high - self.values[low]).is_nan())
     }
 }
 
-/// Whether neighbours of these values are not joined: a whole layer of the order lies between them, and the values are apart
-/// as well. Of what is not a number: no.
+/// Whether there is a cut between neighbours of these values. Of what is not a number: no.
 fn is_cut(a: f64, b: f64) -> bool {
     (a.floor() - b.floor()).abs() >= JUMP && (a - b).abs() >= APART
 }

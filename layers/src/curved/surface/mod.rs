@@ -14,7 +14,7 @@
 //!
 //! # Waits
 //! Where a front had to wait for another one, the layers of the cells on both sides of a face differ by [`JUMP`] or more.
-//! Unless a slow front can go on across, such a face is cut: a surface goes on to it from either side, and none runs across,
+//! Where their values are [`APART`] as well, such a face is cut: a surface goes on to it from either side, and none runs across,
 //! so that surfaces are not squeezed into one cell.
 
 mod contour;
@@ -30,8 +30,9 @@ mod vtk;
 
 pub use contour::{ContourError, Surface, contour};
 pub use even::{Even, EvenError, EvenMethod, LAGS, even};
-pub use extend::{ExtendedField, JUMP, extend};
+pub use extend::{ExtendedField, extend};
 pub use field::{FieldError, LayerField, plain_field};
+pub use lattice::{APART, JUMP};
 pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing};
 pub use store::{OtherMesh, ReadFieldError, SavedField, mesh_stamp};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};

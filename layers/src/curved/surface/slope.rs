@@ -29,7 +29,8 @@ const FACES: f64 = 0.5;
 /// Cells that a thread takes at least.
 const LEAST_SHARE: usize = 4096;
 
-/// Sweeps, and how far a value goes in each. With twice as many layers are a little evener and fill a little less.
+/// Sweeps, and how far a value goes in each. With twice as many the layers of torn parts are a little evener, those of others
+/// less.
 const SWEEPS: usize = 10;
 const SHARE: f64 = 0.8;
 
@@ -128,6 +129,15 @@ mod tests {
     fn a_steady_front_stays_as_it_is() {
         let steady: Vec<f64> = (0..8).map(|k| f64::from(k) + 0.5).collect();
         assert_eq!(column(&steady), steady);
+    }
+
+    #[test]
+    fn where_a_front_parts_and_where_two_meet_values_stay_as_they_are() {
+        for values in [[6.5, 5.5, 4.5, 5.5, 6.5], [4.5, 5.5, 6.5, 5.5, 4.5]] {
+            let cells = Cells::new([5, 1, 1], &[0b11111]).unwrap();
+            let field = LayerField::new(&cells, values.to_vec(), 1.0).unwrap();
+            assert_eq!(evened(field).values(), values);
+        }
     }
 
     #[test]
