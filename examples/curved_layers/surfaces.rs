@@ -210,9 +210,7 @@ fn volume_in(cells: &[u32], grid: &VoxelGrid, trimmer: &Trimmer) -> Result<f64, 
             let points: Vec<Point3<f64>> = level.iter().flat_map(square).map(|[x, y]| corner(x, y)).collect();
             let triangles: Vec<[u32; 3]> =
                 (0..level.len() as u32).flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| 4 * k + v))).collect();
-            let sheet = trimmer.trim(&points, &triangles)?;
-            let corners = sheet.triangles.iter().map(|t| t.map(|v| sheet.vertices[v as usize]));
-            area += corners.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum::<f64>();
+            area += trimmer.trim(&points, &triangles)?.area();
         }
     }
     Ok(area * h / f64::from(CUTS))
