@@ -125,16 +125,24 @@ fn spacing_is_slow(dims: [u32; 3], values: &[Option<f64>]) -> Result<(), TestCas
     let numbers = values.iter().map(|v| v.unwrap_or(f64::NAN)).collect();
     let Ok(field) = LayerField::new(&cells, numbers, 1.0) else { return Ok(()) };
     let surfaces = surfaces_of(&cells, &field, &[0.5, 1.25, 2.0]);
-    let spacing = measure_spacing(&slices(&surfaces), 0.75).unwrap();
+    // Not the distance of the levels: two of them would often be as far apart as a wait may be, but for rounding.
+    let height = 0.74;
+    let spacing = measure_spacing(&slices(&surfaces), height).unwrap();
+    let mut volume = 0.0;
     for (i, surface) in surfaces.iter().enumerate() {
-        for (triangle, value) in surface.triangles.iter().zip(&spacing.values_mm[i]) {
-            let slow = slow_spacing(&surfaces, i, triangle, 3.0 * 0.75);
-            match (value, slow) {
+        let fast = spacing.values_mm[i].iter().zip(&spacing.thickness_mm[i]);
+        for (triangle, (value, thickness)) in surface.triangles.iter().zip(fast) {
+            let slow = Slow::at(&surfaces, i, triangle);
+            match (*value, slow.spacing(height)) {
                 (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-9, "{a} {b}"),
-                (a, b) => prop_assert_eq!(*a, b),
+                (a, b) => prop_assert_eq!(a, b),
             }
+            prop_assert!((thickness - slow.thickness(height)).abs() < 1e-9, "{thickness} {}", slow.thickness(height));
+            let [a, b, c] = triangle.map(|v| surface.points[v as usize]);
+            volume += (b - a).cross(&(c - a)).norm() / 2.0 * thickness;
         }
     }
+    prop_assert!((volume - spacing.volume_mm3).abs() <= 1e-9 * volume);
     Ok(())
 }
 
@@ -156,27 +164,57 @@ fn a_line_along_the_side_of_a_box_comes_through_it() {
     spacing_is_slow([3, 6, 4], &values).unwrap();
 }
 
-/// The spacing at a triangle by a look at every triangle of the neighbours.
-fn slow_spacing(surfaces: &[Surface], i: usize, triangle: &[u32; 3], reach: f64) -> Option<f64> {
-    let corners = |surface: &Surface, t: &[u32; 3]| t.map(|v| surface.points[v as usize]);
-    let [a, b, c] = corners(&surfaces[i], triangle);
-    let normal = (b - a).cross(&(c - a)).normalize();
-    let start = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-    let look = |direction: Vector3<f64>, at: Option<usize>| {
-        let surface = surfaces.get(at?)?;
-        let meets = |t: &[u32; 3]| {
-            let [p, q, r] = corners(surface, t);
-            let across = (q - p).cross(&(r - p));
-            let distance = (p - start).dot(&across) / direction.dot(&across);
-            let x = start + direction * distance;
-            let inside = [(p, q), (q, r), (r, p)].iter().all(|(u, v)| (v - u).cross(&(x - u)).dot(&across) >= -1e-12);
-            (inside && (0.0..reach).contains(&distance) && across.dot(&normal) > 0.0).then_some(distance)
+/// What a look at every triangle of the others finds: layer and distance, against the normal and along it.
+struct Slow {
+    layer: usize,
+    met: [Vec<(usize, f64)>; 2],
+}
+
+impl Slow {
+    fn at(surfaces: &[Surface], layer: usize, triangle: &[u32; 3]) -> Self {
+        let corners = |surface: &Surface, t: &[u32; 3]| t.map(|v| surface.points[v as usize]);
+        let [a, b, c] = corners(&surfaces[layer], triangle);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let start = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let mut met = [Vec::new(), Vec::new()];
+        for (other, surface) in surfaces.iter().enumerate().filter(|&(other, _)| other != layer) {
+            let side = usize::from(other > layer);
+            let direction = if side == 1 { normal } else { -normal };
+            for t in &surface.triangles {
+                let [p, q, r] = corners(surface, t);
+                let across = (q - p).cross(&(r - p));
+                let distance = (p - start).dot(&across) / direction.dot(&across);
+                let x = start + direction * distance;
+                let sides = [(p, q), (q, r), (r, p)];
+                let inside = sides.iter().all(|(u, v)| (v - u).cross(&(x - u)).dot(&across) >= -1e-12);
+                if inside && distance >= 0.0 && across.dot(&normal) > 0.0 {
+                    met[side].push((other, distance));
+                }
+            }
+        }
+        Slow { layer, met }
+    }
+
+    /// The nearest within `reach` on a side; only of the layer next to it, or of all.
+    fn nearest(&self, side: usize, reach: f64, next: bool) -> Option<f64> {
+        let counts =
+            |&&(other, distance): &&(usize, f64)| distance < reach && (!next || other.abs_diff(self.layer) == 1);
+        self.met[side].iter().filter(counts).map(|&(_, distance)| distance).reduce(f64::min)
+    }
+
+    fn spacing(&self, height: f64) -> Option<f64> {
+        match [0, 1].map(|side| self.nearest(side, 3.0 * height, true)) {
+            [Some(down), Some(up)] => Some((up + down) / 2.0),
+            [one, other] => one.or(other),
+        }
+    }
+
+    fn thickness(&self, height: f64) -> f64 {
+        let half = |side: usize| {
+            let any = self.nearest(side, 2.0 * height, false);
+            any.or_else(|| self.nearest(side, 3.0 * height, true)).unwrap_or(height) / 2.0
         };
-        surface.triangles.iter().filter_map(meets).reduce(f64::min)
-    };
-    match (look(normal, Some(i + 1)), look(-normal, i.checked_sub(1))) {
-        (Some(up), Some(down)) => Some((up + down) / 2.0),
-        (one, other) => one.or(other),
+        half(0) + half(1)
     }
 }
 
@@ -205,6 +243,35 @@ fn a_leaning_plane_is_met_exactly_and_faces_the_growth() {
     assert!(spacing.p05_mm > 0.98 && spacing.p95_mm < 1.02);
     assert!(spacing.squeezed_share <= 0.0);
     assert!((spacing.histogram_mm2.iter().sum::<f64>() - spacing.measured_mm2).abs() < 1e-9);
+}
+
+#[test]
+fn what_is_between_surfaces_is_shared_out_where_a_layer_is_missing_too() {
+    // Level strips, from x = 0 as far as each goes: heights, and where they end.
+    let strip = |z: f64, end: f64| {
+        let points = [[0.0, 0.0], [end, 0.0], [end, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, z));
+        Surface { value: z, points: points.to_vec(), triangles: Vec::new() }
+    };
+    let mut surfaces = [strip(0.5, 4.0), strip(1.3, 2.0), strip(2.2, 4.0), strip(3.2, 1.0), strip(5.0, 4.0)];
+    // A triangle for each half of a column, so that none reaches across the end of another strip.
+    for surface in &mut surfaces {
+        let end = surface.points[1].x as u32;
+        let z = surface.points[0].z;
+        surface.points = (0..=end).flat_map(|x| [0.0, 1.0].map(|y| Point3::new(f64::from(x), y, z))).collect();
+        surface.triangles = (0..end).flat_map(|x| [[0, 2, 1], [2, 3, 1]].map(|t| t.map(|v| v + 2 * x))).collect();
+    }
+    let spacing = measure_spacing(&slices(&surfaces), 1.0).unwrap();
+    let of_layer = |i: usize| spacing.thickness_mm[i].iter().step_by(2).copied().collect::<Vec<_>>();
+    let near = |a: Vec<f64>, b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(near(of_layer(0), &[0.9, 0.9, 1.35, 1.35]), "{:?}", of_layer(0));
+    assert!(near(of_layer(2), &[0.95, 0.95, 1.35, 1.35]), "{:?}", of_layer(2));
+    // Behind the fourth strip there are 2.8 to the last one: more than a wait leaves, so it is a gap of the part.
+    assert!(near(of_layer(4), &[1.4, 1.0, 1.0, 1.0]), "{:?}", of_layer(4));
+    // From half a layer below the first to half above the last, but for the gap.
+    let columns = [5.5, 5.5 - 1.8, 5.5 - 1.8, 5.5 - 1.8];
+    assert!((spacing.volume_mm3 - columns.iter().sum::<f64>()).abs() < 1e-12, "{}", spacing.volume_mm3);
+    // Spacing is that of neighbours alone.
+    assert_eq!(spacing.values_mm[0][4], None);
 }
 
 #[test]

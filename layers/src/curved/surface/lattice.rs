@@ -13,7 +13,7 @@ pub const JUMP: f64 = 2.0;
 
 /// Cells with a whole layer between them may have values no farther apart than those of a front that is a little slow. From
 /// here on, in layers, they count as torn: less makes more cuts and gaps beside them, more makes layers thinner there.
-pub const APART: f64 = 1.45;
+pub const APART: f64 = 1.4;
 
 /// Values at the nodes of a lattice, and the edges along which they may be interpolated.
 #[derive(Clone, Debug)]

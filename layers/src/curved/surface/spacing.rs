@@ -7,6 +7,11 @@
 //! ray that meets no neighbour within reach has none: the part ends there, or the front waited. Means and percentiles
 //! are weighted by area.
 //!
+//! The *thickness* of the layer at a triangle shares the space between surfaces out among them: on each side half the
+//! way to the nearest surface, of whatever layer. Where a front waited a layer is missing between two others, and they
+//! lie up to two heights apart there; what is between them is theirs. So thickness by area is volume, which is counted
+//! neither twice nor not at all.
+//!
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
@@ -17,6 +22,10 @@ use nalgebra::Point3;
 /// How far a neighbour may be, in layer heights. Spacing of hop counts goes up to twice its mean where a front
 /// sweeps round a corner; a ray that goes farther has left the part, and finds another branch of it.
 const REACH: f64 = 3.0;
+
+/// How far apart surfaces are at most, in layer heights, where a layer is missing between them: with a slope of one on
+/// both sides of a wait each goes half a layer towards the other, however long the wait. More is a gap of the part.
+const WAIT: f64 = 2.0;
 
 /// What most rays need, in layer heights.
 const SHORT: f64 = 1.3;
@@ -38,8 +47,8 @@ pub type SurfaceSlices<'a> = (&'a [Point3<f64>], &'a [[u32; 3]]);
 pub struct Spacing {
     /// For each surface, for each triangle: the spacing in millimetres; `None` where no neighbour is in reach.
     pub values_mm: Vec<Vec<Option<f64>>>,
-    /// The same for the thickness of the layer: half the distance to each neighbour, half a layer height where there is
-    /// none.
+    /// The same for the thickness of the layer: on each side half the way to the nearest surface, half a layer height where
+    /// there is none.
     pub thickness_mm: Vec<Vec<f64>>,
     /// Mean spacing; 0 if nothing was measured, like the figures that follow.
     pub mean_mm: f64,
@@ -96,25 +105,12 @@ pub enum SpacingError {
 }
 
 /// What the rays of a triangle found.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Found {
     area: f64,
-    above: Option<f64>,
-    below: Option<f64>,
+    spacing: Option<f64>,
+    thickness: f64,
     squeezed: bool,
-}
-
-impl Found {
-    fn spacing(&self) -> Option<f64> {
-        match (self.above, self.below) {
-            (Some(above), Some(below)) => Some((above + below) / 2.0),
-            (one, other) => one.or(other),
-        }
-    }
-
-    fn thickness(&self, height_mm: f64) -> f64 {
-        (self.above.unwrap_or(height_mm) + self.below.unwrap_or(height_mm)) / 2.0
-    }
 }
 
 /// Measures the spacing of `surfaces`, which follow each other; trimmed or not.
@@ -171,36 +167,43 @@ pub fn measure_spacing(surfaces: &[SurfaceSlices], height_mm: f64) -> Result<Spa
 fn found(tree: &Tree, surface: u32, has: [bool; 2], [a, b, c]: [Point3<f64>; 3], height_mm: f64) -> Found {
     let normal = (b - a).cross(&(c - a));
     let area = normal.norm() / 2.0;
-    let Some(normal) = normal.try_normalize(0.0) else {
-        return Found { area: 0.0, above: None, below: None, squeezed: false };
-    };
+    let Some(normal) = normal.try_normalize(0.0) else { return Found::default() };
     let middle: Point3<f64> = Point3::from((a.coords + b.coords + c.coords) / 3.0);
     let near = SQUEEZED * height_mm;
     // Most neighbours are about a layer away: a short line first passes by far fewer triangles.
     let short = tree.cast(middle, &normal, surface, has.map(|has| if has { SHORT * height_mm } else { 0.0 }), near);
-    let missing = [has[0] && short.below.is_none(), has[1] && short.above.is_none()];
-    let [mut above, mut below] = [short.above, short.below];
+    let missing = [0, 1].map(|side| has[side] && short.neighbours[side].is_none());
+    let mut sides = [0, 1].map(|side| (short.neighbours[side], short.nearest[side]));
     if missing != [false; 2] {
         let reach = missing.map(|missing| if missing { REACH * height_mm } else { 0.0 });
         let long = tree.cast(middle, &normal, surface, reach, 0.0);
-        (above, below) = (above.or(long.above), below.or(long.below));
+        for side in (0..2).filter(|&side| missing[side]) {
+            sides[side] = (long.neighbours[side], long.nearest[side]);
+        }
     }
-    Found { area, above, below, squeezed: short.near }
+    let spacing = match sides.map(|(neighbour, _)| neighbour) {
+        [Some(before), Some(after)] => Some((before + after) / 2.0),
+        [one, other] => one.or(other),
+    };
+    let thickness = |(neighbour, nearest): (Option<f64>, Option<f64>)| {
+        let in_wait = nearest.filter(|&nearest| nearest < WAIT * height_mm);
+        in_wait.or(neighbour).unwrap_or(height_mm) / 2.0
+    };
+    Found { area, spacing, thickness: sides.map(thickness).iter().sum(), squeezed: short.near }
 }
 
 fn summed_up(found: &[Vec<Found>], height_mm: f64) -> Spacing {
     let bar_mm = HISTOGRAM_END * height_mm / BARS as f64;
     let mut spacing = Spacing { bar_mm, histogram_mm2: vec![0.0; BARS], ..Spacing::default() };
-    spacing.values_mm = found.iter().map(|surface| surface.iter().map(Found::spacing).collect()).collect();
-    let thickness = |found: &Found| found.thickness(height_mm);
-    spacing.thickness_mm = found.iter().map(|surface| surface.iter().map(thickness).collect()).collect();
+    spacing.values_mm = found.iter().map(|surface| surface.iter().map(|found| found.spacing).collect()).collect();
+    spacing.thickness_mm = found.iter().map(|surface| surface.iter().map(|found| found.thickness).collect()).collect();
     let mut weighted = Vec::new();
     let mut squeezed = 0.0;
     for found in found.iter().flatten() {
         spacing.area_mm2 += found.area;
         squeezed += if found.squeezed { found.area } else { 0.0 };
-        spacing.volume_mm3 += found.area * found.thickness(height_mm);
-        if let Some(value) = found.spacing() {
+        spacing.volume_mm3 += found.area * found.thickness;
+        if let Some(value) = found.spacing {
             weighted.push((value, found.area));
             spacing.measured_mm2 += found.area;
             spacing.histogram_mm2[((value / bar_mm) as usize).min(BARS - 1)] += found.area;

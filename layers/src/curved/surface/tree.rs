@@ -21,14 +21,14 @@ struct Triangle {
     surface: u32,
 }
 
-/// What a line met. Distances are not negative.
+/// What a line met, first on the side before the surface, then on the side after it. Distances are not negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Hits {
-    /// Distance along the line to the next surface.
-    pub(super) above: Option<f64>,
-    /// Distance against it to the surface before.
-    pub(super) below: Option<f64>,
-    /// Whether another surface than the line's own is near.
+    /// Distances to the surface before and to the one after.
+    pub(super) neighbours: [Option<f64>; 2],
+    /// Distances to the nearest of all surfaces before, and of all after.
+    pub(super) nearest: [Option<f64>; 2],
+    /// Whether another surface than the line's own is near, whichever way it faces.
     pub(super) near: bool,
 }
 
@@ -49,9 +49,9 @@ impl Tree {
         Tree { boxes, triangles }
     }
 
-    /// Follows a line both ways from `start`, a point of the surface `own`, and looks for the surfaces before and after
-    /// it within `reach`, below and above, where their normals go along the line; and for any other surface within
-    /// `near`. `normal` is the way of the line, one long.
+    /// Follows a line both ways from `start`, a point of the surface `own`, and looks against it for surfaces before and along
+    /// it for surfaces after, where their normals go along the line: no farther than `reach`, nor than the neighbour
+    /// there; and for any other surface within `near`. `normal` is the way of the line, one long.
     pub(super) fn cast(&self, start: Point3<f64>, normal: &Vector3<f64>, own: u32, reach: [f64; 2], near: f64) -> Hits {
         let mut hits = Hits::default();
         self.boxes.along(&start, normal, reach.map(|reach| reach.max(near)), |place, left| {
@@ -62,19 +62,17 @@ impl Tree {
             let Some(along) = triangle.place_along(&start, normal) else { return };
             let distance = along.abs();
             hits.near |= distance < near;
-            let faces = || triangle.sides[0].cross(&triangle.sides[1]).dot(normal) > 0.0;
-            if triangle.surface == own + 1 && along >= 0.0 {
-                if distance < hits.above.unwrap_or(reach[1]) && faces() {
-                    hits.above = Some(distance);
-                    left[1] = distance.max(near);
-                }
-            } else if triangle.surface + 1 == own
-                && along <= 0.0
-                && distance < hits.below.unwrap_or(reach[0])
-                && faces()
+            let side = usize::from(triangle.surface > own);
+            let ahead = if side == 1 { along } else { -along };
+            if ahead >= 0.0
+                && distance < hits.neighbours[side].unwrap_or(reach[side])
+                && triangle.sides[0].cross(&triangle.sides[1]).dot(normal) > 0.0
             {
-                hits.below = Some(distance);
-                left[0] = distance.max(near);
+                hits.nearest[side] = Some(hits.nearest[side].map_or(distance, |nearest| nearest.min(distance)));
+                if triangle.surface.abs_diff(own) == 1 {
+                    hits.neighbours[side] = Some(distance);
+                    left[side] = distance.max(near);
+                }
             }
         });
         hits
