@@ -87,15 +87,21 @@ fn is_sound(layers: &[Layer], paths: &[ToolPath], travels: &Travels, options: &T
             continue;
         }
         let built = raster(&layers[..=paths[k].layer as usize], 4);
+        let ends = [way[0], way[way.len() - 1]].map(|pose| above_plate(&pose));
+        let room = ends.into_iter().fold(options.clearance, f64::min);
         for pose in sampled(way, 25) {
             let near = built.iter().map(|&p| distance(&pose, p)).fold(f64::INFINITY, f64::min);
             assert!(near >= options.clearance - PIECE, "{near} mm on the way to path {k}");
-            // The rim of the tip and the lower edge of the block over the plate.
-            let sin = pose.direction.xy().norm();
-            let low = pose.tip.z - (0.5 * sin).max(10.0 * sin - 8.0 * pose.direction.z);
-            assert!(!options.plate || low >= options.clearance - 1e-6, "{low} mm over the plate");
+            let low = above_plate(&pose);
+            assert!(!options.plate || low >= room - 1e-6, "{low} mm over the plate, {room} at the ends");
         }
     }
+}
+
+/// How far the rim of the tip and the lower edge of the block are over the plate.
+fn above_plate(pose: &Pose) -> f64 {
+    let sin = pose.direction.xy().norm();
+    pose.tip.z - (0.5 * sin).max(10.0 * sin - 8.0 * pose.direction.z)
 }
 
 /// A hilly layer over the plate and two walls on it, lines at random places of it that lean at random.
@@ -242,6 +248,29 @@ fn the_plate_is_kept_clear() {
     paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.direction = -Vector3::z_axis());
     let blocked = travels_with(&layers, &paths, &options).blocked;
     assert!(matches!(blocked[..], [BlockedTravel { path: 1, .. }]), "{blocked:?}");
+}
+
+#[test]
+fn a_nozzle_that_lies_flat_over_the_plate_gets_away_from_it() {
+    let layers = [Layer::sheet([15.0, 7.0, 0.4], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], 4, H)];
+    let lying = |x: f64, direction: [f64; 3]| {
+        path(0, &[5.0, 9.0].map(|y| (Point3::new(x, y, 10.02), Vector3::from(direction))))
+    };
+    // Its block has 0.02 to 0.1 mm left there; however far it backs off, it gets no millimetre.
+    let flat = [[-1.0, 0.0, 0.0], [-0.8, 0.6, 0.0], [0.0, 1.0, 0.01]];
+    let options = TravelOptions::default();
+    for end in flat.into_iter().chain([[-0.5, 0.0, 0.8], [0.0, 0.0, 1.0]]) {
+        for paths in flat.map(|start| [lying(10.0, start), lying(25.0, end)]) {
+            let there = travels_with(&layers, &paths, &options);
+            is_sound(&layers, &paths, &there, &options);
+            assert_eq!(there.blocked, []);
+        }
+    }
+    // Half a millimetre lower it is in the plate, and stays there.
+    let mut paths = [lying(10.0, flat[0]), lying(25.0, flat[1])];
+    paths[0].waypoints.iter_mut().for_each(|w| w.tip.z = 9.5);
+    let blocked = travels_with(&layers, &paths, &options).blocked;
+    assert!(matches!(blocked[..], [BlockedTravel { path: 1, obstacle: Obstacle::Plate, .. }]), "{blocked:?}");
 }
 
 #[test]

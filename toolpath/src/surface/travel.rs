@@ -13,6 +13,11 @@
 //! leg is. If not, its halves are looked at, down to where that growth is [`FINEST`] of the clearance. The check of a place is
 //! that of `gouging`, so all holds but for a fiftieth of a layer.
 //!
+//! From the plate a way keeps the clearance, or what it has at its ends if that is less: a nozzle that lies flat over the plate
+//! gets no farther from it by backing off. No direction in between leans more than both ends do, for a cap of the sphere of up
+//! to a right angle is convex, and the tip is no lower. So a leg is as far from the plate at least as a nozzle with the lower tip
+//! that leans more, and near its ends that is enough.
+//!
 //! # Choice
 //! Candidates are straight ways, arcs and ways over the top of the part, each from several heights above the ends;
 //! the shortest one that is proven free is taken. Where none is the travel is listed, with what is in the way of
@@ -42,13 +47,16 @@ const PIECES: usize = 8;
 /// Places along a leg at which is looked what is in the way, at most.
 const MOST_LOOKS: f64 = 1e4;
 
+/// What distances from the plate may lack, in millimetres.
+const ROUNDING: f64 = 1e-9;
+
 /// Lengths beyond this are refused.
 const LARGEST: f64 = 1e6;
 
 /// How ways from path to path are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TravelOptions {
-    /// What is to be kept from everything built, and from the plate, in millimetres: 1.
+    /// What is to be kept from everything built, in millimetres: 1. So from the plate, unless an end of the way is nearer.
     pub clearance: f64,
     /// How far the nozzle backs off along its direction at least, in millimetres: 2.
     pub least_lift: f64,
@@ -233,6 +241,11 @@ fn lifted(waypoint: &Waypoint, by: f64) -> Pose {
     Pose { tip: waypoint.tip + waypoint.direction.into_inner() * by, direction: waypoint.direction }
 }
 
+/// How far a pose leans from the upright.
+fn lean(pose: &Pose) -> f64 {
+    angle(&pose.direction, &Vector3::z_axis())
+}
+
 /// How long a way is. The lifts at its ends count, too.
 fn length(way: &[Pose]) -> f64 {
     way.windows(2).map(|pair| (pair[1].tip - pair[0].tip).norm()).sum()
@@ -259,10 +272,12 @@ impl Finder<'_> {
         let mut ends_free: Vec<Option<bool>> = vec![None; lifts.len()];
         for (_, k, way) in candidates {
             let known = ends_free[k];
-            let ends =
-                known.unwrap_or_else(|| above(lifts[k]).iter().all(|end| self.is_free(end, self.options.clearance)));
-            ends_free[k] = Some(ends);
-            if ends && self.is_way_free(&way) {
+            let ends = above(lifts[k]);
+            let room = self.room(&ends);
+            let are_free = known
+                .unwrap_or_else(|| room >= 0.0 && ends.iter().all(|end| self.is_free(end, self.options.clearance)));
+            ends_free[k] = Some(are_free);
+            if are_free && self.is_way_free(&way, room) {
                 return Found { is_first: way.len() == 2 && k == 0, way, lift: lifts[k], blocked: None };
             }
         }
@@ -286,11 +301,37 @@ impl Finder<'_> {
         Some([Some(ends[0]), one, other, Some(ends[1])].into_iter().flatten().collect())
     }
 
-    fn is_way_free(&mut self, way: &[Pose]) -> bool {
-        way.windows(2).all(|leg| self.is_leg_free([leg[0], leg[1]]))
+    /// What a way between these ends keeps from the plate.
+    fn room(&self, ends: &[Pose; 2]) -> f64 {
+        ends.iter().map(|end| self.above_plate(end.tip.z, lean(end))).fold(self.options.clearance, f64::min)
     }
 
-    /// Whether a leg is proven to keep the clearance, its ends being known to.
+    /// How far above the plate a nozzle is whose tip is at this height.
+    fn above_plate(&self, height: f64, lean: f64) -> f64 {
+        if self.options.plate { -self.nozzle.below_plate(height, lean).0 } else { f64::INFINITY }
+    }
+
+    fn is_way_free(&mut self, way: &[Pose], room: f64) -> bool {
+        way.windows(2).all(|leg| {
+            let leg = [leg[0], leg[1]];
+            self.is_leg_above(&leg, room) && self.is_leg_free(leg)
+        })
+    }
+
+    /// Whether a leg is proven to keep so much from the plate.
+    fn is_leg_above(&self, leg: &[Pose; 2], room: f64) -> bool {
+        let (height, lean) = (leg[0].tip.z.min(leg[1].tip.z), lean(&leg[0]).max(lean(&leg[1])));
+        let motion = length(leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
+        let halves = || {
+            let middle = self.between(leg, 0.5)?;
+            Some([[leg[0], middle], [middle, leg[1]]])
+        };
+        self.above_plate(height, lean) >= room - ROUNDING
+            || motion > FINEST * self.options.clearance
+                && halves().is_some_and(|halves| halves.iter().all(|half| self.is_leg_above(half, room)))
+    }
+
+    /// Whether a leg is proven to keep the clearance from what is built, its ends being known to.
     fn is_leg_free(&mut self, leg: [Pose; 2]) -> bool {
         let clearance = self.options.clearance;
         let length = (leg[1].tip - leg[0].tip).norm();
@@ -341,9 +382,10 @@ impl Finder<'_> {
 
     fn scene<'s>(&'s self, nozzle: &'s Nozzle) -> Scene<'s> {
         let LayerStack { tree, rims, keys, .. } = self.stack;
-        Scene { tree, rims, keys, nozzle, plate: self.options.plate }
+        Scene { tree, rims, keys, nozzle, plate: false }
     }
 
+    /// Whether a nozzle is farther from all that is built.
     fn is_free(&mut self, pose: &Pose, clearance: f64) -> bool {
         let mut work = std::mem::take(&mut self.work);
         let (nozzle, stand) = self.grown(pose, clearance);
@@ -363,6 +405,7 @@ impl Finder<'_> {
 
     fn nearer_than(&self, clearance: f64, way: &[Pose]) -> Option<(Point3<f64>, Obstacle)> {
         let mut work = Vec::new();
+        let room = way.first().zip(way.last()).map_or(0.0, |(from, to)| self.room(&[*from, *to]).max(0.0));
         for leg in way.windows(2) {
             let leg = [leg[0], leg[1]];
             let motion = length(&leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
@@ -373,7 +416,7 @@ impl Finder<'_> {
                 if let Some(worst) = scene.worst(stand, &pose.direction, &mut work) {
                     return Some((pose.tip, Obstacle::Layer(worst.layer)));
                 }
-                if !scene.above_plate(stand, &pose.direction) {
+                if self.above_plate(pose.tip.z, lean(&pose)) < room - ROUNDING {
                     return Some((pose.tip, Obstacle::Plate));
                 }
             }

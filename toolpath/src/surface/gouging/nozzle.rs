@@ -249,7 +249,7 @@ impl Nozzle {
 
     /// How far a nozzle reaches below a plate that lies `height` below its tip, if it leans by an angle from the upright,
     /// and with which part. Leaning beyond a right angle its block reaches down without end.
-    pub(super) fn below_plate(&self, height: f64, lean: f64) -> (f64, NozzlePart) {
+    pub(in crate::surface) fn below_plate(&self, height: f64, lean: f64) -> (f64, NozzlePart) {
         if lean > FRAC_PI_2 + 1e-9 {
             return (f64::INFINITY, NozzlePart::Block);
         }
