@@ -100,6 +100,26 @@ impl OutputFolder {
         }
     }
 
+    /// Writes a list if there is anything `to_list`; if not, takes away the one of an earlier run.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::write_with`].
+    pub fn write_list(
+        &self,
+        name: &str,
+        to_list: bool,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        if to_list {
+            return self.write_with(name, fill);
+        }
+        let path = self.path.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(OutputError::Write { path, source }),
+            _ => Ok(()),
+        }
+    }
+
     /// Begins a file under a temporary name, for files that belong together: begin all of them, fill them, finish them.
     ///
     /// # Errors

@@ -60,6 +60,21 @@ fn files_are_whole_or_not_there() {
 }
 
 #[test]
+fn a_list_of_nothing_takes_away_that_of_an_earlier_run() {
+    let path = place("list");
+    let folder = OutputFolder::create(&path).unwrap();
+    let faults = |there: bool| folder.write_list("faults.csv", there, |out| out.write_all(b"a fault"));
+    faults(false).unwrap();
+    assert_eq!(names(&path), [""; 0]);
+    faults(true).unwrap();
+    assert_eq!(fs::read_to_string(path.join("faults.csv")).unwrap(), "a fault");
+    faults(false).unwrap();
+    assert_eq!(names(&path), [""; 0]);
+    fs::create_dir(path.join("faults.csv")).unwrap();
+    assert!(matches!(faults(false), Err(OutputError::Write { .. })));
+}
+
+#[test]
 fn folders_without_files_go_away() {
     let top = place("gone");
     let folder = OutputFolder::create(&top.join("x/y")).unwrap();

@@ -23,25 +23,19 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
         let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
         write(run, &options, "toolpath-bc.gcode", folder)?;
     }
-    if !run.freed.left.is_empty() {
-        folder.write_with("gouging.csv", |out| gouging(run, out))?;
-    }
-    if !run.freed.left_out.is_empty() {
-        folder.write_with("left_out.csv", |out| left_out(run, out))?;
-    }
-    if !run.freed.sharp.is_empty() {
-        folder.write_with("turns.csv", |out| turns(run, out))?;
-    }
-    if !run.travels.blocked.is_empty() {
-        folder.write_with("blocked_travels.csv", |out| {
-            writeln!(out, "path,obstacle,x,y,z")?;
-            run.travels.blocked.iter().try_for_each(|travel| {
-                let (obstacle, tip) = (name(travel.obstacle), travel.tip);
-                writeln!(out, "{},{obstacle},{:.4},{:.4},{:.4}", travel.path, tip.x, tip.y, tip.z)
-            })
-        })?;
-    }
+    folder.write_list("gouging.csv", !run.freed.left.is_empty(), |out| gouging(run, out))?;
+    folder.write_list("left_out.csv", !run.freed.left_out.is_empty(), |out| left_out(run, out))?;
+    folder.write_list("turns.csv", !run.freed.sharp.is_empty(), |out| turns(run, out))?;
+    folder.write_list("blocked_travels.csv", !run.travels.blocked.is_empty(), |out| blocked_travels(run, out))?;
     Ok(written)
+}
+
+fn blocked_travels(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
+    writeln!(out, "path,obstacle,x,y,z")?;
+    run.travels.blocked.iter().try_for_each(|travel| {
+        let (obstacle, tip) = (name(travel.obstacle), travel.tip);
+        writeln!(out, "{},{obstacle},{:.4},{:.4},{:.4}", travel.path, tip.x, tip.y, tip.z)
+    })
 }
 
 fn name(obstacle: Obstacle) -> String {

@@ -40,15 +40,14 @@ pub fn products<const N: usize, const F: usize, R>(
 ) -> Result<(), Failure> {
     folder.write_with("trajectory.csv", |out| write_csv(run, out))?;
     folder.write_with("layers.csv", |out| write_layers(&run.figures.layers, out))?;
-    if !run.figures.faults.is_empty() {
-        folder.write_with("motion-faults.csv", |out| {
-            writeln!(out, "layer,path,at,kind,what")?;
-            run.figures.faults.iter().try_for_each(|fault| {
-                let (kind, what) = (fault.kind.name(), fault.what.replace(',', ";"));
-                writeln!(out, "{},{},{},{kind},{what}", fault.layer + 1, fault.path, fault.waypoint)
-            })
-        })?;
-    }
+    let faults = &run.figures.faults;
+    folder.write_list("motion-faults.csv", !faults.is_empty(), |out| {
+        writeln!(out, "layer,path,at,kind,what")?;
+        faults.iter().try_for_each(|fault| {
+            let (kind, what) = (fault.kind.name(), fault.what.replace(',', ";"));
+            writeln!(out, "{},{},{},{kind},{what}", fault.layer + 1, fault.path, fault.waypoint)
+        })
+    })?;
     Ok(())
 }
 
