@@ -45,7 +45,16 @@ impl Table {
     /// # Errors
     /// What the system says when stdout cannot be written.
     pub fn print(&self) -> io::Result<()> {
-        match io::stdout().lock().write_all(self.to_string().as_bytes()) {
+        Table::print_all([self])
+    }
+
+    /// Writes tables to stdout, with an empty line between; else like [`Table::print`].
+    ///
+    /// # Errors
+    /// As [`Table::print`].
+    pub fn print_all<'a>(tables: impl IntoIterator<Item = &'a Table>) -> io::Result<()> {
+        let texts: Vec<String> = tables.into_iter().map(Table::to_string).collect();
+        match io::stdout().lock().write_all(texts.join("\n").as_bytes()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other,
         }

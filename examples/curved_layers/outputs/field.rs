@@ -103,7 +103,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         .row(["cells".to_owned(), format!("{} of {:.4} mm, grid {nx} x {ny} x {nz}", grid.count(), grid.cell_mm())])
         .row(["strategy".to_owned(), format!("{}: {}", typed_name(args.grow.strategy), run.strategy)])
         .row(["platform".to_owned(), format!("disc of {:.1} mm", run.platform_diameter_mm())])
-        .row(["eps".to_owned(), format!("{} cells", args.grow.eps)])
+        .row(["eps".to_owned(), format!("{}, in cells", args.grow.eps)])
         .row(["layers".to_owned(), growth.order.len().to_string()])
         .row(["missed cells".to_owned(), growth.missed.len().to_string()])
         .row([
@@ -118,13 +118,20 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
             "audit".to_owned(),
             if run.audit.is_ok() { "passed".to_owned() } else { format!("FAILED: {}", run.audit) },
         ])
-        .row(["voxelise".to_owned(), seconds(times.voxelise)])
-        .row(["grow".to_owned(), format!("{}, peeling {}", seconds(times.grow), seconds(times.peel))])
-        .row(["audit time".to_owned(), seconds(times.audit)])
-        .row(["field in all".to_owned(), seconds(times.total)]);
+        .row([
+            "time".to_owned(),
+            format!(
+                "{}: cells {}, growth {} (peeling {}), audit {}",
+                seconds(times.total),
+                seconds(times.voxelise),
+                seconds(times.grow),
+                seconds(times.peel),
+                seconds(times.audit)
+            ),
+        ]);
 }
 
-/// The first chapter: what it is about, all figures, and the field.
+/// The first chapter: what it is about, and the field.
 pub fn report(run: &FieldRun, figures: &Table, report: &mut Report) -> Result<(), Failure> {
     let (grid, field) = (&run.solid.grid, numbers(run));
     let layered = LayeredCells::new(grid.dims(), grid.rows(), &field).map_err(failure)?;
@@ -146,7 +153,7 @@ pub fn report(run: &FieldRun, figures: &Table, report: &mut Report) -> Result<()
         report.notice(&format!("The audit failed: {}", run.audit));
     }
     report
-        .table("This run", figures)
+        .table("", figures)
         .heading("The part, coloured by layer")
         .pictures(&[
             ("from the front", &view(Vector3::new(0.6, -1.0, 0.45))),

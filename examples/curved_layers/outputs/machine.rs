@@ -158,14 +158,22 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
         .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
         .row(["travels".to_owned(), travels(run)])
         .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
-        .row(["orientation".to_owned(), format!("{}, gouging {}", seconds(times.orientation), seconds(times.gouging))]);
+        .row([
+            "time".to_owned(),
+            format!(
+                "orientation {}, of which gouging {}; travels {}",
+                seconds(times.orientation),
+                seconds(times.gouging),
+                seconds(times.travels)
+            ),
+        ]);
 }
 
 fn gouging_row(freed: &Freed) -> String {
     let (before, after) = (freed.gouging_before, freed.left.len());
     let mut row = format!("{before} waypoints before, {after} after");
     if !freed.left_out.is_empty() {
-        row += &format!("; {} pieces of paths left out", freed.left_out.len());
+        row += &format!("; pieces of paths left out: {}", freed.left_out.len());
     }
     row
 }
@@ -173,13 +181,12 @@ fn gouging_row(freed: &Freed) -> String {
 fn travels(run: &MachineRun) -> String {
     let travels = &run.travels;
     format!(
-        "{:.1} m, {} of {} higher than the least, by at most {:.1} mm; {} blocked; {}",
+        "{:.1} m, {} of {} higher than the least, by at most {:.1} mm; {} blocked",
         run.deposition.travel_mm / 1000.0,
         travels.lifted,
         travels.ways.iter().filter(|way| !way.is_empty()).count(),
         travels.max_lift,
-        travels.blocked.len(),
-        seconds(run.times.travels)
+        travels.blocked.len()
     )
 }
 

@@ -1,4 +1,4 @@
-//! What the example leaves behind: the products of each stage, `report.html`, `summary.json`, the table on stdout.
+//! What the example leaves behind: the products of each stage, `report.html`, `summary.json`, the tables on stdout.
 //!
 //! One module a stage, each with its products, its figures (`summary`, `rows`) and its chapter of the report.
 
@@ -26,27 +26,29 @@ type Picture = (String, Vec<u8>);
 pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<bool, Failure> {
     let Results { field: run, surfaces, paths, machine, motion } = results;
     let mut summary = Summary::new();
-    let mut table = Table::new(["", ""]);
+    let stages = ["Cells and layers", "Surfaces", "Paths", "Nozzle and machine file", "Motion"];
+    let mut tables = stages.map(|stage| Table::new([stage, ""]));
+    let [of_field, of_surfaces, of_paths, of_machine, of_motion] = &mut tables;
     let mut refused = None;
 
     field::products(run, folder)?;
     field::summary(args, part, run, &mut summary)?;
-    field::rows(args, part, run, &mut table);
+    field::rows(args, part, run, of_field);
     if let Some(run) = surfaces {
         surfaces::products(run, folder)?;
         surfaces::summary(run, &mut summary)?;
-        surfaces::rows(run, &mut table);
+        surfaces::rows(run, of_surfaces);
     }
     if let Some(run) = paths {
         paths::products(run, folder)?;
         paths::summary(run, &mut summary)?;
-        paths::rows(run, &mut table);
+        paths::rows(run, of_paths);
     }
 
     if let Some(run) = machine {
         let written = machine::products(args, run, folder)?;
         machine::summary(args, run, &written, &mut summary)?;
-        machine::rows(run, &written, &mut table);
+        machine::rows(run, &written, of_machine);
     }
     if let Some(run) = motion {
         match run {
@@ -57,20 +59,21 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         refused = written.refused.clone();
         motion::summary(run.figures(), &run.shift(), &mut summary)?;
         programs::summary(&written, &mut summary)?;
-        motion::rows(run.figures(), &mut table);
-        programs::rows(&written, &mut table);
+        motion::rows(run.figures(), of_motion);
+        programs::rows(&written, of_motion);
     }
 
     let mut report = Report::new(&format!("Curved layers: {}", part.name));
-    field::report(run, &table, &mut report)?;
+    field::report(run, of_field, &mut report)?;
     if let Some(surfaces) = surfaces {
-        surfaces::report(run, surfaces, &mut report);
+        surfaces::report(run, surfaces, report.table("", of_surfaces));
         if let Some(paths) = paths {
-            paths::report(surfaces, paths, &mut report);
+            paths::report(surfaces, paths, report.table("", of_paths));
         }
     }
-    machine.iter().for_each(|machine| machine::report(machine, &mut report));
+    machine.iter().for_each(|machine| machine::report(machine, report.table("", of_machine)));
     if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
+        report.table("", of_motion);
         refused.iter().for_each(|refused| _ = report.notice(&format!("no programs: {refused}")));
         match motion {
             Motion::PartInHand(run) => motion::report(surfaces, run, &mut report),
@@ -81,7 +84,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     folder.write("report.html", report.to_html())?;
     // The summary comes last: where it is, all is there.
     summary.write(folder)?;
-    table.print().map_err(failure)?;
+    Table::print_all(tables.iter().filter(|table| !table.rows().is_empty())).map_err(failure)?;
     Ok(refused.is_none())
 }
 

@@ -82,9 +82,15 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.largest_gap_mm)])
         .row(["sharp turns".to_owned(), totals.sharp_turns.to_string()])
         .row(["crossings".to_owned(), totals.self_crossings.to_string()])
-        .row(["geodesics".to_owned(), seconds(times.geodesic)])
-        .row(["paths".to_owned(), seconds(times.paths)])
-        .row(["path figures".to_owned(), seconds(times.statistics)]);
+        .row([
+            "time, all threads".to_owned(),
+            format!(
+                "geodesics {}, paths {}, coverage and crossings {}",
+                seconds(times.geodesic),
+                seconds(times.paths),
+                seconds(times.statistics)
+            ),
+        ]);
 }
 
 pub fn report(surfaces: &SurfacesRun, run: &PathsRun, report: &mut Report) {

@@ -68,24 +68,30 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
 }
 
 pub fn rows(run: &SurfacesRun, table: &mut Table) {
-    let (spacing, plain, boundary) = (&run.spacing, &run.plain_spacing, &run.boundary);
+    let (spacing, plain, boundary, times) = (&run.spacing, &run.plain_spacing, &run.boundary, &run.times);
     let spread = |std: f64, mean: f64| format!("{mean:.4} mm, deviation {std:.4} mm");
     table
         .row(["surfaces".to_owned(), format!("{}, {} triangles", run.sheets.len(), run.triangles())])
         .row(["layer height".to_owned(), format!("{:.4} mm", run.height_mm)])
         .row(["even layers by".to_owned(), format!("{}; {} waits", run.method, run.waits)])
         .row(["spacing".to_owned(), spread(spacing.std_mm, spacing.mean_mm)])
-        .row(["of hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)])
+        .row(["spacing, hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)])
         .row(["off the mesh".to_owned(), format!("{:.1e} mm at most", boundary.error_mm)])
         .row([
             "ends inside".to_owned(),
             format!("{:.1} mm at missed cells, {:.1} mm at waits", boundary.at_missed_mm, boundary.at_waits_mm),
         ])
         .row(["layer volume".to_owned(), format!("{:.1} mm3", spacing.volume_mm3)])
-        .row(["even layers".to_owned(), seconds(run.times.even)])
-        .row(["contouring".to_owned(), seconds(run.times.contour)])
-        .row(["trimming".to_owned(), seconds(run.times.trim)])
-        .row(["measuring".to_owned(), seconds(run.times.spacing)]);
+        .row([
+            "time".to_owned(),
+            format!(
+                "even layers {}, contouring {}, trimming {}, spacing {}",
+                seconds(times.even),
+                seconds(times.contour),
+                seconds(times.trim),
+                seconds(times.spacing)
+            ),
+        ]);
 }
 
 pub fn report(field: &FieldRun, run: &SurfacesRun, report: &mut Report) {
