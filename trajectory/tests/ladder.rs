@@ -13,6 +13,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Solutions for each waypoint and sample, any that one likes.
 #[derive(Debug)]
@@ -322,6 +323,20 @@ fn coarse_to_fine_comes_close_to_the_shortest() {
         near.cost,
         shortest.cost
     );
+    // It asks for a few samples only: 9 about the path of each level, but where the band had to be laid anew.
+    let asked = AtomicUsize::new(0);
+    let counting = RobotFn {
+        waypoints: 200,
+        free: robot.free(),
+        solutions: |waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 3])| {
+            asked.fetch_add(1, Ordering::Relaxed);
+            robot.solutions(waypoint, free, each);
+        },
+        posture: |waypoint: usize, free: &[f64; 1], branch: u32| robot.posture(waypoint, free, branch),
+    };
+    assert_eq!(plan_ladder(&counting, &times, &no_limits(), &fast, &quiet).unwrap(), near);
+    let asked = asked.into_inner();
+    assert!(asked < 200 * 180 / 6, "{asked}");
 }
 
 #[test]

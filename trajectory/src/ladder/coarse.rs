@@ -1,10 +1,12 @@
 //! From a coarse path to a fine one.
 //!
 //! The coarse path goes through every eighth waypoint, which leaves the joints eight times as far to move, so that an
-//! eighth of the samples is fine enough to tell good paths from bad ones. Then all waypoints are taken, with the
-//! samples in a band around the coarse path and the branches that it uses. Where the result touches the edge of its
-//! band, the band is laid around the result and the search goes on. Bands overlap from round to round, so solutions are
-//! kept: they cost more than the search between them.
+//! eighth of the samples is fine enough to tell good paths from bad ones. Then come every fourth waypoint with a fourth
+//! of the samples, every second, and all. Squared steps add up alike on all these levels: a step of so many waypoints
+//! costs the square of their number, and so does one of so many samples. So the path of one level lies near the best one
+//! of the next, and a narrow band of samples around it, on the branches that it uses, holds that. Where the result touches
+//! the edge of its band, the band is laid around the result and the search goes on. Bands overlap from round to round,
+//! so solutions are kept: they cost more than the search between them.
 
 use super::nodes::{Kind, Window, nearest, wrapped};
 use super::search::{Path, Stuck};
@@ -12,8 +14,12 @@ use super::{Climb, Rung};
 use crate::robot::{FreeRange, Posture, Robot};
 use std::sync::{Mutex, PoisonError};
 
-/// Every so many waypoints and samples.
+/// Every so many waypoints and samples, to begin with: a power of two. With 16 the bench's dome ends in another valley.
 const STRIDE: u32 = 8;
+
+/// Samples on either side of the path of the level before, which has samples twice as far apart. With 3 the band is laid
+/// anew more often and may end beside the best path; with 6 more samples are solved than rounds are saved.
+const HALF: u32 = 4;
 
 /// Fewer samples than this are not thinned out: they would not find their way.
 const FEWEST: u32 = 12;
@@ -85,23 +91,57 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     kinds: [Kind; N],
 ) -> Result<Option<Path<N, F>>, Stuck> {
     let waypoints = climb.times.len();
-    let coarse = samples.map(|n| n.div_ceil(STRIDE).max(FEWEST).min(n));
+    let coarse = thinned(samples, STRIDE);
     if waypoints <= 2 * STRIDE as usize || coarse == samples {
         return Ok(None);
     }
-    let mut thinned: Vec<usize> = (0..waypoints).step_by(STRIDE as usize).collect();
-    if thinned.last() != Some(&(waypoints - 1)) {
-        thinned.push(waypoints - 1);
+    let mut passed = every(STRIDE, waypoints);
+    let found = climb.search(&passed, kinds, &|_| Window::whole(coarse), false);
+    let Some(mut path) = none_if_stuck(found)? else { return Ok(None) };
+    let mut stride = STRIDE;
+    while stride > 1 {
+        stride /= 2;
+        let guide = interpolated(&passed, &path.rungs, &climb.robot.free());
+        let level = every(stride, waypoints);
+        match follow(climb, &level, thinned(samples, stride), kinds, guide, stride == 1)? {
+            Some(finer) => (path, passed) = (finer, level),
+            None if stride == 1 => return Ok(None),
+            // The next level goes on from the one before.
+            None => {}
+        }
     }
+    Ok(Some(path))
+}
+
+/// Of each free parameter's samples every so many, but not too few.
+fn thinned<const F: usize>(samples: [u32; F], stride: u32) -> [u32; F] {
+    samples.map(|n| n.div_ceil(stride).max(FEWEST).min(n))
+}
+
+/// Every so many waypoints, and the last.
+fn every(stride: u32, waypoints: usize) -> Vec<usize> {
+    let mut passed: Vec<usize> = (0..waypoints).step_by(stride as usize).collect();
+    if passed.last() != Some(&(waypoints - 1)) {
+        passed.push(waypoints - 1);
+    }
+    passed
+}
+
+/// A path through the waypoints `passed` near a guide.
+///
+/// `widen`: whether to widen the band as long as there is none in it.
+fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    climb: &Climb<'_, N, F, R>,
+    passed: &[usize],
+    samples: [u32; F],
+    kinds: [Kind; N],
+    guide: Guide<F>,
+    widen: bool,
+) -> Result<Option<Path<N, F>>, Stuck> {
     let range = climb.robot.free();
-    let found = climb.search(&thinned, kinds, &|_| Window::whole(coarse), false);
-    let Some(path) = none_if_stuck(found)? else { return Ok(None) };
-    let Guide { mut free, branches } = interpolated(&thinned, &path.rungs, &range);
-    // Up to the neighbours of the coarse samples.
-    let mut half: [u32; F] = std::array::from_fn(|f| samples[f].div_ceil(coarse[f]));
-    let all: Vec<usize> = (0..waypoints).collect();
-    let kept =
-        Kept { robot: climb.robot, branches: &branches, known: (0..waypoints).map(|_| Mutex::default()).collect() };
+    let Guide { mut free, branches } = guide;
+    let known = free.iter().map(|_| Mutex::default()).collect();
+    let kept = Kept { robot: climb.robot, branches: &branches, known };
     let climb = Climb {
         robot: &kept,
         times: climb.times,
@@ -109,12 +149,13 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         options: climb.options,
         progress: climb.progress,
     };
+    let mut half = [HALF; F];
     let mut best: Option<Path<N, F>> = None;
     for _ in 0..ROUNDS {
-        let window = |at: usize| band(&free[at], samples, half, &range);
-        let Some(path) = none_if_stuck(climb.search(&all, kinds, &window, false))? else {
-            if (0..F).all(|f| 2 * half[f] + 1 >= samples[f]) {
-                return Ok(None);
+        let window = |at: usize| band(&free[passed[at]], samples, half, &range);
+        let Some(path) = none_if_stuck(climb.search(passed, kinds, &window, false))? else {
+            if !widen || (0..F).all(|f| 2 * half[f] + 1 >= samples[f]) {
+                return Ok(best);
             }
             half = half.map(|half| 2 * half);
             continue;
@@ -123,7 +164,7 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         let done = !path.rungs.iter().enumerate().any(|(at, rung)| touches(at, rung));
         let better = best.as_ref().is_none_or(|best| path.cost < best.cost);
         if better {
-            free = path.rungs.iter().map(|rung| rung.free).collect();
+            passed.iter().zip(&path.rungs).for_each(|(&waypoint, rung)| free[waypoint] = rung.free);
             best = Some(path);
         }
         if done || !better {

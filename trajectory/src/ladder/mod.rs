@@ -45,9 +45,9 @@ pub enum Norm {
 pub enum LadderSearch {
     /// All samples at all waypoints. The result is a shortest path.
     Exact,
-    /// A coarse path through every eighth waypoint at an eighth of the samples, then all waypoints and the samples
-    /// near that path, until the result stays clear of what was left out. Usually the shortest path or close to it;
-    /// falls back to `Exact` when it finds none.
+    /// A coarse path through every eighth waypoint at an eighth of the samples, then every fourth, every second and all,
+    /// each with the samples near the path before, until the result stays clear of what was left out. Usually the
+    /// shortest path or close to it; falls back to `Exact` when it finds none.
     CoarseToFine,
 }
 
