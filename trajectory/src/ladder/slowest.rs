@@ -1,4 +1,4 @@
-//! How slow the joints can be at best: a bound that holds for every motion through the waypoints at their times.
+//! How slow the joints can be at best: a bound for every motion through the waypoints at their times.
 //!
 //! A joint that goes from one waypoint to the next has, at some instant between them, the mean speed of that step,
 //! whatever curve it takes. So a motion needs at least the greatest of its steps, and every motion at least the least
@@ -7,8 +7,11 @@
 //! are apart, so the bottleneck path over cells is a lower bound; over the middles of cells it is what can be had. Cells through
 //! which no chain is below what can be had are dropped, the others halved, until the two meet.
 //!
-//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends tell it. Where a
-//! branch ends within a cell, or turns too fast to tell, the cell counts as near everything.
+//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends tell it, taken twice
+//! ([`SAFETY`]). That is no proof: a robot is a closure, of which nothing is known between the places where it is
+//! asked, and there is no interval arithmetic. What bends sharply between two ends that look smooth can be outside its
+//! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast to tell, the cell counts as near
+//! everything.
 
 use super::nodes::{Kind, wrapped};
 use super::{LadderError, LadderOptions, check};
@@ -35,7 +38,8 @@ const MOST_CELLS: usize = 1 << 17;
 /// How slow joints can be on a stretch of a path; speeds are in shares of the speed limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeastSpeed {
-    /// Every motion has a joint that somewhere goes at this many times its speed limit: above 1 no motion keeps them.
+    /// Every motion has a joint that somewhere goes at this many times its speed limit: above 1 no motion keeps them. As
+    /// sure as boxes made from derivatives are; see [`least_speed`].
     pub at_least: f64,
     /// What a chain of solutions needs for its mean speeds, whole turns between stops not counted; infinite where none
     /// was found. Over all waypoints asked for, or where `at_least` is above 1 over some about the stretch below.
@@ -65,6 +69,10 @@ struct Cell<const N: usize> {
 ///
 /// It answers why [`plan_ladder`](crate::plan_ladder) breaks off: a stretch that needs more than the limits breaks off with
 /// any number of samples.
+///
+/// The bound is not proved as interval arithmetic would prove it. How far joints go within a cell is told by their
+/// derivatives at its ends, and twice that is allowed for. An inverse that bends sharply within a cell and is smooth at its ends
+/// would go unseen.
 ///
 /// # Arguments
 /// * `times`: one a waypoint of the robot, rising, in seconds.
