@@ -7,6 +7,12 @@
 //! cargo run --release --example jerk_motion -- --waypoints layer.txt --feed 5 --up y
 //! ```
 //! Without `--waypoints` the path is a spiral over a patch made in code. `--help` lists the options.
+//!
+//! Each method has its keys in `summary.json`, such as `ur3_global_j` (Eq. 4.10), `ur3_global_spline_jerk` (the integral of
+//! the squared jerk, which is what the global filter lowers) and `ur3_global_max_velocity`. Algorithm 6 does not hold bounds
+//! between waypoints. Where it passes one on speed or acceleration, its J is no measure for a filter that keeps them:
+//! `ur3_global_freed_...` is the global filter within bounds raised, joint by joint, to what Algorithm 6 reaches. A method
+//! that has no motion on the path has no keys; `ur3_notes` says why.
 
 mod collisions;
 mod outputs;
@@ -85,6 +91,8 @@ fn crest(text: &str) -> Result<f64, String> {
 /// Degrees by which directions are disturbed in the study of noise, and its seed.
 const NOISE_DEG: [u32; 3] = [5, 10, 15];
 const SEED: u64 = 414;
+/// Of the methods, those before the global filter with more freedom and the grid.
+const NOISY_METHODS: usize = 3;
 
 /// A robot's motions over the path, and over a noisy one for each level of noise.
 pub struct Run<const N: usize> {
@@ -92,6 +100,8 @@ pub struct Run<const N: usize> {
     pub robot: &'static str,
     /// A motion for each method.
     pub planned: Vec<Planned<N>>,
+    /// What there is no motion for, in words.
+    pub notes: Vec<String>,
     /// Degrees of noise, and the motions there.
     pub noisy: Vec<(u32, Vec<Planned<N>>)>,
 }
@@ -197,7 +207,8 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
         Ok((parts.collect(), timed.pieces.iter().map(|piece| piece.times.clone()).collect()))
     };
     let (parts, times) = robots(timed)?;
-    let planned = plan(&parts, &times, &Plan { methods: &METHODS, grid, doublings, makers_speeds: false }, bars)?;
+    let (planned, notes) =
+        plan(&parts, &times, &Plan { methods: &METHODS, grid, doublings, makers_speeds: false }, bars)?;
     let mut noisy = Vec::new();
     for degrees in NOISE_DEG.into_iter().filter(|_| args.noise_count as usize >= curvlay_trajectory::FEWEST_WAYPOINTS) {
         let count = given.0.len().min(args.noise_count as usize);
@@ -209,9 +220,9 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
         let timing = args.feed_mm_s.map_or(Timing::Given(&times), Timing::Feed);
         let timed = timed_path(&disturbed.0, &disturbed.1, timing, &options)?;
         let (parts, times) = robots(&timed)?;
-        let methods = &METHODS[..METHODS.len() - 1];
-        let planned = plan(&parts, &times, &Plan { methods, grid, doublings, makers_speeds: true }, bars)?;
+        let methods = &METHODS[..NOISY_METHODS];
+        let (planned, _) = plan(&parts, &times, &Plan { methods, grid, doublings, makers_speeds: true }, bars)?;
         noisy.push((degrees, planned));
     }
-    Ok(Run { robot, planned, noisy })
+    Ok(Run { robot, planned, notes, noisy })
 }

@@ -1,7 +1,7 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, trajectories and `report.html`.
 
 use super::collisions::{PAPER_SHIFT, Study};
-use super::planning::{Figures, Planned};
+use super::planning::{FREED, Figures, Planned};
 use super::plot::{Curve, draw};
 use super::{Args, Results, Run};
 use curvlay_examples::args::{Failure, typed_name};
@@ -81,9 +81,9 @@ pub fn write(args: &Args, results: &Results, folder: &OutputFolder, time: Durati
     Ok(())
 }
 
-/// The motion to run: the last but the grid.
+/// The motion to run: the last but the grid and the one that may pass its bounds.
 pub fn smoothest<const N: usize>(run: &Run<N>) -> Option<&Planned<N>> {
-    run.planned.iter().rfind(|planned| planned.method != "grid")
+    run.planned.iter().rfind(|planned| planned.method != "grid" && planned.method != FREED)
 }
 
 fn write_run<const N: usize>(run: &Run<N>, folder: &OutputFolder) -> Result<(), Failure> {
@@ -241,6 +241,11 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
             summary.set(&format!("{name}_speed_lower_bound"), bound)?;
         }
     }
+    let ur3 = results.ur3.as_ref().map(|run| ("ur3", &run.notes));
+    let cell8 = results.cell8.as_ref().map(|run| ("cell8", &run.notes));
+    for (robot, notes) in ur3.into_iter().chain(cell8).filter(|(_, notes)| !notes.is_empty()) {
+        summary.set(&format!("{robot}_notes"), notes.join("; "))?;
+    }
     if let Some(study) = &results.study {
         set_study(study, &mut summary)?;
     }
@@ -260,7 +265,8 @@ fn report(args: &Args, results: &Results) -> Report {
          one at every degree of the tool angle, the local filter is Algorithm 6 from the ladder, the \
          global filter takes all waypoints at once. J is the sum of squared \
          jerks at the waypoints (Eq. 4.10); the integral and the greatest jerk are those of the C2 spline everywhere, \
-         from rest to rest. Bounds: 1 rad/s, 5 rad/s^2, 1 rad/s^3.",
+         from rest to rest. Bounds: 1 rad/s, 5 rad/s^2, 1 rad/s^3. Where the local filter passes those on speed or \
+         acceleration, \"global freed\" is the global filter within what the local one reaches.",
         results.path.pieces.len()
     ));
     for defect in results.path.defects.iter().take(20) {
@@ -327,6 +333,9 @@ fn pictures<const N: usize>(run: &Run<N>, report: &mut Report) {
             "The path breaks off: no motion that meets its waypoints in time has less than {speed:.3} times the speed limit \
              of some joint, with any tool angles and on any branch"
         ));
+    }
+    for note in &run.notes {
+        report.notice(note);
     }
     for violation in after_figures.violations.iter().take(12) {
         report.paragraph(&format!("beyond its bound: {violation}"));

@@ -11,7 +11,14 @@ use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 /// The methods, by the words of the summary.
-pub const METHODS: [&str; 4] = ["ladder", "local", "global", "grid"];
+pub const METHODS: [&str; 5] = ["ladder", "local", "global", FREED, "grid"];
+
+/// The global filter within whatever the local filter reached where it passed its bounds: which of the two is better with
+/// the same freedom. Only where the local filter breaks a bound on speed or acceleration.
+pub const FREED: &str = "global_freed";
+
+/// How far beyond a bound is broken, in shares of it.
+const BEYOND: f64 = 1e-6;
 
 /// Waypoints before and after a break on which least speeds are told. The ladder breaks off where the last of its
 /// chains ends, which may be some waypoints beyond what stopped all others.
@@ -49,7 +56,7 @@ pub struct Figures {
     pub hard_violations: usize,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
     pub jerk_lower_bound: Option<f64>,
-    /// What is proved of the stretch before a break: every motion needs so many times a speed limit.
+    /// Of the stretch before a break, by [`Placed::least_speed`]: every motion needs so many times a speed limit.
     pub speed_lower_bound: Option<f64>,
 }
 
@@ -91,18 +98,20 @@ pub struct Plan<'a, const F: usize> {
     pub makers_speeds: bool,
 }
 
-/// Plans the pieces of a path: for each method one motion a piece.
+/// Plans the pieces of a path: for each method one motion a piece; and what there is no motion for, in words. A method
+/// without one on some piece is left out.
 pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
     robots: &[R],
     times: &[Vec<f64>],
     plan: &Plan<'_, F>,
     bars: &Bars,
-) -> Result<Vec<Planned<N>>, Failure> {
-    let mut all: Vec<Planned<N>> = Vec::new();
-    for (robot, times) in robots.iter().zip(times) {
+) -> Result<(Vec<Planned<N>>, Vec<String>), Failure> {
+    let (mut all, mut notes): (Vec<Planned<N>>, _) = (Vec::new(), Vec::new());
+    let mut freed_any = false;
+    for (piece, (robot, times)) in robots.iter().zip(times).enumerate() {
         let bounds = robot.bounds(plan.makers_speeds);
         let (ladder, ladder_time) = climb(robot, times, &bounds, [4; F], plan.doublings, bars)?;
-        let mut local = None;
+        let (mut local, mut global) = (None, None);
         for &method in plan.methods {
             let started = Instant::now();
             let (mut lower_bound, mut whole) = (None, None);
@@ -115,12 +124,35 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
                 "global" => {
                     let (start, before) = better(&ladder, local.as_ref(), times)?;
                     let other = unhurried(robot, times, &bounds, start, bars)?;
-                    let (motion, trajectories, bound) =
-                        globally(robot, times, &bounds, other.as_ref().unwrap_or(start), bars)?;
-                    (lower_bound, whole) = (bound, Some(trajectories));
-                    (motion, ladder_time + before + started.elapsed())
+                    let found = globally(robot, times, &bounds, other.as_ref().unwrap_or(start), bars)?;
+                    let time = ladder_time + before + started.elapsed();
+                    global = Some((found.clone(), time));
+                    (lower_bound, whole) = (found.2, Some(found.1));
+                    (found.0, time)
                 }
-                "grid" => climb(robot, times, &bounds, plan.grid, 0, bars)?,
+                FREED => {
+                    let (Some((start, before)), Some(kept)) = (&local, global.take()) else { continue };
+                    let reached = freed(&bounds, &start.splines(times)?);
+                    let (found, time) = if let Some(bounds) = reached {
+                        freed_any = true;
+                        let found = globally(robot, times, &bounds, start, bars)?;
+                        (found, ladder_time + *before + started.elapsed())
+                    } else {
+                        kept
+                    };
+                    whole = Some(found.1);
+                    (found.0, time)
+                }
+                "grid" => match climb(robot, times, &bounds, plan.grid, 0, bars) {
+                    Ok(found) => found,
+                    // With the table at rest, or at whole degrees, not every waypoint is in reach.
+                    Err(error) => {
+                        if notes.is_empty() {
+                            notes.push(format!("no path on the grid: piece {piece}: {}", error.message()));
+                        }
+                        continue;
+                    }
+                },
                 _ => (ladder.clone(), ladder_time),
             };
             let trajectories = whole.map_or_else(|| motion.splines(times), Ok)?;
@@ -135,7 +167,27 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
             }
         }
     }
-    Ok(all)
+    all.retain(|planned| (planned.method != FREED || freed_any) && (planned.method != "grid" || notes.is_empty()));
+    Ok((all, notes))
+}
+
+/// The bounds, raised joint by joint to what these splines reach; none where they keep those on speed and acceleration.
+fn freed<const N: usize>(bounds: &Bounds<N>, splines: &[Trajectory<N>]) -> Option<Bounds<N>> {
+    let beyond = splines.iter().flat_map(|spline| spline.violations(bounds, BEYOND));
+    let which = [Quantity::Velocity, Quantity::Acceleration];
+    if !beyond.into_iter().any(|violation| which.contains(&violation.quantity)) {
+        return None;
+    }
+    let mut freed = *bounds;
+    for extremes in splines.iter().map(Trajectory::extremes) {
+        for (joint, extreme) in extremes.iter().enumerate() {
+            let raise = |bound: &mut f64, reached: f64| *bound = bound.max(reached.abs());
+            raise(&mut freed.velocity[joint], extreme.velocity.value);
+            raise(&mut freed.acceleration[joint], extreme.acceleration.value);
+            raise(&mut freed.jerk[joint], extreme.jerk.value);
+        }
+    }
+    Some(freed)
 }
 
 fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
@@ -295,7 +347,7 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
             figures.velocity = figures.velocity.max(joint.velocity.value.abs());
             figures.acceleration = figures.acceleration.max(joint.acceleration.value.abs());
         }
-        let violations = trajectory.violations(bounds, 1e-6);
+        let violations = trajectory.violations(bounds, BEYOND);
         figures.hard_violations += violations.iter().filter(|violation| violation.quantity != Quantity::Jerk).count();
         figures.violations.extend(violations.iter().map(ToString::to_string));
     }

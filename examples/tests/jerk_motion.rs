@@ -81,6 +81,8 @@ fn the_spiral_is_planned_on_both_robots() {
     assert_eq!((figure("svm_bias_shift"), figure("svm_shifted_bias_shift")), (0.0, 1.0));
     assert_eq!((figure("svm_samples"), figure("geometric_kernels")), (150.0, 0.0));
     assert!(figure("svm_kernels") > 0.0 && figure("geometric_evaluation_us") > 0.0);
+    // Nothing passes its bounds here, and every method has its motion.
+    assert!(summary.keys().all(|key| !key.contains("freed") && !key.ends_with("notes")));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 4);
     assert!(report.contains("Table 4.1"));
@@ -111,6 +113,43 @@ fn a_part_from_a_file_is_kept_clear_of() {
     let (folder, outcome) = run("brick", &brick).unwrap();
     assert_eq!((outcome, &summary(&folder)["collisions"]), (Outcome::Done, &0.into()));
     assert!(run("open", &open).unwrap_err().contains("the surface is open"));
+}
+
+/// Feet of an arch so steep that a grid over the level table has no path.
+#[test]
+fn what_one_method_cannot_do_does_not_stop_the_others() {
+    fs::create_dir_all(place("files")).unwrap();
+    let mut text = String::new();
+    for k in 0..80 {
+        let tilt = (0.04 * f64::from(k - 40)).clamp(-1.2, 1.2);
+        let (sin, cos) = tilt.sin_cos();
+        writeln!(text, "{} {} {} {sin} 0 {cos}", 30.0 * sin, 0.02 * f64::from(k), 30.0 * cos).unwrap();
+    }
+    let file = place("files").join("arch.txt");
+    fs::write(&file, text).unwrap();
+    let (path, outcome) =
+        run("arch", &["--waypoints", file.to_str().unwrap(), "--noise", "0", "--samples", "0"]).unwrap();
+    assert_eq!(outcome, Outcome::Done);
+    let summary = summary(&path);
+    assert!(summary["cell8_notes"].as_str().unwrap().contains("no path on the grid"));
+    assert!(!summary.contains_key("cell8_grid_j") && !summary.contains_key("ur3_notes"));
+    assert!(summary["cell8_global_j"].as_f64() < summary["cell8_ladder_j"].as_f64());
+    assert!(summary["ur3_grid_j"].as_f64() > Some(0.0));
+    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("no path on the grid"));
+}
+
+#[test]
+fn a_filter_that_passes_its_bounds_is_compared_with_one_that_may() {
+    // A sharp crest, where Algorithm 6 goes faster than it may.
+    let words = ["--count", "60", "--crest", "1", "--robots", "ur3", "--noise", "0", "--samples", "0"];
+    let (path, _) = run("crest", &words).unwrap();
+    let summary = summary(&path);
+    let figure = |method: &str, key: &str| summary[&format!("ur3_{method}_{key}")].as_f64().unwrap();
+    assert!(figure("local", "max_velocity") > 1.1);
+    assert!(figure("global_freed", "max_velocity") <= figure("local", "max_velocity") * 1.001);
+    for before in ["ladder", "local", "global"] {
+        assert!(figure("global_freed", "spline_jerk") < figure(before, "spline_jerk"), "{before}");
+    }
 }
 
 #[test]
