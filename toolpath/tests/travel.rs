@@ -72,6 +72,17 @@ fn sampled(way: &[Pose], parts: usize) -> Vec<Pose> {
 
 /// What must hold for all travels.
 fn is_sound(layers: &[Layer], paths: &[ToolPath], travels: &Travels, options: &TravelOptions) {
+    is_sound_with(layers, paths, travels, options, |_| options.clearance);
+}
+
+/// The same with `room`, what a way keeps from the plate.
+fn is_sound_with(
+    layers: &[Layer],
+    paths: &[ToolPath],
+    travels: &Travels,
+    options: &TravelOptions,
+    room: impl Fn(&[Pose]) -> f64,
+) {
     assert_eq!(travels.ways.len(), paths.len());
     assert!(travels.ways[0].is_empty());
     for k in 1..paths.len() {
@@ -87,13 +98,11 @@ fn is_sound(layers: &[Layer], paths: &[ToolPath], travels: &Travels, options: &T
             continue;
         }
         let built = raster(&layers[..=paths[k].layer as usize], 4);
-        let ends = [way[0], way[way.len() - 1]].map(|pose| above_plate(&pose));
-        let room = ends.into_iter().fold(options.clearance, f64::min);
         for pose in sampled(way, 25) {
             let near = built.iter().map(|&p| distance(&pose, p)).fold(f64::INFINITY, f64::min);
             assert!(near >= options.clearance - PIECE, "{near} mm on the way to path {k}");
             let low = above_plate(&pose);
-            assert!(!options.plate || low >= room - 1e-6, "{low} mm over the plate, {room} at the ends");
+            assert!(!options.plate || low >= room(way) - 1e-6, "{low} mm over the plate");
         }
     }
 }
@@ -259,13 +268,21 @@ fn a_nozzle_that_lies_flat_over_the_plate_gets_away_from_it() {
     // Its block has 0.02 to 0.1 mm left there; however far it backs off, it gets no millimetre.
     let flat = [[-1.0, 0.0, 0.0], [-0.8, 0.6, 0.0], [0.0, 1.0, 0.01]];
     let options = TravelOptions::default();
+    let at_ends =
+        |way: &[Pose]| [way[0], way[way.len() - 1]].map(|pose| above_plate(&pose)).into_iter().fold(1.0, f64::min);
     for end in flat.into_iter().chain([[-0.5, 0.0, 0.8], [0.0, 0.0, 1.0]]) {
         for paths in flat.map(|start| [lying(10.0, start), lying(25.0, end)]) {
             let there = travels_with(&layers, &paths, &options);
-            is_sound(&layers, &paths, &there, &options);
+            is_sound_with(&layers, &paths, &there, &options, at_ends);
             assert_eq!(there.blocked, []);
         }
     }
+    // One that leans backs off until it has its millimetre: it has 0.1 mm, and 0.9 at the least lift.
+    let leaning = Vector3::new(-0.84_f64.sqrt(), 0.0, 0.4);
+    let paths = [10.0, 25.0].map(|x| path(0, &[5.0, 9.0].map(|y| (Point3::new(x, y, 6.065), leaning))));
+    let there = travels_with(&layers, &paths, &options);
+    is_sound(&layers, &paths, &there, &options);
+    assert!(there.blocked.is_empty() && there.max_lift > options.least_lift);
     // Half a millimetre lower it is in the plate, and stays there.
     let mut paths = [lying(10.0, flat[0]), lying(25.0, flat[1])];
     paths[0].waypoints.iter_mut().for_each(|w| w.tip.z = 9.5);

@@ -13,10 +13,10 @@
 //! leg is. If not, its halves are looked at, down to where that growth is [`FINEST`] of the clearance. The check of a place is
 //! that of `gouging`, so all holds but for a fiftieth of a layer.
 //!
-//! From the plate a way keeps the clearance, or what it has at its ends if that is less: a nozzle that lies flat over the plate
-//! gets no farther from it by backing off. No direction in between leans more than both ends do, for a cap of the sphere of up
-//! to a right angle is convex, and the tip is no lower. So a leg is as far from the plate at least as a nozzle with the lower tip
-//! that leans more, and near its ends that is enough.
+//! From the plate a way keeps the clearance as well. Where there is no such way, it keeps what it has at its ends: a nozzle
+//! that lies flat over the plate gets no farther from it by backing off. No direction in between leans more than both ends
+//! do, for a cap of the sphere of up to a right angle is convex, and the tip is no lower. So a leg is as far from the plate
+//! at least as a nozzle with the lower tip that leans more, and near its ends that is enough.
 //!
 //! # Choice
 //! Candidates are straight ways, arcs and ways over the top of the part, each from several heights above the ends;
@@ -56,7 +56,7 @@ const LARGEST: f64 = 1e6;
 /// How ways from path to path are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TravelOptions {
-    /// What is to be kept from everything built, in millimetres: 1. So from the plate, unless an end of the way is nearer.
+    /// What is to be kept from everything built, in millimetres: 1. From the plate, too, but where no way does.
     pub clearance: f64,
     /// How far the nozzle backs off along its direction at least, in millimetres: 2.
     pub least_lift: f64,
@@ -270,20 +270,25 @@ impl Finder<'_> {
         candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Where one end is in the way there is no need for the rest.
         let mut ends_free: Vec<Option<bool>> = vec![None; lifts.len()];
-        for (_, k, way) in candidates {
-            let known = ends_free[k];
-            let ends = above(lifts[k]);
-            let room = self.room(&ends);
-            let are_free = known
-                .unwrap_or_else(|| room >= 0.0 && ends.iter().all(|end| self.is_free(end, self.options.clearance)));
-            ends_free[k] = Some(are_free);
-            if are_free && self.is_way_free(&way, room) {
-                return Found { is_first: way.len() == 2 && k == 0, way, lift: lifts[k], blocked: None };
+        for least_room in [self.options.clearance, 0.0] {
+            for (_, k, way) in &candidates {
+                let (ends, known) = (above(lifts[*k]), ends_free[*k]);
+                let room = self.room(&ends);
+                if room < least_room {
+                    continue;
+                }
+                let are_free =
+                    known.unwrap_or_else(|| ends.iter().all(|end| self.is_free(end, self.options.clearance)));
+                ends_free[*k] = Some(are_free);
+                if are_free && self.is_way_free(way, room) {
+                    let is_first = way.len() == 2 && *k == 0;
+                    return Found { is_first, way: way.clone(), lift: lifts[*k], blocked: None };
+                }
             }
         }
-        let [one, other] = above(self.options.least_lift);
-        let way = straight([one, other]).unwrap_or_else(|| vec![one, other]);
-        let blocked = Some(self.in_the_way(&way));
+        let ends = above(self.options.least_lift);
+        let way = straight(ends).unwrap_or_else(|| ends.to_vec());
+        let blocked = Some(self.in_the_way(&way, self.room(&ends).max(0.0)));
         Found { way, lift: self.options.least_lift, is_first: false, blocked }
     }
 
@@ -395,17 +400,16 @@ impl Finder<'_> {
     }
 
     /// The first place along a way that is not free, and what is there.
-    fn in_the_way(&mut self, way: &[Pose]) -> (Point3<f64>, Obstacle) {
+    fn in_the_way(&mut self, way: &[Pose], room: f64) -> (Point3<f64>, Obstacle) {
         let clearance = self.options.clearance;
         // With more than the clearance where only a proof is missing.
-        let found = [1.0, 1.0 + FINEST].iter().find_map(|share| self.nearer_than(clearance * share, way));
+        let found = [1.0, 1.0 + FINEST].iter().find_map(|share| self.nearer_than(clearance * share, room, way));
         // Then it is what was built last.
         found.unwrap_or((way[0].tip, Obstacle::Layer(self.layer)))
     }
 
-    fn nearer_than(&self, clearance: f64, way: &[Pose]) -> Option<(Point3<f64>, Obstacle)> {
+    fn nearer_than(&self, clearance: f64, room: f64, way: &[Pose]) -> Option<(Point3<f64>, Obstacle)> {
         let mut work = Vec::new();
-        let room = way.first().zip(way.last()).map_or(0.0, |(from, to)| self.room(&[*from, *to]).max(0.0));
         for leg in way.windows(2) {
             let leg = [leg[0], leg[1]];
             let motion = length(&leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
