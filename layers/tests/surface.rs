@@ -248,18 +248,13 @@ fn a_leaning_plane_is_met_exactly_and_faces_the_growth() {
 #[test]
 fn what_is_between_surfaces_is_shared_out_where_a_layer_is_missing_too() {
     // Level strips, from x = 0 as far as each goes: heights, and where they end.
-    let strip = |z: f64, end: f64| {
-        let points = [[0.0, 0.0], [end, 0.0], [end, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, z));
-        Surface { value: z, points: points.to_vec(), triangles: Vec::new() }
-    };
-    let mut surfaces = [strip(0.5, 4.0), strip(1.3, 2.0), strip(2.2, 4.0), strip(3.2, 1.0), strip(5.0, 4.0)];
     // A triangle for each half of a column, so that none reaches across the end of another strip.
-    for surface in &mut surfaces {
-        let end = surface.points[1].x as u32;
-        let z = surface.points[0].z;
-        surface.points = (0..=end).flat_map(|x| [0.0, 1.0].map(|y| Point3::new(f64::from(x), y, z))).collect();
-        surface.triangles = (0..end).flat_map(|x| [[0, 2, 1], [2, 3, 1]].map(|t| t.map(|v| v + 2 * x))).collect();
-    }
+    let strip = |z: f64, end: u32| {
+        let points = (0..=end).flat_map(|x| [0.0, 1.0].map(|y| Point3::new(f64::from(x), y, z))).collect();
+        let triangles = (0..end).flat_map(|x| [[0, 2, 1], [2, 3, 1]].map(|t| t.map(|v| v + 2 * x))).collect();
+        Surface { value: z, points, triangles }
+    };
+    let surfaces = [strip(0.5, 4), strip(1.3, 2), strip(2.2, 4), strip(3.2, 1), strip(5.0, 4)];
     let spacing = measure_spacing(&slices(&surfaces), 1.0).unwrap();
     let of_layer = |i: usize| spacing.thickness_mm[i].iter().step_by(2).copied().collect::<Vec<_>>();
     let near = |a: Vec<f64>, b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
