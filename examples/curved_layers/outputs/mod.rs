@@ -66,12 +66,17 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     let mut report = Report::new(&format!("Curved layers: {}", part.name));
     field::report(run, of_field, &mut report)?;
     if let Some(surfaces) = surfaces {
-        surfaces::report(run, surfaces, report.table("", of_surfaces));
+        report.table("", of_surfaces);
+        surfaces::report(run, surfaces, &mut report);
         if let Some(paths) = paths {
-            paths::report(surfaces, paths, report.table("", of_paths));
+            report.table("", of_paths);
+            paths::report(surfaces, paths, &mut report);
         }
     }
-    machine.iter().for_each(|machine| machine::report(machine, report.table("", of_machine)));
+    if let Some(machine) = machine {
+        report.table("", of_machine);
+        machine::report(machine, &mut report);
+    }
     if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
         report.table("", of_motion);
         refused.iter().for_each(|refused| _ = report.notice(&format!("no programs: {refused}")));
