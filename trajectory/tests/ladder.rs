@@ -116,12 +116,12 @@ fn slow_cost<const N: usize>(
 }
 
 /// That the path is one: solutions of the robot, within bounds and speeds, with the cost that is said.
-fn assert_is_a_path<const N: usize, R: Robot<N, 1>>(
+fn assert_is_a_path<const N: usize, const F: usize, R: Robot<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
-    options: &LadderOptions<N, 1>,
-    ladder: &Ladder<N, 1>,
+    options: &LadderOptions<N, F>,
+    ladder: &Ladder<N, F>,
 ) {
     assert_eq!(ladder.rungs.len(), times.len());
     let mut cost = 0.0;
@@ -337,6 +337,132 @@ fn coarse_to_fine_comes_close_to_the_shortest() {
     assert_eq!(plan_ladder(&counting, &times, &no_limits(), &fast, &quiet).unwrap(), near);
     let asked = asked.into_inner();
     assert!(asked < 200 * 180 / 6, "{asked}");
+}
+
+/// A table that has to come round with the waypoint's bearing, within half a radian, and two parameters that each are a
+/// joint.
+fn table(waypoints: usize) -> impl Robot<3, 3> {
+    RobotFn {
+        waypoints,
+        free: [FreeRange::Turn, FreeRange::Within(-1.0, 1.0), FreeRange::Turn],
+        solutions: move |i: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 3])| {
+            if wrapped(free[2] - 0.05 * i as f64).abs() < 0.5 {
+                each(0, *free);
+            }
+        },
+        posture: |_: usize, _: &[f64; 3], _: u32| None,
+    }
+}
+
+/// The options of the tests from coarse to fine with several parameters.
+fn near<const F: usize>(samples: [u32; F], breaks: bool) -> LadderOptions<3, F> {
+    LadderOptions { samples, doublings: 0, breaks, search: LadderSearch::CoarseToFine, ..LadderOptions::default() }
+}
+
+#[test]
+fn from_coarse_to_fine_three_parameters_go_where_doubling_them_all_would_cost_too_much() {
+    let (robot, times) = (table(300), times(300, 0.1));
+    let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
+    // Eight samples of the table are an eighth of a turn apart, and a step may take a tenth of a radian.
+    let doubled = LadderOptions { doublings: 1, ..LadderOptions::default() };
+    let found = plan_ladder(&robot, &times, &bounds, &doubled, &quiet);
+    assert!(matches!(found, Err(LadderError::NoPath { samples: 512, needed, .. }) if needed > 1.0), "{found:?}");
+    let options = near([64; 3], false);
+    let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
+    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    // The other two stand still, so that the table alone is its twin.
+    let alone = RobotFn {
+        waypoints: 300,
+        free: [FreeRange::Turn],
+        solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 3])| {
+            robot.solutions(i, &[0.0, 0.0, free[0]], each);
+        },
+        posture: |_: usize, _: &[f64; 1], _: u32| None,
+    };
+    let exact = LadderOptions { samples: [64], doublings: 0, ..LadderOptions::default() };
+    let shortest = plan_ladder(&alone, &times, &bounds, &exact, &quiet).unwrap().cost;
+    assert!(ladder.cost >= shortest * (1.0 - 1e-12) && ladder.cost <= shortest * 1.01, "{} {shortest}", ladder.cost);
+}
+
+#[test]
+fn short_paths_from_coarse_to_fine_ask_for_few_of_many_samples() {
+    for waypoints in [1, 2, 5, 17] {
+        let (robot, times) = (table(waypoints), times(waypoints, 0.1));
+        let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
+        let asked = AtomicUsize::new(0);
+        let counting = RobotFn {
+            waypoints,
+            free: robot.free(),
+            solutions: |waypoint: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 3])| {
+                asked.fetch_add(1, Ordering::Relaxed);
+                robot.solutions(waypoint, free, each);
+            },
+            posture: |_: usize, _: &[f64; 3], _: u32| None,
+        };
+        let options = near([64; 3], false);
+        let ladder = plan_ladder(&counting, &times, &bounds, &options, &quiet).unwrap();
+        assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+        let asked = asked.into_inner();
+        assert!(asked < 2000 * waypoints, "{asked} of {waypoints} waypoints");
+    }
+}
+
+/// One joint is the first parameter, tenfold; around waypoint 42 this must be in a slit. The second parameter is another
+/// joint.
+fn slit(from: f64, to: f64) -> impl Robot<3, 2> {
+    RobotFn {
+        waypoints: 90,
+        free: [FreeRange::Within(0.0, 1.0), FreeRange::Turn],
+        solutions: move |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
+            if !(41..44).contains(&i) || (from..to).contains(&free[0]) {
+                each(0, [10.0 * free[0], free[1], 0.0]);
+            }
+        },
+        posture: |_: usize, _: &[f64; 2], _: u32| None,
+    }
+}
+
+#[test]
+fn bands_become_wider_about_rungs_that_are_out_of_reach() {
+    // The coarse levels step over the slit and stay at 0; it takes fourteen steps to get there.
+    let (robot, times) = (slit(0.14, 0.16), times(90, 0.1));
+    let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
+    let options = near([128, 64], false);
+    let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
+    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    // What it costs to go there and back is saved when the bands are laid anew: the joints stand still in the slit.
+    assert!(ladder.cost < 1e-12, "{}", ladder.cost);
+    // One that is out of the widest band: it says so, or breaks off.
+    let robot = slit(0.7, 0.72);
+    let found = plan_ladder(&robot, &times, &bounds, &options, &quiet);
+    assert!(matches!(found, Err(LadderError::Unreachable { waypoint: 41..44, .. })), "{found:?}");
+}
+
+#[test]
+fn from_coarse_to_fine_a_path_breaks_off_before_a_stop_with_room_to_sway() {
+    // A joint that must make three turns, with stops two turns apart.
+    let robot = RobotFn {
+        waypoints: 100,
+        free: [FreeRange::Turn; 2],
+        solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
+            each(0, [wrapped(1.0 + 0.2 * i as f64), free[0], free[1]]);
+        },
+        posture: |_: usize, _: &[f64; 2], _: u32| None,
+    };
+    let endless = f64::INFINITY;
+    let bounds = Bounds {
+        lower: [-TAU, -endless, -endless],
+        upper: [TAU, endless, endless],
+        velocity: [1.0; 3],
+        ..Bounds::NONE
+    };
+    let (times, options) = (times(100, 0.25), near([128; 2], true));
+    let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
+    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    // From 1 rad less a turn it takes 57 steps to a twentieth before the stop, then 30 from 0.03.
+    assert_eq!(ladder.breaks, [58, 89]);
+    let farthest = ladder.rungs.iter().map(|rung| rung.joints[0].abs()).fold(0.0, f64::max);
+    assert!(farthest <= TAU - 0.05, "{farthest}");
 }
 
 #[test]

@@ -7,11 +7,16 @@
 //! of the next, and a narrow band of samples around it, on the branches that it uses, holds that. Where the result touches
 //! the edge of its band, the band is laid around the result and the search goes on. Bands overlap from round to round,
 //! so solutions are kept: they cost more than the search between them.
+//!
+//! What a coarse level steps over may be in the way of a finer one. Where its search is stuck, the bands of the rungs about
+//! there become wider, and it goes back to the first of them. So a few rungs have many samples, instead of all.
 
+use super::Climb;
 use super::nodes::{Kind, Window, nearest, wrapped};
-use super::search::{Path, Stuck};
-use super::{Climb, Rung};
+use super::search::{Path, Stuck, Windows};
 use crate::robot::{FreeRange, Posture, Robot};
+use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 /// Every so many waypoints and samples, to begin with: a power of two. With 16 the bench's dome ends in another valley.
@@ -21,8 +26,20 @@ const STRIDE: u32 = 8;
 /// anew more often and may end beside the best path; with 6 more samples are solved than rounds are saved.
 const HALF: u32 = 4;
 
+/// The same with more than one free parameter, where a band is a box: with 3 it has thrice the samples.
+const HALF_OF_MANY: u32 = 2;
+
 /// Fewer samples than this are not thinned out: they would not find their way.
-const FEWEST: u32 = 12;
+const FEWEST: u32 = 8;
+
+/// Where a search is stuck, bands of so many rungs before and after become wider.
+const ABOUT: usize = 32;
+
+/// No band becomes wider than so many samples.
+const WIDEST: u32 = 1000;
+
+/// Another round that brings less than this share is the last.
+const LITTLE: f64 = 1e-4;
 
 /// The band is moved at most so often; then its path is taken as it is.
 const ROUNDS: usize = 12;
@@ -33,16 +50,16 @@ struct Guide<const F: usize> {
     branches: Vec<[u32; 2]>,
 }
 
-/// Free parameters of a waypoint that have been asked for with the number of solutions up to theirs, and the solutions.
+/// Free parameters of a waypoint that have been asked for, bit by bit, with the places of their solutions, and the solutions.
 #[derive(Debug)]
 struct Known<const N: usize, const F: usize> {
-    asked: Vec<([f64; F], usize)>,
+    asked: HashMap<[u64; F], Range<usize>>,
     solutions: Vec<(u32, [f64; N])>,
 }
 
 impl<const N: usize, const F: usize> Default for Known<N, F> {
     fn default() -> Self {
-        Known { asked: Vec::new(), solutions: Vec::new() }
+        Known { asked: HashMap::new(), solutions: Vec::new() }
     }
 }
 
@@ -65,18 +82,16 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Ke
     fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
         let mut known = self.known[waypoint].lock().unwrap_or_else(PoisonError::into_inner);
         let Known { asked, solutions } = &mut *known;
-        let same = |other: &[f64; F]| (0..F).all(|f| other[f].to_bits() == free[f].to_bits());
-        let at = asked.iter().position(|(other, _)| same(other)).unwrap_or_else(|| {
+        let found = asked.entry(free.map(f64::to_bits)).or_insert_with(|| {
+            let first = solutions.len();
             self.robot.solutions(waypoint, free, &mut |branch, joints| {
                 if self.branches[waypoint].contains(&branch) {
                     solutions.push((branch, joints));
                 }
             });
-            asked.push((*free, solutions.len()));
-            asked.len() - 1
+            first..solutions.len()
         });
-        let first = at.checked_sub(1).map_or(0, |before| asked[before].1);
-        solutions[first..asked[at].1].iter().for_each(|(branch, joints)| each(*branch, *joints));
+        solutions[found.clone()].iter().for_each(|(branch, joints)| each(*branch, *joints));
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
@@ -84,33 +99,33 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Ke
     }
 }
 
-/// A path near a coarse one; `None` when there is none, or nothing to thin out.
+/// A path near a coarse one.
 pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     climb: &Climb<'_, N, F, R>,
     samples: [u32; F],
     kinds: [Kind; N],
-) -> Result<Option<Path<N, F>>, Stuck> {
+    breaks: bool,
+) -> Result<Path<N, F>, Stuck> {
     let waypoints = climb.times.len();
     let coarse = thinned(samples, STRIDE);
-    if waypoints <= 2 * STRIDE as usize || coarse == samples {
-        return Ok(None);
+    if coarse == samples {
+        return climb.whole(samples, kinds, breaks);
     }
     let mut passed = every(STRIDE, waypoints);
-    let found = climb.search(&passed, kinds, &|_| Window::whole(coarse), false);
-    let Some(mut path) = none_if_stuck(found)? else { return Ok(None) };
+    let mut path = climb.search(&passed, kinds, &mut Window::whole(coarse), breaks)?;
     let mut stride = STRIDE;
     while stride > 1 {
         stride /= 2;
-        let guide = interpolated(&passed, &path.rungs, &climb.robot.free());
+        let guide = interpolated(&passed, &path, &climb.robot.free());
         let level = every(stride, waypoints);
-        match follow(climb, &level, thinned(samples, stride), kinds, guide, stride == 1)? {
-            Some(finer) => (path, passed) = (finer, level),
-            None if stride == 1 => return Ok(None),
+        match follow(climb, &level, thinned(samples, stride), kinds, guide, breaks) {
+            Ok(finer) => (path, passed) = (finer, level),
             // The next level goes on from the one before.
-            None => {}
+            Err(Stuck::Apart(..) | Stuck::Unreachable(_)) if stride > 1 => {}
+            Err(stuck) => return Err(stuck),
         }
     }
-    Ok(Some(path))
+    Ok(path)
 }
 
 /// Of each free parameter's samples every so many, but not too few.
@@ -127,19 +142,52 @@ fn every(stride: u32, waypoints: usize) -> Vec<usize> {
     passed
 }
 
+/// The samples near a guide: of each rung a band, which is wider about rungs where a search was stuck.
+struct Bands<const F: usize> {
+    /// The free parameters in the middle of each band.
+    free: Vec<[f64; F]>,
+    samples: [u32; F],
+    range: [FreeRange; F],
+    half: Vec<u32>,
+    /// Whether bands may become wider.
+    widens: bool,
+}
+
+impl<const F: usize> Bands<F> {
+    fn band(&self, at: usize, half: u32) -> Window<F> {
+        band(&self.free[at], self.samples, [half; F], &self.range)
+    }
+}
+
+impl<const F: usize> Windows<F> for Bands<F> {
+    fn at(&self, at: usize) -> Window<F> {
+        self.band(at, self.half[at])
+    }
+
+    fn widen(&mut self, at: usize, earliest: usize) -> Option<usize> {
+        let about = earliest.max(at.saturating_sub(ABOUT))..(at + ABOUT).min(self.free.len());
+        let mut first = None;
+        for k in about.filter(|_| self.widens) {
+            let (now, wider) = (self.at(k).len(), self.band(k, 2 * self.half[k]).len());
+            if wider > now && wider <= WIDEST {
+                self.half[k] *= 2;
+                first = first.or(Some(k));
+            }
+        }
+        first.filter(|&first| first <= at)
+    }
+}
+
 /// A path through the waypoints `passed` near a guide.
-///
-/// `widen`: whether to widen the band as long as there is none in it.
 fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     climb: &Climb<'_, N, F, R>,
     passed: &[usize],
     samples: [u32; F],
     kinds: [Kind; N],
     guide: Guide<F>,
-    widen: bool,
-) -> Result<Option<Path<N, F>>, Stuck> {
-    let range = climb.robot.free();
-    let Guide { mut free, branches } = guide;
+    breaks: bool,
+) -> Result<Path<N, F>, Stuck> {
+    let Guide { free, branches } = guide;
     let known = free.iter().map(|_| Mutex::default()).collect();
     let kept = Kept { robot: climb.robot, branches: &branches, known };
     let climb = Climb {
@@ -149,51 +197,42 @@ fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         options: climb.options,
         progress: climb.progress,
     };
-    let mut half = [HALF; F];
-    let mut best: Option<Path<N, F>> = None;
-    for _ in 0..ROUNDS {
-        let window = |at: usize| band(&free[passed[at]], samples, half, &range);
-        let Some(path) = none_if_stuck(climb.search(passed, kinds, &window, false))? else {
-            if !widen || (0..F).all(|f| 2 * half[f] + 1 >= samples[f]) {
-                return Ok(best);
-            }
-            half = half.map(|half| 2 * half);
-            continue;
-        };
-        let touches = |at: usize, rung: &Rung<N, F>| on_edge(&rung.free, &window(at), &range);
-        let done = !path.rungs.iter().enumerate().any(|(at, rung)| touches(at, rung));
-        let better = best.as_ref().is_none_or(|best| path.cost < best.cost);
-        if better {
-            passed.iter().zip(&path.rungs).for_each(|(&waypoint, rung)| free[waypoint] = rung.free);
-            best = Some(path);
+    let range = climb.robot.free();
+    let half = if F == 1 { HALF } else { HALF_OF_MANY };
+    let bands = |free: Vec<[f64; F]>, widens| Bands { half: vec![half; free.len()], free, samples, range, widens };
+    let mut around = bands(passed.iter().map(|&waypoint| free[waypoint]).collect(), true);
+    let mut best = climb.search(passed, kinds, &mut around, breaks)?;
+    for _ in 1..ROUNDS {
+        if !best.rungs.iter().enumerate().any(|(at, rung)| on_edge(&rung.free, &around.at(at), &range)) {
+            break;
         }
-        if done || !better {
+        // The best path so far lies in the middle of its bands, so none has to be wider.
+        around = bands(best.rungs.iter().map(|rung| rung.free).collect(), false);
+        let path = climb.search(passed, kinds, &mut around, breaks)?;
+        let falls = path.breaks.len() < best.breaks.len() || path.cost < best.cost * (1.0 - LITTLE);
+        if (path.breaks.len(), path.cost) < (best.breaks.len(), best.cost) {
+            best = path;
+        }
+        if !falls {
             break;
         }
     }
     Ok(best)
 }
 
-fn none_if_stuck<const N: usize, const F: usize>(
-    found: Result<Path<N, F>, Stuck>,
-) -> Result<Option<Path<N, F>>, Stuck> {
-    match found {
-        Ok(path) => Ok(Some(path)),
-        Err(Stuck::Failed(error)) => Err(Stuck::Failed(error)),
-        Err(_) => Ok(None),
-    }
-}
-
-/// Free parameters of all waypoints, on lines between those of the thinned ones.
+/// Free parameters of all waypoints, on lines between those of the thinned ones; at a break those of the nearer one.
 fn interpolated<const N: usize, const F: usize>(
     thinned: &[usize],
-    rungs: &[Rung<N, F>],
+    path: &Path<N, F>,
     range: &[FreeRange; F],
 ) -> Guide<F> {
+    let rungs = &path.rungs;
     let mut guide = Guide { free: vec![rungs[0].free], branches: vec![[rungs[0].branch; 2]] };
-    for (ends, rungs) in thinned.windows(2).zip(rungs.windows(2)) {
+    for at in 1..thinned.len() {
+        let (ends, rungs) = ([thinned[at - 1], thinned[at]], [&rungs[at - 1], &rungs[at]]);
         for waypoint in ends[0] + 1..=ends[1] {
             let share = (waypoint - ends[0]) as f64 / (ends[1] - ends[0]) as f64;
+            let share = if path.breaks.contains(&at) { share.round() } else { share };
             guide.free.push(std::array::from_fn(|f| {
                 let way = rungs[1].free[f] - rungs[0].free[f];
                 let way = if range[f] == FreeRange::Turn { wrapped(way) } else { way };
@@ -231,4 +270,41 @@ fn on_edge<const F: usize>(free: &[f64; F], window: &Window<F>, range: &[FreeRan
         let open = |end: u32| range[f] == FreeRange::Turn || at != end;
         length < count && ((within == 0 && open(0)) || (within + 1 == length && open(count - 1)))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Bounds, LadderOptions, RobotFn};
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn going_back_is_as_beginning_anew_with_the_wider_bands() {
+        // Slits that the guide does not know of, one of them so early that the search goes back to the first rung.
+        let slits = [(9, 0.2), (60, 0.4), (64, 0.35), (140, 0.1)];
+        let robot = RobotFn {
+            waypoints: 200,
+            free: [FreeRange::Within(0.0, 1.0)],
+            solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 1])| {
+                if slits.iter().all(|&(at, middle)| at != i || (free[0] - middle).abs() < 0.02) {
+                    each(0, [10.0 * free[0]]);
+                }
+            },
+            posture: |_: usize, _: &[f64; 1], _: u32| None,
+        };
+        let times: Vec<f64> = (0..200).map(|k| 0.1 * f64::from(k)).collect();
+        let bounds = Bounds { velocity: [2.0], ..Bounds::NONE };
+        let options = LadderOptions::default();
+        let progress = |_: crate::Progress| ControlFlow::Continue(());
+        let climb = Climb { robot: &robot, times: &times, bounds: &bounds, options: &options, progress: &progress };
+        let passed: Vec<usize> = (0..200).collect();
+        let mut bands =
+            Bands { free: vec![[0.0]; 200], samples: [100], range: robot.free, half: vec![HALF; 200], widens: true };
+        let kinds = [Kind::Circular];
+        let found = climb.search(&passed, kinds, &mut bands, false).unwrap();
+        assert!(bands.half[0] > HALF && bands.half[60] > bands.half[0] && bands.half[190] == HALF, "{:?}", bands.half);
+        bands.widens = false;
+        let anew = climb.search(&passed, kinds, &mut bands, false).unwrap();
+        assert_eq!((found.rungs, found.cost), (anew.rungs, anew.cost));
+    }
 }

@@ -26,7 +26,7 @@ use crate::robot::Robot;
 use crate::{Bounds, Progress};
 use buckets::Measure;
 use nodes::{Kind, Window, wrapped};
-use search::{Path, Search, Stuck};
+use search::{Path, Search, Stuck, Windows};
 pub use slowest::{LeastSpeed, least_speed};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
@@ -46,8 +46,10 @@ pub enum LadderSearch {
     /// All samples at all waypoints. The result is a shortest path.
     Exact,
     /// A coarse path through every eighth waypoint at an eighth of the samples, then every fourth, every second and all,
-    /// each with the samples near the path before, until the result stays clear of what was left out. Usually the
-    /// shortest path or close to it; falls back to `Exact` when it finds none.
+    /// each with the samples near the path before, and more of them where it is stuck, until the result stays clear of
+    /// what was left out. Usually the shortest path or close to it. Where it finds none, it falls back to `Exact` with up
+    /// to 4,096 samples a waypoint. With more, as several free parameters soon have, it says so or breaks off; then it
+    /// also breaks off before a joint winds past its stops, instead of looking for another way.
     CoarseToFine,
 }
 
@@ -90,6 +92,12 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
 
 /// Samples of all free parameters together are at most this many a waypoint.
 pub const MOST_SAMPLES: u64 = 1 << 20;
+
+/// From coarse to fine: up to so many samples a waypoint, all of them are searched where no path is found.
+const MOST_EXACT: u64 = 1 << 12;
+
+/// A path that is broken off at stops keeps so far from them, in radians: a smooth motion sways.
+const STOP_ROOM: f64 = 0.05;
 
 /// The node chosen at a waypoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -306,11 +314,18 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         loop {
             let kinds = Kind::of(self.bounds, &imaged);
             let mut path = match self.options.search {
-                LadderSearch::CoarseToFine => match coarse::search(self, samples, kinds)? {
-                    Some(path) => path,
-                    None => self.whole(samples, kinds, breaks)?,
-                },
                 LadderSearch::Exact => self.whole(samples, kinds, breaks)?,
+                LadderSearch::CoarseToFine if count(&samples) > MOST_EXACT => {
+                    let mut path = coarse::search(self, samples, kinds, breaks)?;
+                    if breaks {
+                        self.break_at_stops(&mut path, &kinds);
+                    }
+                    path
+                }
+                LadderSearch::CoarseToFine => match coarse::search(self, samples, kinds, false) {
+                    Err(Stuck::Apart(..) | Stuck::Unreachable(_)) => self.whole(samples, kinds, breaks)?,
+                    found => found?,
+                },
             };
             match self.lift(&mut path, &kinds) {
                 Ok(()) => return Ok(path),
@@ -322,23 +337,58 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
     /// The shortest path over all samples.
     fn whole(&self, samples: [u32; F], kinds: [Kind; N], breaks: bool) -> Result<Path<N, F>, Stuck> {
         let all: Vec<usize> = (0..self.times.len()).collect();
-        self.search(&all, kinds, &|_| Window::whole(samples), breaks)
+        self.search(&all, kinds, &mut Window::whole(samples), breaks)
     }
 
-    fn search<'b>(
-        &'b self,
-        waypoints: &'b [usize],
+    fn search(
+        &self,
+        waypoints: &[usize],
         kinds: [Kind; N],
-        window: &'b (dyn Fn(usize) -> Window<F> + 'b),
+        windows: &mut dyn Windows<F>,
         breaks: bool,
     ) -> Result<Path<N, F>, Stuck> {
-        let LadderOptions { norm, weights, .. } = *self.options;
-        let measure = Measure { norm, weights, period: kinds.map(Kind::period) };
+        let measure = self.measure(&kinds);
         let Climb { robot, times, progress, .. } = *self;
         let velocity = self.bounds.velocity;
         let angle = |from: &[f64; N], j: usize| if kinds[j] == Kind::Circular { wrapped(from[j]) } else { from[j] };
         let from = self.options.from.map(|from| std::array::from_fn(|j| angle(&from, j)));
-        Search { robot, waypoints, times, velocity, kinds, measure, window, breaks, from, progress }.run()
+        Search { robot, waypoints, times, velocity, kinds, measure, breaks, from, progress }.run(windows)
+    }
+
+    fn measure(&self, kinds: &[Kind; N]) -> Measure<N> {
+        let LadderOptions { norm, weights, .. } = *self.options;
+        Measure { norm, weights, period: kinds.map(Kind::period) }
+    }
+
+    /// Breaks a path off where a joint would wind past its stops.
+    fn break_at_stops(&self, path: &mut Path<N, F>, kinds: &[Kind; N]) {
+        let measure = self.measure(kinds);
+        let winding: Vec<usize> =
+            (0..N).filter(|&j| kinds[j] == Kind::Circular && !self.bounds.is_endless(j)).collect();
+        let fits = |j: usize, least: f64, most: f64| {
+            let (lower, upper) = (self.bounds.lower[j] + STOP_ROOM, self.bounds.upper[j] - STOP_ROOM);
+            most + TAU * ((lower - least) / TAU).ceil() <= upper
+        };
+        // The angles without whole turns on the way, and the least and greatest of the run.
+        let mut now = path.rungs[0].joints;
+        let (mut least, mut most) = (now, now);
+        let mut breaks = Vec::new();
+        for at in 1..path.rungs.len() {
+            let joints = path.rungs[at].joints;
+            for &j in &winding {
+                now[j] = joints[j] + TAU * ((now[j] - joints[j]) / TAU).round();
+                (least[j], most[j]) = (least[j].min(now[j]), most[j].max(now[j]));
+            }
+            let known = path.breaks.contains(&at);
+            if known || !winding.iter().all(|&j| fits(j, least[j], most[j])) {
+                if !known {
+                    path.cost -= measure.between(&path.rungs[at - 1].joints, &joints);
+                }
+                breaks.push(at);
+                (now, least, most) = (joints, joints, joints);
+            }
+        }
+        path.breaks = breaks;
     }
 
     /// Takes the whole turns out of circular joints and turns each run into its stops, the first one next to where the

@@ -8,6 +8,7 @@ use super::nodes::{Kind, Nodes, Window, each_image};
 use super::{LadderError, Rung};
 use crate::Progress;
 use crate::robot::Robot;
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
 /// A rung may have this many nodes; more is a mistake in the options.
@@ -19,8 +20,31 @@ const MOST_COMPARED: usize = 8192;
 /// After so many rungs the joints to sort by are chosen anew.
 const CHOOSE_AFTER: usize = 256;
 
+/// The search goes back this many rungs at most, where it is stuck.
+const MOST_BACK: usize = 256;
+
 /// No node before: the first of a run.
 const START: u32 = u32::MAX;
+
+/// The samples of each rung, and what to do where they do not lead on.
+pub(super) trait Windows<const F: usize> {
+    /// The samples of a rung.
+    fn at(&self, at: usize) -> Window<F>;
+
+    /// No node of rung `at` is in reach: takes in more samples about there, but none of rungs before `earliest`, and says
+    /// which rung is the first that has changed, `at` at most. `None` when it leaves all as it is.
+    fn widen(&mut self, at: usize, earliest: usize) -> Option<usize>;
+}
+
+impl<const F: usize> Windows<F> for Window<F> {
+    fn at(&self, _: usize) -> Window<F> {
+        *self
+    }
+
+    fn widen(&mut self, _: usize, _: usize) -> Option<usize> {
+        None
+    }
+}
 
 /// What is searched.
 pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
@@ -32,8 +56,6 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     pub velocity: [f64; N],
     pub kinds: [Kind; N],
     pub measure: Measure<N>,
-    /// The samples of each of `waypoints`.
-    pub window: &'a (dyn Fn(usize) -> Window<F> + 'a),
     /// Whether to start anew where a rung is out of reach of the one before.
     pub breaks: bool,
     /// Where the joints are before the first rung; the way there counts.
@@ -67,71 +89,124 @@ struct Column {
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R> {
-    pub fn run(&self) -> Result<Path<N, F>, Stuck> {
+    /// Climbs through the samples of `windows`.
+    pub fn run(&self, windows: &mut dyn Windows<F>) -> Result<Path<N, F>, Stuck> {
         let mut columns: Vec<Column> = Vec::with_capacity(self.waypoints.len());
         let (mut nodes, mut before) = (Nodes::<N>::default(), Nodes::<N>::default());
-        let (mut costs, mut costs_before) = (Vec::new(), Vec::new());
+        // Costs of the last rungs, the one before last.
+        let mut recent: VecDeque<Vec<f64>> = VecDeque::with_capacity(MOST_BACK + 1);
         // The last node of each run, and where the next one begins.
         let mut ends: Vec<(u32, f64)> = Vec::new();
-        let mut breaks = Vec::new();
+        let mut breaks: Vec<usize> = Vec::new();
         let mut by = [0, 0];
-        for (at, &waypoint) in self.waypoints.iter().enumerate() {
+        while columns.len() < self.waypoints.len() {
+            let at = columns.len();
+            let waypoint = self.waypoints[at];
             let step = Progress { stage: "ladder", done: at as u64, total: self.waypoints.len() as u64 };
-            if at % 16 == 0 && (self.progress)(step).is_break() {
+            if at.is_multiple_of(16) && (self.progress)(step).is_break() {
                 return Err(Stuck::Failed(LadderError::Cancelled));
             }
-            let window = (self.window)(at);
-            nodes.fill(self.robot, waypoint, &window, &self.kinds, MOST_NODES);
-            if nodes.joints.is_empty() {
-                return Err(Stuck::Unreachable(waypoint));
-            }
+            nodes.fill(self.robot, waypoint, &windows.at(at), &self.kinds, MOST_NODES);
             if nodes.joints.len() >= MOST_NODES {
                 return Err(Stuck::Failed(LadderError::TooLarge { waypoint, most: MOST_NODES }));
             }
-            let mut back = vec![START; nodes.joints.len()];
-            costs.clear();
-            costs.resize(nodes.joints.len(), 0.0);
-            if let (0, Some(from)) = (at, &self.from) {
-                nodes.joints.iter().zip(&mut costs).for_each(|(node, cost)| *cost = self.measure.between(from, node));
-            }
-            if at > 0 {
-                let time = self.times[waypoint] - self.times[self.waypoints[at - 1]];
-                // Eq. 4.4; what is on the limit but for rounding is within.
-                let limits = self.velocity.map(|velocity| velocity * time * (1.0 + 1e-12));
-                if at % CHOOSE_AFTER == 1 {
-                    by = best_pair(&before.joints, &self.kinds, &limits);
-                }
-                let mut buckets = Buckets::new(&before.joints, &costs_before, &self.kinds, by, &limits, &self.measure);
-                debug_assert!(!buckets.is_empty(), "a rung that is reached");
-                let mut reached = false;
-                for sample in 0..nodes.starts.len() - 1 {
-                    let (first, end) = (nodes.starts[sample] as usize, nodes.starts[sample + 1] as usize);
-                    for node in first..end {
-                        // The way to the same branch of the sample before, and its like from the next sample.
-                        let like = sample.checked_sub(1).map(|before| nodes.starts[before] as usize + node - first);
-                        let like = like.filter(|&like| like < first).map_or(START, |like| back[like]);
-                        let guesses = [like, like.saturating_add((end - first) as u32)];
-                        let found = buckets.cheapest(&nodes.joints[node], &limits, &self.measure, guesses);
-                        reached |= found.is_some();
-                        (costs[node], back[node]) = found.unwrap_or((f64::INFINITY, START));
+            let run = breaks.last().copied().unwrap_or(0);
+            let reached = match recent.back().filter(|_| at > run) {
+                Some(costs) => {
+                    if at % CHOOSE_AFTER == 1 {
+                        by = best_pair(&before.joints, &self.kinds, &self.limits(at));
                     }
+                    self.reach(at, (&before, costs), &nodes, by)
                 }
-                if !reached {
+                None => (!nodes.joints.is_empty()).then(|| self.begin(at, &nodes)),
+            };
+            let (costs, back) = match (reached, recent.back()) {
+                (Some(reached), _) => reached,
+                (None, before_costs) => {
+                    // It takes the costs of the rung before to go on from there.
+                    let forgotten = at - recent.len();
+                    let earliest = if forgotten > 0 { run.max(forgotten + 1) } else { run };
+                    if let Some(first) = windows.widen(at, earliest) {
+                        // Back to the first rung that has changed.
+                        recent.truncate(recent.len() - (at - first));
+                        columns.truncate(first);
+                        if first > run && first < at {
+                            let waypoint = self.waypoints[first - 1];
+                            before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MOST_NODES);
+                        }
+                        continue;
+                    }
+                    let Some(before_costs) = before_costs.filter(|_| !nodes.joints.is_empty()) else {
+                        return Err(Stuck::Unreachable(waypoint));
+                    };
                     if !self.breaks {
-                        let share = self.nearest(&before.joints, &costs_before, &nodes.joints, &limits);
+                        let share = self.nearest(&before.joints, before_costs, &nodes.joints, &self.limits(at));
                         return Err(Stuck::Apart(waypoint, share));
                     }
-                    ends.push(least(&costs_before));
+                    ends.push(least(before_costs));
                     breaks.push(at);
-                    costs.fill(0.0);
+                    self.begin(at, &nodes)
                 }
-            }
+            };
             columns.push(Column { starts: std::mem::take(&mut nodes.starts), back });
             std::mem::swap(&mut nodes, &mut before);
-            std::mem::swap(&mut costs, &mut costs_before);
+            if recent.len() > MOST_BACK {
+                recent.pop_front();
+            }
+            recent.push_back(costs);
         }
-        ends.push(least(&costs_before));
-        Ok(Path { rungs: self.trace(&columns, &ends, &breaks), breaks, cost: ends.iter().map(|end| end.1).sum() })
+        ends.extend(recent.back().map(|costs| least(costs)));
+        Ok(Path {
+            rungs: self.trace(windows, &columns, &ends, &breaks),
+            breaks,
+            cost: ends.iter().map(|end| end.1).sum(),
+        })
+    }
+
+    /// How far the joints may move to a rung from the one before, Eq. 4.4; what is on the limit but for rounding is within.
+    fn limits(&self, at: usize) -> [f64; N] {
+        let time = self.times[self.waypoints[at]] - self.times[self.waypoints[at - 1]];
+        self.velocity.map(|velocity| velocity * time * (1.0 + 1e-12))
+    }
+
+    /// Costs of the first rung of a run, and no way there.
+    fn begin(&self, at: usize, nodes: &Nodes<N>) -> (Vec<f64>, Vec<u32>) {
+        let cost = |node: &[f64; N]| match &self.from {
+            Some(from) if at == 0 => self.measure.between(from, node),
+            _ => 0.0,
+        };
+        (nodes.joints.iter().map(cost).collect(), vec![START; nodes.joints.len()])
+    }
+
+    /// The cost of each node of a rung and where its cheapest way comes from, given the rung before and the costs there;
+    /// `None` when none is in reach.
+    fn reach(
+        &self,
+        at: usize,
+        (before, costs_before): (&Nodes<N>, &[f64]),
+        nodes: &Nodes<N>,
+        by: [usize; 2],
+    ) -> Option<(Vec<f64>, Vec<u32>)> {
+        let limits = self.limits(at);
+        let mut costs = vec![f64::INFINITY; nodes.joints.len()];
+        let mut back = vec![START; nodes.joints.len()];
+        let mut buckets = Buckets::new(&before.joints, costs_before, &self.kinds, by, &limits, &self.measure);
+        debug_assert!(!buckets.is_empty(), "a rung that is reached");
+        let mut reached = false;
+        for sample in 0..nodes.starts.len() - 1 {
+            let (first, end) = (nodes.starts[sample] as usize, nodes.starts[sample + 1] as usize);
+            for node in first..end {
+                // The way to the same branch of the sample before, and its like from the next sample.
+                let like = sample.checked_sub(1).map(|before| nodes.starts[before] as usize + node - first);
+                let like = like.filter(|&like| like < first).map_or(START, |like| back[like]);
+                let guesses = [like, like.saturating_add((end - first) as u32)];
+                if let Some(found) = buckets.cheapest(&nodes.joints[node], &limits, &self.measure, guesses) {
+                    (costs[node], back[node]) = found;
+                    reached = true;
+                }
+            }
+        }
+        reached.then_some((costs, back))
     }
 
     /// The least step from a node that is reached to one of the next rung, in shares of `limits`.
@@ -150,12 +225,18 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
     }
 
     /// Goes back from the last node of each run.
-    fn trace(&self, columns: &[Column], ends: &[(u32, f64)], breaks: &[usize]) -> Vec<Rung<N, F>> {
+    fn trace(
+        &self,
+        windows: &dyn Windows<F>,
+        columns: &[Column],
+        ends: &[(u32, f64)],
+        breaks: &[usize],
+    ) -> Vec<Rung<N, F>> {
         let mut rungs = Vec::with_capacity(columns.len());
         let mut run = ends.len() - 1;
         let mut node = ends[run].0;
         for at in (0..columns.len()).rev() {
-            rungs.push(self.rung(at, &columns[at].starts, node));
+            rungs.push(self.rung(at, &windows.at(at), &columns[at].starts, node));
             if run > 0 && at == breaks[run - 1] {
                 run -= 1;
                 node = ends[run].0;
@@ -168,9 +249,9 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
     }
 
     /// Finds a node again by its number.
-    fn rung(&self, at: usize, starts: &[u32], node: u32) -> Rung<N, F> {
+    fn rung(&self, at: usize, window: &Window<F>, starts: &[u32], node: u32) -> Rung<N, F> {
         let sample = starts.partition_point(|&start| start <= node) - 1;
-        let free = (self.window)(at).free(&self.robot.free(), sample as u32);
+        let free = window.free(&self.robot.free(), sample as u32);
         let mut next = starts[sample];
         let mut rung = Rung { joints: [0.0; N], free, branch: 0 };
         self.robot.solutions(self.waypoints[at], &free, &mut |branch, joints| {
