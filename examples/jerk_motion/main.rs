@@ -30,7 +30,7 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
 use curvlay_trajectory::{PathOptions, PathPiece, TimedPath, Timing, timed_path};
 use path::Path6;
-use planning::{METHODS, Plan, Planned, plan};
+use planning::{Finer, METHODS, Plan, Planned, plan};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -94,6 +94,9 @@ const SEED: u64 = 414;
 /// Of the methods, those before the global filter with more freedom and the grid.
 const NOISY_METHODS: usize = 3;
 
+/// With half as many turns of the table it could not go from one to the next within a step.
+const TABLE_FINER: Finer<3> = Finer::CoarseToFine([64; 3]);
+
 /// A robot's motions over the path, and over a noisy one for each level of noise.
 pub struct Run<const N: usize> {
     /// `ur3` or `cell8`.
@@ -143,11 +146,11 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
     }
     let cell = args.robots;
     let ur3 = (cell != Cells::Cell8)
-        .then(|| run("ur3", &given, &timed, args, bars, PartInHand::new, [360], 7))
+        .then(|| run("ur3", &given, &timed, args, bars, PartInHand::new, [360], Finer::Doubled(7)))
         .transpose()?;
     // The table stands still for the grid: three parameters at every degree are 46 million samples.
     let cell8 = (cell != Cells::Ur3)
-        .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, [360, 1, 1], 1))
+        .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, [360, 1, 1], TABLE_FINER))
         .transpose()?;
     let study = ur3.as_ref().filter(|_| args.sample_count > 0);
     let study = study.map(|run| study_collisions(run, &timed, args, bars)).transpose()?;
@@ -194,7 +197,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
     bars: &Bars,
     cell: impl Fn(Vec<curvlay_kinematics::Waypoint>) -> Result<R, E>,
     grid: [u32; F],
-    doublings: u32,
+    finer: Finer<F>,
 ) -> Result<Run<N>, Failure> {
     // One placing for the whole path, so that its pieces stay where they are to one another.
     let robots = |timed: &TimedPath| -> Result<(Vec<R>, Vec<Vec<f64>>), Failure> {
@@ -207,8 +210,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
         Ok((parts.collect(), timed.pieces.iter().map(|piece| piece.times.clone()).collect()))
     };
     let (parts, times) = robots(timed)?;
-    let (planned, notes) =
-        plan(&parts, &times, &Plan { methods: &METHODS, grid, doublings, makers_speeds: false }, bars)?;
+    let (planned, notes) = plan(&parts, &times, &Plan { methods: &METHODS, grid, finer, makers_speeds: false }, bars)?;
     let mut noisy = Vec::new();
     for degrees in NOISE_DEG.into_iter().filter(|_| args.noise_count as usize >= curvlay_trajectory::FEWEST_WAYPOINTS) {
         let count = given.0.len().min(args.noise_count as usize);
@@ -221,7 +223,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
         let timed = timed_path(&disturbed.0, &disturbed.1, timing, &options)?;
         let (parts, times) = robots(&timed)?;
         let methods = &METHODS[..NOISY_METHODS];
-        let (planned, _) = plan(&parts, &times, &Plan { methods, grid, doublings, makers_speeds: true }, bars)?;
+        let (planned, _) = plan(&parts, &times, &Plan { methods, grid, finer, makers_speeds: true }, bars)?;
         noisy.push((degrees, planned));
     }
     Ok(Run { robot, planned, notes, noisy })

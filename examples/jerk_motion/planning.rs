@@ -4,8 +4,8 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::Placed;
 use curvlay_trajectory::{
-    Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderOptions, Quantity, RunIn, Rung, Timeline, Trajectory,
-    filter_locally, jerk_measure, plan_ladder, smooth_globally,
+    Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Quantity, RunIn,
+    Rung, Timeline, Trajectory, filter_locally, jerk_measure, plan_ladder, smooth_globally,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -93,9 +93,18 @@ pub struct Plan<'a, const F: usize> {
     pub methods: &'a [&'static str],
     /// Samples of the grid.
     pub grid: [u32; F],
-    /// How often the four samples of the ladder may be doubled.
-    pub doublings: u32,
+    /// What the ladder does when it finds no path with four samples.
+    pub finer: Finer<F>,
     pub makers_speeds: bool,
+}
+
+/// How a ladder goes on when its first samples are too few; where these are, too, it breaks off.
+#[derive(Clone, Copy, Debug)]
+pub enum Finer<const F: usize> {
+    /// All parameters doubled, so often at most.
+    Doubled(u32),
+    /// From coarse to fine, with so many samples: several parameters doubled together are soon too many.
+    CoarseToFine([u32; F]),
 }
 
 /// Plans the pieces of a path: for each method one motion a piece; and what there is no motion for, in words. A method
@@ -108,9 +117,10 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
 ) -> Result<(Vec<Planned<N>>, Vec<String>), Failure> {
     let (mut all, mut notes): (Vec<Planned<N>>, _) = (Vec::new(), Vec::new());
     let mut freed_any = false;
+    let grid = LadderOptions { samples: plan.grid, doublings: 0, breaks: true, ..LadderOptions::default() };
     for (piece, (robot, times)) in robots.iter().zip(times).enumerate() {
         let bounds = robot.bounds(plan.makers_speeds);
-        let (ladder, ladder_time) = climb(robot, times, &bounds, [4; F], plan.doublings, bars)?;
+        let (ladder, ladder_time) = first_ladder(robot, times, &bounds, plan.finer, bars)?;
         let (mut local, mut global) = (None, None);
         for &method in plan.methods {
             let started = Instant::now();
@@ -143,12 +153,12 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
                     whole = Some(found.1);
                     (found.0, time)
                 }
-                "grid" => match climb(robot, times, &bounds, plan.grid, 0, bars) {
-                    Ok(found) => found,
+                "grid" => match climb(robot, times, &bounds, &grid, bars) {
+                    Ok(found) => (found, started.elapsed()),
                     // With the table at rest, or at whole degrees, not every waypoint is in reach.
                     Err(error) => {
                         if notes.is_empty() {
-                            notes.push(format!("no path on the grid: piece {piece}: {}", error.message()));
+                            notes.push(format!("no path on the grid: piece {piece}: {error}"));
                         }
                         continue;
                     }
@@ -190,22 +200,41 @@ fn freed<const N: usize>(bounds: &Bounds<N>, splines: &[Trajectory<N>]) -> Optio
     Some(freed)
 }
 
+/// The ladder of four samples and, where it finds no path, of more.
+fn first_ladder<const N: usize, const F: usize, R: Placed<N, F>>(
+    robot: &R,
+    times: &[f64],
+    bounds: &Bounds<N>,
+    finer: Finer<F>,
+    bars: &Bars,
+) -> Result<(Motion<N, F>, Duration), Failure> {
+    let started = Instant::now();
+    let options = LadderOptions { doublings: 0, ..LadderOptions::default() };
+    let options = match finer {
+        Finer::Doubled(doublings) => LadderOptions { doublings, breaks: true, ..options },
+        Finer::CoarseToFine(samples) => match climb(robot, times, bounds, &options, bars) {
+            Err(LadderError::NoPath { .. } | LadderError::Unreachable { .. }) => {
+                LadderOptions { samples, breaks: true, search: LadderSearch::CoarseToFine, ..options }
+            }
+            found => return Ok((found?, started.elapsed())),
+        },
+    };
+    Ok((climb(robot, times, bounds, &options, bars)?, started.elapsed()))
+}
+
 fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
-    samples: [u32; F],
-    doublings: u32,
+    options: &LadderOptions<N, F>,
     bars: &Bars,
-) -> Result<(Motion<N, F>, Duration), Failure> {
-    let started = Instant::now();
-    let options = LadderOptions { samples, doublings, breaks: true, ..LadderOptions::default() };
-    let ladder = plan_ladder(robot, times, bounds, &options, &|step| {
+) -> Result<Motion<N, F>, LadderError> {
+    let ladder = plan_ladder(robot, times, bounds, options, &|step| {
         bars.update(step.stage, step.done, step.total);
         ControlFlow::Continue(())
     })?;
-    let (runs, doubled) = (ladder.runs().collect(), ladder.samples != samples);
-    Ok((Motion { rungs: ladder.rungs, runs, doubled }, started.elapsed()))
+    let (runs, doubled) = (ladder.runs().collect(), ladder.samples != [4; F]);
+    Ok(Motion { rungs: ladder.rungs, runs, doubled })
 }
 
 /// The ladder of the first samples without speed limits, where these have called for more samples and it has less jerk
@@ -221,7 +250,9 @@ fn unhurried<const N: usize, const F: usize, R: Placed<N, F>>(
     if !start.doubled || start.runs.len() > 1 {
         return Ok(None);
     }
-    let (ladder, _) = climb(robot, times, &Bounds { velocity: [f64::INFINITY; N], ..*bounds }, [4; F], 0, bars)?;
+    let unbound = Bounds { velocity: [f64::INFINITY; N], ..*bounds };
+    let ladder =
+        climb(robot, times, &unbound, &LadderOptions { doublings: 0, breaks: true, ..LadderOptions::default() }, bars)?;
     let smoother = ladder.runs.len() == 1 && jerk(&ladder, times)? < jerk(start, times)?;
     Ok(smoother.then_some(ladder))
 }

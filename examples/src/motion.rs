@@ -182,9 +182,9 @@ impl OverTable {
         &self.cell
     }
 
-    /// The table and the cell with it as the free parameters say. Its turn may have come round.
-    pub fn turned(&self, free: &[f64; 3]) -> Option<([f64; 2], Cell)> {
-        let table = [free[1], free[2] - TAU * (free[2] / TAU).round()];
+    /// The table and the cell with it, tilted and turned as said. Its turn may have come round.
+    pub fn turned(&self, tilt: f64, turn: f64) -> Option<([f64; 2], Cell)> {
+        let table = [tilt, turn - TAU * (turn / TAU).round()];
         Some((table, self.cell.at(&table)?))
     }
 }
@@ -211,7 +211,7 @@ impl Robot<8, 3> for OverTable {
     }
 
     fn solutions(&self, waypoint: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 8])) {
-        let Some((table, cell)) = self.turned(free) else { return };
+        let Some((table, cell)) = self.turned(free[1], free[2]) else { return };
         let flange = cell.flange(&self.waypoints[waypoint], free[0]);
         for (branch, joints) in cell.arm().inverse(&flange).iter() {
             each(branch.slot() as u32, eight(joints, table));
@@ -219,7 +219,7 @@ impl Robot<8, 3> for OverTable {
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; 3], branch: u32) -> Option<Posture<8, 3>> {
-        let (table, cell) = self.turned(free)?;
+        let (table, cell) = self.turned(free[1], free[2])?;
         let flange = cell.flange(&self.waypoints[waypoint], free[0]);
         let joints = *cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
         let [tool, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| rates.first);
@@ -242,8 +242,9 @@ impl Placed<8, 3> for OverTable {
     }
 
     fn missed(&self, waypoint: usize, joints: &[f64; 8]) -> (f64, f64) {
-        let (arm, table) = six_and_two(joints);
-        let Some(cell) = self.cell.at(&table) else { return (f64::INFINITY, f64::INFINITY) };
+        // Also where a turn passes its stops, which is another fault.
+        let (arm, [tilt, turn]) = six_and_two(joints);
+        let Some((_, cell)) = self.turned(tilt, turn) else { return (f64::INFINITY, f64::INFINITY) };
         apart(&cell.nozzle_on_part(&arm), &self.waypoints[waypoint])
     }
 
