@@ -260,7 +260,7 @@ fn report(args: &Args, results: &Results) -> Report {
     let mut report = Report::new("Robot motion with little jerk");
     let waypoints: usize = results.path.pieces.iter().map(|piece| piece.waypoints.len()).sum();
     report.paragraph(&format!(
-        "{waypoints} waypoints in {} pieces. A waypoint leaves the turn about the nozzle's axis free (over the table \
+        "{waypoints} waypoints, pieces of the path: {}. A waypoint leaves the turn about the nozzle's axis free (over the table \
          its tilt and turn besides). The ladder takes the shortest path through a few sampled angles, the grid through \
          one at every degree of the tool angle, the local filter is Algorithm 6 from the ladder, the \
          global filter takes all waypoints at once. J is the sum of squared \

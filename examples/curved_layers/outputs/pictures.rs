@@ -158,7 +158,8 @@ pub fn histogram(run: &SurfacesRun) -> Picture {
         let text = format!("{:.2}", f64::from(tick) * run.height_mm);
         let at = left + tick * bars * wide / 3;
         image.fill([at, foot], [2, 6], INK);
-        image.write([at.saturating_sub(Image::text_size(&text)[0] / 2), foot + 10], &text, INK);
+        let written = Image::text_size(&text)[0];
+        image.write([at.saturating_sub(written / 2).min(width.saturating_sub(written)), foot + 10], &text, INK);
     }
     ("spacing in mm by area: hop counts grey, even layers green".to_owned(), image.to_png())
 }
