@@ -35,6 +35,9 @@ const FEWEST: u32 = 8;
 /// Where a search is stuck, bands of so many rungs before and after become wider.
 const ABOUT: usize = 32;
 
+/// A search that is stuck again and again goes back so many rungs at most.
+const MOST_BACK: usize = 256;
+
 /// No band becomes wider than so many samples.
 const WIDEST: u32 = 1000;
 
@@ -162,6 +165,10 @@ impl<const F: usize> Bands<F> {
 impl<const F: usize> Windows<F> for Bands<F> {
     fn at(&self, at: usize) -> Window<F> {
         self.band(at, self.half[at])
+    }
+
+    fn back(&self) -> usize {
+        MOST_BACK
     }
 
     fn widen(&mut self, at: usize, earliest: usize) -> Option<usize> {

@@ -20,9 +20,6 @@ const MOST_COMPARED: usize = 8192;
 /// After so many rungs the joints to sort by are chosen anew.
 const CHOOSE_AFTER: usize = 256;
 
-/// The search goes back this many rungs at most, where it is stuck.
-const MOST_BACK: usize = 256;
-
 /// No node before: the first of a run.
 const START: u32 = u32::MAX;
 
@@ -31,14 +28,21 @@ pub(super) trait Windows<const F: usize> {
     /// The samples of a rung.
     fn at(&self, at: usize) -> Window<F>;
 
+    /// Of so many rungs before the last one costs are kept, to go back to.
+    fn back(&self) -> usize;
+
     /// No node of rung `at` is in reach: takes in more samples about there, but none of rungs before `earliest`, and says
-    /// which rung is the first that has changed, `at` at most. `None` when it leaves all as it is.
+    /// which rung is the first that has changed. `None` when none up to `at` has.
     fn widen(&mut self, at: usize, earliest: usize) -> Option<usize>;
 }
 
 impl<const F: usize> Windows<F> for Window<F> {
     fn at(&self, _: usize) -> Window<F> {
         *self
+    }
+
+    fn back(&self) -> usize {
+        0
     }
 
     fn widen(&mut self, _: usize, _: usize) -> Option<usize> {
@@ -94,7 +98,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         let mut columns: Vec<Column> = Vec::with_capacity(self.waypoints.len());
         let (mut nodes, mut before) = (Nodes::<N>::default(), Nodes::<N>::default());
         // Costs of the last rungs, the one before last.
-        let mut recent: VecDeque<Vec<f64>> = VecDeque::with_capacity(MOST_BACK + 1);
+        let mut recent: VecDeque<Vec<f64>> = VecDeque::new();
         // The last node of each run, and where the next one begins.
         let mut ends: Vec<(u32, f64)> = Vec::new();
         let mut breaks: Vec<usize> = Vec::new();
@@ -150,7 +154,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
             };
             columns.push(Column { starts: std::mem::take(&mut nodes.starts), back });
             std::mem::swap(&mut nodes, &mut before);
-            if recent.len() > MOST_BACK {
+            if recent.len() > windows.back() {
                 recent.pop_front();
             }
             recent.push_back(costs);
