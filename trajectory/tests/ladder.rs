@@ -466,6 +466,26 @@ fn from_coarse_to_fine_a_path_breaks_off_before_a_stop_with_room_to_sway() {
 }
 
 #[test]
+fn from_coarse_to_fine_a_joint_with_one_turn_of_room_may_stand_beside_its_stop() {
+    // Stops exactly a turn apart leave no room: a joint that goes to and fro beside one is not broken off at every waypoint.
+    let robot = RobotFn {
+        waypoints: 60,
+        free: [FreeRange::Turn; 2],
+        solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
+            each(0, [3.12 + 0.01 * (0.4 * i as f64).sin(), free[0], free[1]]);
+        },
+        posture: |_: usize, _: &[f64; 2], _: u32| None,
+    };
+    let endless = f64::INFINITY;
+    let bounds =
+        Bounds { lower: [-PI, -endless, -endless], upper: [PI, endless, endless], velocity: [1.0; 3], ..Bounds::NONE };
+    let (times, options) = (times(60, 0.25), near([128; 2], true));
+    let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
+    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
+    assert!(ladder.breaks.is_empty(), "{:?}", ladder.breaks);
+}
+
+#[test]
 fn two_runs_are_one() {
     let robot = Planar::circle(80, [0.9, 0.4], 0.5);
     let plan = || plan_ladder(&robot, &times(80, 0.2), &no_limits(), &LadderOptions::default(), &quiet);

@@ -366,7 +366,10 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         let winding: Vec<usize> =
             (0..N).filter(|&j| kinds[j] == Kind::Circular && !self.bounds.is_endless(j)).collect();
         let fits = |j: usize, least: f64, most: f64| {
-            let (lower, upper) = (self.bounds.lower[j] + STOP_ROOM, self.bounds.upper[j] - STOP_ROOM);
+            let (lower, upper) = (self.bounds.lower[j], self.bounds.upper[j]);
+            // So little that every angle has an image within.
+            let room = STOP_ROOM.min((upper - lower - TAU) / 2.0);
+            let (lower, upper) = (lower + room, upper - room);
             most + TAU * ((lower - least) / TAU).ceil() <= upper
         };
         // The angles without whole turns on the way, and the least and greatest of the run.
