@@ -102,6 +102,11 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Ke
     }
 }
 
+/// Whether so many samples can be thinned out.
+pub(super) fn thins_out<const F: usize>(samples: [u32; F]) -> bool {
+    thinned(samples, STRIDE) != samples
+}
+
 /// A path near a coarse one.
 pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     climb: &Climb<'_, N, F, R>,
@@ -110,12 +115,8 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     breaks: bool,
 ) -> Result<Path<N, F>, Stuck> {
     let waypoints = climb.times.len();
-    let coarse = thinned(samples, STRIDE);
-    if coarse == samples {
-        return climb.whole(samples, kinds, breaks);
-    }
     let mut passed = every(STRIDE, waypoints);
-    let mut path = climb.search(&passed, kinds, &mut Window::whole(coarse), breaks)?;
+    let mut path = climb.search(&passed, kinds, &mut Window::whole(thinned(samples, STRIDE)), breaks)?;
     let mut stride = STRIDE;
     while stride > 1 {
         stride /= 2;
@@ -157,8 +158,22 @@ struct Bands<const F: usize> {
 }
 
 impl<const F: usize> Bands<F> {
+    /// The samples of a rung up to `half` from the nearest to its middle.
     fn band(&self, at: usize, half: u32) -> Window<F> {
-        band(&self.free[at], self.samples, [half; F], &self.range)
+        let mut window = Window::whole(self.samples);
+        for f in 0..F {
+            let (count, range) = (self.samples[f], self.range[f]);
+            if 2 * half + 1 >= count {
+                continue;
+            }
+            let middle = nearest(range, count, self.free[at][f]);
+            window.length[f] = 2 * half + 1;
+            window.start[f] = match range {
+                FreeRange::Turn => (middle + count - half) % count,
+                FreeRange::Within(..) => middle.saturating_sub(half).min(count - window.length[f]),
+            };
+        }
+        window
     }
 }
 
@@ -168,7 +183,7 @@ impl<const F: usize> Windows<F> for Bands<F> {
     }
 
     fn back(&self) -> usize {
-        MOST_BACK
+        if self.widens { MOST_BACK } else { 0 }
     }
 
     fn widen(&mut self, at: usize, earliest: usize) -> Option<usize> {
@@ -249,23 +264,6 @@ fn interpolated<const N: usize, const F: usize>(
         }
     }
     guide
-}
-
-/// The samples up to `half` from the nearest to `free`.
-fn band<const F: usize>(free: &[f64; F], samples: [u32; F], half: [u32; F], range: &[FreeRange; F]) -> Window<F> {
-    let mut window = Window::whole(samples);
-    for f in 0..F {
-        let (count, middle) = (samples[f], nearest(range[f], samples[f], free[f]));
-        if 2 * half[f] + 1 >= count {
-            continue;
-        }
-        window.length[f] = 2 * half[f] + 1;
-        window.start[f] = match range[f] {
-            FreeRange::Turn => (middle + count - half[f]) % count,
-            FreeRange::Within(..) => middle.saturating_sub(half[f]).min(count - window.length[f]),
-        };
-    }
-    window
 }
 
 /// Whether samples beyond the first or last of the window were left out next to this one.

@@ -314,7 +314,6 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         loop {
             let kinds = Kind::of(self.bounds, &imaged);
             let mut path = match self.options.search {
-                LadderSearch::Exact => self.whole(samples, kinds, breaks)?,
                 LadderSearch::CoarseToFine if count(&samples) > MOST_EXACT => {
                     let mut path = coarse::search(self, samples, kinds, breaks)?;
                     if breaks {
@@ -322,10 +321,13 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
                     }
                     path
                 }
-                LadderSearch::CoarseToFine => match coarse::search(self, samples, kinds, false) {
-                    Err(Stuck::Apart(..) | Stuck::Unreachable(_)) => self.whole(samples, kinds, breaks)?,
-                    found => found?,
-                },
+                LadderSearch::CoarseToFine if coarse::thins_out(samples) => {
+                    match coarse::search(self, samples, kinds, false) {
+                        Err(Stuck::Apart(..) | Stuck::Unreachable(_)) => self.whole(samples, kinds, breaks)?,
+                        found => found?,
+                    }
+                }
+                LadderSearch::CoarseToFine | LadderSearch::Exact => self.whole(samples, kinds, breaks)?,
             };
             match self.lift(&mut path, &kinds) {
                 Ok(()) => return Ok(path),

@@ -115,39 +115,39 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 return Err(Stuck::Failed(LadderError::TooLarge { waypoint, most: MOST_NODES }));
             }
             let run = breaks.last().copied().unwrap_or(0);
-            let reached = match recent.back().filter(|_| at > run) {
-                Some(costs) => {
-                    if at % CHOOSE_AFTER == 1 {
-                        by = best_pair(&before.joints, &self.kinds, &self.limits(at));
-                    }
-                    self.reach(at, (&before, costs), &nodes, by)
+            let costs_before = recent.back().map_or(&[][..], Vec::as_slice);
+            let reached = if at == run {
+                (!nodes.joints.is_empty()).then(|| self.begin(at, &nodes))
+            } else {
+                if at % CHOOSE_AFTER == 1 {
+                    by = best_pair(&before.joints, &self.kinds, &self.limits(at));
                 }
-                None => (!nodes.joints.is_empty()).then(|| self.begin(at, &nodes)),
+                self.reach(at, (&before, costs_before), &nodes, by)
             };
-            let (costs, back) = match (reached, recent.back()) {
-                (Some(reached), _) => reached,
-                (None, before_costs) => {
-                    // It takes the costs of the rung before to go on from there.
-                    let forgotten = at - recent.len();
-                    let earliest = if forgotten > 0 { run.max(forgotten + 1) } else { run };
-                    if let Some(first) = windows.widen(at, earliest) {
-                        // Back to the first rung that has changed.
-                        recent.truncate(recent.len() - (at - first));
-                        columns.truncate(first);
-                        if first > run && first < at {
-                            let waypoint = self.waypoints[first - 1];
-                            before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MOST_NODES);
-                        }
-                        continue;
+            if reached.is_none() {
+                // It takes the costs of the rung before to go on from there.
+                let forgotten = at - recent.len();
+                let earliest = if forgotten > 0 { run.max(forgotten + 1) } else { run };
+                if let Some(first) = windows.widen(at, earliest) {
+                    // Back to the first rung that has changed.
+                    recent.truncate(recent.len() - (at - first));
+                    columns.truncate(first);
+                    if first > run && first < at {
+                        let waypoint = self.waypoints[first - 1];
+                        before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MOST_NODES);
                     }
-                    let Some(before_costs) = before_costs.filter(|_| !nodes.joints.is_empty()) else {
-                        return Err(Stuck::Unreachable(waypoint));
-                    };
-                    if !self.breaks {
-                        let share = self.nearest(&before.joints, before_costs, &nodes.joints, &self.limits(at));
-                        return Err(Stuck::Apart(waypoint, share));
-                    }
-                    ends.push(least(before_costs));
+                    continue;
+                }
+            }
+            let (costs, back) = match reached {
+                Some(reached) => reached,
+                None if nodes.joints.is_empty() => return Err(Stuck::Unreachable(waypoint)),
+                None if !self.breaks => {
+                    let share = self.nearest(&before.joints, costs_before, &nodes.joints, &self.limits(at));
+                    return Err(Stuck::Apart(waypoint, share));
+                }
+                None => {
+                    ends.push(least(costs_before));
                     breaks.push(at);
                     self.begin(at, &nodes)
                 }
