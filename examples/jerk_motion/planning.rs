@@ -4,8 +4,8 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::Placed;
 use curvlay_trajectory::{
-    Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Quantity, RunIn,
-    Rung, Timeline, Trajectory, filter_locally, jerk_measure, plan_ladder, smooth_globally,
+    Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
+    Quantity, RunIn, Rung, Timeline, Trajectory, filter_locally, jerk_measure, plan_ladder, smooth_globally,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -200,6 +200,14 @@ fn freed<const N: usize>(bounds: &Bounds<N>, splines: &[Trajectory<N>]) -> Optio
     Some(freed)
 }
 
+/// Progress as a bar.
+fn shown(bars: &Bars) -> impl Fn(Progress) -> ControlFlow<()> + Sync {
+    |step| {
+        bars.update(step.stage, step.done, step.total);
+        ControlFlow::Continue(())
+    }
+}
+
 /// The ladder of four samples and, where it finds no path, of more.
 fn first_ladder<const N: usize, const F: usize, R: Placed<N, F>>(
     robot: &R,
@@ -229,10 +237,7 @@ fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
     options: &LadderOptions<N, F>,
     bars: &Bars,
 ) -> Result<Motion<N, F>, LadderError> {
-    let ladder = plan_ladder(robot, times, bounds, options, &|step| {
-        bars.update(step.stage, step.done, step.total);
-        ControlFlow::Continue(())
-    })?;
+    let ladder = plan_ladder(robot, times, bounds, options, &shown(bars))?;
     let (runs, doubled) = (ladder.runs().collect(), ladder.samples != [4; F]);
     Ok(Motion { rungs: ladder.rungs, runs, doubled })
 }
@@ -284,10 +289,7 @@ fn smoothed<const N: usize, const F: usize, R: Placed<N, F>>(
     for run in ladder.runs.iter().filter(|run| run.len() >= FEWEST_WAYPOINTS) {
         let part = robot.part(run.clone());
         let (times, start) = (&times[run.clone()], &ladder.rungs[run.clone()]);
-        let filtered = filter_locally(&part, times, start, bounds, &FilterOptions::default(), &|step| {
-            bars.update(step.stage, step.done, step.total);
-            ControlFlow::Continue(())
-        })?;
+        let filtered = filter_locally(&part, times, start, bounds, &FilterOptions::default(), &shown(bars))?;
         motion.rungs[run.clone()].copy_from_slice(&filtered.rungs);
     }
     Ok(motion)
@@ -324,10 +326,7 @@ fn globally<const N: usize, const F: usize, R: Placed<N, F>>(
     for (run, trajectory) in start.runs.iter().zip(&mut trajectories).filter(|(run, _)| run.len() >= FEWEST_WAYPOINTS) {
         let line = Timeline::new(&times[run.clone()], RunIn::default())?;
         let (part, rungs) = (robot.part(run.clone()), &start.rungs[run.clone()]);
-        let found = smooth_globally(&part, &line, rungs, bounds, &GlobalOptions::default(), &|step| {
-            bars.update(step.stage, step.done, step.total);
-            ControlFlow::Continue(())
-        })?;
+        let found = smooth_globally(&part, &line, rungs, bounds, &GlobalOptions::default(), &shown(bars))?;
         motion.rungs[run.clone()].copy_from_slice(&found.rungs);
         lower_bound = greater(lower_bound, found.peak.map(|peak| peak.lower_bound));
         *trajectory = found.trajectory;
