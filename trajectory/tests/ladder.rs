@@ -61,13 +61,14 @@ fn all_images<const N: usize>(joints: &[f64; N], bounds: &Bounds<N>) -> Vec<[f64
     found
 }
 
-/// The cost of the shortest path, by a heap over stored edges; `None` where there is none.
+/// How often the path that breaks off least has to, and the cost of the shortest of these, by a heap over stored edges;
+/// `None` where there is none.
 fn slow_cost<const N: usize>(
     robot: &Listed<N>,
     times: &[f64],
     bounds: &Bounds<N>,
     options: &LadderOptions<N, 1>,
-) -> Option<f64> {
+) -> Option<(u64, f64)> {
     let apart = |from: &[f64; N], to: &[f64; N]| -> [f64; N] {
         let straight = |j: usize| to[j] - from[j];
         std::array::from_fn(|j| if bounds.is_endless(j) { wrapped(straight(j)).abs() } else { straight(j).abs() })
@@ -81,38 +82,42 @@ fn slow_cost<const N: usize>(
         .collect();
     let firsts: Vec<usize> = rungs.iter().scan(0, |n, rung| Some(std::mem::replace(n, *n + rung.len()))).collect();
     let nodes = rungs.iter().map(Vec::len).sum();
-    let mut edges: Vec<Vec<(usize, f64)>> = vec![Vec::new(); nodes];
+    let mut edges: Vec<Vec<(usize, u64, f64)>> = vec![Vec::new(); nodes];
     for at in 1..rungs.len() {
         for (a, from) in rungs[at - 1].iter().enumerate() {
             for (b, to) in rungs[at].iter().enumerate() {
                 let (apart, time) = (apart(from, to), times[at] - times[at - 1]);
                 if (0..N).all(|j| apart[j] <= bounds.velocity[j] * time) {
-                    edges[firsts[at - 1] + a].push((firsts[at] + b, (0..N).map(|j| cost(j, apart[j])).sum()));
+                    edges[firsts[at - 1] + a].push((firsts[at] + b, 0, (0..N).map(|j| cost(j, apart[j])).sum()));
+                }
+                if options.breaks {
+                    edges[firsts[at - 1] + a].push((firsts[at] + b, 1, 0.0));
                 }
             }
         }
     }
     // Costs that are not negative order like their bits.
-    let mut costs = vec![f64::INFINITY; nodes];
+    let mut costs = vec![(u64::MAX, f64::INFINITY); nodes];
     let mut heap = BinaryHeap::new();
     for (node, joints) in rungs[0].iter().enumerate() {
-        costs[node] = options.from.map_or(0.0, |from| (0..N).map(|j| cost(j, apart(&from, joints)[j])).sum());
-        heap.push(Reverse((costs[node].to_bits(), node)));
+        costs[node] = (0, options.from.map_or(0.0, |from| (0..N).map(|j| cost(j, apart(&from, joints)[j])).sum()));
+        heap.push(Reverse((0, costs[node].1.to_bits(), node)));
     }
-    while let Some(Reverse((bits, node))) = heap.pop() {
+    while let Some(Reverse((breaks, bits, node))) = heap.pop() {
         let cost = f64::from_bits(bits);
-        if cost > costs[node] {
+        if (breaks, cost) > costs[node] {
             continue;
         }
-        for &(next, by) in &edges[node] {
-            if cost + by < costs[next] {
-                costs[next] = cost + by;
-                heap.push(Reverse(((cost + by).to_bits(), next)));
+        for &(next, more, by) in &edges[node] {
+            let found = (breaks + more, cost + by);
+            if found < costs[next] {
+                costs[next] = found;
+                heap.push(Reverse((found.0, found.1.to_bits(), next)));
             }
         }
     }
     let last = &costs[firsts[rungs.len() - 1]..];
-    Some(last.iter().copied().fold(f64::INFINITY, f64::min)).filter(|cost| cost.is_finite())
+    last.iter().copied().filter(|found| found.1.is_finite()).reduce(|a, b| if b < a { b } else { a })
 }
 
 /// That the path is one: solutions of the robot, within bounds and speeds, with the cost that is said.
@@ -198,7 +203,7 @@ proptest! {
         match plan_ladder(&robot, &times, &bounds, &options, &quiet) {
             Ok(ladder) => {
                 assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
-                let slow = slow.unwrap();
+                let (_, slow) = slow.unwrap();
                 prop_assert!((ladder.cost - slow).abs() <= 1e-9 * (1.0 + slow), "{} {slow}", ladder.cost);
             }
             Err(LadderError::NoPath { .. } | LadderError::Unreachable { .. }) => prop_assert_eq!(slow, None),
@@ -207,13 +212,14 @@ proptest! {
     }
 
     #[test]
-    fn with_breaks_it_always_arrives((robot, times, bounds, options) in random_walks()) {
+    fn with_breaks_it_always_arrives_with_as_few_as_can_be((robot, times, bounds, options) in random_walks()) {
         let options = LadderOptions { breaks: true, ..options };
         match plan_ladder(&robot, &times, &bounds, &options, &quiet) {
             Ok(ladder) => {
                 assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
-                let without = slow_cost(&robot, &times, &bounds, &LadderOptions { breaks: false, ..options });
-                prop_assert_eq!(ladder.breaks.is_empty(), without.is_some());
+                let (breaks, slow) = slow_cost(&robot, &times, &bounds, &options).unwrap();
+                prop_assert_eq!(ladder.breaks.len() as u64, breaks);
+                prop_assert!((ladder.cost - slow).abs() <= 1e-9 * (1.0 + slow), "{} {slow}", ladder.cost);
                 prop_assert_eq!(ladder.runs().map(|run| run.len()).sum::<usize>(), times.len());
             }
             Err(error) => prop_assert!(matches!(error, LadderError::Unreachable { .. }), "{error}"),
@@ -355,8 +361,8 @@ fn table(waypoints: usize) -> impl Robot<3, 3> {
 }
 
 /// The options of the tests from coarse to fine with several parameters.
-fn near<const F: usize>(samples: [u32; F], breaks: bool) -> LadderOptions<3, F> {
-    LadderOptions { samples, doublings: 0, breaks, search: LadderSearch::CoarseToFine, ..LadderOptions::default() }
+fn near<const F: usize>(samples: [u32; F]) -> LadderOptions<3, F> {
+    LadderOptions { samples, doublings: 0, search: LadderSearch::CoarseToFine, ..LadderOptions::default() }
 }
 
 #[test]
@@ -367,7 +373,7 @@ fn from_coarse_to_fine_three_parameters_go_where_doubling_them_all_would_cost_to
     let doubled = LadderOptions { doublings: 1, ..LadderOptions::default() };
     let found = plan_ladder(&robot, &times, &bounds, &doubled, &quiet);
     assert!(matches!(found, Err(LadderError::NoPath { samples: 512, needed, .. }) if needed > 1.0), "{found:?}");
-    let options = near([64; 3], false);
+    let options = near([64; 3]);
     let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
     assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
     // The other two stand still, so that the table alone is its twin.
@@ -399,7 +405,7 @@ fn short_paths_from_coarse_to_fine_ask_for_few_of_many_samples() {
             },
             posture: |_: usize, _: &[f64; 3], _: u32| None,
         };
-        let options = near([64; 3], false);
+        let options = near([64; 3]);
         let ladder = plan_ladder(&counting, &times, &bounds, &options, &quiet).unwrap();
         assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
         let asked = asked.into_inner();
@@ -427,42 +433,68 @@ fn bands_become_wider_about_rungs_that_are_out_of_reach() {
     // The coarse levels step over the slit and stay at 0; it takes fourteen steps to get there.
     let (robot, times) = (slit(0.14, 0.16), times(90, 0.1));
     let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
-    let options = near([128, 64], false);
+    let options = near([128, 64]);
     let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
     assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
     // What it costs to go there and back is saved when the bands are laid anew: the joints stand still in the slit.
     assert!(ladder.cost < 1e-12, "{}", ladder.cost);
-    // One that is out of the widest band: it says so, or breaks off.
+    // One that is out of the widest band: it says where it was stuck, and not that there is no path.
     let robot = slit(0.7, 0.72);
     let found = plan_ladder(&robot, &times, &bounds, &options, &quiet);
-    assert!(matches!(found, Err(LadderError::Unreachable { waypoint: 41..44, .. })), "{found:?}");
+    assert!(matches!(found, Err(LadderError::NotFound { waypoint: 41..44, samples: 8192 })), "{found:?}");
 }
 
 #[test]
-fn from_coarse_to_fine_a_path_breaks_off_before_a_stop_with_room_to_sway() {
-    // A joint that must make three turns, with stops two turns apart.
+fn from_coarse_to_fine_a_path_keeps_between_stops_with_room_to_sway() {
+    // On branch 0 a joint turns by 8 rad, with stops little more than a turn apart. On the others, a longer way, it sweeps
+    // once to and fro: on branch 1 right up to the stops, on branch 2, where another joint moves, too, not quite.
     let robot = RobotFn {
-        waypoints: 100,
+        waypoints: 150,
         free: [FreeRange::Turn; 2],
-        solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
-            each(0, [wrapped(1.0 + 0.2 * i as f64), free[0], free[1]]);
+        solutions: |i: usize, _: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
+            let share = i as f64 / 150.0;
+            let sweep = (TAU * share).sin();
+            each(0, [wrapped(8.0 * share), 0.0, 0.0]);
+            each(1, [wrapped((PI + 0.07) * sweep), 2.5, 0.0]);
+            each(2, [wrapped((PI + 0.02) * sweep), 0.6 * (3.0 * TAU * share).sin(), 2.5]);
         },
         posture: |_: usize, _: &[f64; 2], _: u32| None,
     };
-    let endless = f64::INFINITY;
+    let (stop, endless) = (PI + 0.08, f64::INFINITY);
     let bounds = Bounds {
-        lower: [-TAU, -endless, -endless],
-        upper: [TAU, endless, endless],
-        velocity: [1.0; 3],
+        lower: [-stop, -endless, -endless],
+        upper: [stop, endless, endless],
+        velocity: [0.7; 3],
         ..Bounds::NONE
     };
-    let (times, options) = (times(100, 0.25), near([128; 2], true));
-    let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
-    assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
-    // From 1 rad less a turn it takes 57 steps to a twentieth before the stop, then 30 from 0.03.
-    assert_eq!(ladder.breaks, [58, 89]);
-    let farthest = ladder.rungs.iter().map(|rung| rung.joints[0].abs()).fold(0.0, f64::max);
-    assert!(farthest <= TAU - 0.05, "{farthest}");
+    let (times, options) = (times(150, 0.25), near([64; 2]));
+    let branch = |bounds: &Bounds<3>, options: &LadderOptions<3, 2>| {
+        let ladder = plan_ladder(&robot, &times, bounds, options, &quiet).unwrap();
+        assert_is_a_path(&robot, &times, bounds, options, &ladder);
+        assert!(ladder.rungs.iter().all(|rung| rung.branch == ladder.rungs[0].branch));
+        ladder.rungs[0].branch
+    };
+    assert_eq!(branch(&bounds, &options), 2);
+    assert_eq!(branch(&bounds, &LadderOptions { samples: [1; 2], search: LadderSearch::Exact, ..options }), 1);
+    assert_eq!(branch(&Bounds { velocity: [0.7; 3], ..Bounds::NONE }, &options), 0);
+}
+
+#[test]
+fn from_coarse_to_fine_a_sparse_coarse_level_gets_more_samples() {
+    // Of the coarse level's eight samples none is in reach here, of sixteen two.
+    let robot = RobotFn {
+        waypoints: 60,
+        free: [FreeRange::Within(0.0, 1.0), FreeRange::Turn],
+        solutions: |_: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
+            if (0.45..0.55).contains(&free[0]) {
+                each(0, [free[0], free[1], 0.0]);
+            }
+        },
+        posture: |_: usize, _: &[f64; 2], _: u32| None,
+    };
+    let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
+    let ladder = plan_ladder(&robot, &times(60, 0.1), &bounds, &near([64; 2]), &quiet).unwrap();
+    assert!(ladder.cost < 1e-12, "{}", ladder.cost);
 }
 
 #[test]
@@ -479,10 +511,50 @@ fn from_coarse_to_fine_a_joint_with_one_turn_of_room_may_stand_beside_its_stop()
     let endless = f64::INFINITY;
     let bounds =
         Bounds { lower: [-PI, -endless, -endless], upper: [PI, endless, endless], velocity: [1.0; 3], ..Bounds::NONE };
-    let (times, options) = (times(60, 0.25), near([128; 2], true));
+    let (times, options) = (times(60, 0.25), near([128; 2]));
     let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
     assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
     assert!(ladder.breaks.is_empty(), "{:?}", ladder.breaks);
+}
+
+#[test]
+fn a_refined_path_is_shorter_and_breaks_off_where_it_did() {
+    let robot = Planar::circle(120, [0.9, 0.4], 0.5);
+    let plan = |samples, refinements| {
+        let options = LadderOptions { samples: [samples], doublings: 0, refinements, ..LadderOptions::default() };
+        let ladder = plan_ladder(&robot, &times(120, 0.15), &no_limits(), &options, &quiet).unwrap();
+        assert_is_a_path(&robot, &times(120, 0.15), &no_limits(), &options, &ladder);
+        (ladder.cost, ladder.samples)
+    };
+    let (coarse, _) = plan(30, 0);
+    let (fine, _) = plan(120, 0);
+    let (refined, samples) = plan(30, 2);
+    assert_eq!(samples, [120]);
+    assert!(
+        refined >= fine * (1.0 - 1e-12) && refined <= fine * 1.01 && refined < 0.9 * coarse,
+        "{refined} {fine} {coarse}"
+    );
+    // A joint that jumps twice, and one that is free within a range, in whose middle it costs least to be.
+    let robot = RobotFn {
+        waypoints: 60,
+        free: [FreeRange::Within(0.0, 1.0), FreeRange::Turn],
+        solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| {
+            let sway = (free[0] - 0.4) * (0.5 * i as f64).sin();
+            each(0, [f64::from(u8::from((20..45).contains(&i))), free[0] + free[1], sway]);
+        },
+        posture: |_: usize, _: &[f64; 2], _: u32| None,
+    };
+    let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
+    let plan = |refinements| {
+        let options =
+            LadderOptions { samples: [4; 2], doublings: 0, breaks: true, refinements, ..LadderOptions::default() };
+        let ladder = plan_ladder(&robot, &times(60, 0.2), &bounds, &options, &quiet).unwrap();
+        assert_is_a_path(&robot, &times(60, 0.2), &bounds, &options, &ladder);
+        ladder
+    };
+    let (rough, refined) = (plan(0), plan(3));
+    assert_eq!((&rough.breaks[..], &refined.breaks[..], refined.samples), (&[20, 45][..], &[20, 45][..], [25, 32]));
+    assert!(refined.cost < 0.1 * rough.cost, "{} {}", refined.cost, rough.cost);
 }
 
 #[test]
@@ -518,6 +590,8 @@ fn what_cannot_be_is_named() {
     }
     let heavy = LadderOptions { weights: [1.0, f64::NAN, 1.0], ..options };
     assert!(matches!(plan(&good, &no_limits(), &heavy), LadderError::Option { .. }));
+    let too_fine = LadderOptions { refinements: 11, ..options };
+    assert!(matches!(plan(&good, &no_limits(), &too_fine), LadderError::Option { value: 11.0, .. }));
     let far = Planar { tips: vec![[0.9, 0.4], [9.0, 0.0], [0.9, 0.4]], links: [1.0, 0.8, 0.4] };
     let found = plan_ladder(&far, &good[..3], &no_limits(), &options, &quiet);
     assert_eq!(found, Err(LadderError::Unreachable { waypoint: 1, samples: 512 }));

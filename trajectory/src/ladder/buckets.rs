@@ -24,7 +24,7 @@ pub(super) struct Measure<const N: usize> {
 }
 
 impl<const N: usize> Measure<N> {
-    fn cost(&self, joint: usize, distance: f64) -> f64 {
+    pub fn cost(&self, joint: usize, distance: f64) -> f64 {
         match self.norm {
             Norm::Squared => self.weights[joint] * distance * distance,
             Norm::Absolute => self.weights[joint] * distance,

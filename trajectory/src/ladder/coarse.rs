@@ -15,7 +15,9 @@ use super::Climb;
 use super::nodes::{Kind, Window, nearest, wrapped};
 use super::search::{Path, Stuck, Windows};
 use crate::robot::{FreeRange, Posture, Robot};
+use crate::{Bounds, LadderOptions};
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -47,9 +49,15 @@ const LITTLE: f64 = 1e-4;
 /// The band is moved at most so often; then its path is taken as it is.
 const ROUNDS: usize = 12;
 
-/// Free parameters around which the band is laid, and branches, for every waypoint.
-struct Guide<const F: usize> {
+/// How near a path comes to the stops of joints with a turn or more between them, in radians: a smooth motion sways.
+const STOP_ROOM: f64 = 0.05;
+
+/// What is looked at around each waypoint.
+struct Guide<const N: usize, const F: usize> {
+    /// Free parameters around which the band is laid.
     free: Vec<[f64; F]>,
+    /// Joints next to which images are.
+    joints: Vec<[f64; N]>,
     branches: Vec<[u32; 2]>,
 }
 
@@ -66,11 +74,26 @@ impl<const N: usize, const F: usize> Default for Known<N, F> {
     }
 }
 
-/// A robot that solves every sample once, on the branches of the guide.
+/// A robot that solves every sample once, on the branches of the guide, and tells of each joint the image next to it.
 struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
     robot: &'a R,
-    branches: &'a [[u32; 2]],
+    guide: &'a Guide<N, F>,
+    bounds: &'a Bounds<N>,
+    kinds: [Kind; N],
     known: Vec<Mutex<Known<N, F>>>,
+}
+
+impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
+    /// The image of a solution next to the guide, if it is within the stops.
+    fn image(&self, waypoint: usize, mut joints: [f64; N]) -> Option<[f64; N]> {
+        for j in (0..N).filter(|&j| self.kinds[j] == Kind::Told) {
+            joints[j] += TAU * ((self.guide.joints[waypoint][j] - joints[j]) / TAU).round();
+            if !(self.bounds.lower[j]..=self.bounds.upper[j]).contains(&joints[j]) {
+                return None;
+            }
+        }
+        Some(joints)
+    }
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Kept<'_, N, F, R> {
@@ -88,8 +111,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Ke
         let found = asked.entry(free.map(f64::to_bits)).or_insert_with(|| {
             let first = solutions.len();
             self.robot.solutions(waypoint, free, &mut |branch, joints| {
-                if self.branches[waypoint].contains(&branch) {
-                    solutions.push((branch, joints));
+                if self.guide.branches[waypoint].contains(&branch) {
+                    solutions.extend(self.image(waypoint, joints).map(|joints| (branch, joints)));
                 }
             });
             first..solutions.len()
@@ -107,22 +130,22 @@ pub(super) fn thins_out<const F: usize>(samples: [u32; F]) -> bool {
     thinned(samples, STRIDE) != samples
 }
 
-/// A path near a coarse one.
+/// A path near a coarse one. The coarse one finds its way between the stops; finer ones keep to its images.
 pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     climb: &Climb<'_, N, F, R>,
     samples: [u32; F],
-    kinds: [Kind; N],
-    breaks: bool,
 ) -> Result<Path<N, F>, Stuck> {
     let waypoints = climb.times.len();
+    let bounds = with_room(climb.bounds);
+    let climb = Climb { bounds: &bounds, ..*climb };
     let mut passed = every(STRIDE, waypoints);
-    let mut path = climb.search(&passed, kinds, &mut Window::whole(thinned(samples, STRIDE)), breaks)?;
+    let mut path = coarse(&climb, &passed, samples)?;
     let mut stride = STRIDE;
     while stride > 1 {
         stride /= 2;
         let guide = interpolated(&passed, &path, &climb.robot.free());
         let level = every(stride, waypoints);
-        match follow(climb, &level, thinned(samples, stride), kinds, guide, breaks) {
+        match follow(&climb, &level, thinned(samples, stride), &guide) {
             Ok(finer) => (path, passed) = (finer, level),
             // The next level goes on from the one before.
             Err(Stuck::Apart(..) | Stuck::Unreachable(_)) if stride > 1 => {}
@@ -130,6 +153,55 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
     }
     Ok(path)
+}
+
+/// The path with more samples about it: twice as many, those it was found with among them. It breaks off where it did.
+pub(super) fn refine<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    climb: &Climb<'_, N, F, R>,
+    path: &mut Path<N, F>,
+    samples: &mut [u32; F],
+) -> Result<(), Stuck> {
+    let range = climb.robot.free();
+    *samples = std::array::from_fn(|f| match range[f] {
+        FreeRange::Turn => 2 * samples[f],
+        FreeRange::Within(..) => 2 * samples[f] - 1,
+    });
+    let guide = interpolated(&every(1, climb.times.len()), path, &range);
+    path.cost = 0.0;
+    for run in path.runs() {
+        let from = climb.options.from.filter(|_| run.start == 0);
+        let climb = Climb { options: &LadderOptions { from, ..*climb.options }, ..*climb };
+        let finer = follow(&climb, &run.clone().collect::<Vec<_>>(), *samples, &guide)?;
+        path.cost += finer.cost;
+        path.rungs[run].copy_from_slice(&finer.rungs);
+    }
+    Ok(())
+}
+
+/// A path through some waypoints, with as many samples as it takes to reach them all.
+fn coarse<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    climb: &Climb<'_, N, F, R>,
+    passed: &[usize],
+    samples: [u32; F],
+) -> Result<Path<N, F>, Stuck> {
+    let mut stride = STRIDE;
+    loop {
+        match climb.within_stops(passed, thinned(samples, stride), false) {
+            Err(Stuck::Unreachable(_)) if stride > 1 => stride /= 2,
+            found => return found,
+        }
+    }
+}
+
+/// Bounds that leave room beside the stops of joints that wind up, but to every angle an image.
+fn with_room<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
+    let mut narrower = *bounds;
+    for j in 0..N {
+        let room = STOP_ROOM.min((bounds.upper[j] - bounds.lower[j] - TAU) / 2.0).max(0.0);
+        narrower.lower[j] += room;
+        narrower.upper[j] -= room;
+    }
+    narrower
 }
 
 /// Of each free parameter's samples every so many, but not too few.
@@ -205,13 +277,14 @@ fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     climb: &Climb<'_, N, F, R>,
     passed: &[usize],
     samples: [u32; F],
-    kinds: [Kind; N],
-    guide: Guide<F>,
-    breaks: bool,
+    guide: &Guide<N, F>,
 ) -> Result<Path<N, F>, Stuck> {
-    let Guide { free, branches } = guide;
-    let known = free.iter().map(|_| Mutex::default()).collect();
-    let kept = Kept { robot: climb.robot, branches: &branches, known };
+    let kinds = Kind::of(climb.bounds, &[true; N]).map(|kind| match kind {
+        Kind::Images { .. } => Kind::Told,
+        kind => kind,
+    });
+    let known = guide.free.iter().map(|_| Mutex::default()).collect();
+    let kept = Kept { robot: climb.robot, guide, bounds: climb.bounds, kinds, known };
     let climb = Climb {
         robot: &kept,
         times: climb.times,
@@ -222,44 +295,49 @@ fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let range = climb.robot.free();
     let half = if F == 1 { HALF } else { HALF_OF_MANY };
     let bands = |free: Vec<[f64; F]>, widens| Bands { half: vec![half; free.len()], free, samples, range, widens };
-    let mut around = bands(passed.iter().map(|&waypoint| free[waypoint]).collect(), true);
-    let mut best = climb.search(passed, kinds, &mut around, breaks)?;
+    let mut around = bands(passed.iter().map(|&waypoint| guide.free[waypoint]).collect(), true);
+    let mut best = climb.search(passed, kinds, &mut around, false)?;
     for _ in 1..ROUNDS {
         if !best.rungs.iter().enumerate().any(|(at, rung)| on_edge(&rung.free, &around.at(at), &range)) {
             break;
         }
         // The best path so far lies in the middle of its bands, so none has to be wider.
         around = bands(best.rungs.iter().map(|rung| rung.free).collect(), false);
-        let path = climb.search(passed, kinds, &mut around, breaks)?;
-        let falls = path.breaks.len() < best.breaks.len() || path.cost < best.cost * (1.0 - LITTLE);
-        if (path.breaks.len(), path.cost) < (best.breaks.len(), best.cost) {
+        let path = climb.search(passed, kinds, &mut around, false)?;
+        let falls = path.cost < best.cost * (1.0 - LITTLE);
+        if path.cost < best.cost {
             best = path;
         }
         if !falls {
             break;
         }
     }
+    // Endless joints have begun anew each turn; there is no stop that they could meet.
+    let lifted = climb.lift(&mut best, &kinds);
+    debug_assert!(lifted.is_ok());
     Ok(best)
 }
 
-/// Free parameters of all waypoints, on lines between those of the thinned ones; at a break those of the nearer one.
+/// Free parameters and joints of all waypoints, on lines between those of the thinned ones.
 fn interpolated<const N: usize, const F: usize>(
     thinned: &[usize],
     path: &Path<N, F>,
     range: &[FreeRange; F],
-) -> Guide<F> {
+) -> Guide<N, F> {
     let rungs = &path.rungs;
-    let mut guide = Guide { free: vec![rungs[0].free], branches: vec![[rungs[0].branch; 2]] };
+    let mut guide =
+        Guide { free: vec![rungs[0].free], joints: vec![rungs[0].joints], branches: vec![[rungs[0].branch; 2]] };
     for at in 1..thinned.len() {
         let (ends, rungs) = ([thinned[at - 1], thinned[at]], [&rungs[at - 1], &rungs[at]]);
         for waypoint in ends[0] + 1..=ends[1] {
             let share = (waypoint - ends[0]) as f64 / (ends[1] - ends[0]) as f64;
-            let share = if path.breaks.contains(&at) { share.round() } else { share };
             guide.free.push(std::array::from_fn(|f| {
                 let way = rungs[1].free[f] - rungs[0].free[f];
                 let way = if range[f] == FreeRange::Turn { wrapped(way) } else { way };
                 rungs[0].free[f] + share * way
             }));
+            let joint = |j: usize| rungs[0].joints[j] + share * (rungs[1].joints[j] - rungs[0].joints[j]);
+            guide.joints.push(std::array::from_fn(joint));
             guide.branches.push([rungs[0].branch, rungs[1].branch]);
         }
     }
@@ -280,7 +358,7 @@ fn on_edge<const F: usize>(free: &[f64; F], window: &Window<F>, range: &[FreeRan
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bounds, LadderOptions, RobotFn};
+    use crate::RobotFn;
     use std::ops::ControlFlow;
 
     #[test]

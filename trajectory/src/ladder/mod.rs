@@ -13,7 +13,9 @@
 //! way to the first rung from where the joints are before ([`LadderOptions::from`]).
 //!
 //! No edge is stored: see `search`. Departs from the dissertation: instead of doubling without end it stops after
-//! [`LadderOptions::doublings`]; and there is a search that is not exact but fast, [`LadderSearch::CoarseToFine`].
+//! [`LadderOptions::doublings`]; a path breaks off where that makes it shortest, not where it can go no further; there is a
+//! search that is not exact but fast, [`LadderSearch::CoarseToFine`]; and a path can be refined by more samples about it,
+//! [`LadderOptions::refinements`].
 
 mod buckets;
 mod coarse;
@@ -47,9 +49,10 @@ pub enum LadderSearch {
     Exact,
     /// A coarse path through every eighth waypoint at an eighth of the samples, then every fourth, every second and all,
     /// each with the samples near the path before, and more of them where it is stuck, until the result stays clear of
-    /// what was left out. Usually the shortest path or close to it. Where it finds none, it falls back to `Exact` with up
-    /// to 4,096 samples a waypoint. With more, as several free parameters soon have, it says so or breaks off; then it
-    /// also breaks off before a joint winds past its stops, instead of looking for another way.
+    /// what was left out. Usually the shortest path or close to it, and 0.05 rad from stops that are more than a turn
+    /// apart. Where it finds none, it falls back to `Exact` with up to 1,024 samples a waypoint. With more, as several
+    /// free parameters soon have, that would take minutes: it says [`LadderError::NotFound`], and `Exact` with a few samples,
+    /// just near enough to one another for the speeds, is what to try next.
     CoarseToFine,
 }
 
@@ -61,6 +64,9 @@ pub struct LadderOptions<const N: usize, const F: usize> {
     pub samples: [u32; F],
     /// How often the samples may be doubled while there is no path. Default 7, to 512 samples.
     pub doublings: u32,
+    /// How often, once there is a path, twice as many samples are looked at about it. It only becomes shorter, and breaks
+    /// off where it did. Default 0, at most 10.
+    pub refinements: u32,
     /// Weight of each joint, the diagonal of `W`. Default 1.
     pub weights: [f64; N],
     /// Default [`Norm::Squared`].
@@ -68,7 +74,7 @@ pub struct LadderOptions<const N: usize, const F: usize> {
     /// Default [`LadderSearch::Exact`].
     pub search: LadderSearch,
     /// Whether a path may break off and start anew where speeds do not allow to go on, after all doublings (section
-    /// 3.5.3). Else that is an error. Default false.
+    /// 3.5.3): as seldom as it must, and there where that makes it shortest. Else that is an error. Default false.
     pub breaks: bool,
     /// Where the joints are before the path: the way to the first waypoint then costs what a step does, but no speed
     /// bounds it. Of many paths that are nearly as short it takes the one that is near by, without whole turns on the way.
@@ -81,6 +87,7 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
         LadderOptions {
             samples: [4; F],
             doublings: 7,
+            refinements: 0,
             weights: [1.0; N],
             norm: Norm::Squared,
             search: LadderSearch::Exact,
@@ -93,11 +100,12 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
 /// Samples of all free parameters together are at most this many a waypoint.
 pub const MOST_SAMPLES: u64 = 1 << 20;
 
-/// From coarse to fine: up to so many samples a waypoint, all of them are searched where no path is found.
-const MOST_EXACT: u64 = 1 << 12;
+/// Refined more often, samples would be told apart no more.
+const MOST_REFINEMENTS: u32 = 10;
 
-/// A path that is broken off at stops keeps so far from them, in radians: a smooth motion sways.
-const STOP_ROOM: f64 = 0.05;
+/// From coarse to fine: up to so many samples a waypoint, all of them are searched where no path is found. That takes
+/// some ten seconds for 2,500 waypoints of six or eight joints.
+const MOST_EXACT: u64 = 1 << 10;
 
 /// The node chosen at a waypoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +128,7 @@ pub struct Ladder<const N: usize, const F: usize> {
     /// `J_trans` of Eq. 4.6 (the sum of Eq. 3.4 with [`Norm::Absolute`]), without the breaks; with the way from
     /// [`LadderOptions::from`].
     pub cost: f64,
-    /// The samples with which it was found.
+    /// The samples with which it was found, or last refined.
     pub samples: [u32; F],
 }
 
@@ -192,6 +200,14 @@ pub enum LadderError {
         /// waypoint. Little above 1: more samples may find a way.
         needed: f64,
     },
+    /// From coarse to fine no path was found; that there is none is not said.
+    #[error("no path from coarse to fine with {samples} samples a waypoint: it was stuck at waypoint {waypoint}")]
+    NotFound {
+        /// The waypoint, counted from 0.
+        waypoint: usize,
+        /// Number of samples.
+        samples: u64,
+    },
     /// A waypoint has too many solutions to compare.
     #[error("waypoint {waypoint} has {most} nodes or more; take fewer samples")]
     TooLarge {
@@ -251,13 +267,16 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     for doubling in 0.. {
         let last = doubling == options.doublings || count(&samples.map(|n| n * 2)) > MOST_SAMPLES;
         match climb.path(samples, last && options.breaks) {
-            Ok(path) => return Ok(Ladder { rungs: path.rungs, breaks: path.breaks, cost: path.cost, samples }),
+            Ok(path) => return climb.refined(path, samples),
             Err(Stuck::Failed(error)) => return Err(error),
             Err(Stuck::Unreachable(waypoint)) if last => {
                 return Err(LadderError::Unreachable { waypoint, samples: count(&samples) });
             }
             Err(Stuck::Apart(waypoint, needed)) if last => {
                 return Err(LadderError::NoPath { waypoint, samples: count(&samples), needed });
+            }
+            Err(Stuck::Lost(waypoint)) if last => {
+                return Err(LadderError::NotFound { waypoint, samples: count(&samples) });
             }
             Err(_) => samples = samples.map(|n| n * 2),
         }
@@ -290,6 +309,10 @@ fn check<const N: usize, const F: usize>(
     if let Some(&value) = options.from.iter().flatten().find(|value| !value.is_finite()) {
         return Err(LadderError::Option { what: "joints before the path must be finite; one", value });
     }
+    if options.refinements > MOST_REFINEMENTS {
+        let what = "refinements must be at most 10; their number";
+        return Err(LadderError::Option { what, value: f64::from(options.refinements) });
+    }
     let samples = count(&options.samples);
     if samples == 0 || samples > MOST_SAMPLES || options.samples.iter().any(|&n| n > u32::MAX / 4) {
         let what = "the number of samples must be from 1 to 2^20; it";
@@ -308,38 +331,45 @@ struct Climb<'a, const N: usize, const F: usize, R: ?Sized> {
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R> {
-    /// A path with these samples, within the stops.
+    /// The ladder of a path with these samples, and with more about it.
+    fn refined(&self, mut path: Path<N, F>, mut samples: [u32; F]) -> Result<Ladder<N, F>, LadderError> {
+        for _ in 0..self.options.refinements {
+            match coarse::refine(self, &mut path, &mut samples) {
+                Ok(()) => {}
+                Err(Stuck::Failed(error)) => return Err(error),
+                // Not with a robot that answers as before.
+                Err(Stuck::Apart(waypoint, _) | Stuck::Unreachable(waypoint) | Stuck::Lost(waypoint)) => {
+                    return Err(LadderError::NotFound { waypoint, samples: count(&samples) });
+                }
+            }
+        }
+        Ok(Ladder { rungs: path.rungs, breaks: path.breaks, cost: path.cost, samples })
+    }
+
+    /// A path with these samples.
     fn path(&self, samples: [u32; F], breaks: bool) -> Result<Path<N, F>, Stuck> {
+        let exact = || self.within_stops(&(0..self.times.len()).collect::<Vec<_>>(), samples, breaks);
+        if self.options.search == LadderSearch::Exact || !coarse::thins_out(samples) {
+            return exact();
+        }
+        match coarse::search(self, samples) {
+            Err(Stuck::Apart(..) | Stuck::Unreachable(_)) if count(&samples) <= MOST_EXACT => exact(),
+            Err(Stuck::Apart(waypoint, _) | Stuck::Unreachable(waypoint)) => Err(Stuck::Lost(waypoint)),
+            found => found,
+        }
+    }
+
+    /// The shortest path through these waypoints over all samples, within the stops.
+    fn within_stops(&self, waypoints: &[usize], samples: [u32; F], breaks: bool) -> Result<Path<N, F>, Stuck> {
         let mut imaged = [false; N];
         loop {
             let kinds = Kind::of(self.bounds, &imaged);
-            let mut path = match self.options.search {
-                LadderSearch::CoarseToFine if count(&samples) > MOST_EXACT => {
-                    let mut path = coarse::search(self, samples, kinds, breaks)?;
-                    if breaks {
-                        self.break_at_stops(&mut path, &kinds);
-                    }
-                    path
-                }
-                LadderSearch::CoarseToFine if coarse::thins_out(samples) => {
-                    match coarse::search(self, samples, kinds, false) {
-                        Err(Stuck::Apart(..) | Stuck::Unreachable(_)) => self.whole(samples, kinds, breaks)?,
-                        found => found?,
-                    }
-                }
-                LadderSearch::CoarseToFine | LadderSearch::Exact => self.whole(samples, kinds, breaks)?,
-            };
+            let mut path = self.search(waypoints, kinds, &mut Window::whole(samples), breaks)?;
             match self.lift(&mut path, &kinds) {
                 Ok(()) => return Ok(path),
                 Err(joint) => imaged[joint] = true,
             }
         }
-    }
-
-    /// The shortest path over all samples.
-    fn whole(&self, samples: [u32; F], kinds: [Kind; N], breaks: bool) -> Result<Path<N, F>, Stuck> {
-        let all: Vec<usize> = (0..self.times.len()).collect();
-        self.search(&all, kinds, &mut Window::whole(samples), breaks)
     }
 
     fn search(
@@ -349,60 +379,19 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         windows: &mut dyn Windows<F>,
         breaks: bool,
     ) -> Result<Path<N, F>, Stuck> {
-        let measure = self.measure(&kinds);
         let Climb { robot, times, progress, .. } = *self;
         let velocity = self.bounds.velocity;
+        let LadderOptions { norm, weights, .. } = *self.options;
+        let measure = Measure { norm, weights, period: kinds.map(Kind::period) };
         let angle = |from: &[f64; N], j: usize| if kinds[j] == Kind::Circular { wrapped(from[j]) } else { from[j] };
         let from = self.options.from.map(|from| std::array::from_fn(|j| angle(&from, j)));
         Search { robot, waypoints, times, velocity, kinds, measure, breaks, from, progress }.run(windows)
     }
 
-    fn measure(&self, kinds: &[Kind; N]) -> Measure<N> {
-        let LadderOptions { norm, weights, .. } = *self.options;
-        Measure { norm, weights, period: kinds.map(Kind::period) }
-    }
-
-    /// Breaks a path off where a joint would wind past its stops.
-    fn break_at_stops(&self, path: &mut Path<N, F>, kinds: &[Kind; N]) {
-        let measure = self.measure(kinds);
-        let winding: Vec<usize> =
-            (0..N).filter(|&j| kinds[j] == Kind::Circular && !self.bounds.is_endless(j)).collect();
-        let fits = |j: usize, least: f64, most: f64| {
-            let (lower, upper) = (self.bounds.lower[j], self.bounds.upper[j]);
-            // So little that every angle has an image within.
-            let room = STOP_ROOM.min((upper - lower - TAU) / 2.0);
-            let (lower, upper) = (lower + room, upper - room);
-            most + TAU * ((lower - least) / TAU).ceil() <= upper
-        };
-        // The angles without whole turns on the way, and the least and greatest of the run.
-        let mut now = path.rungs[0].joints;
-        let (mut least, mut most) = (now, now);
-        let mut breaks = Vec::new();
-        for at in 1..path.rungs.len() {
-            let joints = path.rungs[at].joints;
-            for &j in &winding {
-                now[j] = joints[j] + TAU * ((now[j] - joints[j]) / TAU).round();
-                (least[j], most[j]) = (least[j].min(now[j]), most[j].max(now[j]));
-            }
-            let known = path.breaks.contains(&at);
-            if known || !winding.iter().all(|&j| fits(j, least[j], most[j])) {
-                if !known {
-                    path.cost -= measure.between(&path.rungs[at - 1].joints, &joints);
-                }
-                breaks.push(at);
-                (now, least, most) = (joints, joints, joints);
-            }
-        }
-        path.breaks = breaks;
-    }
-
     /// Takes the whole turns out of circular joints and turns each run into its stops, the first one next to where the
     /// joints are before; else names a joint that does not fit.
     fn lift(&self, path: &mut Path<N, F>, kinds: &[Kind; N]) -> Result<(), usize> {
-        let mut starts = vec![0];
-        starts.extend(&path.breaks);
-        starts.push(path.rungs.len());
-        for run in starts.windows(2).map(|ends| ends[0]..ends[1]) {
+        for run in path.runs() {
             let from = self.options.from.filter(|_| run.start == 0);
             let rungs = &mut path.rungs[run];
             for joint in (0..N).filter(|&joint| kinds[joint] == Kind::Circular) {

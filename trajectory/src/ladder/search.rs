@@ -9,7 +9,7 @@ use super::{LadderError, Rung};
 use crate::Progress;
 use crate::robot::Robot;
 use std::collections::VecDeque;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// A rung may have this many nodes; more is a mistake in the options.
 pub(super) const MOST_NODES: usize = 1 << 22;
@@ -20,8 +20,11 @@ const MOST_COMPARED: usize = 8192;
 /// After so many rungs the joints to sort by are chosen anew.
 const CHOOSE_AFTER: usize = 256;
 
-/// No node before: the first of a run.
+/// No node before: of the first rung, or where the path breaks off and begins anew.
 const START: u32 = u32::MAX;
+
+/// What a break costs at most. Less, it costs more than all ways together.
+const MOST_FOR_A_BREAK: f64 = 1e12;
 
 /// The samples of each rung, and what to do where they do not lead on.
 pub(super) trait Windows<const F: usize> {
@@ -60,7 +63,7 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     pub velocity: [f64; N],
     pub kinds: [Kind; N],
     pub measure: Measure<N>,
-    /// Whether to start anew where a rung is out of reach of the one before.
+    /// Whether the path may begin anew, as seldom as it must, and there where that saves most.
     pub breaks: bool,
     /// Where the joints are before the first rung; the way there counts.
     pub from: Option<[f64; N]>,
@@ -77,6 +80,15 @@ pub(super) struct Path<const N: usize, const F: usize> {
     pub cost: f64,
 }
 
+impl<const N: usize, const F: usize> Path<N, F> {
+    /// The rungs of each unbroken motion.
+    pub fn runs(&self) -> Vec<Range<usize>> {
+        let starts = std::iter::once(0).chain(self.breaks.iter().copied());
+        let ends = self.breaks.iter().copied().chain(std::iter::once(self.rungs.len()));
+        starts.zip(ends).map(|(start, end)| start..end).collect()
+    }
+}
+
 /// Why there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Stuck {
@@ -84,12 +96,16 @@ pub(super) enum Stuck {
     Unreachable(usize),
     /// The waypoint is too far in joints from the one before: the nearest two nodes, in steps that speeds allow.
     Apart(usize, f64),
+    /// Stuck at the waypoint, without all samples having been tried.
+    Lost(usize),
     Failed(LadderError),
 }
 
 struct Column {
     starts: Vec<u32>,
     back: Vec<u32>,
+    /// The cheapest node: the last one before a break.
+    best: u32,
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R> {
@@ -99,10 +115,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         let (mut nodes, mut before) = (Nodes::<N>::default(), Nodes::<N>::default());
         // Costs of the last rungs, the one before last.
         let mut recent: VecDeque<Vec<f64>> = VecDeque::new();
-        // The last node of each run, and where the next one begins.
-        let mut ends: Vec<(u32, f64)> = Vec::new();
-        let mut breaks: Vec<usize> = Vec::new();
         let mut by = [0, 0];
+        let a_break = if self.breaks { self.of_a_break() } else { 0.0 };
         while columns.len() < self.waypoints.len() {
             let at = columns.len();
             let waypoint = self.waypoints[at];
@@ -114,57 +128,64 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
             if nodes.joints.len() >= MOST_NODES {
                 return Err(Stuck::Failed(LadderError::TooLarge { waypoint, most: MOST_NODES }));
             }
-            let run = breaks.last().copied().unwrap_or(0);
             let costs_before = recent.back().map_or(&[][..], Vec::as_slice);
-            let reached = if at == run {
-                (!nodes.joints.is_empty()).then(|| self.begin(at, &nodes))
+            let reached = if at == 0 {
+                (!nodes.joints.is_empty()).then(|| self.begin(&nodes))
             } else {
                 if at % CHOOSE_AFTER == 1 {
                     by = best_pair(&before.joints, &self.kinds, &self.limits(at));
                 }
-                self.reach(at, (&before, costs_before), &nodes, by)
+                self.reach(at, (&before, costs_before), &nodes, by, a_break)
             };
             if reached.is_none() {
                 // It takes the costs of the rung before to go on from there.
                 let forgotten = at - recent.len();
-                let earliest = if forgotten > 0 { run.max(forgotten + 1) } else { run };
+                let earliest = if forgotten > 0 { forgotten + 1 } else { 0 };
                 if let Some(first) = windows.widen(at, earliest) {
                     // Back to the first rung that has changed.
                     recent.truncate(recent.len() - (at - first));
                     columns.truncate(first);
-                    if first > run && first < at {
+                    if first > 0 && first < at {
                         let waypoint = self.waypoints[first - 1];
                         before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MOST_NODES);
                     }
                     continue;
                 }
             }
-            let (costs, back) = match reached {
-                Some(reached) => reached,
-                None if nodes.joints.is_empty() => return Err(Stuck::Unreachable(waypoint)),
-                None if !self.breaks => {
-                    let share = self.nearest(&before.joints, costs_before, &nodes.joints, &self.limits(at));
-                    return Err(Stuck::Apart(waypoint, share));
+            let Some((costs, back)) = reached else {
+                if nodes.joints.is_empty() {
+                    return Err(Stuck::Unreachable(waypoint));
                 }
-                None => {
-                    ends.push(least(costs_before));
-                    breaks.push(at);
-                    self.begin(at, &nodes)
-                }
+                let share = self.nearest(&before.joints, costs_before, &nodes.joints, &self.limits(at));
+                return Err(Stuck::Apart(waypoint, share));
             };
-            columns.push(Column { starts: std::mem::take(&mut nodes.starts), back });
+            columns.push(Column { starts: std::mem::take(&mut nodes.starts), back, best: least(&costs).0 });
             std::mem::swap(&mut nodes, &mut before);
             if recent.len() > windows.back() {
                 recent.pop_front();
             }
             recent.push_back(costs);
         }
-        ends.extend(recent.back().map(|costs| least(costs)));
-        Ok(Path {
-            rungs: self.trace(windows, &columns, &ends, &breaks),
-            breaks,
-            cost: ends.iter().map(|end| end.1).sum(),
-        })
+        let cost = recent.back().map_or(0.0, |costs| least(costs).1);
+        let (rungs, breaks) = self.trace(windows, &columns);
+        Ok(Path { cost: cost - breaks.len() as f64 * a_break, rungs, breaks })
+    }
+
+    /// The cost of a break: more than that of all ways together.
+    fn of_a_break(&self) -> f64 {
+        let way = |limits: [f64; N]| -> f64 {
+            let farthest = |j: usize| match self.kinds[j] {
+                Kind::Single { lower, upper } | Kind::Images { lower, upper } => {
+                    let from = self.from.map_or(lower, |from| from[j]);
+                    (upper - lower).max(from - lower).max(upper - from)
+                }
+                Kind::Circular | Kind::Told => self.measure.period[j] / 2.0,
+            };
+            (0..N).map(|j| self.measure.cost(j, limits[j].min(farthest(j)))).sum()
+        };
+        let steps = (1..self.waypoints.len()).map(|at| way(self.limits(at)));
+        let all = way([f64::INFINITY; N]) + steps.sum::<f64>();
+        (2.0 * all).clamp(1.0, MOST_FOR_A_BREAK)
     }
 
     /// How far the joints may move to a rung from the one before, Eq. 4.4; what is on the limit but for rounding is within.
@@ -173,12 +194,9 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         self.velocity.map(|velocity| velocity * time * (1.0 + 1e-12))
     }
 
-    /// Costs of the first rung of a run, and no way there.
-    fn begin(&self, at: usize, nodes: &Nodes<N>) -> (Vec<f64>, Vec<u32>) {
-        let cost = |node: &[f64; N]| match &self.from {
-            Some(from) if at == 0 => self.measure.between(from, node),
-            _ => 0.0,
-        };
+    /// Costs of the first rung, and no way there.
+    fn begin(&self, nodes: &Nodes<N>) -> (Vec<f64>, Vec<u32>) {
+        let cost = |node: &[f64; N]| self.from.map_or(0.0, |from| self.measure.between(&from, node));
         (nodes.joints.iter().map(cost).collect(), vec![START; nodes.joints.len()])
     }
 
@@ -190,13 +208,15 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         (before, costs_before): (&Nodes<N>, &[f64]),
         nodes: &Nodes<N>,
         by: [usize; 2],
+        a_break: f64,
     ) -> Option<(Vec<f64>, Vec<u32>)> {
         let limits = self.limits(at);
-        let mut costs = vec![f64::INFINITY; nodes.joints.len()];
+        let anew = if self.breaks { least(costs_before).1 + a_break } else { f64::INFINITY };
+        let mut costs = vec![anew; nodes.joints.len()];
         let mut back = vec![START; nodes.joints.len()];
         let mut buckets = Buckets::new(&before.joints, costs_before, &self.kinds, by, &limits, &self.measure);
         debug_assert!(!buckets.is_empty(), "a rung that is reached");
-        let mut reached = false;
+        let mut reached = self.breaks && !nodes.joints.is_empty();
         for sample in 0..nodes.starts.len() - 1 {
             let (first, end) = (nodes.starts[sample] as usize, nodes.starts[sample + 1] as usize);
             for node in first..end {
@@ -204,7 +224,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 let like = sample.checked_sub(1).map(|before| nodes.starts[before] as usize + node - first);
                 let like = like.filter(|&like| like < first).map_or(START, |like| back[like]);
                 let guesses = [like, like.saturating_add((end - first) as u32)];
-                if let Some(found) = buckets.cheapest(&nodes.joints[node], &limits, &self.measure, guesses) {
+                let found = buckets.cheapest(&nodes.joints[node], &limits, &self.measure, guesses);
+                if let Some(found) = found.filter(|found| found.0 <= anew) {
                     (costs[node], back[node]) = found;
                     reached = true;
                 }
@@ -228,28 +249,21 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         least
     }
 
-    /// Goes back from the last node of each run.
-    fn trace(
-        &self,
-        windows: &dyn Windows<F>,
-        columns: &[Column],
-        ends: &[(u32, f64)],
-        breaks: &[usize],
-    ) -> Vec<Rung<N, F>> {
-        let mut rungs = Vec::with_capacity(columns.len());
-        let mut run = ends.len() - 1;
-        let mut node = ends[run].0;
-        for at in (0..columns.len()).rev() {
-            rungs.push(self.rung(at, &windows.at(at), &columns[at].starts, node));
-            if run > 0 && at == breaks[run - 1] {
-                run -= 1;
-                node = ends[run].0;
-            } else {
-                node = columns[at].back[node as usize];
+    /// Goes back from the cheapest of the last nodes; with the first rungs of runs.
+    fn trace(&self, windows: &dyn Windows<F>, columns: &[Column]) -> (Vec<Rung<N, F>>, Vec<usize>) {
+        let (mut rungs, mut breaks) = (Vec::with_capacity(columns.len()), Vec::new());
+        let mut node = columns.last().map_or(START, |last| last.best);
+        for (at, column) in columns.iter().enumerate().rev() {
+            rungs.push(self.rung(at, &windows.at(at), &column.starts, node));
+            node = column.back[node as usize];
+            if node == START && at > 0 {
+                breaks.push(at);
+                node = columns[at - 1].best;
             }
         }
         rungs.reverse();
-        rungs
+        breaks.reverse();
+        (rungs, breaks)
     }
 
     /// Finds a node again by its number.
