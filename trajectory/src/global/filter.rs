@@ -36,7 +36,7 @@ pub struct Cone {
 /// How to smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlobalOptions {
-    /// Most rounds of the first pass, and again of the second. Default 40.
+    /// Most rounds of the first pass, of its second try where bounds are missed, and of the second pass. Default 40.
     pub rounds: usize,
     /// A round that promises to lower what is minimised by less than this share ends a pass, and so do four in a row that
     /// bring less. Default 1e-4. While prices of bounds still rise, 1e-3 is enough.

@@ -6,7 +6,9 @@
 //! value of a linearised problem says by how much it can.
 //!
 //! The way through no bounds at all may end in a worse valley than the one that the start lies in. Where it has, the
-//! search goes on from the start: a start that holds all bounds is never made worse.
+//! search goes on from the start: a start that holds all bounds is never made worse. And where bounds are missed in the
+//! end, it is done once more from the start with the high price at once, and the better of the two counts: a ladder
+//! through narrow places holds them nearly, and without bounds a path leaves them for good.
 
 use super::avoid::Avoid;
 use super::descent::{Descent, Merit, Round};
@@ -36,6 +38,9 @@ const SLIGHT: f64 = 1e-2;
 const MOST_TIGHTENED: usize = 3;
 const FINE: f64 = 1e-2;
 
+/// So many rounds before the last one bounds are drawn in, come to rest or not.
+const LAST_ROUNDS: usize = 8;
+
 /// By how much the price of bounds rises at once.
 const PRICE_STEP: f64 = 10.0;
 
@@ -60,8 +65,37 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     avoid: Option<Avoid<'_, N>>,
     tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<FirstPass, GlobalError> {
+    let (start, drawn_in) = (descent.point.clone(), model.drawn_in);
+    let first = smooth_from(descent, model, 0.0, options, avoid, tell)?;
+    if avoid.is_some() || model.farthest(&descent.point) < SLIGHT {
+        return Ok(first);
+    }
+    let found = (std::mem::replace(&mut descent.point, start), model.penalty, model.drawn_in);
+    model.drawn_in = drawn_in;
+    let again = smooth_from(descent, model, options.penalty, options, avoid, tell)?;
+    let rounds = first.rounds + again.rounds;
+    // Both at the high price.
+    model.penalty = options.penalty;
+    if Merit::of(model, &descent.point).total(0.0) < Merit::of(model, &found.0).total(0.0) {
+        descent.value(model);
+        return Ok(FirstPass { rounds, ..again });
+    }
+    (descent.point, model.penalty, model.drawn_in) = found;
+    descent.value(model);
+    Ok(FirstPass { rounds, ..first })
+}
+
+/// The pass from where the descent is, with this price of bounds at first.
+fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    descent: &mut Descent<'_, R, N, F>,
+    model: &mut Model<'_, N, F>,
+    penalty: f64,
+    options: &GlobalOptions,
+    avoid: Option<Avoid<'_, N>>,
+    tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
+) -> Result<FirstPass, GlobalError> {
     let mut start = descent.point.with_easy_ends(model.line).map(|start| (start, model.drawn_in));
-    model.penalty = 0.0;
+    model.penalty = penalty;
     descent.value(model);
     let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, least_missed: 0.0 };
     let (mut stuck, mut still) = (0, false);
@@ -110,6 +144,10 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
         }
         let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
         let hurries = collides_yet && pass.rounds >= hurries_from;
+        let ends = pass.rounds + LAST_ROUNDS == options.rounds && model.penalty > 0.0;
+        if ends && draw_in(descent, model, &mut tightened) {
+            last_price = true;
+        }
         if stuck < MOST_STUCK && !still && !hurries {
             continue;
         }
@@ -117,13 +155,8 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
         hurries_from = pass.rounds + options.rounds / PRICES;
         let priced = model.penalty > 0.0;
         if last_price {
-            let over = model.farthest(&descent.point);
-            pass.settled = !(over > 0.0 && over < SLIGHT && tightened < MOST_TIGHTENED);
-            if !pass.settled {
-                tightened += 1;
-                model.drawn_in += 2.0 * over;
-                descent.value(model);
-            } else if go_back(descent, model, &mut start) {
+            pass.settled = !draw_in(descent, model, &mut tightened);
+            if pass.settled && go_back(descent, model, &mut start) {
                 (pass.settled, pass.least_missed) = (false, 0.0);
             }
         } else if priced && descent.merit.price <= options.tolerance * descent.merit.squared_jerk {
@@ -154,6 +187,22 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     }
     pass.missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { 0.0 };
     Ok(pass)
+}
+
+/// Draws the bounds in where some are passed slightly, but not again and again; says whether they were.
+fn draw_in<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    descent: &mut Descent<'_, R, N, F>,
+    model: &mut Model<'_, N, F>,
+    tightened: &mut usize,
+) -> bool {
+    let over = model.farthest(&descent.point);
+    let slightly = over > 0.0 && over < SLIGHT && *tightened < MOST_TIGHTENED;
+    if slightly {
+        *tightened += 1;
+        model.drawn_in += 2.0 * over;
+        descent.value(model);
+    }
+    slightly
 }
 
 /// Puts the descent back to the start, once, if that is better with bounds drawn in as little as at first; says whether it was.
