@@ -157,7 +157,10 @@ impl Placed<6, 1> for PartInHand {
 }
 
 /// An IRB 1200 with the nozzle in its hand over an A-250, which carries the part: eight axes, of which the table's are
-/// the last two. Free are the tool angle, the tilt and the turn of the table.
+/// the last two. Free are the tilt and the turn of the table.
+///
+/// The nozzle is round and lies on axis 6, so that a tool angle, the third that is free, turns joint 6 and nothing else.
+/// Whatever the others do, that joint is best left at rest, in the middle between its stops.
 #[derive(Clone, Debug)]
 pub struct OverTable {
     cell: TableCell,
@@ -182,6 +185,13 @@ impl OverTable {
         &self.cell
     }
 
+    /// As few samples of tilt and turn as let the table go from one to the next in so many seconds, at the speed of the
+    /// figures; at most 64 each, with which it may have to stand still.
+    pub fn near_samples(seconds: f64) -> [u32; 2] {
+        let steps = |range: f64| (range / (SPEED_RAD_S * seconds)).ceil().clamp(3.0, 63.0) as u32;
+        [steps(2.0 * MOST_TILT) + 1, steps(TAU)]
+    }
+
     /// The table and the cell with it, tilted and turned as said. Its turn may have come round.
     pub fn turned(&self, tilt: f64, turn: f64) -> Option<([f64; 2], Cell)> {
         let table = [tilt, turn - TAU * (turn / TAU).round()];
@@ -201,34 +211,39 @@ pub fn six_and_two(joints: &[f64; 8]) -> ([f64; 6], [f64; 2]) {
     ([a, b, c, d, e, f], [tilt, turn])
 }
 
-impl Robot<8, 3> for OverTable {
+impl Robot<8, 2> for OverTable {
     fn waypoints(&self) -> usize {
         self.waypoints.len()
     }
 
-    fn free(&self) -> [FreeRange; 3] {
-        [FreeRange::Turn, FreeRange::Within(-MOST_TILT, MOST_TILT), FreeRange::Turn]
+    fn free(&self) -> [FreeRange; 2] {
+        [FreeRange::Within(-MOST_TILT, MOST_TILT), FreeRange::Turn]
     }
 
-    fn solutions(&self, waypoint: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 8])) {
-        let Some((table, cell)) = self.turned(free[1], free[2]) else { return };
-        let flange = cell.flange(&self.waypoints[waypoint], free[0]);
+    fn solutions(&self, waypoint: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 8])) {
+        let Some((table, cell)) = self.turned(free[0], free[1]) else { return };
+        let flange = cell.flange(&self.waypoints[waypoint], 0.0);
         for (branch, joints) in cell.arm().inverse(&flange).iter() {
-            each(branch.slot() as u32, eight(joints, table));
+            each(branch.slot() as u32, eight(&at_rest(joints), table));
         }
     }
 
-    fn posture(&self, waypoint: usize, free: &[f64; 3], branch: u32) -> Option<Posture<8, 3>> {
-        let (table, cell) = self.turned(free[1], free[2])?;
-        let flange = cell.flange(&self.waypoints[waypoint], free[0]);
-        let joints = *cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
-        let [tool, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| rates.first);
-        let rates = [eight(&tool, [0.0, 0.0]), eight(&tilt, [1.0, 0.0]), eight(&turn, [0.0, 1.0])];
-        Some(Posture { joints: eight(&joints, table), rates })
+    fn posture(&self, waypoint: usize, free: &[f64; 2], branch: u32) -> Option<Posture<8, 2>> {
+        let (table, cell) = self.turned(free[0], free[1])?;
+        let flange = cell.flange(&self.waypoints[waypoint], 0.0);
+        let joints = at_rest(cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?);
+        let [_, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| at_rest(&rates.first));
+        Some(Posture { joints: eight(&joints, table), rates: [eight(&tilt, [1.0, 0.0]), eight(&turn, [0.0, 1.0])] })
     }
 }
 
-impl Placed<8, 3> for OverTable {
+/// With joint 6 in the middle between its stops; of rates, with none.
+fn at_rest(joints: &[f64; 6]) -> [f64; 6] {
+    let [a, b, c, d, e, _] = *joints;
+    [a, b, c, d, e, 0.0]
+}
+
+impl Placed<8, 2> for OverTable {
     fn part(&self, waypoints: Range<usize>) -> Self {
         self.with(self.waypoints[waypoints].to_vec())
     }
@@ -265,6 +280,15 @@ fn bounded<const N: usize>(limits: &JointLimits<N>, makers_speeds: bool) -> Boun
     let velocity = if makers_speeds { limits.velocity } else { [SPEED_RAD_S; N] };
     let (acceleration, jerk) = ([ACCELERATION_RAD_S2; N], [JERK_RAD_S3; N]);
     Bounds { lower: limits.lower, upper: limits.upper, velocity, acceleration, jerk }
+}
+
+/// How far from a stop a ladder's waypoints stay, in radians: splines sway between them.
+const STOP_ROOM: f64 = 0.05;
+
+/// The bounds with the stops a little nearer.
+pub fn inside<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
+    let [lower, upper] = [bounds.lower.map(|stop| stop + STOP_ROOM), bounds.upper.map(|stop| stop - STOP_ROOM)];
+    Bounds { lower, upper, ..*bounds }
 }
 
 /// How far a nozzle on the part is from a waypoint.

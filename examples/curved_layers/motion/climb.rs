@@ -9,6 +9,7 @@ use super::workcell::{ROOMS_MM, Workcell};
 use super::{Fault, FaultKind, bounds, placed};
 use crate::failure;
 use curvlay_examples::args::Failure;
+use curvlay_examples::motion::inside;
 use curvlay_kinematics::Waypoint;
 use curvlay_toolpath::surface::ToolPath;
 use curvlay_trajectory::{Bounds, FEWEST_WAYPOINTS, FreeRange, Ladder, LadderOptions, Posture, Robot, plan_ladder};
@@ -19,9 +20,6 @@ use std::time::{Duration, Instant};
 
 /// Waypoints nearer in time than this, in seconds, are one: a controller's cycle is longer.
 const LEAST_STEP_S: f64 = 1e-3;
-
-/// How far from a stop waypoints stay, in radians: splines sway between them.
-const STOP_RAD: f64 = 0.05;
 
 /// A robot without the postures at which something touches (section 3.5.3).
 struct Guarded<'a, const N: usize, const F: usize, R> {
@@ -170,12 +168,6 @@ pub fn climb<const N: usize, const F: usize, R: Printer<N, F>>(
     }
     prepared.took += start.elapsed();
     Ok(Climbed { prepared, ladders })
-}
-
-/// The bounds with the stops a little nearer.
-fn inside<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
-    let [lower, upper] = [bounds.lower.map(|stop| stop + STOP_RAD), bounds.upper.map(|stop| stop - STOP_RAD)];
-    Bounds { lower, upper, ..*bounds }
 }
 
 /// A posture within the stops at the first sample of the free parameters that has one.

@@ -71,7 +71,7 @@ impl MotionArgs {
 /// What came of the stage, by the cell.
 pub enum Motion {
     PartInHand(Box<MotionRun<6, 1, PartInHand>>),
-    OverTable(Box<MotionRun<8, 3, OverTable>>),
+    OverTable(Box<MotionRun<8, 2, OverTable>>),
 }
 
 /// The whole print.

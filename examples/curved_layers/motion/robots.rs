@@ -80,8 +80,9 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Send {
     /// Joints as the scene takes them.
     fn posture_of(joints: &[f64; N]) -> Posture;
 
-    /// Joints for a waypoint, its free parameters as they were, nearest to some that are known.
-    fn near(&self, waypoint: &Waypoint, free: &[f64; F], near: &[f64; N]) -> Option<[f64; N]>;
+    /// Joints for a waypoint with the tool turned by so much about the nozzle, its free parameters otherwise as they were,
+    /// nearest to some that are known.
+    fn near(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, near: &[f64; N]) -> Option<[f64; N]>;
 
     /// Where everything is; `None` with the table beyond its limits.
     fn stance(&self, joints: &[f64; N]) -> Option<Stance>;
@@ -175,8 +176,8 @@ impl Printer<6, 1> for PartInHand {
         (*joints).into()
     }
 
-    fn near(&self, waypoint: &Waypoint, free: &[f64; 1], near: &[f64; 6]) -> Option<[f64; 6]> {
-        self.cell().arm().continuing(&self.cell().flange(waypoint, free[0]), near)
+    fn near(&self, waypoint: &Waypoint, free: &[f64; 1], turn: f64, near: &[f64; 6]) -> Option<[f64; 6]> {
+        self.cell().arm().continuing(&self.cell().flange(waypoint, free[0] + turn), near)
     }
 
     fn stance(&self, joints: &[f64; 6]) -> Option<Stance> {
@@ -188,10 +189,10 @@ impl Printer<6, 1> for PartInHand {
     }
 }
 
-impl Printer<8, 3> for OverTable {
+impl Printer<8, 2> for OverTable {
     const NAME: &'static str = "IRB 1200 over a table that tilts and turns";
-    const SAMPLES: [u32; 3] = [4, 5, 4];
-    const DOUBLINGS: u32 = 1;
+    const SAMPLES: [u32; 2] = [5, 4];
+    const DOUBLINGS: u32 = 3;
 
     fn empty() -> Result<Self, Failure> {
         OverTable::new(Vec::new()).map_err(failure)
@@ -229,11 +230,14 @@ impl Printer<8, 3> for OverTable {
         Posture { joints, table }
     }
 
-    fn near(&self, waypoint: &Waypoint, free: &[f64; 3], near: &[f64; 8]) -> Option<[f64; 8]> {
-        // The table stays as it is, whole turns included.
-        let (arm, table) = six_and_two(near);
+    fn near(&self, waypoint: &Waypoint, _: &[f64; 2], turn: f64, near: &[f64; 8]) -> Option<[f64; 8]> {
+        // The table stays as it is, whole turns included, and so does joint 6 but for the turn.
+        let (joints, table) = six_and_two(near);
         let cell = self.cell().at(&table)?;
-        Some(eight(&cell.arm().continuing(&cell.flange(waypoint, free[0]), &arm)?, table))
+        let (arm, flange) = (cell.arm(), cell.flange(waypoint, 0.0));
+        let back = joints[5] - arm.inverse(&flange).get(arm.branch(&joints))?[5];
+        let flange = flange * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), back + turn);
+        Some(eight(&arm.continuing(&flange, &joints)?, table))
     }
 
     fn stance(&self, joints: &[f64; 8]) -> Option<Stance> {

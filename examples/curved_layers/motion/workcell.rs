@@ -223,10 +223,8 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
             lifts.reverse();
         }
         let found = |turn: f64, way: Vector3<f64>, lift: f64| {
-            let mut free = *free;
-            free[0] += turn;
             let position = waypoint.position + way.normalize() * lift;
-            let joints = self.robot.near(&Waypoint { position, ..*waypoint }, &free, end)?;
+            let joints = self.robot.near(&Waypoint { position, ..*waypoint }, free, turn, end)?;
             let off = std::array::from_fn(|j| end[j] + (joints[j] - end[j]) * (LIFTS_MM[0] / lift));
             let is_free = self.posture_free(&joints)
                 && sweep::<N, F, R>(&self.printing, end, &joints).is_none()

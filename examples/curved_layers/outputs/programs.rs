@@ -121,12 +121,12 @@ fn of_streams(
 
 /// Programs of targets with the axes of the table, for the arm over it.
 fn of_targets(
-    run: &MotionRun<8, 3, OverTable>,
+    run: &MotionRun<8, 2, OverTable>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
-    let moves = |motion: &Run<8, 3>, transfer: Option<&Transfer<8>>| {
+    let moves = |motion: &Run<8, 2>, transfer: Option<&Transfer<8>>| {
         (motion.trajectory.at_waypoints().len() + 2 + transfer.map_or(0, |t| t.corners().len())) as u64
     };
     let limits = limits(run.robot.cell().arm());
@@ -245,7 +245,7 @@ fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, runs: &Range<usize>) -> impl Itera
 }
 
 /// To each motion by joints, along it by targets on the part, and on by the corners of the transfer.
-fn targets<'a, R: Printer<8, 3>>(run: &'a MotionRun<8, 3, R>, runs: &Range<usize>) -> impl Iterator<Item = Step> + 'a {
+fn targets<'a, R: Printer<8, 2>>(run: &'a MotionRun<8, 2, R>, runs: &Range<usize>) -> impl Iterator<Item = Step> + 'a {
     let by_joints = move |joints: &[f64; 8]| {
         let place = run.robot.placement(joints)?;
         let goal = Goal::Joints(place.joints);
@@ -285,7 +285,7 @@ fn limits(arm: &Arm) -> ProgramLimits {
     ProgramLimits { joints, ..ProgramLimits::default() }
 }
 
-fn rapid(run: &MotionRun<8, 3, OverTable>, name: String, most: u32, limits: ProgramLimits) -> RapidOptions {
+fn rapid(run: &MotionRun<8, 2, OverTable>, name: String, most: u32, limits: ProgramLimits) -> RapidOptions {
     let defaults = RapidOptions::default();
     let (_, nozzle) = run.robot.nozzle();
     let (_, table_part) = run.robot.part_frame();
