@@ -28,7 +28,7 @@ use curvlay_examples::mesh::Up;
 use curvlay_examples::motion::{OverTable, PartInHand, Placed, STEP_S, centred};
 use curvlay_examples::output::OutputFolder;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
-use curvlay_trajectory::{PathOptions, PathPiece, TimedPath, Timing, timed_path};
+use curvlay_trajectory::{LadderSearch, PathOptions, PathPiece, TimedPath, Timing, timed_path};
 use path::Path6;
 use planning::{Finer, METHODS, Plan, Planned, plan};
 use std::path::PathBuf;
@@ -94,8 +94,8 @@ const SEED: u64 = 414;
 /// Of the methods, those before the global filter with more freedom and the grid.
 const NOISY_METHODS: usize = 3;
 
-/// With half as many turns of the table it could not go from one to the next within a step.
-const TABLE_FINER: Finer<3> = Finer::CoarseToFine([64; 3]);
+/// Samples of tilt and turn of the table on the grid, a degree apart.
+const TABLE_GRID: [u32; 2] = [121, 360];
 
 /// A robot's motions over the path, and over a noisy one for each level of noise.
 pub struct Run<const N: usize> {
@@ -145,12 +145,15 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
         return Err(Failure::new(format!("no piece of the path can be travelled{defect}")));
     }
     let cell = args.robots;
+    let grid = ([360], LadderSearch::Exact);
     let ur3 = (cell != Cells::Cell8)
-        .then(|| run("ur3", &given, &timed, args, bars, PartInHand::new, [360], Finer::Doubled(7)))
+        .then(|| run("ur3", &given, &timed, args, bars, PartInHand::new, grid, Finer::Doubled(7)))
         .transpose()?;
-    // The table stands still for the grid: three parameters at every degree are 46 million samples.
+    // All of 43,560 samples would take hours.
+    let grid = (TABLE_GRID, LadderSearch::CoarseToFine);
+    let finer = Finer::NearEnough(OverTable::near_samples(middle_step(&timed)));
     let cell8 = (cell != Cells::Ur3)
-        .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, [360, 1, 1], TABLE_FINER))
+        .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, grid, finer))
         .transpose()?;
     let study = ur3.as_ref().filter(|_| args.sample_count > 0);
     let study = study.map(|run| study_collisions(run, &timed, args, bars)).transpose()?;
@@ -175,6 +178,14 @@ fn study_collisions(run: &Run<6>, timed: &TimedPath, args: &Args, bars: &Bars) -
     collisions::study(&robot, &times, &origin, part, trajectories, amount)
 }
 
+/// The median of the seconds from waypoint to waypoint.
+fn middle_step(timed: &TimedPath) -> f64 {
+    let of = |piece: &PathPiece| piece.times.windows(2).map(|ends| ends[1] - ends[0]).collect::<Vec<_>>();
+    let mut steps: Vec<f64> = timed.pieces.iter().flat_map(of).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(STEP_S)
+}
+
 /// The waypoints of all pieces.
 fn waypoints(timed: &TimedPath) -> Vec<(Point3<f64>, UnitVector3<f64>)> {
     let of = |piece: &PathPiece| piece.positions.iter().copied().zip(piece.normals.iter().copied()).collect::<Vec<_>>();
@@ -196,7 +207,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
     args: &Args,
     bars: &Bars,
     cell: impl Fn(Vec<curvlay_kinematics::Waypoint>) -> Result<R, E>,
-    grid: [u32; F],
+    grid: ([u32; F], LadderSearch),
     finer: Finer<F>,
 ) -> Result<Run<N>, Failure> {
     // One placing for the whole path, so that its pieces stay where they are to one another.

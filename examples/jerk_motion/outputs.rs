@@ -260,13 +260,13 @@ fn report(args: &Args, results: &Results) -> Report {
     let mut report = Report::new("Robot motion with little jerk");
     let waypoints: usize = results.path.pieces.iter().map(|piece| piece.waypoints.len()).sum();
     report.paragraph(&format!(
-        "{waypoints} waypoints, pieces of the path: {}. A waypoint leaves the turn about the nozzle's axis free (over the table \
-         its tilt and turn besides). The ladder takes the shortest path through a few sampled angles, the grid through \
-         one at every degree of the tool angle, the local filter is Algorithm 6 from the ladder, the \
-         global filter takes all waypoints at once. J is the sum of squared \
-         jerks at the waypoints (Eq. 4.10); the integral and the greatest jerk are those of the C2 spline everywhere, \
-         from rest to rest. Bounds: 1 rad/s, 5 rad/s^2, 1 rad/s^3. Where the local filter passes those on speed or \
-         acceleration, \"global freed\" is the global filter within what the local one reaches.",
+        "{waypoints} waypoints, pieces of the path: {}. A waypoint leaves the turn about the nozzle's axis free, over the table \
+         its tilt and turn; the nozzle on the arm turns with joint 6 alone, which rests. The ladder takes the shortest path \
+         through a few samples of what is free, the grid through one at every degree, the local filter is Algorithm 6 from \
+         the ladder, the global filter takes all waypoints at once. J is the sum of squared jerks at the waypoints (Eq. \
+         4.10); the integral and the greatest jerk are those of the C2 spline everywhere, from rest to rest. Bounds: 1 \
+         rad/s, 5 rad/s^2, 1 rad/s^3. Where the local filter passes those on speed or acceleration, \"global freed\" is \
+         the global filter within what the local one reaches.",
         results.path.pieces.len()
     ));
     for defect in results.path.defects.iter().take(20) {

@@ -2,7 +2,7 @@
 
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::Placed;
+use curvlay_examples::motion::{Placed, inside};
 use curvlay_trajectory::{
     Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
     Quantity, RunIn, Rung, Timeline, Trajectory, filter_locally, jerk_measure, plan_ladder, smooth_globally,
@@ -19,6 +19,9 @@ pub const FREED: &str = "global_freed";
 
 /// How far beyond a bound is broken, in shares of it.
 const BEYOND: f64 = 1e-6;
+
+/// How often a path through a few samples is refined: from 10 degrees to 2.5.
+const REFINEMENTS: u32 = 2;
 
 /// Waypoints before and after a break on which least speeds are told. The ladder breaks off where the last of its
 /// chains ends, which may be some waypoints beyond what stopped all others.
@@ -91,20 +94,21 @@ impl<const N: usize, const F: usize> Motion<N, F> {
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a, const F: usize> {
     pub methods: &'a [&'static str],
-    /// Samples of the grid.
-    pub grid: [u32; F],
+    /// Samples of the grid, and how it is searched.
+    pub grid: ([u32; F], LadderSearch),
     /// What the ladder does when it finds no path with four samples.
     pub finer: Finer<F>,
     pub makers_speeds: bool,
 }
 
-/// How a ladder goes on when its first samples are too few; where these are, too, it breaks off.
+/// How a ladder goes on when its first samples are too few. Where there is no path at all, it breaks off.
 #[derive(Clone, Copy, Debug)]
 pub enum Finer<const F: usize> {
     /// All parameters doubled, so often at most.
     Doubled(u32),
-    /// From coarse to fine, with so many samples: several parameters doubled together are soon too many.
-    CoarseToFine([u32; F]),
+    /// So many, with which speeds let the robot go from one to the next: several parameters doubled together are soon too
+    /// many. The path found is refined.
+    NearEnough([u32; F]),
 }
 
 /// Plans the pieces of a path: for each method one motion a piece; and what there is no motion for, in words. A method
@@ -117,7 +121,8 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
 ) -> Result<(Vec<Planned<N>>, Vec<String>), Failure> {
     let (mut all, mut notes): (Vec<Planned<N>>, _) = (Vec::new(), Vec::new());
     let mut freed_any = false;
-    let grid = LadderOptions { samples: plan.grid, doublings: 0, breaks: true, ..LadderOptions::default() };
+    let (samples, search) = plan.grid;
+    let grid = LadderOptions { samples, search, doublings: 0, breaks: true, ..LadderOptions::default() };
     for (piece, (robot, times)) in robots.iter().zip(times).enumerate() {
         let bounds = robot.bounds(plan.makers_speeds);
         let (ladder, ladder_time) = first_ladder(robot, times, &bounds, plan.finer, bars)?;
@@ -155,7 +160,7 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
                 }
                 "grid" => match climb(robot, times, &bounds, &grid, bars) {
                     Ok(found) => (found, started.elapsed()),
-                    // With the table at rest, or at whole degrees, not every waypoint is in reach.
+                    // At whole degrees not every waypoint is in reach, and from coarse to fine not every path is found.
                     Err(error) => {
                         if notes.is_empty() {
                             notes.push(format!("no path on the grid: piece {piece}: {error}"));
@@ -218,16 +223,18 @@ fn first_ladder<const N: usize, const F: usize, R: Placed<N, F>>(
 ) -> Result<(Motion<N, F>, Duration), Failure> {
     let started = Instant::now();
     let options = LadderOptions { doublings: 0, ..LadderOptions::default() };
-    let options = match finer {
-        Finer::Doubled(doublings) => LadderOptions { doublings, breaks: true, ..options },
-        Finer::CoarseToFine(samples) => match climb(robot, times, bounds, &options, bars) {
+    let climb = |options: &LadderOptions<N, F>, bounds: &Bounds<N>| climb(robot, times, bounds, options, bars);
+    let ladder = match finer {
+        Finer::Doubled(doublings) => climb(&LadderOptions { doublings, breaks: true, ..options }, bounds)?,
+        Finer::NearEnough(samples) => match climb(&options, bounds) {
             Err(LadderError::NoPath { .. } | LadderError::Unreachable { .. }) => {
-                LadderOptions { samples, breaks: true, search: LadderSearch::CoarseToFine, ..options }
+                let options = LadderOptions { samples, breaks: true, refinements: REFINEMENTS, ..options };
+                climb(&options, &inside(bounds))?
             }
-            found => return Ok((found?, started.elapsed())),
+            found => found?,
         },
     };
-    Ok((climb(robot, times, bounds, &options, bars)?, started.elapsed()))
+    Ok((ladder, started.elapsed()))
 }
 
 fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
