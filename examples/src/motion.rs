@@ -20,6 +20,9 @@ const JERK_RAD_S3: f64 = 1.0;
 /// How far the table may tilt to either side at a waypoint; its own stops are farther.
 const MOST_TILT: f64 = PI / 3.0;
 
+/// How far from a stop a ladder's waypoints stay, in radians: splines sway between them.
+const STOP_ROOM: f64 = 0.05;
+
 /// Cells of the tool angle by which least speeds are told: three digits.
 const CELLS: u32 = 8192;
 
@@ -281,9 +284,6 @@ fn bounded<const N: usize>(limits: &JointLimits<N>, makers_speeds: bool) -> Boun
     let (acceleration, jerk) = ([ACCELERATION_RAD_S2; N], [JERK_RAD_S3; N]);
     Bounds { lower: limits.lower, upper: limits.upper, velocity, acceleration, jerk }
 }
-
-/// How far from a stop a ladder's waypoints stay, in radians: splines sway between them.
-const STOP_ROOM: f64 = 0.05;
 
 /// The bounds with the stops a little nearer.
 pub fn inside<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {

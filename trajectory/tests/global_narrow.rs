@@ -51,6 +51,7 @@ fn a_ladder_through_a_narrow_channel_leads_to_a_motion_within_it() {
         let found = smooth_globally(&robot, &line, rungs, &bounds, &GlobalOptions::default(), &quiet).unwrap();
         assert_eq!(found.status == GlobalStatus::BoundsMissed, !found.violations.is_empty());
         if found.status == GlobalStatus::BoundsMissed {
+            assert!(found.missed.unwrap().total > 0.0);
             missed.push(seed);
         }
     }

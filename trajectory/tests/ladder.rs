@@ -558,6 +558,21 @@ fn a_refined_path_is_shorter_and_breaks_off_where_it_did() {
 }
 
 #[test]
+fn a_path_on_a_stop_can_be_refined() {
+    // The inverse puts the joint a hair beyond the stop on which it stands; all of the path is there.
+    let robot = RobotFn {
+        waypoints: 20,
+        free: [FreeRange::Within(0.0, 1.0)],
+        solutions: |_: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, [TAU + 1e-12, free[0]]),
+        posture: |_: usize, _: &[f64; 1], _: u32| None,
+    };
+    let bounds = Bounds { lower: [TAU - 7.0, -TAU], upper: [TAU, TAU], velocity: [1.0; 2], ..Bounds::NONE };
+    let options = LadderOptions { samples: [3], refinements: 2, from: Some([TAU, 0.5]), ..LadderOptions::default() };
+    let ladder = plan_ladder(&robot, &times(20, 0.1), &bounds, &options, &quiet).unwrap();
+    assert!(ladder.samples == [9] && ladder.rungs.iter().all(|rung| rung.joints == [TAU, 0.5]), "{:?}", ladder.rungs);
+}
+
+#[test]
 fn two_runs_are_one() {
     let robot = Planar::circle(80, [0.9, 0.4], 0.5);
     let plan = || plan_ladder(&robot, &times(80, 0.2), &no_limits(), &LadderOptions::default(), &quiet);

@@ -70,19 +70,17 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     if avoid.is_some() || model.farthest(&descent.point) < SLIGHT {
         return Ok(first);
     }
-    let found = (std::mem::replace(&mut descent.point, start), model.penalty, model.drawn_in);
-    model.drawn_in = drawn_in;
+    let found = (std::mem::replace(&mut descent.point, start), std::mem::replace(&mut model.drawn_in, drawn_in));
     let again = smooth_from(descent, model, options.penalty, options, avoid, tell)?;
     let rounds = first.rounds + again.rounds;
     // Both at the high price.
     model.penalty = options.penalty;
-    if Merit::of(model, &descent.point).total(0.0) < Merit::of(model, &found.0).total(0.0) {
-        descent.value(model);
-        return Ok(FirstPass { rounds, ..again });
+    let [before, now] = [&found.0, &descent.point].map(|point| Merit::of(model, point).total(0.0));
+    if before <= now {
+        (descent.point, model.drawn_in) = found;
     }
-    (descent.point, model.penalty, model.drawn_in) = found;
     descent.value(model);
-    Ok(FirstPass { rounds, ..first })
+    Ok(FirstPass { rounds, ..if before <= now { first } else { again } })
 }
 
 /// The pass from where the descent is, with this price of bounds at first.
@@ -185,7 +183,11 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     if go_back(descent, model, &mut start) {
         pass.least_missed = 0.0;
     }
-    pass.missed = if model.penalty > 0.0 { descent.merit.price / model.penalty } else { 0.0 };
+    if model.penalty <= 0.0 {
+        model.penalty = options.penalty;
+        descent.value(model);
+    }
+    pass.missed = descent.merit.price / model.penalty;
     Ok(pass)
 }
 

@@ -10,9 +10,13 @@
 //!
 //! What a coarse level steps over may be in the way of a finer one. Where its search is stuck, the bands of the rungs about
 //! there become wider, and it goes back to the first of them. So a few rungs have many samples, instead of all.
+//!
+//! Of a joint with a turn or more between its stops the coarse path has one image at each waypoint. Finer ones look at the
+//! image next to it alone, so that they keep between the stops at no cost. A path that was found with a few samples at
+//! every waypoint is refined in the same way, by bands about it.
 
 use super::Climb;
-use super::nodes::{Kind, Window, nearest, wrapped};
+use super::nodes::{Kind, ON_STOP, Window, nearest, wrapped};
 use super::search::{Path, Stuck, Windows};
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, LadderOptions};
@@ -87,10 +91,12 @@ impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
     /// The image of a solution next to the guide, if it is within the stops.
     fn image(&self, waypoint: usize, mut joints: [f64; N]) -> Option<[f64; N]> {
         for j in (0..N).filter(|&j| self.kinds[j] == Kind::Told) {
+            let (lower, upper) = (self.bounds.lower[j], self.bounds.upper[j]);
             joints[j] += TAU * ((self.guide.joints[waypoint][j] - joints[j]) / TAU).round();
-            if !(self.bounds.lower[j]..=self.bounds.upper[j]).contains(&joints[j]) {
+            if !(lower - ON_STOP..=upper + ON_STOP).contains(&joints[j]) {
                 return None;
             }
+            joints[j] = joints[j].clamp(lower, upper);
         }
         Some(joints)
     }

@@ -135,9 +135,7 @@ pub struct Ladder<const N: usize, const F: usize> {
 impl<const N: usize, const F: usize> Ladder<N, F> {
     /// The waypoints of each unbroken motion.
     pub fn runs(&self) -> impl Iterator<Item = Range<usize>> {
-        let starts = std::iter::once(0).chain(self.breaks.iter().copied());
-        let ends = self.breaks.iter().copied().chain(std::iter::once(self.rungs.len()));
-        starts.zip(ends).map(|(start, end)| start..end)
+        search::runs(&self.breaks, self.rungs.len())
     }
 
     /// The joints of all waypoints.

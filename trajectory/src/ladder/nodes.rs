@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// How far beyond its stop a joint may come out of the inverse and still be meant to stand on it, in radians: more
 /// than rounding, and less than shows in a pose (1e-7 mm at a metre).
-const ON_STOP: f64 = 1e-10;
+pub(super) const ON_STOP: f64 = 1e-10;
 
 /// Images of one angle, at most.
 const MOST_IMAGES: f64 = (1 << 22) as f64;

@@ -23,7 +23,7 @@ const CHOOSE_AFTER: usize = 256;
 /// No node before: of the first rung, or where the path breaks off and begins anew.
 const START: u32 = u32::MAX;
 
-/// What a break costs at most. Less, it costs more than all ways together.
+/// A break costs more than all ways together, but no more than this: costs keep their digits.
 const MOST_FOR_A_BREAK: f64 = 1e12;
 
 /// The samples of each rung, and what to do where they do not lead on.
@@ -83,10 +83,15 @@ pub(super) struct Path<const N: usize, const F: usize> {
 impl<const N: usize, const F: usize> Path<N, F> {
     /// The rungs of each unbroken motion.
     pub fn runs(&self) -> Vec<Range<usize>> {
-        let starts = std::iter::once(0).chain(self.breaks.iter().copied());
-        let ends = self.breaks.iter().copied().chain(std::iter::once(self.rungs.len()));
-        starts.zip(ends).map(|(start, end)| start..end).collect()
+        runs(&self.breaks, self.rungs.len()).collect()
     }
+}
+
+/// What lies between breaks.
+pub(super) fn runs(breaks: &[usize], rungs: usize) -> impl Iterator<Item = Range<usize>> {
+    let starts = std::iter::once(0).chain(breaks.iter().copied());
+    let ends = breaks.iter().copied().chain(std::iter::once(rungs));
+    starts.zip(ends).map(|(start, end)| start..end)
 }
 
 /// Why there is none.
@@ -135,7 +140,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 if at % CHOOSE_AFTER == 1 {
                     by = best_pair(&before.joints, &self.kinds, &self.limits(at));
                 }
-                self.reach(at, (&before, costs_before), &nodes, by, a_break)
+                let anew = if self.breaks { least(costs_before).1 + a_break } else { f64::INFINITY };
+                self.reach(at, (&before, costs_before), &nodes, by, anew)
             };
             if reached.is_none() {
                 // It takes the costs of the rung before to go on from there.
@@ -200,23 +206,22 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         (nodes.joints.iter().map(cost).collect(), vec![START; nodes.joints.len()])
     }
 
-    /// The cost of each node of a rung and where its cheapest way comes from, given the rung before and the costs there;
-    /// `None` when none is in reach.
+    /// The cost of each node of a rung and where its cheapest way comes from, given the rung before and the costs there, and
+    /// what it costs to begin anew; `None` when none is in reach.
     fn reach(
         &self,
         at: usize,
         (before, costs_before): (&Nodes<N>, &[f64]),
         nodes: &Nodes<N>,
         by: [usize; 2],
-        a_break: f64,
+        anew: f64,
     ) -> Option<(Vec<f64>, Vec<u32>)> {
         let limits = self.limits(at);
-        let anew = if self.breaks { least(costs_before).1 + a_break } else { f64::INFINITY };
         let mut costs = vec![anew; nodes.joints.len()];
         let mut back = vec![START; nodes.joints.len()];
         let mut buckets = Buckets::new(&before.joints, costs_before, &self.kinds, by, &limits, &self.measure);
         debug_assert!(!buckets.is_empty(), "a rung that is reached");
-        let mut reached = self.breaks && !nodes.joints.is_empty();
+        let mut reached = anew < f64::INFINITY && !nodes.joints.is_empty();
         for sample in 0..nodes.starts.len() - 1 {
             let (first, end) = (nodes.starts[sample] as usize, nodes.starts[sample + 1] as usize);
             for node in first..end {
