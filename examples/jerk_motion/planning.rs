@@ -23,10 +23,9 @@ const BEYOND: f64 = 1e-6;
 /// How often a path through a few samples is refined: from 10 degrees to 2.5.
 const REFINEMENTS: u32 = 2;
 
-/// Waypoints before and after a break on which least speeds are told. The ladder breaks off where the last of its
-/// chains ends, which may be some waypoints beyond what stopped all others.
-const BEFORE_BREAK: usize = 24;
-const AFTER_BREAK: usize = 4;
+/// Waypoints on either side of a break on which least speeds are told. It lies where the rest is shortest, not at what
+/// cannot be passed.
+const ABOUT_BREAK: usize = 24;
 
 /// A motion by one method.
 #[derive(Clone, Debug)]
@@ -59,7 +58,7 @@ pub struct Figures {
     pub hard_violations: usize,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
     pub jerk_lower_bound: Option<f64>,
-    /// Of the stretch before a break, by [`Placed::least_speed`]: every motion needs so many times a speed limit.
+    /// Of the stretches about breaks, by [`Placed::least_speed`]: every motion needs so many times a speed limit.
     pub speed_lower_bound: Option<f64>,
 }
 
@@ -278,7 +277,7 @@ fn needed_speed<const N: usize, const F: usize, R: Placed<N, F>>(
 ) -> Result<Option<f64>, Failure> {
     let mut most = None;
     for run in &motion.runs[1..] {
-        let around = run.start.saturating_sub(BEFORE_BREAK)..(run.start + AFTER_BREAK).min(times.len());
+        let around = run.start.saturating_sub(ABOUT_BREAK)..(run.start + ABOUT_BREAK).min(times.len());
         most = greater(most, robot.least_speed(times, bounds, around)?.map(|found| found.at_least));
     }
     Ok(most)

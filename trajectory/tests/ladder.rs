@@ -231,6 +231,12 @@ fn no_limits() -> Bounds<3> {
     Bounds { velocity: [2.0; 3], ..Bounds::NONE }
 }
 
+/// The first joint this far to either side; the others turn without end.
+fn first_within(stop: f64, velocity: [f64; 3]) -> Bounds<3> {
+    let upper = [stop, f64::INFINITY, f64::INFINITY];
+    Bounds { lower: upper.map(|stop| -stop), upper, velocity, ..Bounds::NONE }
+}
+
 fn times(count: usize, step: f64) -> Vec<f64> {
     (0..count).map(|k| step * k as f64).collect()
 }
@@ -460,13 +466,7 @@ fn from_coarse_to_fine_a_path_keeps_between_stops_with_room_to_sway() {
         },
         posture: |_: usize, _: &[f64; 2], _: u32| None,
     };
-    let (stop, endless) = (PI + 0.08, f64::INFINITY);
-    let bounds = Bounds {
-        lower: [-stop, -endless, -endless],
-        upper: [stop, endless, endless],
-        velocity: [0.7; 3],
-        ..Bounds::NONE
-    };
+    let bounds = first_within(PI + 0.08, [0.7; 3]);
     let (times, options) = (times(150, 0.25), near([64; 2]));
     let branch = |bounds: &Bounds<3>, options: &LadderOptions<3, 2>| {
         let ladder = plan_ladder(&robot, &times, bounds, options, &quiet).unwrap();
@@ -508,9 +508,7 @@ fn from_coarse_to_fine_a_joint_with_one_turn_of_room_may_stand_beside_its_stop()
         },
         posture: |_: usize, _: &[f64; 2], _: u32| None,
     };
-    let endless = f64::INFINITY;
-    let bounds =
-        Bounds { lower: [-PI, -endless, -endless], upper: [PI, endless, endless], velocity: [1.0; 3], ..Bounds::NONE };
+    let bounds = first_within(PI, [1.0; 3]);
     let (times, options) = (times(60, 0.25), near([128; 2]));
     let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
     assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
