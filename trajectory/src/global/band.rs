@@ -9,6 +9,8 @@
 //! Stage `i` with `k` unknowns and `k'` in the next holds a panel of `k + k'` rows and `k` columns, column by column:
 //! the stage's own block (lower half) and below it the block that joins it to the next stage.
 
+use std::ops::Range;
+
 /// A pivot is at least this, relative to its entry on the diagonal before elimination. Smaller pivots are
 /// rounding; what is put in their place is taken back by iterative refinement.
 const LEAST_PIVOT: f64 = 1e-13;
@@ -131,17 +133,7 @@ impl Band {
     /// Solves with the factors in place.
     pub fn solve(&self, x: &mut [f64]) {
         let stages = self.first.len() - 1;
-        for stage in 0..stages {
-            let (start, size, height) = self.extent(stage);
-            let panel = &self.values[self.panel[stage]..self.panel[stage + 1]];
-            let x = &mut x[start..start + height];
-            for (column, factors) in (0..size).zip(panel.chunks_exact(height.max(1))) {
-                let by = x[column];
-                for (value, factor) in x[column + 1..].iter_mut().zip(&factors[column + 1..]) {
-                    *value -= by * factor;
-                }
-            }
-        }
+        self.forward(0..stages, x);
         for (value, pivot) in x.iter_mut().zip(&self.pivots) {
             *value /= pivot;
         }
@@ -153,6 +145,37 @@ impl Band {
                 x[column] -= inner(&x[column + 1..], &factors[column + 1..]);
             }
         }
+    }
+
+    /// Multiplies by the inverse of `L` over some stages that the one after them is not joined to; `x` has their unknowns.
+    pub fn forward(&self, stages: Range<usize>, x: &mut [f64]) {
+        let before = self.first[stages.start];
+        for stage in stages {
+            let (start, size, height) = self.extent(stage);
+            let panel = &self.values[self.panel[stage]..self.panel[stage + 1]];
+            let x = &mut x[start - before..start - before + height];
+            for (column, factors) in (0..size).zip(panel.chunks_exact(height.max(1))) {
+                let by = x[column];
+                for (value, factor) in x[column + 1..].iter_mut().zip(&factors[column + 1..]) {
+                    *value -= by * factor;
+                }
+            }
+        }
+    }
+
+    /// The diagonal of `D`.
+    pub fn pivots(&self) -> &[f64] {
+        &self.pivots
+    }
+
+    /// The stage of an unknown.
+    pub fn stage_of(&self, unknown: usize) -> usize {
+        self.stage[unknown] as usize
+    }
+
+    /// The first unknown of a stage.
+    pub fn first_of(&self, stage: usize) -> usize {
+        self.first[stage]
     }
 
     fn extent(&self, stage: usize) -> (usize, usize, usize) {
@@ -185,7 +208,7 @@ fn take(
 }
 
 /// The sum of products, in four sums that do not wait for each other.
-fn inner(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn inner(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
     let mut sums = [0.0; 4];

@@ -35,10 +35,15 @@ const BEYOND: f64 = 1e3;
 /// Waypoints that are gone through at most; paths with more to mend are beyond mending.
 const MOST: usize = 400;
 
+/// Chains up to this share dearer than the present one are looked at, since it is one of them.
+const ROUNDING: f64 = 1e-9;
+
 /// A sample at a waypoint.
 struct Node<const N: usize, const F: usize> {
     free: [f64; F],
     joints: [f64; N],
+    /// Whether it is where the path is now.
+    present: bool,
 }
 
 /// A pair of samples at a waypoint and the one before.
@@ -67,6 +72,7 @@ pub(super) fn detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         return None;
     }
     let mut free = point.free.clone();
+    let price = Price::new(bounds);
     let times = &line.times()[line.waypoints().start + 1..];
     for window in windows {
         let all: Vec<Vec<Node<N, F>>> = window
@@ -76,7 +82,12 @@ pub(super) fn detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
                 nodes(robot, waypoint, branches[waypoint], &point.free[waypoint], (!fixed).then_some(angle), bounds)
             })
             .collect();
-        let chain = best_chain(&all, &times[window.clone()], bounds)?;
+        // Where the chain of the present values is one of them, what costs more is no way.
+        let present: Option<Vec<[f64; N]>> =
+            all.iter().map(|nodes| Some(nodes.iter().find(|node| node.present)?.joints)).collect();
+        let times = &times[window.clone()];
+        let most = present.map_or(f64::INFINITY, |joints| price.chain(&joints, times));
+        let chain = best_chain(&all, times, &price, most * (1.0 + ROUNDING))?;
         for (waypoint, value) in window.zip(chain) {
             free[waypoint] = value;
         }
@@ -119,22 +130,79 @@ fn nodes<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
                 upper - lower >= TAU || joints[j] + TAU * ((lower - joints[j]) / TAU).ceil() <= upper
             };
             if of == branch && (0..N).all(inside) {
-                found.push(Node { free, joints });
+                found.push(Node { free, joints, present: sample == 0 });
             }
         });
     }
     found
 }
 
-/// One sample a waypoint, so that speeds and accelerations are least beyond their room, and then accelerations.
+/// What counts about the differences of joints.
+struct Price<'a, const N: usize> {
+    bounds: &'a Bounds<N>,
+    /// The squared bound on acceleration; without one there is still a measure of it.
+    unit: f64,
+}
+
+impl<'a, const N: usize> Price<'a, N> {
+    fn new(bounds: &'a Bounds<N>) -> Self {
+        let unit = bounds.acceleration.iter().copied().filter(|a| a.is_finite()).fold(1.0, f64::max).powi(2);
+        Price { bounds, unit }
+    }
+
+    fn beyond(&self, share: f64) -> f64 {
+        BEYOND * self.unit * (share.abs() - ROOM).max(0.0).powi(2)
+    }
+
+    /// The mean speeds of a step and their price; `None` if it is too fast.
+    fn step(&self, from: &[f64; N], to: &[f64; N], time: f64) -> Option<([f64; N], f64)> {
+        let fast = |j: usize| short_way(to[j] - from[j]).abs() > TOO_FAST * self.bounds.velocity[j] * time;
+        if (0..N).any(fast) {
+            return None;
+        }
+        let velocity: [f64; N] = std::array::from_fn(|j| short_way(to[j] - from[j]) / time);
+        Some((velocity, (0..N).map(|j| self.beyond(velocity[j] / self.bounds.velocity[j])).sum()))
+    }
+
+    /// `so_far` and the price of a change of speed within this time; the sum breaks off at `most`.
+    fn bend(&self, so_far: f64, before: &[f64; N], after: &[f64; N], time: f64, most: f64) -> f64 {
+        let mut sum = so_far;
+        for ((now, then), bound) in after.iter().zip(before).zip(&self.bounds.acceleration) {
+            if sum >= most {
+                break;
+            }
+            let acceleration = (now - then) / time;
+            sum += acceleration * acceleration + self.beyond(acceleration / bound);
+        }
+        sum
+    }
+
+    /// The price of a chain; infinite if it is too fast.
+    fn chain(&self, joints: &[[f64; N]], times: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        let mut before: Option<[f64; N]> = None;
+        for at in 1..joints.len() {
+            let Some((velocity, own)) = self.step(&joints[at - 1], &joints[at], times[at] - times[at - 1]) else {
+                return f64::INFINITY;
+            };
+            if let Some(before) = before {
+                sum = self.bend(sum, &before, &velocity, 0.5 * (times[at] - times[at - 2]), f64::INFINITY);
+            }
+            sum += own;
+            before = Some(velocity);
+        }
+        sum
+    }
+}
+
+/// One sample a waypoint, so that speeds and accelerations are least beyond their room, and then accelerations; among
+/// chains that cost no more than `most`.
 fn best_chain<const N: usize, const F: usize>(
     nodes: &[Vec<Node<N, F>>],
     times: &[f64],
-    bounds: &Bounds<N>,
+    price: &Price<'_, N>,
+    most: f64,
 ) -> Option<Vec<[f64; F]>> {
-    let beyond = |share: f64| (share.abs() - ROOM).max(0.0).powi(2);
-    // Without bounds on acceleration there is still a measure of it.
-    let unit = bounds.acceleration.iter().copied().filter(|a| a.is_finite()).fold(1.0, f64::max).powi(2);
     let mut lists: Vec<Vec<Pair<N>>> = Vec::with_capacity(nodes.len());
     for at in 1..nodes.len() {
         let step = times[at] - times[at - 1];
@@ -154,34 +222,23 @@ fn best_chain<const N: usize, const F: usize>(
                 continue;
             }
             for (to, b) in nodes[at].iter().enumerate() {
-                let fast = |j: usize| short_way(b.joints[j] - a.joints[j]).abs() > TOO_FAST * bounds.velocity[j] * step;
-                if (0..N).any(fast) {
-                    continue;
-                }
-                let velocity: [f64; N] = std::array::from_fn(|j| short_way(b.joints[j] - a.joints[j]) / step);
-                let own: f64 = (0..N).map(|j| BEYOND * unit * beyond(velocity[j] / bounds.velocity[j])).sum();
+                let Some((velocity, own)) = price.step(&a.joints, &b.joints, step) else { continue };
                 let (mut cost, mut back) = (if at > 1 { f64::INFINITY } else { 0.0 }, 0);
                 if let (Some(halves), Some(before)) = (halves, lists.last()) {
                     for &index in &into[from] {
                         let pair = &before[index];
-                        let mut sum = pair.cost;
-                        if sum >= cost {
+                        if pair.cost >= cost {
                             break;
                         }
-                        for ((now, then), most) in velocity.iter().zip(&pair.velocity).zip(&bounds.acceleration) {
-                            let acceleration = (now - then) / halves;
-                            let share = acceleration / most;
-                            sum += acceleration * acceleration + BEYOND * unit * beyond(share);
-                            if sum >= cost {
-                                break;
-                            }
-                        }
+                        let sum = price.bend(pair.cost, &pair.velocity, &velocity, halves, cost);
                         if sum < cost {
                             (cost, back) = (sum, index);
                         }
                     }
                 }
-                pairs.push(Pair { to, velocity, cost: cost + own, back });
+                if cost + own <= most {
+                    pairs.push(Pair { to, velocity, cost: cost + own, back });
+                }
             }
         }
         lists.push(pairs);

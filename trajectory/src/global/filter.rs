@@ -200,8 +200,9 @@ pub enum GlobalError {
 /// [`GlobalError`] names the waypoint or the option.
 ///
 /// # Cost
-/// A round takes time and memory linear in the waypoints: about `1.2 (2 N + F)^3` multiplications a waypoint for each
-/// linear system, one system a round where no bound is near and 5 to 40 where some are. Deterministic, one thread.
+/// A round takes time and memory linear in the waypoints: about `1.2 (2 N + F)^3` multiplications a waypoint for a linear
+/// system, one where no bound is near. Where some are, about three times that and 5 to 40 systems over the knots next to
+/// them alone. Deterministic, one thread.
 ///
 /// # Example
 /// ```

@@ -16,7 +16,7 @@ use super::detour::detour;
 use super::filter::{GlobalError, GlobalOptions, MOST_STUCK};
 use super::model::{Model, Step};
 use super::point::Point;
-use super::qp::QpStatus;
+use super::solution::QpStatus;
 use crate::Robot;
 
 /// Bounds that a higher price brings nearer by less than to this share cannot be met.
@@ -37,6 +37,9 @@ const SKETCH: f64 = 1e-2;
 const SLIGHT: f64 = 1e-2;
 const MOST_TIGHTENED: usize = 3;
 const FINE: f64 = 1e-2;
+
+/// With fewer rounds other ways are not tried: these begin rough.
+const FEWEST_FOR_DETOUR: usize = 10;
 
 /// So many rounds before the last one bounds are drawn in, come to rest or not.
 const LAST_ROUNDS: usize = 8;
@@ -102,7 +105,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let mut tightened = 0;
     let mut missed_before = f64::INFINITY;
     let mut straight: Option<(Point<N, F>, Merit)> = None;
-    let mut detoured = avoid.is_some();
+    let mut detoured = avoid.is_some() || options.rounds < FEWEST_FOR_DETOUR;
     // A path that collides does not wait at a low price until the last digits have come to rest.
     let mut hurries_from = options.rounds / PRICES;
     let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));

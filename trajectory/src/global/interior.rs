@@ -7,8 +7,9 @@
 //! costs no more unknowns than a hard one. What is left is `(H + A^T S A) dx + E^T dl`, `E dx`: block-tridiagonal with
 //! the multiplier of each equation in a stage that it touches, and bordered by the few variables that all may share.
 
-use super::qp::{BandedQp, QpOptions, QpSolution, QpStatus};
+use super::qp::{BandedQp, QpOptions};
 use super::side::Side;
+use super::solution::{QpSolution, QpStatus};
 use super::system::{System, dot, largest};
 
 /// How near to the boundary a step may come: with more, later steps are short; with less, all are.
@@ -25,7 +26,7 @@ const MOST: f64 = 10.0;
 const TO_THE_MIDDLE: f64 = 0.5;
 
 /// Where rounding allows no further step, the best iterate counts as a solution up to this many tolerances.
-const NEARLY: f64 = 100.0;
+pub(super) const NEARLY: f64 = 100.0;
 
 /// To which share of the right-hand side a step is refined. The predictor only foretells lengths and products.
 const REFINED: f64 = 1e-11;
@@ -83,7 +84,7 @@ impl<'a> Interior<'a> {
         let variables = self.qp.variables();
         let mut x =
             start.filter(|start| start.len() == variables).map_or_else(|| vec![0.0; variables], <[f64]>::to_vec);
-        let mut multipliers = vec![0.0; self.system.equations.len()];
+        let mut multipliers = vec![0.0; self.system.equations().len()];
         self.first_sides(&x);
         let mut best: Option<Iterate> = None;
         let mut iterations = 0;
@@ -111,7 +112,6 @@ impl<'a> Interior<'a> {
                 let mut end = if lost { QpStatus::Stalled } else { QpStatus::Iterations };
                 if let Some(best) = best {
                     (x, multipliers, self.sides) = (best.x, best.multipliers, best.sides);
-                    residuals = self.residuals(&x, &multipliers);
                     if best.worst <= NEARLY {
                         end = QpStatus::Solved;
                     }
@@ -155,7 +155,7 @@ impl<'a> Interior<'a> {
             }
             residuals = self.residuals(&x, &multipliers);
         };
-        self.finish(status, x, &multipliers, &residuals, iterations)
+        self.finish(status, x, &multipliers, iterations)
     }
 
     /// Sets what each product `s z` and `p w` shall become: a number made from the product of their last steps.
@@ -172,7 +172,8 @@ impl<'a> Interior<'a> {
     /// one number for all. The slacks of hard ones are the room, or a tenth of the row's width where there is none.
     fn first_sides(&mut self, x: &[f64]) {
         let qp = self.qp;
-        let value = 0.5 * self.curved(x) + x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum::<f64>();
+        let gradient = qp.times_hessian(x).into_iter().zip(&qp.linear);
+        let value = qp.constant + gradient.zip(x).map(|((hx, g), x)| (0.5 * hx + g) * x).sum::<f64>();
         let steepest = qp.linear.iter().fold(0.0f64, |most, g| most.max(g.abs()));
         let mut price = 0.0;
         for side in &mut self.sides {
@@ -202,15 +203,6 @@ impl<'a> Interior<'a> {
                 side.z = mean / side.s;
             }
         }
-    }
-
-    /// `x^T H x`.
-    fn curved(&self, x: &[f64]) -> f64 {
-        let entry = |&(a, b, value): &(u32, u32, f64)| {
-            let twice = if a == b { 1.0 } else { 2.0 };
-            twice * value * x[a as usize] * x[b as usize]
-        };
-        self.qp.quadratic.iter().map(entry).sum()
     }
 
     /// Sum of all products `s z` and `p w`, and how many there are.
@@ -253,14 +245,7 @@ impl<'a> Interior<'a> {
 
     fn residuals(&mut self, x: &[f64], multipliers: &[f64]) -> Residuals {
         let qp = self.qp;
-        let mut dual = vec![0.0; x.len()];
-        for &(a, b, value) in &qp.quadratic {
-            let (a, b) = (a as usize, b as usize);
-            dual[a] += value * x[b];
-            if a != b {
-                dual[b] += value * x[a];
-            }
-        }
+        let mut dual = qp.times_hessian(x);
         let curved: f64 = dual.iter().zip(x).map(|(hx, x)| hx * x).sum();
         let mut scale_dual = 1.0f64;
         for (value, g) in dual.iter_mut().zip(&qp.linear) {
@@ -282,8 +267,8 @@ impl<'a> Interior<'a> {
                 dual[variable as usize] += by * push;
             }
         }
-        let mut equations = Vec::with_capacity(self.system.equations.len());
-        for (&(row, _), &push) in self.system.equations.iter().zip(multipliers) {
+        let mut equations = Vec::with_capacity(self.system.equations().len());
+        for (&(row, _), &push) in self.system.equations().iter().zip(multipliers) {
             let terms = qp.terms_of(row as usize);
             let value = dot(terms, x);
             let miss = qp.rows[row as usize].upper - value;
@@ -346,7 +331,7 @@ impl<'a> Interior<'a> {
         for side in self.sides.iter().filter(|side| !side.is_soft()) {
             take(side.row, side.sign * side.z, side.bound);
         }
-        for (&(row, _), &push) in self.system.equations.iter().zip(multipliers) {
+        for (&(row, _), &push) in self.system.equations().iter().zip(multipliers) {
             take(row, push, qp.rows[row as usize].upper);
         }
         if size > 0.0 && value < -PROOF * size && largest(&combined) * (1.0 + largest(x)) <= PROOF * -value {
@@ -354,60 +339,27 @@ impl<'a> Interior<'a> {
         }
         let falls: f64 = -x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum::<f64>();
         let reach = largest(x);
-        // Far out and still falling; else it need not be asked.
-        if reach < 1e6 || falls <= 0.0 {
+        // Far out and still falling; else it need not be asked. A saddle falls and rises.
+        if reach < 1e6 || falls <= 0.0 || qp.signs.iter().any(|&sign| sign < 0.0) {
             return None;
         }
-        let mut hx = vec![0.0; x.len()];
-        for &(a, b, value) in &qp.quadratic {
-            let (a, b) = (a as usize, b as usize);
-            hx[a] += value * x[b];
-            if a != b {
-                hx[b] += value * x[a];
-            }
-        }
+        let hx = qp.times_hessian(x);
         let keeps = |row: u32, sign: f64| sign * dot(qp.terms_of(row as usize), x) <= 1e-6 * reach;
         let flat = largest(&hx) <= PROOF * falls
             && self.sides.iter().all(|side| side.is_soft() || keeps(side.row, side.sign))
-            && self.system.equations.iter().all(|&(row, _)| keeps(row, 1.0) && keeps(row, -1.0));
+            && self.system.equations().iter().all(|&(row, _)| keeps(row, 1.0) && keeps(row, -1.0));
         let price: f64 = self.sides.iter().filter(|side| side.is_soft()).map(|side| side.p * side.penalty).sum();
         (flat && falls > 2.0 * price).then_some(QpStatus::Unbounded)
     }
 
-    fn finish(
-        &self,
-        status: QpStatus,
-        x: Vec<f64>,
-        multipliers: &[f64],
-        residuals: &Residuals,
-        iterations: usize,
-    ) -> QpSolution {
-        let qp = self.qp;
-        let mut duals = vec![0.0; qp.rows.len()];
-        let linear: f64 = x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum();
-        let mut value = qp.constant + 0.5 * residuals.curved + linear;
-        let mut lower_bound = qp.constant - 0.5 * residuals.curved;
+    fn finish(&self, status: QpStatus, x: Vec<f64>, multipliers: &[f64], iterations: usize) -> QpSolution {
+        let mut duals = vec![0.0; self.qp.rows.len()];
         for side in &self.sides {
             duals[side.row as usize] += side.sign * side.z;
-            lower_bound -= side.sign * side.z * side.bound;
-            if side.is_soft() {
-                let over = side.sign * (dot(qp.terms_of(side.row as usize), &x) - side.bound);
-                value += side.penalty * over.max(0.0);
-            }
         }
-        for (&(row, _), &push) in self.system.equations.iter().zip(multipliers) {
+        for (&(row, _), &push) in self.system.equations().iter().zip(multipliers) {
             duals[row as usize] = push;
-            lower_bound -= push * qp.rows[row as usize].upper;
         }
-        QpSolution {
-            status,
-            x,
-            duals,
-            value,
-            lower_bound,
-            primal_residual: residuals.worst_primal,
-            dual_residual: residuals.worst_dual,
-            iterations,
-        }
+        QpSolution::judged(self.qp, x, duals, status, iterations).0
     }
 }

@@ -2,18 +2,21 @@
 
 mod avoid;
 mod band;
+mod condensed;
 mod descent;
 mod detour;
 mod feasible;
 mod filter;
 mod first;
 mod interior;
+mod layout;
 mod limits;
 mod model;
 mod peak;
 mod point;
 mod qp;
 mod side;
+mod solution;
 mod system;
 
 pub use avoid::Avoid;
@@ -21,4 +24,5 @@ pub use filter::{
     Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport, smooth_clear_of,
     smooth_globally,
 };
-pub use qp::{BandedQp, QpError, QpOptions, QpSolution, QpStatus};
+pub use qp::{BandedQp, QpError, QpOptions};
+pub use solution::{QpSolution, QpStatus};

@@ -9,7 +9,8 @@
 
 use super::limits::{Place, extremes};
 use super::point::{Point, Room};
-use super::qp::{BandedQp, QpError, QpOptions, QpSolution};
+use super::qp::{BandedQp, QpError, QpOptions};
+use super::solution::QpSolution;
 use super::{Avoid, GlobalOptions};
 use crate::{Bounds, FreeRange, Quantity, Timeline};
 use std::f64::consts::TAU;

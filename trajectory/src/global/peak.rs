@@ -12,7 +12,7 @@ use super::avoid::Avoid;
 use super::descent::{Descent, Round};
 use super::filter::{GlobalError, GlobalOptions, MOST_STUCK, PeakReport};
 use super::model::Model;
-use super::qp::QpStatus;
+use super::solution::QpStatus;
 use crate::{Bounds, FreeRange, Robot, Timeline, jerk_measure};
 
 /// The price rises or falls by at most this factor in a round.

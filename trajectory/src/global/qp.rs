@@ -3,10 +3,13 @@
 //! `minimise 1/2 x^T H x + g^T x` subject to `lower <= A x <= upper`, row by row. The variables come in stages: an
 //! entry of `H` and a row of `A` join variables of one stage or of two neighbours (a row that is an equation, of three).
 //! A few *border* variables may stand in any entry and any row. A soft row may be missed at a price: `penalty` times
-//! the distance is added to what is minimised. [`super::interior`] solves it.
+//! the distance is added to what is minimised. [`super::interior`] solves it, after [`super::condensed`] has eliminated the
+//! stages without inequalities.
 
+use super::condensed::Condensed;
 use super::feasible::contradiction;
 use super::interior::Interior;
+use super::solution::{QpSolution, QpStatus};
 
 /// A row of `A` with its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,44 +83,6 @@ impl Default for QpOptions {
     }
 }
 
-/// How a solution came to its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum QpStatus {
-    /// Within the tolerance, or within 100 times of it where rounding allows no further step.
-    Solved,
-    /// The hard rows contradict each other; `duals` prove it. What is left of variables that have no bounds of their own
-    /// is so little that a point which keeps all rows would be a million times as far out as the one found.
-    Infeasible,
-    /// What is minimised has no least value; `x` is a direction in which it falls for ever.
-    Unbounded,
-    /// Not there after the allowed iterations.
-    Iterations,
-    /// Rounding allows no further step.
-    Stalled,
-}
-
-/// What came out.
-#[derive(Clone, Debug, PartialEq)]
-pub struct QpSolution {
-    /// How it ended; in all cases the other fields hold the best iterate, or the one that proves the end.
-    pub status: QpStatus,
-    /// The variables, border last.
-    pub x: Vec<f64>,
-    /// A multiplier a row: positive where the upper bound pushes. Of an infeasible problem, a proof: the combination of
-    /// the rows with these factors has next to nothing left of any variable and contradicts the bounds.
-    pub duals: Vec<f64>,
-    /// Least value found, penalties included.
-    pub value: f64,
-    /// The value of the dual problem: no point within the bounds has less, up to the dual residual.
-    pub lower_bound: f64,
-    /// Greatest miss of a hard row, or of a soft row beyond what it pays for.
-    pub primal_residual: f64,
-    /// Greatest entry of the gradient of the Lagrangian.
-    pub dual_residual: f64,
-    /// Iterations made, in both tries where the first comes to no end.
-    pub iterations: usize,
-}
-
 /// A quadratic program with variables in stages.
 ///
 /// ```
@@ -141,6 +106,8 @@ pub struct BandedQp {
     /// Stage of each variable before the border.
     stage: Vec<u32>,
     pub(super) border: usize,
+    /// `+1` for each variable before the border; `-1` for one along which the problem is concave and a saddle is sought.
+    pub(super) signs: Vec<f64>,
     /// Entries of `H` with row >= column, each standing for its mirror too; entries of one place add up.
     pub(super) quadratic: Vec<(u32, u32, f64)>,
     pub(super) linear: Vec<f64>,
@@ -169,6 +136,7 @@ impl BandedQp {
             first,
             stage,
             border,
+            signs: vec![1.0; variables],
             quadratic: Vec::new(),
             linear: vec![0.0; variables + border],
             rows: Vec::new(),
@@ -253,8 +221,8 @@ impl BandedQp {
     /// # Errors
     /// [`QpError`] names what cannot be: not finite, beyond the variables, too far apart, crossed bounds.
     /// # Cost
-    /// Each iteration `O(stages * size^3)` time for the greatest size, equations of the stage included; memory
-    /// `O(stages * size^2)`. Deterministic, one thread.
+    /// `O(stages * size^3)` time for the greatest size, equations of the stage included, and the same for each iteration over
+    /// the stages alone that an inequality joins; memory `O(stages * size^2)`. Deterministic, one thread.
     pub fn solve(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
         let mut found = self.solve_once(options, start)?;
         let stuck = |found: &QpSolution| matches!(found.status, QpStatus::Stalled | QpStatus::Iterations);
@@ -277,7 +245,21 @@ impl BandedQp {
     /// As [`BandedQp::solve`], but what comes to no end is returned as it is: for steps of which any part is welcome.
     pub(super) fn solve_once(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
         self.check()?;
-        Ok(Interior::new(self).solve(options, start))
+        let condensed = Condensed::new(self).and_then(|condensed| condensed.solve(options, start));
+        Ok(condensed.unwrap_or_else(|| Interior::new(self).solve(options, start)))
+    }
+
+    /// `H x`.
+    pub(super) fn times_hessian(&self, x: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; x.len()];
+        for &(a, b, value) in &self.quadratic {
+            let (a, b) = (a as usize, b as usize);
+            product[a] += value * x[b];
+            if a != b {
+                product[b] += value * x[a];
+            }
+        }
+        product
     }
 
     /// The stage of a variable; `None` for one of the border.

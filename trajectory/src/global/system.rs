@@ -4,6 +4,7 @@
 //! multiplier. Border variables are kept out of the band as columns and taken back in by their Schur complement.
 
 use super::band::Band;
+use super::layout::Layout;
 use super::qp::BandedQp;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
@@ -28,10 +29,7 @@ const NONE: usize = usize::MAX;
 /// The matrix, its layout and its factors.
 pub(super) struct System<'a> {
     qp: &'a BandedQp,
-    /// Unknown of each variable before the border.
-    unknown: Vec<u32>,
-    /// Equations: the row and the unknown of its multiplier.
-    pub equations: Vec<(u32, u32)>,
+    layout: Layout,
     band: Band,
     /// Slots of the entries of `H`.
     slots_h: Vec<usize>,
@@ -39,7 +37,6 @@ pub(super) struct System<'a> {
     slots_a: Vec<usize>,
     slots_e: Vec<usize>,
     diagonal: Vec<usize>,
-    signs: Vec<f64>,
     /// Border columns, the corner where they meet, and the solutions of the columns.
     columns: Vec<Vec<f64>>,
     corner: DMatrix<f64>,
@@ -47,36 +44,16 @@ pub(super) struct System<'a> {
     schur: Option<LU<f64, Dyn, Dyn>>,
     /// Weight of the square of each row.
     weights: Vec<f64>,
-    /// What is added to the diagonal of equations.
+    /// What is taken from the diagonal where pivots are negative.
     regular: f64,
 }
 
 impl<'a> System<'a> {
     /// `large_multipliers`: whether equations are expected to have such.
     pub fn new(qp: &'a BandedQp, large_multipliers: bool) -> Self {
-        let mut homes: Vec<(usize, u32)> = (0..qp.rows.len())
-            .filter(|&row| qp.rows[row].is_equation())
-            .map(|row| (qp.home(row).unwrap_or(0), row as u32))
-            .collect();
-        homes.sort_unstable();
-        // Stages with their variables and behind them the multipliers; a problem of border variables alone has one
-        // stage, for these.
-        let stages = (qp.first.len() - 1).max(1);
-        let (mut sizes, mut signs) = (Vec::new(), Vec::new());
-        let (mut unknown, mut equations) = (Vec::new(), Vec::new());
-        let mut next = homes.iter().peekable();
-        for stage in 0..stages {
-            let before = signs.len();
-            let variables = qp.first.get(stage + 1).map_or(0, |end| end - qp.first[stage]);
-            unknown.extend((before..before + variables).map(|at| at as u32));
-            signs.resize(before + variables, 1.0);
-            while let Some(&(_, row)) = next.next_if(|home| home.0 == stage) {
-                equations.push((row, signs.len() as u32));
-                signs.push(-1.0);
-            }
-            sizes.push(signs.len() - before);
-        }
-        let band = Band::new(&sizes, signs.clone());
+        let layout = Layout::of(qp);
+        let Layout { unknown, equations, sizes, signs } = &layout;
+        let band = Band::new(sizes, signs.clone());
         let place = |variable: u32| unknown.get(variable as usize).map(|&at| at as usize);
         let slot = |a: u32, b: u32| place(a).zip(place(b)).map_or(NONE, |(a, b)| band.slot(a, b));
         let slots_h = qp.quadratic.iter().map(|&(a, b, _)| slot(a, b)).collect();
@@ -87,7 +64,7 @@ impl<'a> System<'a> {
                 slots_a.extend(terms[..=i].iter().map(|&(b, _)| slot(a, b)));
             }
         }
-        for &(row, multiplier) in &equations {
+        for &(row, multiplier) in equations {
             let slot =
                 |&(variable, _): &(u32, f64)| place(variable).map_or(NONE, |at| band.slot(at, multiplier as usize));
             slots_e.extend(qp.terms_of(row as usize).iter().map(slot));
@@ -96,21 +73,24 @@ impl<'a> System<'a> {
         let columns = vec![vec![0.0; signs.len()]; qp.border];
         System {
             qp,
-            unknown,
-            equations,
             band,
             slots_h,
             slots_a,
             slots_e,
             diagonal,
-            signs,
             solved: columns.clone(),
             columns,
             corner: DMatrix::zeros(qp.border, qp.border),
             schur: None,
             weights: vec![0.0; qp.rows.len()],
             regular: if large_multipliers { LARGE_MULTIPLIERS } else { REGULAR },
+            layout,
         }
+    }
+
+    /// Equations: the row and the unknown of its multiplier.
+    pub fn equations(&self) -> &[(u32, u32)] {
+        &self.layout.equations
     }
 
     /// Puts the matrix together for sides of these rows and weights, and factors it.
@@ -162,9 +142,9 @@ impl<'a> System<'a> {
                 }
             }
         }
-        let banded = self.unknown.len();
+        let banded = self.layout.unknown.len();
         let mut slots = self.slots_e.iter();
-        for &(row, multiplier) in &self.equations {
+        for &(row, multiplier) in &self.layout.equations {
             for (&(variable, by), &slot) in qp.terms_of(row as usize).iter().zip(&mut slots) {
                 if slot == NONE {
                     self.columns[variable as usize - banded][multiplier as usize] += by;
@@ -173,9 +153,14 @@ impl<'a> System<'a> {
                 }
             }
         }
-        for (&slot, &sign) in self.diagonal.iter().zip(&self.signs) {
-            self.band.add(slot, if sign > 0.0 { REGULAR } else { -self.regular });
+        for (&slot, &sign) in self.diagonal.iter().zip(&self.layout.signs) {
+            self.band.add(slot, self.regular(sign));
         }
+    }
+
+    /// What is added to the diagonal where pivots have this sign.
+    fn regular(&self, sign: f64) -> f64 {
+        if sign > 0.0 { REGULAR } else { -self.regular }
     }
 
     /// Adds to the entry of two variables, which has this slot.
@@ -184,10 +169,10 @@ impl<'a> System<'a> {
             self.band.add(slot, value);
             return;
         }
-        let banded = self.unknown.len();
+        let banded = self.layout.unknown.len();
         let (a, b) = (a.max(b) as usize, a.min(b) as usize);
         if b < banded {
-            self.columns[a - banded][self.unknown[b] as usize] += value;
+            self.columns[a - banded][self.layout.unknown[b] as usize] += value;
             return;
         }
         self.corner[(a - banded, b - banded)] += value;
@@ -227,25 +212,25 @@ impl<'a> System<'a> {
         let (mut left_x, mut left_e) = (right.to_vec(), equations.to_vec());
         let size = largest(right).max(largest(equations));
         let mut before = f64::INFINITY;
-        let mut mixed = vec![0.0; self.signs.len()];
+        let mut mixed = vec![0.0; self.layout.signs.len()];
         for _ in 0..=REFINEMENTS {
-            for (&at, value) in self.unknown.iter().zip(&left_x) {
+            for (&at, value) in self.layout.unknown.iter().zip(&left_x) {
                 mixed[at as usize] = *value;
             }
-            for (&(_, at), value) in self.equations.iter().zip(&left_e) {
+            for (&(_, at), value) in self.layout.equations.iter().zip(&left_e) {
                 mixed[at as usize] = *value;
             }
-            let mut border = left_x[self.unknown.len()..].to_vec();
+            let mut border = left_x[self.layout.unknown.len()..].to_vec();
             self.solve_factored(&mut mixed, &mut border);
             let mut next_x = dx.clone();
             let mut next_l = dl.clone();
-            for (value, &at) in next_x.iter_mut().zip(&self.unknown) {
+            for (value, &at) in next_x.iter_mut().zip(&self.layout.unknown) {
                 *value += mixed[at as usize];
             }
-            for (value, by) in next_x[self.unknown.len()..].iter_mut().zip(&border) {
+            for (value, by) in next_x[self.layout.unknown.len()..].iter_mut().zip(&border) {
                 *value += by;
             }
-            for (value, &(_, at)) in next_l.iter_mut().zip(&self.equations) {
+            for (value, &(_, at)) in next_l.iter_mut().zip(&self.layout.equations) {
                 *value += mixed[at as usize];
             }
             let (rest_x, rest_e) = self.rest(right, equations, &next_x, &next_l);
@@ -266,14 +251,11 @@ impl<'a> System<'a> {
     /// What a solution of the linear system leaves of its right-hand side.
     fn rest(&self, right: &[f64], equations: &[f64], dx: &[f64], dl: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let qp = self.qp;
-        let mut rest_x: Vec<f64> = right.iter().zip(dx).map(|(value, by)| value - REGULAR * by).collect();
-        for &(a, b, value) in &qp.quadratic {
-            let (a, b) = (a as usize, b as usize);
-            rest_x[a] -= value * dx[b];
-            if a != b {
-                rest_x[b] -= value * dx[a];
-            }
-        }
+        let curved = qp.times_hessian(dx);
+        let signs = qp.signs.iter().copied().chain(std::iter::repeat(1.0));
+        let mut rest_x: Vec<f64> = (right.iter().zip(curved).zip(dx.iter().zip(signs)))
+            .map(|((value, curved), (by, sign))| value - self.regular(sign) * by - curved)
+            .collect();
         for (row, &weight) in self.weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
             let terms = qp.terms_of(row);
             let pull = weight * dot(terms, dx);
@@ -282,9 +264,9 @@ impl<'a> System<'a> {
             }
         }
         let mut rest_e = Vec::with_capacity(equations.len());
-        for ((&(row, _), want), push) in self.equations.iter().zip(equations).zip(dl) {
+        for ((&(row, _), want), push) in self.layout.equations.iter().zip(equations).zip(dl) {
             let terms = qp.terms_of(row as usize);
-            rest_e.push(want - dot(terms, dx) + self.regular * push);
+            rest_e.push(want - dot(terms, dx) - self.regular(-1.0) * push);
             for &(variable, by) in terms {
                 rest_x[variable as usize] -= by * push;
             }
