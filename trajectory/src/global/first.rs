@@ -42,7 +42,7 @@ const FINE: f64 = 1e-2;
 const FEWEST_FOR_DETOUR: usize = 10;
 
 /// So many rounds before the last one bounds are drawn in, come to rest or not.
-const LAST_ROUNDS: usize = 8;
+const LAST_ROUNDS: [usize; 3] = [8, 5, 2];
 
 /// By how much the price of bounds rises at once.
 const PRICE_STEP: f64 = 10.0;
@@ -145,7 +145,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
         let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
         let hurries = collides_yet && pass.rounds >= hurries_from;
-        let ends = pass.rounds + LAST_ROUNDS == options.rounds && model.penalty > 0.0;
+        let ends = LAST_ROUNDS.contains(&(options.rounds - pass.rounds)) && model.penalty > 0.0;
         if ends && draw_in(descent, model, &mut tightened) {
             last_price = true;
         }

@@ -2,6 +2,7 @@
 
 mod avoid;
 mod band;
+mod chain;
 mod condensed;
 mod descent;
 mod detour;

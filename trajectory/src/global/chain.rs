@@ -1,0 +1,263 @@
+//! The best chain of samples, one a waypoint: dynamic programming over pairs.
+//!
+//! What makes bounds hold on a spline is the differences of joints over one and two steps: mean speeds are at most the
+//! greatest speed, and `2 (v' - v) / (h + h')` is a mean of the acceleration. So a state is a pair of samples at
+//! neighbouring waypoints (R. Bellman, *Dynamic Programming*, 1957). What costs more than a chain that is known is left
+//! out, and of the pairs before a pair only those are looked at whose speed is near enough: a bend has its price.
+
+use crate::Bounds;
+use std::f64::consts::TAU;
+
+/// The tool turns no faster than this, in radians a second: half a turn takes one. Joints are often faster, but who turns
+/// faster has no smooth way in mind, and pairs of samples grow with it.
+const FASTEST_TURN: f64 = 3.0;
+
+/// Steps faster than this many times the bound are no part of a chain.
+const TOO_FAST: f64 = 1.2;
+
+/// Shares of the bounds on speed and acceleration up to which nothing is paid: the spline goes beyond the means of its
+/// pieces.
+const ROOM: f64 = 0.8;
+
+/// What a squared share beyond that costs, in units of the squared bound on acceleration.
+const BEYOND: f64 = 1e3;
+
+/// Chains up to this share dearer than a known one are looked at, since it is one of them.
+const ROUNDING: f64 = 1e-9;
+
+/// A sample at a waypoint.
+pub(super) struct Node<const N: usize, const F: usize> {
+    pub free: [f64; F],
+    pub joints: [f64; N],
+    /// Whether it is where the path is now.
+    pub present: bool,
+}
+
+/// A pair of samples at a waypoint and the one before.
+struct Pair<const N: usize> {
+    /// The later sample.
+    to: usize,
+    velocity: [f64; N],
+    cost: f64,
+    /// The pair before, in the list of the waypoint before.
+    back: usize,
+}
+
+/// What counts about the differences of joints.
+pub(super) struct Price<'a, const N: usize> {
+    bounds: &'a Bounds<N>,
+    /// The squared bound on acceleration; without one there is still a measure of it.
+    unit: f64,
+}
+
+impl<'a, const N: usize> Price<'a, N> {
+    pub fn new(bounds: &'a Bounds<N>) -> Self {
+        let unit = bounds.acceleration.iter().copied().filter(|a| a.is_finite()).fold(1.0, f64::max).powi(2);
+        Price { bounds, unit }
+    }
+
+    fn beyond(&self, share: f64) -> f64 {
+        BEYOND * self.unit * (share.abs() - ROOM).max(0.0).powi(2)
+    }
+
+    /// The mean speeds of a step and their price; `None` if it is too fast.
+    fn step(&self, from: &[f64; N], to: &[f64; N], time: f64) -> Option<([f64; N], f64)> {
+        let fast = |j: usize| short_way(to[j] - from[j]).abs() > TOO_FAST * self.bounds.velocity[j] * time;
+        if (0..N).any(fast) {
+            return None;
+        }
+        let velocity: [f64; N] = std::array::from_fn(|j| short_way(to[j] - from[j]) / time);
+        Some((velocity, (0..N).map(|j| self.beyond(velocity[j] / self.bounds.velocity[j])).sum()))
+    }
+
+    /// `so_far` and the price of a change of speed within this time; the sum breaks off at `most`.
+    fn bend(&self, so_far: f64, before: &[f64; N], after: &[f64; N], time: f64, most: f64) -> f64 {
+        let mut sum = so_far;
+        for ((now, then), bound) in after.iter().zip(before).zip(&self.bounds.acceleration) {
+            if sum >= most {
+                break;
+            }
+            let acceleration = (now - then) / time;
+            sum += acceleration * acceleration + self.beyond(acceleration / bound);
+        }
+        sum
+    }
+
+    /// The greatest acceleration of a joint that costs no more than `most`.
+    fn reach(&self, joint: usize, most: f64) -> f64 {
+        let most = most.max(0.0) * (1.0 + ROUNDING);
+        most.sqrt().min(self.bounds.acceleration[joint] * (ROOM + (most / (BEYOND * self.unit)).sqrt()))
+    }
+
+    /// The price of a chain; infinite if it is too fast.
+    pub fn chain(&self, joints: &[[f64; N]], times: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        let mut before: Option<[f64; N]> = None;
+        for at in 1..joints.len() {
+            let Some((velocity, own)) = self.step(&joints[at - 1], &joints[at], times[at] - times[at - 1]) else {
+                return f64::INFINITY;
+            };
+            if let Some(before) = before {
+                sum = self.bend(sum, &before, &velocity, 0.5 * (times[at] - times[at - 2]), f64::INFINITY);
+            }
+            sum += own;
+            before = Some(velocity);
+        }
+        sum
+    }
+}
+
+/// The pairs that end at a sample.
+#[derive(Default)]
+struct Arrivals<const N: usize> {
+    /// By the speed of the joint that tells them apart best.
+    pairs: Vec<usize>,
+    by: usize,
+    /// Their least cost.
+    least: f64,
+}
+
+impl<const N: usize> Arrivals<N> {
+    fn sort(&mut self, all: &[Pair<N>], bounds: &Bounds<N>) {
+        let spread = |j: usize| {
+            let speeds = self.pairs.iter().map(|&index| all[index].velocity[j]);
+            let (low, high) =
+                speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+            (high - low) / bounds.acceleration[j]
+        };
+        self.by = (0..N).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
+        self.pairs.sort_by(|&a, &b| all[a].velocity[self.by].total_cmp(&all[b].velocity[self.by]));
+        self.least = self.pairs.iter().map(|&index| all[index].cost).fold(f64::INFINITY, f64::min);
+    }
+
+    /// Those whose speed is this far from another one at most.
+    fn near(&self, all: &[Pair<N>], speed: f64, reach: f64) -> impl Iterator<Item = usize> {
+        let first = self.pairs.partition_point(|&index| all[index].velocity[self.by] < speed - reach);
+        self.pairs[first..].iter().copied().take_while(move |&index| all[index].velocity[self.by] <= speed + reach)
+    }
+}
+
+/// One sample a waypoint, so that speeds and accelerations are least beyond their room, and then accelerations; among
+/// chains that cost no more than `most`.
+pub(super) fn best_chain<const N: usize, const F: usize>(
+    nodes: &[Vec<Node<N, F>>],
+    times: &[f64],
+    angle: usize,
+    price: &Price<'_, N>,
+    most: f64,
+) -> Option<Vec<[f64; F]>> {
+    let most = most * (1.0 + ROUNDING);
+    let mut lists: Vec<Vec<Pair<N>>> = Vec::with_capacity(nodes.len());
+    for at in 1..nodes.len() {
+        let step = times[at] - times[at - 1];
+        let mut pairs = Vec::new();
+        let before = lists.last().map_or(&[][..], Vec::as_slice);
+        let mut into: Vec<Arrivals<N>> = nodes[at - 1].iter().map(|_| Arrivals::default()).collect();
+        before.iter().enumerate().for_each(|(index, pair)| into[pair.to].pairs.push(index));
+        into.iter_mut().for_each(|arrivals| arrivals.sort(before, price.bounds));
+        let halves = times.get(at.wrapping_sub(2)).map(|before| 0.5 * (times[at] - before));
+        for (from, a) in nodes[at - 1].iter().enumerate() {
+            let arrivals = &into[from];
+            if at > 1 && arrivals.pairs.is_empty() {
+                continue;
+            }
+            // The best pair before, for the sample before.
+            let mut like = None;
+            for (to, b) in nodes[at].iter().enumerate() {
+                if short_way(b.free[angle] - a.free[angle]).abs() > FASTEST_TURN * step {
+                    continue;
+                }
+                let Some((velocity, own)) = price.step(&a.joints, &b.joints, step) else { continue };
+                let (mut cost, mut back) = (if at > 1 { f64::INFINITY } else { 0.0 }, 0);
+                if let Some(halves) = halves {
+                    let mut look = |index: usize| {
+                        let sum = price.bend(before[index].cost, &before[index].velocity, &velocity, halves, cost);
+                        if sum < cost {
+                            (cost, back) = (sum, index);
+                        }
+                        cost
+                    };
+                    let known = like.map_or(most, |like| look(like).min(most));
+                    let reach = halves * price.reach(arrivals.by, known - arrivals.least);
+                    arrivals.near(before, velocity[arrivals.by], reach).for_each(|index| {
+                        look(index);
+                    });
+                    like = (cost < f64::INFINITY).then_some(back);
+                }
+                if cost + own <= most {
+                    pairs.push(Pair { to, velocity, cost: cost + own, back });
+                }
+            }
+        }
+        lists.push(pairs);
+    }
+    let mut at = lists.len();
+    let last = lists.last()?.iter().enumerate().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
+    let mut index = last.0;
+    let mut chain = Vec::with_capacity(nodes.len());
+    while at > 0 {
+        let pair = &lists[at - 1][index];
+        chain.push(nodes[at][pair.to].free);
+        (index, at) = (pair.back, at - 1);
+    }
+    // The first sample is the only one of its waypoint.
+    chain.push(nodes.first()?.first()?.free);
+    chain.reverse();
+    Some(chain)
+}
+
+fn short_way(by: f64) -> f64 {
+    by - TAU * (by / TAU).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn no_chain_of_all_is_better() {
+        let bounds = Bounds { velocity: [2.0, 3.0], acceleration: [8.0, 5.0], ..Bounds::NONE };
+        let price = Price::new(&bounds);
+        let mut rng = Pcg64::seed_from_u64(5);
+        let mut found_some = 0;
+        for _ in 0..60 {
+            let node = |rng: &mut Pcg64| Node {
+                free: [rng.random_range(-1.0..1.0)],
+                joints: [0; 2].map(|_| rng.random_range(-0.4..0.4)),
+                present: false,
+            };
+            let count = |at: usize| if (2..5).contains(&at) { 7 } else { 1 };
+            let nodes: Vec<Vec<_>> = (0..7).map(|at| (0..count(at)).map(|_| node(&mut rng)).collect()).collect();
+            let times: Vec<f64> = (0..7).map(|at| 0.3 * f64::from(at) + rng.random_range(0.0..0.05)).collect();
+            let slow = |a: &Node<2, 1>, b: &Node<2, 1>, time: f64| (b.free[0] - a.free[0]).abs() <= FASTEST_TURN * time;
+            // All of them, one after the other.
+            let mut least = f64::INFINITY;
+            let mut costs = Vec::new();
+            for number in 0..7usize.pow(3) {
+                let index = |at: usize| if (2..5).contains(&at) { number / 7usize.pow(at as u32 - 2) % 7 } else { 0 };
+                let chain: Vec<&Node<2, 1>> = (0..7).map(|at| &nodes[at][index(at)]).collect();
+                let joints: Vec<[f64; 2]> = chain.iter().map(|node| node.joints).collect();
+                if (1..7).all(|at| slow(chain[at - 1], chain[at], times[at] - times[at - 1])) {
+                    costs.push(price.chain(&joints, &times));
+                    least = least.min(costs[costs.len() - 1]);
+                }
+            }
+            // Whatever chain is known, and without any.
+            for known in costs.iter().copied().filter(|cost| cost.is_finite()).take(5).chain([f64::INFINITY]) {
+                let found = best_chain(&nodes, &times, 0, &price, known);
+                assert_eq!(found.is_some(), least < f64::INFINITY);
+                let Some(found) = found else { continue };
+                found_some += 1;
+                let at = |(nodes, free): (&Vec<Node<2, 1>>, &[f64; 1])| {
+                    nodes.iter().find(|node| node.free[0].to_bits() == free[0].to_bits()).unwrap().joints
+                };
+                let joints: Vec<[f64; 2]> = nodes.iter().zip(&found).map(at).collect();
+                let cost = price.chain(&joints, &times);
+                assert!((cost - least).abs() <= 1e-9 * least, "{cost} {least}");
+            }
+        }
+        assert!(found_some > 100, "{found_some}");
+    }
+}
