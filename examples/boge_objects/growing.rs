@@ -21,6 +21,7 @@ use curvlay_layers::curved::{
 };
 use curvlay_layers::planar::slice_uniformly;
 use curvlay_voxel::TextGrid;
+use std::fmt;
 use std::ops::ControlFlow;
 
 /// Our strategies, as `curved_layers` calls them.
@@ -58,6 +59,12 @@ pub struct Entry {
     pub thesis: usize,
 }
 
+impl fmt::Display for Entry {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: {}, in the thesis {}", self.key, self.ours, self.thesis)
+    }
+}
+
 /// Everything that was grown and compared.
 pub struct Results {
     /// Object after object, in each the platforms S, M and L.
@@ -91,7 +98,9 @@ impl Results {
 
     /// All is well when all figures agree and all audits pass.
     pub fn outcome(&self) -> Outcome {
-        Outcome::of(self.disagreeing().next().is_none() && self.failed_audits().is_empty())
+        let figures = self.disagreeing().map(Entry::to_string);
+        let audits = self.failed_audits().into_iter().map(|failed| format!("audit of {failed}"));
+        Outcome::of(figures.chain(audits).collect())
     }
 }
 

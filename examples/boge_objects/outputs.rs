@@ -95,7 +95,7 @@ fn verdict(results: &Results) -> Table {
         .row(["figures that agree".to_owned(), format!("{} of {entries}", entries - results.disagreeing().count())])
         .row(["audits passed".to_owned(), format!("{} of {audits}", audits - failed.len())]);
     for entry in results.disagreeing() {
-        table.row(["DIFFERS".to_owned(), format!("{}: {}, in the thesis {}", entry.key, entry.ours, entry.thesis)]);
+        table.row(["DIFFERS".to_owned(), entry.to_string()]);
     }
     failed.into_iter().for_each(|line| _ = table.row(["AUDIT FAILED".to_owned(), line]));
     table

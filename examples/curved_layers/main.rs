@@ -135,8 +135,10 @@ fn main() -> ExitCode {
         let results = work(&args, &part, saved, &bars)?;
         bars.finish();
         results.field.findings.iter().for_each(warn);
-        let is_whole = outputs::write(&args, &part, &results, &folder)?;
-        Ok(Outcome::of(is_whole && results.is_ok()))
+        let refused = outputs::write(&args, &part, &results, &folder)?;
+        let mut failed = results.failed_checks();
+        failed.extend(refused.map(|why| format!("no programs: {why}")));
+        Ok(Outcome::of(failed))
     })
 }
 
@@ -150,12 +152,12 @@ struct Results {
 }
 
 impl Results {
-    fn is_ok(&self) -> bool {
-        let machine = self.machine.as_ref();
-        let motion = self.motion.as_ref();
-        self.field.audit.is_ok()
-            && machine.is_none_or(|machine| machine.failed_checks().is_empty())
-            && motion.is_none_or(Motion::is_ok)
+    fn failed_checks(&self) -> Vec<String> {
+        let audit = &self.field.audit;
+        let audit = (!audit.is_ok()).then(|| format!("audit of the layers: {audit}"));
+        let machine = self.machine.iter().flat_map(MachineRun::failed_checks);
+        let motion = self.motion.iter().flat_map(Motion::failed_checks);
+        audit.into_iter().chain(machine).chain(motion).collect()
     }
 }
 

@@ -22,7 +22,7 @@ mod plot;
 
 use clap::{Parser, ValueEnum};
 use collisions::{Amount, Study};
-use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args};
+use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args, warn};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Up;
 use curvlay_examples::motion::{OverTable, PartInHand, Placed, STEP_S, centred};
@@ -127,6 +127,7 @@ fn main() -> ExitCode {
     run_with_args(|args: Args| {
         let folder = args.common.folder("jerk_motion")?;
         let (results, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        outputs::told(&results.faults(), &mut |fault| warn(fault));
         outputs::table(&results).print()?;
         Ok(outcome)
     })
@@ -160,8 +161,8 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
     bars.finish();
     let results = Results { path: timed, given: given.0.len(), ur3, cell8, study };
     outputs::write(args, &results, folder, start.elapsed())?;
-    let well = results.failed_checks().is_empty();
-    Ok((results, if well { Outcome::Done } else { Outcome::CheckFailed }))
+    let outcome = Outcome::of(results.failed_checks());
+    Ok((results, outcome))
 }
 
 /// Table 4.1 on the smoothest motion of the UR3.

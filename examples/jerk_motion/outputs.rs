@@ -9,13 +9,17 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
-use curvlay_trajectory::Trajectory;
+use curvlay_trajectory::{Trajectory, Violation};
 use std::io::{self, Write};
 use std::time::Duration;
 
 /// Waypoints are met within this.
 const MET_MM: f64 = 1e-6;
 const MET_RAD: f64 = 1e-9;
+
+/// The list of what is wrong with the path, and how much of it is told elsewhere.
+const FAULTS: &str = "path-faults.txt";
+const TOLD: usize = 12;
 
 /// Table 4.2 of the dissertation, its layer of 2,545 waypoints on its own UR3: J, greatest jerk, seconds.
 const PAPER: [(&str, f64, f64, f64); 2] =
@@ -34,28 +38,48 @@ impl Results {
         rows
     }
 
-    /// Where the path is split, and where ladders break off on it.
-    fn splits(&self) -> usize {
-        let breaks = |rows: Vec<(String, &Figures)>| {
-            rows.iter()
-                .filter(|(name, _)| name.ends_with("ladder") && !name.contains("noise"))
-                .map(|row| row.1.breaks)
-                .sum::<usize>()
-        };
-        self.path.pieces.len() - 1 + breaks(self.rows())
+    /// The robots, and where their ladders break off: waypoints counted over all pieces of the path.
+    fn breaks(&self) -> Vec<(&'static str, &[usize])> {
+        let ur3 = self.ur3.as_ref().and_then(breaks);
+        let cell8 = self.cell8.as_ref().and_then(breaks);
+        ur3.into_iter().chain(cell8).collect()
     }
 
-    /// The checks of ours that do not hold.
+    /// Where the path is split, and where ladders break off on it.
+    fn splits(&self) -> usize {
+        self.path.pieces.len() - 1 + self.breaks().iter().map(|(_, waypoints)| waypoints.len()).sum::<usize>()
+    }
+
+    /// What is wrong with the path, and where ladders break off on it: a line each, in the order of the waypoints.
+    pub fn faults(&self) -> Vec<String> {
+        let given: Vec<usize> = self.path.pieces.iter().flat_map(|piece| &piece.waypoints).copied().collect();
+        let mut faults: Vec<(usize, String)> =
+            self.path.defects.iter().map(|defect| (defect.waypoint(), defect.to_string())).collect();
+        for (robot, waypoints) in self.breaks() {
+            faults.extend(waypoints.iter().map(|&waypoint| {
+                let waypoint = given[waypoint];
+                (waypoint, format!("waypoint {waypoint}: {robot} is too slow to go on; its motion begins anew"))
+            }));
+        }
+        faults.sort();
+        faults.into_iter().map(|(_, what)| what).collect()
+    }
+
+    /// The checks of ours that do not hold, and how.
     pub fn failed_checks(&self) -> Vec<String> {
-        let missed = |figures: &Figures| !(figures.missed_mm <= MET_MM && figures.missed_rad <= MET_RAD);
-        // Only the global filter holds bounds between waypoints, and noise may ask for more than there is.
-        let loose = |(name, figures): &(String, &Figures)| {
-            name.ends_with("_global") && !name.contains("noise") && figures.hard_violations > 0
-        };
         let rows = self.rows();
-        let waypoints = rows.iter().filter(|row| missed(row.1)).map(|row| format!("{}_waypoints", row.0));
-        let limits = rows.iter().filter(|row| loose(row)).map(|row| format!("{}_limits", row.0));
-        waypoints.chain(limits).collect()
+        let missed = rows.iter().filter(|(_, figures)| !(figures.missed_mm <= MET_MM && figures.missed_rad <= MET_RAD));
+        let missed = missed.map(|(name, figures)| {
+            format!("{name}_waypoints: missed by {:.1e} mm, {:.1e} rad", figures.missed_mm, figures.missed_rad)
+        });
+        // Only the global filter holds bounds between waypoints, and noise may ask for more than there is.
+        let holds = rows.iter().filter(|(name, _)| name.ends_with("_global") && !name.contains("noise"));
+        let passed = holds.filter_map(|(name, figures)| {
+            let share = |violation: &&Violation| violation.value / violation.bound;
+            let worst = figures.hard_violations().max_by(|a, b| share(a).total_cmp(&share(b)))?;
+            Some(format!("{name}_limits: {} passed, the worst: {worst}", figures.hard_violations().count()))
+        });
+        missed.chain(passed).collect()
     }
 }
 
@@ -68,6 +92,12 @@ fn add_rows<'a, const N: usize>(run: &'a Run<N>, rows: &mut Vec<(String, &'a Fig
     }
 }
 
+/// Where the ladder of a robot breaks off.
+fn breaks<const N: usize>(run: &Run<N>) -> Option<(&'static str, &[usize])> {
+    let ladder = run.planned.iter().find(|planned| planned.method == "ladder")?;
+    Some((run.robot, &ladder.figures.breaks))
+}
+
 pub fn write(args: &Args, results: &Results, folder: &OutputFolder, time: Duration) -> Result<(), Failure> {
     if let Some(run) = &results.ur3 {
         write_run(run, folder)?;
@@ -75,6 +105,9 @@ pub fn write(args: &Args, results: &Results, folder: &OutputFolder, time: Durati
     if let Some(run) = &results.cell8 {
         write_run(run, folder)?;
     }
+    let faults = results.faults();
+    folder
+        .write_list(FAULTS, !faults.is_empty(), |out| faults.iter().try_for_each(|fault| writeln!(out, "{fault}")))?;
     folder.write("report.html", report(args, results).to_html())?;
     // The summary comes last: where it is, all is there.
     summary(args, results, time)?.write(folder)?;
@@ -107,6 +140,14 @@ fn knots<const N: usize>(trajectories: &[Trajectory<N>], out: &mut dyn Write) ->
     Ok(())
 }
 
+/// Tells what is wrong with the path, and where to find what is too much to tell.
+pub fn told(faults: &[String], tell: &mut dyn FnMut(&str)) {
+    faults.iter().take(TOLD).for_each(|fault| tell(fault));
+    if faults.len() > TOLD {
+        tell(&format!("{} more like these in {FAULTS}", faults.len() - TOLD));
+    }
+}
+
 pub fn table(results: &Results) -> Table {
     let mut table = Table::new(["", "J", "integral of squared jerk", "max jerk", "max speed", "runs", "time s"]);
     for (name, figures) in results.rows() {
@@ -116,7 +157,7 @@ pub fn table(results: &Results) -> Table {
             format!("{:.2}", figures.spline_jerk),
             format!("{:.3}", figures.jerk()),
             format!("{:.3}", figures.velocity),
-            (figures.breaks + 1).to_string(),
+            figures.runs.to_string(),
             format!("{:.3}", figures.time.as_secs_f64()),
         ]);
     }
@@ -229,7 +270,7 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
             .set(&format!("{name}_max_jerk"), figures.jerk())?
             .set(&format!("{name}_max_acceleration"), figures.acceleration)?
             .set(&format!("{name}_max_velocity"), figures.velocity)?
-            .set(&format!("{name}_runs"), figures.breaks + 1)?
+            .set(&format!("{name}_runs"), figures.runs)?
             .set(&format!("{name}_missed_mm"), figures.missed_mm)?
             .set(&format!("{name}_missed_rad"), figures.missed_rad)?
             .set(&format!("{name}_limits_broken"), figures.violations.len())?
@@ -251,7 +292,7 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
     }
     summary
         .set("check_ok", failed.is_empty())?
-        .set("checks_failed", failed.join(", "))?
+        .set("checks_failed", failed.join("; "))?
         .set_seconds("total_s", time)?;
     Ok(summary)
 }
@@ -269,9 +310,7 @@ fn report(args: &Args, results: &Results) -> Report {
          the global filter within what the local one reaches.",
         results.path.pieces.len()
     ));
-    for defect in results.path.defects.iter().take(20) {
-        report.notice(&defect.to_string());
-    }
+    told(&results.faults(), &mut |fault| _ = report.notice(fault));
     report.table("All methods", &table(results));
     if args.noise_count > 0 {
         report.paragraph(&format!(

@@ -5,7 +5,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{Placed, inside};
 use curvlay_trajectory::{
     Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
-    Quantity, RunIn, Rung, Timeline, Trajectory, filter_locally, jerk_measure, plan_ladder, smooth_globally,
+    Quantity, RunIn, Rung, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder, smooth_globally,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -49,13 +49,16 @@ pub struct Figures {
     pub acceleration: f64,
     /// Initial path included.
     pub time: Duration,
-    pub breaks: usize,
+    /// Unbroken motions.
+    pub runs: usize,
+    /// Where a motion breaks off within a piece of the path: the waypoints, counted over all pieces, at which it begins
+    /// anew.
+    pub breaks: Vec<usize>,
     /// How far joints are from their waypoints.
     pub missed_mm: f64,
     pub missed_rad: f64,
-    /// Bounds that do not hold everywhere, in words, and how many of them are not on jerk.
-    pub violations: Vec<String>,
-    pub hard_violations: usize,
+    /// Bounds that do not hold everywhere.
+    pub violations: Vec<Violation>,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
     pub jerk_lower_bound: Option<f64>,
     /// Of the stretches about breaks, by [`Placed::least_speed`]: every motion needs so many times a speed limit.
@@ -65,6 +68,11 @@ pub struct Figures {
 impl Figures {
     pub fn jerk(&self) -> f64 {
         self.joint_jerk.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Those that are not on jerk.
+    pub fn hard_violations(&self) -> impl Iterator<Item = &Violation> {
+        self.violations.iter().filter(|violation| violation.quantity != Quantity::Jerk)
     }
 }
 
@@ -122,6 +130,7 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
     let mut freed_any = false;
     let (samples, search) = plan.grid;
     let grid = LadderOptions { samples, search, doublings: 0, breaks: true, ..LadderOptions::default() };
+    let mut waypoints = 0;
     for (piece, (robot, times)) in robots.iter().zip(times).enumerate() {
         let bounds = robot.bounds(plan.makers_speeds);
         let (ladder, ladder_time) = first_ladder(robot, times, &bounds, plan.finer, bars)?;
@@ -172,6 +181,7 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
             let trajectories = whole.map_or_else(|| motion.splines(times), Ok)?;
             let mut planned = measured(method, robot, times, &bounds, &motion, trajectories, time);
             planned.figures.jerk_lower_bound = lower_bound;
+            planned.figures.breaks.iter_mut().for_each(|waypoint| *waypoint += waypoints);
             if method == "ladder" {
                 planned.figures.speed_lower_bound = needed_speed(robot, times, &bounds, &motion)?;
             }
@@ -180,6 +190,7 @@ pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
                 None => all.push(planned),
             }
         }
+        waypoints += times.len();
     }
     all.retain(|planned| (planned.method != FREED || freed_any) && (planned.method != "grid" || notes.is_empty()));
     Ok((all, notes))
@@ -361,11 +372,11 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
         velocity: 0.0,
         acceleration: 0.0,
         time,
-        breaks: motion.runs.len() - 1,
+        runs: motion.runs.len(),
+        breaks: motion.runs[1..].iter().map(|run| run.start).collect(),
         missed_mm: 0.0,
         missed_rad: 0.0,
         violations: Vec::new(),
-        hard_violations: 0,
         jerk_lower_bound: None,
         speed_lower_bound: None,
     };
@@ -383,9 +394,7 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
             figures.velocity = figures.velocity.max(joint.velocity.value.abs());
             figures.acceleration = figures.acceleration.max(joint.acceleration.value.abs());
         }
-        let violations = trajectory.violations(bounds, BEYOND);
-        figures.hard_violations += violations.iter().filter(|violation| violation.quantity != Quantity::Jerk).count();
-        figures.violations.extend(violations.iter().map(ToString::to_string));
+        figures.violations.extend(trajectory.violations(bounds, BEYOND));
     }
     Planned { method, trajectories, figures }
 }
@@ -400,11 +409,11 @@ impl<const N: usize> Planned<N> {
         ours.velocity = ours.velocity.max(theirs.velocity);
         ours.acceleration = ours.acceleration.max(theirs.acceleration);
         ours.time += theirs.time;
-        ours.breaks += theirs.breaks;
+        ours.runs += theirs.runs;
+        ours.breaks.extend(theirs.breaks);
         ours.missed_mm = ours.missed_mm.max(theirs.missed_mm);
         ours.missed_rad = ours.missed_rad.max(theirs.missed_rad);
         ours.violations.extend(theirs.violations);
-        ours.hard_violations += theirs.hard_violations;
         ours.jerk_lower_bound = greater(ours.jerk_lower_bound, theirs.jerk_lower_bound);
         ours.speed_lower_bound = greater(ours.speed_lower_bound, theirs.speed_lower_bound);
         self.trajectories.extend(next.trajectories);

@@ -57,6 +57,6 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Reac
     let reached = reaching::run(args, bars)?;
     bars.finish();
     outputs::write(args, &reached, folder, start.elapsed())?;
-    let outcome = Outcome::of(reached.iter().all(Reached::is_ok));
+    let outcome = Outcome::of(reaching::failed_checks(&reached));
     Ok((reached, outcome))
 }

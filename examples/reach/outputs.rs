@@ -2,7 +2,7 @@
 
 use super::Args;
 use super::drawing::picture;
-use super::reaching::{Reached, is_in_box};
+use super::reaching::{Reached, failed_checks, is_in_box};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -55,7 +55,7 @@ pub fn table(reached: &[Reached]) -> Table {
 }
 
 fn summary(args: &Args, reached: &[Reached], time: Duration) -> Result<Summary, Failure> {
-    let failed: Vec<String> = reached.iter().filter(|arm| !arm.is_ok()).map(|arm| typed_name(arm.name)).collect();
+    let failed = failed_checks(reached);
     let mut summary = Summary::new();
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?

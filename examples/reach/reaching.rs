@@ -2,7 +2,7 @@
 
 use super::Args;
 use clap::ValueEnum;
-use curvlay_examples::args::Failure;
+use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::bars::Bars;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::{
@@ -79,6 +79,11 @@ impl Reached {
     pub fn is_ok(&self) -> bool {
         self.recounted == self.placement.frames && self.worst_mm <= 2.0 * POSITION_TOLERANCE
     }
+}
+
+/// The arms for which they do not.
+pub fn failed_checks(reached: &[Reached]) -> Vec<String> {
+    reached.iter().filter(|arm| !arm.is_ok()).map(|arm| typed_name(arm.name)).collect()
 }
 
 /// Whether a point lies in the box around the nozzle; the box was moved to its middle, so its faces are blurred by

@@ -208,18 +208,18 @@ fn eps(text: &str) -> Result<f64, String> {
 }
 
 /// How an example ended that could do its work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// All is well. Missed cells alone are well.
     Done,
-    /// A check of ours failed; the summary names it.
-    CheckFailed,
+    /// Checks of ours failed: which, a line each.
+    ChecksFailed(Vec<String>),
 }
 
 impl Outcome {
-    /// Done, if our checks hold.
-    pub fn of(well: bool) -> Self {
-        if well { Outcome::Done } else { Outcome::CheckFailed }
+    /// Done, if no check failed.
+    pub fn of(failed: Vec<String>) -> Self {
+        if failed.is_empty() { Outcome::Done } else { Outcome::ChecksFailed(failed) }
     }
 }
 
@@ -256,7 +256,7 @@ const CHECK_FAILED: u8 = 3;
 ///
 /// # Returns
 /// 0: done (help and version, too). 1: `main` failed, one line on stderr says at what. 2: the arguments cannot be
-/// used, one line on stderr says which. 3: done, but a check failed.
+/// used, one line on stderr says which. 3: done, but checks failed, each with its line on stderr.
 pub fn run_with_args<A: Parser>(main: impl FnOnce(A) -> Result<Outcome, Failure>) -> ExitCode {
     run_on(env::args_os(), main)
 }
@@ -284,7 +284,10 @@ pub fn run_on<A: Parser>(
 pub fn run(main: impl FnOnce() -> Result<Outcome, Failure>) -> ExitCode {
     match main() {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::CheckFailed) => ExitCode::from(CHECK_FAILED),
+        Ok(Outcome::ChecksFailed(failed)) => {
+            failed.iter().for_each(|check| say(&format!("check failed: {check}")));
+            ExitCode::from(CHECK_FAILED)
+        }
         Err(failure) => {
             say(&format!("error: {}", failure.0));
             ExitCode::from(UNUSABLE)

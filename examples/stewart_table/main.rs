@@ -73,6 +73,6 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Printed,
     let printed = table::print(args.nozzle_mm, &waypoints, bars)?;
     bars.finish();
     outputs::write(args, &printed, folder, start.elapsed())?;
-    let outcome = Outcome::of(printed.failed_checks().is_empty());
+    let outcome = Outcome::of(printed.failed_checks());
     Ok((printed, outcome))
 }

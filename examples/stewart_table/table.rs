@@ -51,7 +51,7 @@ pub struct Printed {
 
 impl Printed {
     /// The checks that do not hold.
-    pub fn failed_checks(&self) -> Vec<&'static str> {
+    pub fn failed_checks(&self) -> Vec<String> {
         [
             ("reach", self.unreachable == 0),
             ("legs", self.worst_leg_mm <= RESIDUAL_MM),
@@ -59,7 +59,8 @@ impl Printed {
             ("continuity", self.lost == 0),
         ]
         .into_iter()
-        .filter_map(|(name, holds)| (!holds).then_some(name))
+        .filter(|(_, holds)| !holds)
+        .map(|(name, _)| name.to_owned())
         .collect()
     }
 }

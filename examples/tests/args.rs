@@ -94,12 +94,11 @@ fn what_is_out_of_range_is_refused_in_one_line() {
 fn the_exit_status_says_how_it_ended() {
     assert_eq!(run(|| Ok(Outcome::Done)), ExitCode::from(0));
     assert_eq!(run(|| Err(Failure::new("no ink"))), ExitCode::from(1));
-    assert_eq!(run(|| Ok(Outcome::CheckFailed)), ExitCode::from(3));
+    assert_eq!(run(|| Ok(Outcome::ChecksFailed(vec!["ink".to_owned()]))), ExitCode::from(3));
     assert_eq!(run_on::<Args>(["name", "--help"], |_| panic!("help does no work")), ExitCode::from(0));
-    assert_eq!(
-        run_on::<Args>(["name"], |args| Ok(if args.common.quiet { Outcome::Done } else { Outcome::CheckFailed })),
-        ExitCode::from(3)
-    );
+    let of_args = |args: Args| Ok(Outcome::of(if args.common.quiet { vec![] } else { vec!["noise".to_owned()] }));
+    assert_eq!(run_on(["name"], of_args), ExitCode::from(3));
+    assert_eq!(run_on(["name", "--quiet"], of_args), ExitCode::from(0));
 }
 
 #[test]

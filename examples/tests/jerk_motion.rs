@@ -15,7 +15,7 @@ use curvlay_examples::bars::Bars;
 use example::Args;
 use std::fmt::Write;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 fn arguments(words: &[&str]) -> Result<Args, clap::Error> {
     Args::try_parse_from(["jerk_motion"].iter().chain(words))
@@ -43,6 +43,7 @@ fn the_spiral_is_planned_on_both_robots() {
         (&summary["waypoints"], &summary["splits"], &summary["check_ok"]),
         (&60.into(), &0.into(), &true.into())
     );
+    assert_documented(&path);
     let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key}"));
     for robot in ["ur3", "cell8"] {
         for method in ["ladder", "local", "global", "grid"] {
@@ -136,17 +137,30 @@ fn what_one_method_cannot_do_does_not_stop_the_others() {
     assert!(!summary.contains_key("cell8_grid_j") && !summary.contains_key("ur3_notes"));
     assert!(summary["cell8_global_spline_jerk"].as_f64() < summary["cell8_ladder_spline_jerk"].as_f64());
     assert!(summary["ur3_grid_j"].as_f64() > Some(0.0));
-    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("no path on the grid"));
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(report.contains("no path on the grid"));
+    // Both break off at the ridge.
+    let faults = fs::read_to_string(path.join("path-faults.txt")).unwrap();
+    let told =
+        ["cell8", "ur3"].map(|robot| format!("waypoint 40: {robot} is too slow to go on; its motion begins anew\n"));
+    assert_eq!(faults, told.concat());
+    assert_documented(&path);
+    assert!(told.iter().all(|line| report.contains(line.trim())));
 }
 
 #[test]
 fn a_filter_that_passes_its_bounds_is_compared_with_one_that_may() {
     // A sharp crest, where Algorithm 6 goes faster than it may.
     let words = ["--count", "60", "--crest", "1", "--robots", "ur3", "--noise", "0", "--samples", "0"];
-    let (path, _) = run("crest", &words).unwrap();
+    let (path, outcome) = run("crest", &words).unwrap();
     let summary = summary(&path);
     let figure = |method: &str, key: &str| summary[&format!("ur3_{method}_{key}")].as_f64().unwrap();
     assert!(figure("local", "max_velocity") > 1.1);
+    // The crest asks for more acceleration than there is, and the one check that fails says so.
+    let Outcome::ChecksFailed(failed) = outcome else { panic!("a limit that no motion holds") };
+    assert!(failed.len() == 1 && failed[0].starts_with("ur3_global_limits: "), "{failed:?}");
+    assert!(failed[0].contains(&format!("of {:.6} at", figure("global", "max_acceleration"))), "{failed:?}");
+    assert_eq!((&summary["check_ok"], &summary["checks_failed"]), (&false.into(), &failed.join("; ").into()));
     assert!(figure("global_freed", "max_velocity") <= figure("local", "max_velocity") * 1.001);
     for before in ["ladder", "local", "global"] {
         assert!(figure("global_freed", "spline_jerk") < figure(before, "spline_jerk"), "{before}");
@@ -173,14 +187,29 @@ fn the_spiral_has_equal_steps_and_unit_normals() {
     assert!(inner.abs_diff(150) < 40, "{inner}");
 }
 
+/// Whether the page on formats has every key of the summary and the columns of the trajectories.
+fn assert_documented(path: &Path) {
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    let (_, page) = page.split_once("\n## `jerk_motion`\n").unwrap();
+    let methods = ["ladder", "local", "global_freed", "global", "grid"];
+    let kinds = methods.into_iter().chain(["svm_random_shifted", "svm_random", "svm_shifted", "svm", "geometric"]);
+    for key in summary(path).keys() {
+        let figure = kinds.clone().find_map(|kind| key.split_once(kind).map(|(_, figure)| figure)).unwrap_or(key);
+        assert!(page.contains(&format!("`{figure}`")), "{key}: {figure}");
+    }
+    let table = fs::read_to_string(path.join("ur3_trajectory.csv")).unwrap();
+    assert!(page.contains(&format!("`{}`", table.lines().next().unwrap())));
+}
+
 #[test]
 fn a_file_is_split_at_its_defects() {
     fs::create_dir_all(place("files")).unwrap();
     let mut text = String::new();
     for k in 0..40 {
-        // A jump of 30 mm, and a repeated point.
+        // A jump of 30 mm, a repeated point, and one that is no point.
         let x = 0.8 * f64::from(k - i32::from(k > 10)) + if k >= 25 { 30.0 } else { 0.0 };
-        writeln!(text, "{x} 0.1 5 0 0 1").unwrap();
+        let z = if k == 32 { f64::NAN } else { 5.0 };
+        writeln!(text, "{x} 0.1 {z} 0 0 1").unwrap();
     }
     let file = place("files").join("islands.txt");
     fs::write(&file, text).unwrap();
@@ -189,9 +218,19 @@ fn a_file_is_split_at_its_defects() {
     assert_eq!(outcome, Outcome::Done);
     let summary = summary(&path);
     let figures = ["given", "waypoints", "pieces", "defects", "splits"].map(|key| summary[key].as_u64().unwrap());
-    assert_eq!(figures, [40, 39, 2, 2, 1]);
+    assert_eq!(figures, [40, 38, 3, 3, 2]);
+    assert_eq!(summary["ur3_global_runs"], 3);
     assert!(!summary.contains_key("cell8_ladder_j") && !summary.contains_key("ur3_noise5_ladder_j"));
-    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("waypoint 25: a jump"));
+    let faults = fs::read_to_string(path.join("path-faults.txt")).unwrap();
+    let begins =
+        ["waypoint 11: 0.0000 mm from", "waypoint 25: a jump of 30", "waypoint 32: a number that is not finite"];
+    assert!(faults.lines().count() == 3 && faults.lines().zip(begins).all(|(line, begin)| line.starts_with(begin)));
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(faults.lines().all(|line| report.contains(line)));
+    // Of a path without faults no list is left.
+    let words = ["--count", "40", "--robots", "ur3", "--noise", "0", "--samples", "0"];
+    run("islands", &words).unwrap();
+    assert!(!path.join("path-faults.txt").exists());
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn waypoints_come_from_a_file() {
     // The third one lies far beyond the legs.
     fs::write(&file, "x,y,z,nx,ny,nz\n0,0,30,0,0,1\n5,0,30,0.1,0,2\n\n900,0,30,0,0,1\n0,5,30,0,0,1\n").unwrap();
     let (path, outcome) = run("file", &["--waypoints", file.to_str().unwrap()]).unwrap();
-    assert_eq!(outcome, Outcome::CheckFailed);
+    assert_eq!(outcome, Outcome::ChecksFailed(vec!["reach".to_owned()]));
     let summary = summary(&path);
     assert_eq!((&summary["waypoints"], &summary["unreachable"]), (&4.into(), &1.into()));
     assert_eq!((&summary["checks_failed"], &summary["layer"]), (&"reach".into(), &"layer.csv".into()));

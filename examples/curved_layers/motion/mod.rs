@@ -247,9 +247,15 @@ impl Motion {
         }
     }
 
-    /// Whether nothing touches and all bounds hold.
-    pub fn is_ok(&self) -> bool {
-        [FaultKind::Collision, FaultKind::Bounds].iter().all(|&kind| self.figures().count(kind) == 0)
+    /// What may not be: that something touches, and bounds that do not hold.
+    pub fn failed_checks(&self) -> Vec<String> {
+        let kinds = [
+            (FaultKind::Collision, "steps from knot to knot are not proven free"),
+            (FaultKind::Bounds, "limits of joints do not hold"),
+        ];
+        let counted = kinds.map(|(kind, what)| (self.figures().count(kind), what));
+        let failed = counted.into_iter().filter(|(count, _)| *count > 0);
+        failed.map(|(count, what)| format!("{count} {what}, see motion-faults.csv")).collect()
     }
 }
 

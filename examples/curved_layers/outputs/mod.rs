@@ -22,8 +22,8 @@ use std::time::Duration;
 /// A picture and the line under it.
 type Picture = (String, Vec<u8>);
 
-/// Writes all of it. False where something that was asked for would be wrong, and was left out.
-pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<bool, Failure> {
+/// Writes all of it. Programs that would be wrong are left out; then it says why.
+pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<Option<String>, Failure> {
     let Results { field: run, surfaces, paths, machine, motion } = results;
     let mut summary = Summary::new();
     let stages = ["Cells and layers", "Surfaces", "Paths", "Nozzle and machine file", "Motion"];
@@ -90,7 +90,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     // The summary comes last: where it is, all is there.
     summary.write(folder)?;
     Table::print_all(tables.iter().filter(|table| !table.rows().is_empty())).map_err(failure)?;
-    Ok(refused.is_none())
+    Ok(refused)
 }
 
 fn seconds(time: Duration) -> String {
