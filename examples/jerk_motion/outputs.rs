@@ -273,6 +273,7 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
             .set(&format!("{name}_runs"), figures.runs)?
             .set(&format!("{name}_missed_mm"), figures.missed_mm)?
             .set(&format!("{name}_missed_rad"), figures.missed_rad)?
+            .set(&format!("{name}_strayed_mm"), figures.strayed_mm)?
             .set(&format!("{name}_limits_broken"), figures.violations.len())?
             .set_seconds(&format!("{name}_plan_s"), figures.time)?;
         if let Some(bound) = figures.jerk_lower_bound {

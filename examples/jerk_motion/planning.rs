@@ -2,7 +2,7 @@
 
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{Placed, inside};
+use curvlay_examples::motion::{Placed, inside, strayed};
 use curvlay_trajectory::{
     Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
     Quantity, RunIn, Rung, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder, smooth_globally,
@@ -57,6 +57,8 @@ pub struct Figures {
     /// How far joints are from their waypoints.
     pub missed_mm: f64,
     pub missed_rad: f64,
+    /// How far the nozzle leaves the straight way between two waypoints.
+    pub strayed_mm: f64,
     /// Bounds that do not hold everywhere.
     pub violations: Vec<Violation>,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
@@ -376,6 +378,7 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
         breaks: motion.runs[1..].iter().map(|run| run.start).collect(),
         missed_mm: 0.0,
         missed_rad: 0.0,
+        strayed_mm: 0.0,
         violations: Vec::new(),
         jerk_lower_bound: None,
         speed_lower_bound: None,
@@ -395,6 +398,8 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
             figures.acceleration = figures.acceleration.max(joint.acceleration.value.abs());
         }
         figures.violations.extend(trajectory.violations(bounds, BEYOND));
+        let strayed = strayed(&robot.part(run.clone()), trajectory).into_iter();
+        figures.strayed_mm = strayed.fold(figures.strayed_mm, f64::max);
     }
     Planned { method, trajectories, figures }
 }
@@ -413,6 +418,7 @@ impl<const N: usize> Planned<N> {
         ours.breaks.extend(theirs.breaks);
         ours.missed_mm = ours.missed_mm.max(theirs.missed_mm);
         ours.missed_rad = ours.missed_rad.max(theirs.missed_rad);
+        ours.strayed_mm = ours.strayed_mm.max(theirs.strayed_mm);
         ours.violations.extend(theirs.violations);
         ours.jerk_lower_bound = greater(ours.jerk_lower_bound, theirs.jerk_lower_bound);
         ours.speed_lower_bound = greater(ours.speed_lower_bound, theirs.speed_lower_bound);

@@ -4,7 +4,7 @@ use curvlay_kinematics::{
     Arm, ArmError, Branch, Cell, CellError, JointLimits, Positioner, PositionerError, TableCell, Waypoint,
     nozzle_frame, robots,
 };
-use curvlay_trajectory::{Bounds, FreeRange, LadderError, LeastSpeed, Posture, Robot, least_speed};
+use curvlay_trajectory::{Bounds, FreeRange, LadderError, LeastSpeed, Posture, Robot, Trajectory, least_speed};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::ops::{ControlFlow, Range};
@@ -52,8 +52,14 @@ pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
     /// A waypoint.
     fn at(&self, waypoint: usize) -> Waypoint;
 
+    /// Where the nozzle is on the part; `None` where the table cannot be.
+    fn nozzle_on_part(&self, joints: &[f64; N]) -> Option<Isometry3<f64>>;
+
     /// How far joints are from a waypoint: millimetres, and the angle of the axes in radians.
-    fn missed(&self, waypoint: usize, joints: &[f64; N]) -> (f64, f64);
+    fn missed(&self, waypoint: usize, joints: &[f64; N]) -> (f64, f64) {
+        let nozzle = self.nozzle_on_part(joints);
+        nozzle.map_or((f64::INFINITY, f64::INFINITY), |nozzle| apart(&nozzle, &self.at(waypoint)))
+    }
 
     /// The bounds of the figures, or with the makers' speeds.
     fn bounds(&self, makers_speeds: bool) -> Bounds<N>;
@@ -70,6 +76,28 @@ pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
     ) -> Result<Option<LeastSpeed>, LadderError> {
         Ok(None)
     }
+}
+
+/// Looks between two waypoints.
+const LOOKS: u32 = 8;
+
+/// How far the nozzle leaves the straight way from each waypoint to the next, in millimetres; infinite where the table
+/// cannot be. A motion meets its waypoints; between them it goes as the joints do.
+pub fn strayed<const N: usize, const F: usize>(robot: &impl Placed<N, F>, trajectory: &Trajectory<N>) -> Vec<f64> {
+    let knots = trajectory.waypoints();
+    let times = &trajectory.times()[knots.clone()];
+    let step = |(waypoint, times): (usize, &[f64])| {
+        let [from, to] = [waypoint, waypoint + 1].map(|waypoint| robot.at(waypoint).position);
+        let off = |look: u32| {
+            let time = times[0] + (times[1] - times[0]) * f64::from(look) / f64::from(LOOKS);
+            let nozzle = robot.nozzle_on_part(&trajectory.at(time).position)?;
+            let (way, tip) = (to - from, nozzle.translation.vector - from.coords);
+            let along = (tip.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            Some((tip - way * along).norm())
+        };
+        (1..LOOKS).map(|look| off(look).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
+    };
+    times.windows(2).enumerate().map(step).collect()
 }
 
 /// Waypoints centred in x and y by their mean, the lowest at z = 0.
@@ -141,8 +169,8 @@ impl Placed<6, 1> for PartInHand {
         self.waypoints[waypoint]
     }
 
-    fn missed(&self, waypoint: usize, joints: &[f64; 6]) -> (f64, f64) {
-        apart(&self.cell.nozzle_on_part(joints), &self.waypoints[waypoint])
+    fn nozzle_on_part(&self, joints: &[f64; 6]) -> Option<Isometry3<f64>> {
+        Some(self.cell.nozzle_on_part(joints))
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<6> {
@@ -259,11 +287,11 @@ impl Placed<8, 2> for OverTable {
         self.waypoints[waypoint]
     }
 
-    fn missed(&self, waypoint: usize, joints: &[f64; 8]) -> (f64, f64) {
+    fn nozzle_on_part(&self, joints: &[f64; 8]) -> Option<Isometry3<f64>> {
         // Also where a turn passes its stops, which is another fault.
         let (arm, [tilt, turn]) = six_and_two(joints);
-        let Some((_, cell)) = self.turned(tilt, turn) else { return (f64::INFINITY, f64::INFINITY) };
-        apart(&cell.nozzle_on_part(&arm), &self.waypoints[waypoint])
+        let (_, cell) = self.turned(tilt, turn)?;
+        Some(cell.nozzle_on_part(&arm))
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<8> {

@@ -1,6 +1,7 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
+use curvlay_examples::motion::{PartInHand, Placed};
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
 use curvlay_toolpath::nalgebra::Point3;
@@ -371,6 +372,37 @@ fn each_path_begins_near_where_the_one_before_ends() {
     assert_eq!(far.len() as u64, count("transfers"));
     // It was 3.1 and 4.4 rad: other branches, and whole turns.
     assert!(far[far.len() / 2] < 1.0 && far[far.len() - 1] < std::f64::consts::PI, "{far:?}");
+}
+
+/// Bug: with half a second from waypoint to waypoint the arm had the time to turn over between two of them. It met both, and
+/// its nozzle went 107 mm off the path in between; nothing said so.
+#[test]
+fn the_nozzle_keeps_on_its_way_between_waypoints() {
+    let scratch = Scratch::new("way");
+    let out = scratch.path("out");
+    let args = ["--voxels", "3000", "--stage", "motion", "--program", "none", "--quiet", "--out", &out];
+    let output = run(&args);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    assert!(figures["path_error_mm"].as_f64().unwrap() <= 0.4 && figures["astray"] == 0);
+    assert_eq!((&figures["breaks"], &figures["collisions"]), (&0.into(), &0.into()));
+    // Half way from knot to knot, taken straight in the joints: that is not the motion, but near it.
+    let robot = PartInHand::new(Vec::new()).unwrap();
+    let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let joints = |line: &[&str]| -> [f64; 6] { std::array::from_fn(|joint| line[joint + 1].parse().unwrap()) };
+    let tip = |joints: &[f64; 6]| robot.nozzle_on_part(joints).unwrap().translation.vector;
+    let mut steps = 0;
+    for pair in
+        lines.windows(2).filter(|pair| pair[0][7] == "print" && pair[1][7] == "print" && pair[0][9] == pair[1][9])
+    {
+        let [a, b] = [joints(&pair[0]), joints(&pair[1])];
+        let middle = std::array::from_fn(|joint| 0.5 * (a[joint] + b[joint]));
+        let off = (tip(&middle) - 0.5 * (tip(&a) + tip(&b))).norm();
+        assert!(off < 2.0, "{off}");
+        steps += 1;
+    }
+    assert!(steps > 8_000, "{steps}");
 }
 
 /// A block on a table that tilts and turns: the program has every waypoint on the part, at the speed of the deposition.

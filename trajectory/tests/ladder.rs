@@ -87,7 +87,7 @@ fn slow_cost<const N: usize>(
         for (a, from) in rungs[at - 1].iter().enumerate() {
             for (b, to) in rungs[at].iter().enumerate() {
                 let (apart, time) = (apart(from, to), times[at] - times[at - 1]);
-                if (0..N).all(|j| apart[j] <= bounds.velocity[j] * time) {
+                if (0..N).all(|j| apart[j] <= options.step[j].min(bounds.velocity[j] * time)) {
                     edges[firsts[at - 1] + a].push((firsts[at] + b, 0, (0..N).map(|j| cost(j, apart[j])).sum()));
                 }
                 if options.breaks {
@@ -142,7 +142,8 @@ fn assert_is_a_path<const N: usize, const F: usize, R: Robot<N, F>>(
             let time = if at > 0 { times[at] - times[at - 1] } else { f64::INFINITY };
             for (j, before) in before.iter().flatten().enumerate() {
                 let apart = (rung.joints[j] - before).abs();
-                assert!(apart <= bounds.velocity[j] * time * (1.0 + 1e-9), "rung {at}");
+                let step = if at > 0 { options.step[j] } else { f64::INFINITY };
+                assert!(apart <= step.min(bounds.velocity[j] * time) * (1.0 + 1e-9), "rung {at}");
                 cost += options.weights[j] * if options.norm == Norm::Squared { apart * apart } else { apart };
             }
         }
@@ -166,6 +167,7 @@ prop_compose! {
         waypoints in 2usize..9, samples in 2usize..5, seed in any::<u64>(), step in 0.05..0.9f64,
         stops in prop::array::uniform3(stops()),
         velocity in prop::array::uniform3(prop_oneof![6 => 0.3..4.0f64, 1 => Just(f64::INFINITY)]),
+        farthest in prop::array::uniform3(prop_oneof![2 => Just(f64::INFINITY), 1 => 0.1..1.2f64]),
         absolute in any::<bool>(), weights in prop::array::uniform3(0.0..2.0f64),
         from in prop::option::of(prop::array::uniform3(-7.0..7.0f64)),
     ) -> (Listed<3>, Vec<f64>, Bounds<3>, LadderOptions<3, 1>) {
@@ -189,7 +191,7 @@ prop_compose! {
         let bounds = Bounds { lower: stops.map(|s| s.0), upper: stops.map(|s| s.1), velocity, ..Bounds::NONE };
         let norm = if absolute { Norm::Absolute } else { Norm::Squared };
         let options =
-            LadderOptions { samples: [samples as u32], doublings: 0, norm, weights, from, ..LadderOptions::default() };
+            LadderOptions { samples: [samples as u32], doublings: 0, norm, weights, from, step: farthest, ..LadderOptions::default() };
         (Listed { joints }, times, bounds, options)
     }
 }
@@ -604,6 +606,8 @@ fn what_cannot_be_is_named() {
     }
     let heavy = LadderOptions { weights: [1.0, f64::NAN, 1.0], ..options };
     assert!(matches!(plan(&good, &no_limits(), &heavy), LadderError::Option { .. }));
+    let still = LadderOptions { step: [1.0, 0.0, 1.0], ..options };
+    assert!(matches!(plan(&good, &no_limits(), &still), LadderError::Option { value: 0.0, .. }));
     let too_fine = LadderOptions { refinements: 11, ..options };
     assert!(matches!(plan(&good, &no_limits(), &too_fine), LadderError::Option { value: 11.0, .. }));
     let far = Planar { tips: vec![[0.9, 0.4], [9.0, 0.0], [0.9, 0.4]], links: [1.0, 0.8, 0.4] };

@@ -151,18 +151,20 @@ pub fn climb<const N: usize, const F: usize, R: Printer<N, F>>(
     let mut ladders = Vec::new();
     for Stretch { part, times, best, .. } in &prepared.stretches {
         let inner = inside(&bounds(part));
-        let plan = |enough: usize, branch, doublings, breaks| {
+        let plan = |enough: usize, branch, (samples, doublings), breaks| {
             let rooms: Vec<usize> = best.iter().map(|&best| best.max(enough)).collect();
             let from = before.map(|before| before.joints);
-            let options = LadderOptions { samples: R::SAMPLES, doublings, breaks, from, ..LadderOptions::default() };
+            let step = R::STEP;
+            let options = LadderOptions { samples, doublings, step, breaks, from, ..LadderOptions::default() };
             let guarded = Guarded { robot: part, cell, rooms: &rooms, branch };
             plan_ladder(&guarded, times, &inner, &options, &|_| ControlFlow::Continue(()))
         };
         let same = before.map(|before| before.branch);
         // Of a waypoint's room less than the best is taken only where there is no path otherwise.
-        let tries = [(0, same), (0, None), (1, same)];
-        let found = tries.iter().find_map(|&(enough, branch)| plan(enough, branch, 0, false).ok());
-        let ladder = found.map_or_else(|| plan(1, None, R::DOUBLINGS, true), Ok).map_err(failure)?;
+        let (few, many) = ((R::SAMPLES, 0), (R::NEAR, R::DOUBLINGS));
+        let tries = [(0, same, few), (0, None, few), (1, same, few), (1, same, many)];
+        let found = tries.iter().find_map(|&(enough, branch, samples)| plan(enough, branch, samples, false).ok());
+        let ladder = found.map_or_else(|| plan(1, None, many, true), Ok).map_err(failure)?;
         *before = ladder.rungs.last().map(|rung| Before { joints: rung.joints, branch: rung.branch });
         ladders.push(ladder);
     }

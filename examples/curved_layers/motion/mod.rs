@@ -6,6 +6,7 @@
 //! between are checked against the cell, with the part as it is built by then (`workcell`).
 
 mod climb;
+mod course;
 pub mod robots;
 mod run;
 mod workcell;
@@ -103,8 +104,9 @@ pub struct Figures {
     pub name: &'static str,
     pub motions: usize,
     pub transfers: usize,
-    /// How far from its waypoint a nozzle is at most.
+    /// How far from its waypoint a nozzle is at most, and from the straight way between two.
     pub missed_mm: f64,
+    pub strayed_mm: f64,
     /// Least share of the planned feed at which a motion is printed.
     pub least_feed: f64,
     /// On the clock.
@@ -160,6 +162,8 @@ pub enum FaultKind {
     Bounds,
     /// The motion is printed below the planned feed, since a joint is too slow for it.
     Slowed,
+    /// The nozzle leaves the way from the waypoint to the next.
+    Astray,
     /// A motion from knot to knot is not proven free.
     Collision,
     /// No way to the next run was found.
@@ -174,6 +178,7 @@ impl FaultKind {
             FaultKind::Break => "break",
             FaultKind::Bounds => "bounds",
             FaultKind::Slowed => "slowed",
+            FaultKind::Astray => "astray",
             FaultKind::Collision => "collision",
             FaultKind::NoTransfer => "no transfer",
         }
@@ -183,9 +188,8 @@ impl FaultKind {
 impl<const N: usize, const F: usize> Run<N, F> {
     /// When the first and when the last waypoint is passed; run-in and run-out have as many knots.
     pub fn printing(&self) -> [f64; 2] {
-        let times = self.trajectory.times();
-        let before = (times.len() - self.trajectory.at_waypoints().len()) / 2;
-        [times[before], times[times.len() - 1 - before]]
+        let (times, waypoints) = (self.trajectory.times(), self.trajectory.waypoints());
+        [times[waypoints.start], times[waypoints.end - 1]]
     }
 
     /// Seconds from rest to rest.
@@ -247,11 +251,12 @@ impl Motion {
         }
     }
 
-    /// What may not be: that something touches, and bounds that do not hold.
+    /// What may not be: that something touches, bounds that do not hold, and what is laid off the path.
     pub fn failed_checks(&self) -> Vec<String> {
         let kinds = [
             (FaultKind::Collision, "steps from knot to knot are not proven free"),
             (FaultKind::Bounds, "limits of joints do not hold"),
+            (FaultKind::Astray, "steps leave the way between two waypoints"),
         ];
         let counted = kinds.map(|(kind, what)| (self.figures().count(kind), what));
         let failed = counted.into_iter().filter(|(count, _)| *count > 0);
@@ -290,7 +295,7 @@ fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     let start = Instant::now();
     let mut cell: Workcell<N, F, R> = Workcell::new(field, surfaces, &shift)?;
     let mut times = Times { plan: start.elapsed(), ..Times::default() };
-    let (mut missed_mm, mut least_feed) = (0.0_f64, 1.0_f64);
+    let (mut missed_mm, mut strayed_mm, mut least_feed) = (0.0_f64, 0.0_f64, 1.0_f64);
     let (mut layers, mut faults, mut transfers) = (Vec::new(), Vec::new(), Vec::new());
     let mut runs: Vec<Run<N, F>> = Vec::new();
     let mut before = None;
@@ -316,6 +321,7 @@ fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
         for planned in planned {
             layer.times.plan += planned.took;
             missed_mm = missed_mm.max(planned.missed_mm);
+            strayed_mm = strayed_mm.max(planned.strayed_mm);
             least_feed = least_feed.min(planned.least_feed);
             faults.extend(planned.faults);
             runs.extend(planned.runs);
@@ -364,7 +370,8 @@ fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
         layer.faults = faults.iter().filter(|fault| fault.layer == layer.layer).count();
     }
     let (motions, name) = (runs.len(), R::NAME);
-    let figures = Figures { name, motions, transfers: transfers.len(), missed_mm, least_feed, times, faults, layers };
+    let figures =
+        Figures { name, motions, transfers: transfers.len(), missed_mm, strayed_mm, least_feed, times, faults, layers };
     Ok(MotionRun { robot: R::empty()?, runs, transfers, shift, figures })
 }
 

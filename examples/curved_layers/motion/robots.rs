@@ -55,15 +55,20 @@ pub struct Placement {
 }
 
 /// A cell that prints.
-pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Send {
+pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Clone + Send {
     /// What a report calls it.
     const NAME: &'static str;
 
     /// Samples of the free parameters at which a waypoint is tried, and of the ladder to begin with.
     const SAMPLES: [u32; F];
 
-    /// How often the ladder may double them.
+    /// Where these lead nowhere, as many as a step leads from one to the next; and how often the ladder may double them.
+    const NEAR: [u32; F];
     const DOUBLINGS: u32;
+
+    /// How far each joint may go from a waypoint to the next, in radians. Their directions differ by a sixth; what goes
+    /// much farther turns the arm over, and the nozzle goes anywhere between.
+    const STEP: [f64; N];
 
     /// The cell without waypoints.
     fn empty() -> Result<Self, Failure>;
@@ -152,7 +157,9 @@ fn placement_of(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> Plac
 impl Printer<6, 1> for PartInHand {
     const NAME: &'static str = "UR3 that holds the part under a standing nozzle";
     const SAMPLES: [u32; 1] = [24];
+    const NEAR: [u32; 1] = [24];
     const DOUBLINGS: u32 = 4;
+    const STEP: [f64; 6] = [0.35; 6];
 
     fn empty() -> Result<Self, Failure> {
         PartInHand::new(Vec::new()).map_err(failure)
@@ -192,7 +199,9 @@ impl Printer<6, 1> for PartInHand {
 impl Printer<8, 2> for OverTable {
     const NAME: &'static str = "IRB 1200 over a table that tilts and turns";
     const SAMPLES: [u32; 2] = [5, 4];
-    const DOUBLINGS: u32 = 3;
+    const NEAR: [u32; 2] = [7, 18];
+    const DOUBLINGS: u32 = 1;
+    const STEP: [f64; 8] = [0.35; 8];
 
     fn empty() -> Result<Self, Failure> {
         OverTable::new(Vec::new()).map_err(failure)

@@ -1,11 +1,13 @@
 //! The motions along one path, given its postures.
 
 use super::climb::{Climbed, Prepared, Stretch};
+use super::course::Course;
 use super::robots::Printer;
 use super::workcell::Workcell;
 use super::{Fault, FaultKind, Run, bounds};
 use crate::failure;
 use curvlay_examples::args::Failure;
+use curvlay_examples::motion::strayed;
 use curvlay_trajectory::{
     Bounds, FEWEST_WAYPOINTS, GlobalMotion, GlobalOptions, Quantity, RunIn, Rung, Timeline, Trajectory, Violation,
     smooth_globally,
@@ -15,11 +17,18 @@ use std::time::{Duration, Instant};
 
 /// Rounds of the filter, and seconds of each piece of run-in and run-out. Longer runs are gentler, but their tip leaves
 /// the path: by a millimetre at 10 mm/s. Where the motion touches something, less of both is tried.
-const ATTEMPTS: [(usize, f64); 3] = [(40, 0.05), (6, 0.02), (2, 0.01)];
+const ATTEMPTS: [(usize, f64); 3] = [(40, 0.05), (6, 0.02), (2, ROUGH_SPACING)];
+const ROUGH_SPACING: f64 = 0.01;
 
 /// How many times slower a run is tried that touches something even so, the least first. Run-in and run-out take as long
 /// as before, so they get shorter.
 const SLOWER: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+
+/// How often steps of a run are split.
+const MOST_SPLIT: usize = 4;
+
+/// Keeping the nozzle on its way is worth no less than this share of the feed.
+const WORTH: f64 = 0.8;
 
 /// By which share bounds may be passed before that counts.
 const SLACK: f64 = 1e-6;
@@ -29,6 +38,7 @@ pub struct Planned<const N: usize, const F: usize> {
     pub runs: Vec<Run<N, F>>,
     pub faults: Vec<Fault>,
     pub missed_mm: f64,
+    pub strayed_mm: f64,
     /// Least share of the planned feed at which a run is printed.
     pub least_feed: f64,
     /// On its thread.
@@ -42,8 +52,8 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
 ) -> Result<Planned<N, F>, Failure> {
     let start = Instant::now();
     let Prepared { path, layer, stretches, kept, faults, took } = &climbed.prepared;
-    let mut planned =
-        Planned { runs: Vec::new(), faults: faults.clone(), missed_mm: 0.0, least_feed: 1.0, took: *took };
+    let (runs, faults) = (Vec::new(), faults.clone());
+    let mut planned = Planned { runs, faults, missed_mm: 0.0, strayed_mm: 0.0, least_feed: 1.0, took: *took };
     for (Stretch { first, part, times, .. }, ladder) in stretches.iter().zip(&climbed.ladders) {
         let bounds = bounds(part);
         let fault = |kind, waypoint: usize, what: String| {
@@ -52,16 +62,22 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
         };
         planned.faults.extend(ladder.breaks.iter().map(|&next| fault(FaultKind::Break, next, String::new())));
         for run in ladder.runs() {
-            let Smooth { trajectory, rungs, violations, feed, .. } =
-                smooth(&part.part(run.clone()), &times[run.clone()], &ladder.rungs[run.clone()], &bounds, cell)?;
+            let course = Course::new(part.part(run.clone()), &times[run.clone()], &ladder.rungs[run.clone()]);
+            let (course, smooth) = on_course(course, &bounds, cell)?;
+            let Smooth { trajectory, rungs, violations, feed, .. } = smooth;
             let told = violations.first().map(|what| (FaultKind::Bounds, what.to_string()));
             let slowed = (feed < 1.0).then(|| (FaultKind::Slowed, format!("feed at {:.1} %", 100.0 * feed)));
             let told = told.into_iter().chain(slowed);
             planned.faults.extend(told.map(|(kind, what)| fault(kind, run.start, what)));
             planned.least_feed = planned.least_feed.min(feed);
-            let missed = |(k, rung): (usize, &Rung<N, F>)| part.missed(run.start + k, &rung.joints).0;
+            let missed = |(k, rung): (usize, &Rung<N, F>)| course.part.missed(k, &rung.joints).0;
             planned.missed_mm = rungs.iter().enumerate().map(missed).fold(planned.missed_mm, f64::max);
-            let end = |k: usize| (rungs[k].free, part.at(run.start + k));
+            let strayed = strayed(&course.part, &trajectory).into_iter();
+            planned.strayed_mm = strayed.fold(planned.strayed_mm, f64::max);
+            planned.faults.extend(course.astray(&trajectory).into_iter().map(|(step, mm)| {
+                fault(FaultKind::Astray, run.start + course.of[step], format!("{mm:.2} mm off the way to the next"))
+            }));
+            let end = |k: usize| (rungs[k].free, course.part.at(k));
             let ends = [end(0), end(rungs.len() - 1)];
             planned.runs.push(Run { path: *path, layer: *layer, ends, trajectory });
         }
@@ -83,14 +99,13 @@ struct Smooth<const N: usize, const F: usize> {
 }
 
 impl<const N: usize, const F: usize> Smooth<N, F> {
-    /// What the ladder found, so many times slower.
-    fn unsmoothed(times: &[f64], rungs: &[Rung<N, F>], bounds: &Bounds<N>, slower: f64) -> Result<Self, Failure> {
-        let [.., (_, spacing)] = ATTEMPTS;
-        let line = timeline(times, slower, spacing)?;
-        let joints: Vec<[f64; N]> = rungs.iter().map(|rung| rung.joints).collect();
+    /// Through the postures of a course.
+    fn through<R>(course: &Course<N, F, R>, bounds: &Bounds<N>, feed: f64, spacing: f64) -> Result<Self, Failure> {
+        let line = timeline(&course.times, 1.0 / feed, spacing)?;
+        let joints: Vec<[f64; N]> = course.rungs.iter().map(|rung| rung.joints).collect();
         let trajectory = Trajectory::through(&line, &joints).map_err(failure)?;
         let violations = trajectory.violations(bounds, SLACK);
-        Ok(Smooth { trajectory, rungs: rungs.to_vec(), violations, feed: 1.0 / slower, spacing })
+        Ok(Smooth { trajectory, rungs: course.rungs.clone(), violations, feed, spacing })
     }
 
     /// How many times too fast a joint is at most; infinite where it is beyond its stops.
@@ -123,18 +138,68 @@ fn timeline(times: &[f64], slower: f64, spacing: f64) -> Result<Timeline, Failur
     Timeline::new(&times, RunIn { spacing, ..RunIn::default() }).map_err(failure)
 }
 
+/// The motion along a run, with as many waypoints as keep the nozzle on the way between them. Where the smoothest goes along
+/// the edge of the reach there may be none between two: then a less smooth one is taken.
+fn on_course<const N: usize, const F: usize, R: Printer<N, F>>(
+    mut course: Course<N, F, R>,
+    bounds: &Bounds<N>,
+    cell: &Workcell<N, F, R>,
+) -> Result<(Course<N, F, R>, Smooth<N, F>), Failure> {
+    // What the ladder's motion needs costs next to nothing.
+    for _ in 0..MOST_SPLIT {
+        let rough = Smooth::through(&course, bounds, 1.0, ROUGH_SPACING)?;
+        let Some(split) = course.split(&rough.trajectory, 1.0) else { break };
+        course = split;
+    }
+    let mut best = kept_on(course.clone(), &ATTEMPTS, bounds, cell)?;
+    for gentler in 1..=ATTEMPTS.len() {
+        let off = best.0.astray(&best.1.trajectory);
+        if off.is_empty() {
+            break;
+        }
+        let found = kept_on(course.clone(), &ATTEMPTS[gentler..], bounds, cell)?;
+        if found.1.feed >= WORTH * best.1.feed && found.0.astray(&found.1.trajectory).len() < off.len() {
+            best = found;
+        }
+    }
+    Ok(best)
+}
+
+/// The smoothest motion, and its course with more waypoints where that one leaves the way; through them it goes as it did but
+/// for that, if it can.
+fn kept_on<const N: usize, const F: usize, R: Printer<N, F>>(
+    mut course: Course<N, F, R>,
+    attempts: &[(usize, f64)],
+    bounds: &Bounds<N>,
+    cell: &Workcell<N, F, R>,
+) -> Result<(Course<N, F, R>, Smooth<N, F>), Failure> {
+    let mut smooth = smoothest(&course, attempts, bounds, cell)?;
+    for _ in 0..MOST_SPLIT {
+        course.rungs.clone_from(&smooth.rungs);
+        let Some(split) = course.split(&smooth.trajectory, smooth.feed) else { break };
+        let next = Smooth::through(&split, bounds, smooth.feed, smooth.spacing)?;
+        let holds = next.violations.is_empty() && cell.may_move(&next.trajectory);
+        let next = if holds { next } else { smoothest(&split, attempts, bounds, cell)? };
+        if next.feed < WORTH * smooth.feed {
+            break;
+        }
+        (course, smooth) = (split, next);
+    }
+    Ok((course, smooth))
+}
+
 /// The motion of least jerk along a run. Where that motion would touch something or is too fast for a joint, a less
 /// smooth one is taken, in the end what the ladder found, as for runs too short for a filter: slower, where its run-in
 /// would touch something. What is too fast even so is slowed down: of the ways that are free the one that needs it least.
-fn smooth<const N: usize, const F: usize, R: Printer<N, F>>(
-    part: &R,
-    times: &[f64],
-    rungs: &[Rung<N, F>],
+fn smoothest<const N: usize, const F: usize, R: Printer<N, F>>(
+    course: &Course<N, F, R>,
+    attempts: &[(usize, f64)],
     bounds: &Bounds<N>,
     cell: &Workcell<N, F, R>,
 ) -> Result<Smooth<N, F>, Failure> {
+    let Course { part, times, rungs, .. } = course;
     let mut best: Option<Smooth<N, F>> = None;
-    let attempts = ATTEMPTS.iter().filter(|_| rungs.len() >= FEWEST_WAYPOINTS);
+    let attempts = attempts.iter().filter(|_| rungs.len() >= FEWEST_WAYPOINTS);
     for &(rounds, spacing) in attempts {
         let line = timeline(times, 1.0, spacing)?;
         let options = GlobalOptions { lower_peak: false, rounds, ..GlobalOptions::default() };
@@ -149,7 +214,7 @@ fn smooth<const N: usize, const F: usize, R: Printer<N, F>>(
             }
         }
     }
-    let unsmoothed = |slower| Smooth::unsmoothed(times, rungs, bounds, slower);
+    let unsmoothed = |slower: f64| Smooth::through(course, bounds, 1.0 / slower, ROUGH_SPACING);
     let best = match best {
         Some(best) if best.violations.is_empty() => best,
         Some(best) => {

@@ -120,6 +120,8 @@ pub fn summary(run: &Figures, shift: &Vector3<f64>, summary: &mut Summary) -> Re
         .set("slowed_motions", run.count(FaultKind::Slowed))?
         .set("least_feed_share", run.least_feed)?
         .set("waypoint_error_mm", run.missed_mm)?
+        .set("path_error_mm", run.strayed_mm)?
+        .set("astray", run.count(FaultKind::Astray))?
         .set("collisions", run.count(FaultKind::Collision))?
         .set("transfers", run.transfers)?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
@@ -142,6 +144,10 @@ pub fn rows(run: &Figures, table: &mut Table) {
         .row(["planning to moving".to_owned(), format!("{factor:.4}")])
         .row(["out of reach".to_owned(), reach])
         .row(["too fast for the arm".to_owned(), slow])
+        .row([
+            "off the path".to_owned(),
+            format!("{:.2} mm at most, {} steps too far", run.strayed_mm, count(FaultKind::Astray)),
+        ])
         .row(["collisions".to_owned(), format!("{}{worst}", count(FaultKind::Collision))])
         .row(["transfers".to_owned(), format!("{}, {} not found", run.transfers, count(FaultKind::NoTransfer))]);
 }

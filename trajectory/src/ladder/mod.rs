@@ -69,6 +69,10 @@ pub struct LadderOptions<const N: usize, const F: usize> {
     pub refinements: u32,
     /// Weight of each joint, the diagonal of `W`. Default 1.
     pub weights: [f64; N],
+    /// How far each joint may go from a waypoint to the next, whatever its speed, in radians. Default infinite. Where
+    /// waypoints are seconds apart, speeds allow to turn the arm over between two of them: both are met, but what is
+    /// between them is not the path.
+    pub step: [f64; N],
     /// Default [`Norm::Squared`].
     pub norm: Norm,
     /// Default [`LadderSearch::Exact`].
@@ -89,6 +93,7 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
             doublings: 7,
             refinements: 0,
             weights: [1.0; N],
+            step: [f64::INFINITY; N],
             norm: Norm::Squared,
             search: LadderSearch::Exact,
             breaks: false,
@@ -185,8 +190,8 @@ pub enum LadderError {
     },
     /// The speeds do not allow to go on, at any of the densities tried.
     #[error(
-        "no path within the speed limits from waypoint {} to {waypoint} with {samples} samples a waypoint: the nearest \
-         two need {needed:.3} times the speed limit of a joint",
+        "no path from waypoint {} to {waypoint} with {samples} samples a waypoint: the nearest \
+         two need {needed:.3} times what a joint may go in that time",
         waypoint - 1
     )]
     NoPath {
@@ -194,8 +199,8 @@ pub enum LadderError {
         waypoint: usize,
         /// Number of samples.
         samples: u64,
-        /// Speed limits times this allow the step between the nearest of the samples that are reached and those of the
-        /// waypoint. Little above 1: more samples may find a way.
+        /// Speed limits times this ([`LadderOptions::step`], too) allow the step between the nearest of the samples that are
+        /// reached and those of the waypoint. Little above 1: more samples may find a way.
         needed: f64,
     },
     /// From coarse to fine no path was found; that there is none is not said.
@@ -304,6 +309,9 @@ fn check<const N: usize, const F: usize>(
     if let Some(&weight) = options.weights.iter().find(|weight| !(**weight >= 0.0 && weight.is_finite())) {
         return Err(LadderError::Option { what: "a weight must be finite and not below 0; it", value: weight });
     }
+    if let Some(&step) = options.step.iter().find(|step| step.is_nan() || **step <= 0.0) {
+        return Err(LadderError::Option { what: "a step must be above 0; it", value: step });
+    }
     if let Some(&value) = options.from.iter().flatten().find(|value| !value.is_finite()) {
         return Err(LadderError::Option { what: "joints before the path must be finite; one", value });
     }
@@ -379,11 +387,11 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
     ) -> Result<Path<N, F>, Stuck> {
         let Climb { robot, times, progress, .. } = *self;
         let velocity = self.bounds.velocity;
-        let LadderOptions { norm, weights, .. } = *self.options;
+        let LadderOptions { norm, weights, step, .. } = *self.options;
         let measure = Measure { norm, weights, period: kinds.map(Kind::period) };
         let angle = |from: &[f64; N], j: usize| if kinds[j] == Kind::Circular { wrapped(from[j]) } else { from[j] };
         let from = self.options.from.map(|from| std::array::from_fn(|j| angle(&from, j)));
-        Search { robot, waypoints, times, velocity, kinds, measure, breaks, from, progress }.run(windows)
+        Search { robot, waypoints, times, velocity, step, kinds, measure, breaks, from, progress }.run(windows)
     }
 
     /// Takes the whole turns out of circular joints and turns each run into its stops, the first one next to where the

@@ -61,6 +61,8 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     /// Times of all waypoints of the robot.
     pub times: &'a [f64],
     pub velocity: [f64; N],
+    /// The farthest that joints may go from a waypoint of the robot to the next.
+    pub step: [f64; N],
     pub kinds: [Kind; N],
     pub measure: Measure<N>,
     /// Whether the path may begin anew, as seldom as it must, and there where that saves most.
@@ -196,8 +198,9 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
 
     /// How far the joints may move to a rung from the one before, Eq. 4.4; what is on the limit but for rounding is within.
     fn limits(&self, at: usize) -> [f64; N] {
-        let time = self.times[self.waypoints[at]] - self.times[self.waypoints[at - 1]];
-        self.velocity.map(|velocity| velocity * time * (1.0 + 1e-12))
+        let (from, to) = (self.waypoints[at - 1], self.waypoints[at]);
+        let (time, steps) = (self.times[to] - self.times[from], (to - from) as f64);
+        std::array::from_fn(|j| (self.velocity[j] * time).min(self.step[j] * steps) * (1.0 + 1e-12))
     }
 
     /// Costs of the first rung, and no way there.

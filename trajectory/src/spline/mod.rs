@@ -131,6 +131,11 @@ impl<const N: usize> Trajectory<N> {
         &self.joints
     }
 
+    /// Which knots are the waypoints; before them is run-in, after them run-out.
+    pub fn waypoints(&self) -> Range<usize> {
+        self.waypoints.clone()
+    }
+
     /// Joints at the waypoints.
     pub fn at_waypoints(&self) -> &[[f64; N]] {
         &self.joints[self.waypoints.clone()]
