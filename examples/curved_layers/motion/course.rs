@@ -91,7 +91,8 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
     }
 }
 
-/// The posture on a branch next to some joints, by a few steps of Gauss and Newton from these free parameters: as far as they help.
+/// The posture on a branch next to some joints, by a few steps of Gauss and Newton from these free parameters, as far as
+/// they help.
 fn nearest<const N: usize, const F: usize>(
     robot: &impl Robot<N, F>,
     mut free: [f64; F],
