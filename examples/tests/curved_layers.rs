@@ -372,6 +372,13 @@ fn each_path_begins_near_where_the_one_before_ends() {
     assert_eq!(far.len() as u64, count("transfers"));
     // It was 3.1 and 4.4 rad: other branches, and whole turns.
     assert!(far[far.len() / 2] < 1.0 && far[far.len() - 1] < std::f64::consts::PI, "{far:?}");
+    // Layers are planned side by side, as many at once as there are threads for; the motion is the same.
+    for threads in ["1", "5"] {
+        let other = scratch.path(threads);
+        let output = run(&[&["--mesh", &mesh, "--quiet", "--out", &other, "--threads", threads], &args[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(fs::read_to_string(Path::new(&other).join("trajectory.csv")).unwrap(), text);
+    }
 }
 
 /// Bug: with half a second from waypoint to waypoint the arm had the time to turn over between two of them. It met both, and

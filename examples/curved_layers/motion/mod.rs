@@ -7,6 +7,7 @@
 
 mod climb;
 mod course;
+mod plan;
 pub mod robots;
 mod run;
 mod workcell;
@@ -20,14 +21,12 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{OverTable, PartInHand};
 use curvlay_kinematics::Waypoint;
-use curvlay_toolpath::surface::MoveKind;
 use curvlay_trajectory::transfer::Transfer;
 use curvlay_trajectory::{Bounds, Trajectory};
 use nalgebra::Vector3;
-use rayon::prelude::*;
+use plan::plan;
 use robots::Printer;
-use std::time::{Duration, Instant};
-use workcell::Workcell;
+use std::time::Duration;
 
 /// Which cell, and what its controller is given.
 #[derive(clap::Args, Clone, Copy, Debug)]
@@ -123,9 +122,6 @@ pub struct Times {
     pub check: Duration,
     pub transfers: Duration,
 }
-
-/// What came of a transfer: the motion, or why there is none.
-type Found<const N: usize> = Result<Transfer<N>, String>;
 
 /// What is said of a layer. Transfers count with the layer to which they lead.
 #[derive(Clone, Copy, Default)]
@@ -277,117 +273,6 @@ pub fn run(
     } else {
         Ok(Motion::PartInHand(Box::new(plan(field, surfaces, machine, bars)?)))
     }
-}
-
-fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
-    field: &FieldRun,
-    surfaces: &SurfacesRun,
-    machine: &MachineRun,
-    bars: &Bars,
-) -> Result<MotionRun<N, F, R>, Failure> {
-    let paths = &machine.freed.paths;
-    let tips = || paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip);
-    let mean = tips().map(|tip| tip.coords).sum::<Vector3<f64>>() / tips().count().max(1) as f64;
-    // The plate stays where it is: z = 0 stands on what carries it.
-    let shift = Vector3::new(mean.x, mean.y, 0.0);
-
-    let steps = seconds_of(machine);
-    let start = Instant::now();
-    let mut cell: Workcell<N, F, R> = Workcell::new(field, surfaces, &shift)?;
-    let mut times = Times { plan: start.elapsed(), ..Times::default() };
-    let (mut missed_mm, mut strayed_mm, mut least_feed) = (0.0_f64, 0.0_f64, 1.0_f64);
-    let (mut layers, mut faults, mut transfers) = (Vec::new(), Vec::new(), Vec::new());
-    let mut runs: Vec<Run<N, F>> = Vec::new();
-    let mut before = None;
-    // Layer by layer, since the part grows.
-    let mut next = 0;
-    for paths_of_layer in paths.chunk_by(|a, b| a.layer == b.layer) {
-        let number = paths_of_layer[0].layer;
-        let mut layer = LayerFigures { layer: number, ..LayerFigures::default() };
-        bars.update("plan motions", next as u64, paths.len() as u64);
-        let planning = Instant::now();
-        cell.begin(number)?;
-        let of_path = |path: usize| climb::prepare(path, &paths[path], &steps[path], &shift, &cell);
-        let of_layer = (next..next + paths_of_layer.len()).into_par_iter();
-        let prepared: Vec<climb::Prepared<R>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
-        // One after the other, since each begins near where the one before ends.
-        let climbed = |prepared| climb::climb(prepared, &mut before, &cell);
-        let climbed: Vec<climb::Climbed<N, F, R>> = prepared.into_iter().map(climbed).collect::<Result<_, _>>()?;
-        let smoothed = |climbed: &climb::Climbed<N, F, R>| run::smoothed(climbed, &cell);
-        let planned: Vec<run::Planned<N, F>> = climbed.par_iter().map(smoothed).collect::<Result<_, _>>()?;
-        times.plan += planning.elapsed();
-        next += paths_of_layer.len();
-        let first = runs.len();
-        for planned in planned {
-            layer.times.plan += planned.took;
-            missed_mm = missed_mm.max(planned.missed_mm);
-            strayed_mm = strayed_mm.max(planned.strayed_mm);
-            least_feed = least_feed.min(planned.least_feed);
-            faults.extend(planned.faults);
-            runs.extend(planned.runs);
-        }
-        layer.waypoints = paths_of_layer.iter().map(|path| path.waypoints.len()).sum();
-        layer.motions = runs.len() - first;
-        layer.robot_s = runs[first..].iter().map(Run::duration).sum();
-
-        let checking = Instant::now();
-        let check = |run: &Run<N, F>| timed(|| cell.collisions(&run.trajectory));
-        let found: Vec<(Vec<(usize, String)>, Duration)> = runs[first..].par_iter().map(check).collect();
-        times.check += checking.elapsed();
-        for (run, (found, took)) in runs[first..].iter().zip(found) {
-            layer.times.check += took;
-            let (layer, path, kind) = (run.layer, run.path, FaultKind::Collision);
-            faults.extend(found.into_iter().map(|(waypoint, what)| Fault { layer, path, kind, waypoint, what }));
-        }
-
-        let moving = Instant::now();
-        let transfer = |to: usize| timed(|| cell.transfer(to - 1, &runs[to - 1], &runs[to]));
-        // The way to the layer is gone before any of it is there.
-        let there: Vec<(Found<N>, Duration)> = (first..runs.len()).take(usize::from(first > 0)).map(transfer).collect();
-        cell.build(number)?;
-        let transfer = |to: usize| timed(|| cell.transfer(to - 1, &runs[to - 1], &runs[to]));
-        let within: Vec<(Found<N>, Duration)> = (first + 1..runs.len()).into_par_iter().map(transfer).collect();
-        times.transfers += moving.elapsed();
-        for (found, took) in there.into_iter().chain(within) {
-            layer.times.transfers += took;
-            let from = &runs[transfers.len()];
-            match &found {
-                Ok(transfer) => layer.robot_s += transfer.duration(),
-                Err(what) => faults.push(Fault {
-                    layer: from.layer,
-                    path: from.path,
-                    kind: FaultKind::NoTransfer,
-                    waypoint: paths[from.path].waypoints.len() - 1,
-                    what: what.clone(),
-                }),
-            }
-            transfers.push(found.ok());
-        }
-        layers.push(layer);
-    }
-    faults.sort_by_key(|fault: &Fault| fault.path);
-    for layer in &mut layers {
-        layer.faults = faults.iter().filter(|fault| fault.layer == layer.layer).count();
-    }
-    let (motions, name) = (runs.len(), R::NAME);
-    let figures =
-        Figures { name, motions, transfers: transfers.len(), missed_mm, strayed_mm, least_feed, times, faults, layers };
-    Ok(MotionRun { robot: R::empty()?, runs, transfers, shift, figures })
-}
-
-fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
-    let start = Instant::now();
-    let result = work();
-    (result, start.elapsed())
-}
-
-/// For each path the seconds from waypoint to waypoint, as the plan of the deposition has them.
-fn seconds_of(machine: &MachineRun) -> Vec<Vec<f64>> {
-    let mut seconds = vec![Vec::new(); machine.freed.paths.len()];
-    for step in machine.deposition.moves.iter().filter(|step| step.kind == MoveKind::Print) {
-        seconds[step.path].push(step.seconds);
-    }
-    seconds
 }
 
 /// The arm's own stops and speeds; accelerations and jerks for transfers, which nothing else fixes.

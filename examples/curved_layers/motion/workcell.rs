@@ -11,6 +11,7 @@ use curvlay_kinematics::scene::{Body, Scene, SceneModel, Shape, Sweep};
 use curvlay_trajectory::transfer::{FreeSpace, Transfer, TransferError, TransferOptions, plan_transfer};
 use curvlay_trajectory::{Bounds, Trajectory};
 use nalgebra::{Isometry3, Point3, Vector3};
+use std::sync::Arc;
 
 /// The nozzle: a cone from its tip flat, a block above it; all in millimetres.
 const TIP_RADIUS: f64 = 0.5;
@@ -59,6 +60,7 @@ const ACCELERATION: f64 = 5.0;
 const JERK: f64 = 50.0;
 
 /// Robot, nozzle, plate and the part as far as it is built.
+#[derive(Clone)]
 pub struct Workcell<'a, const N: usize, const F: usize, R> {
     /// The nozzle may touch the part: that it does so only at its tip is what the check for gouging says.
     printing: Scene,
@@ -69,7 +71,7 @@ pub struct Workcell<'a, const N: usize, const F: usize, R> {
     robot: R,
     field: &'a FieldRun,
     /// Cells by the surface at which they are built, from 0.
-    layers: Vec<Vec<u32>>,
+    layers: Arc<[Vec<u32>]>,
     /// Surfaces that are there while one is printed, that one included, and behind transfers.
     begun: usize,
     built: usize,
@@ -119,7 +121,7 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
             moving,
             robot,
             field,
-            layers: layers(field, surfaces),
+            layers: layers(field, surfaces).into(),
             begun: 0,
             built: 0,
             bounds,
