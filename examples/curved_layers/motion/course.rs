@@ -1,7 +1,7 @@
 //! The waypoints of a run, and more of them where the nozzle would leave the way from one to the next.
 //!
 //! A motion meets its waypoints; between them it goes as the joints do. Steps on which that leads too far away are split:
-//! places in a straight line, directions in equal turns, the postures next to those of the motion.
+//! places and directions by as much of both ends, the postures next to those of the motion.
 
 use super::robots::Printer;
 use curvlay_examples::motion::strayed;
@@ -50,22 +50,21 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
         let mut waypoints: Vec<Waypoint> = Vec::with_capacity(self.times.len() + 2 * steps.len());
         let mut steps = steps.into_iter().peekable();
         for k in 0..self.times.len() {
-            waypoints.push(self.part.at(k));
-            split.times.push(self.times[k]);
-            split.rungs.push(self.rungs[k]);
-            split.of.push(self.of[k]);
+            let mut put = |waypoint, time, rung| {
+                waypoints.push(waypoint);
+                split.times.push(time);
+                split.rungs.push(rung);
+                split.of.push(self.of[k]);
+            };
+            put(self.part.at(k), self.times[k], self.rungs[k]);
             let Some((_, mm)) = steps.next_if(|step| step.0 == k) else { continue };
             let parts = (mm / (AIM * STRAY_MM)).sqrt().ceil().clamp(2.0, MOST_PARTS);
             for part in 1..parts as u32 {
                 let share = f64::from(part) / parts;
                 let time = self.times[k] + (self.times[k + 1] - self.times[k]) * share;
-                let Some((waypoint, rung)) = self.between(k, share, &trajectory.at(time / feed).position) else {
-                    continue;
-                };
-                waypoints.push(waypoint);
-                split.times.push(time);
-                split.rungs.push(rung);
-                split.of.push(self.of[k]);
+                if let Some((waypoint, rung)) = self.between(k, share, &trajectory.at(time / feed).position) {
+                    put(waypoint, time, rung);
+                }
             }
         }
         split.part = self.part.with(waypoints);

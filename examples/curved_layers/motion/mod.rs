@@ -2,7 +2,8 @@
 //! (`--cell8`) of an arm with the nozzle over a table that tilts and turns.
 //!
 //! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. Every path is split where waypoints are out of reach and where the joints
-//! cannot keep up with the feed; each run gets the motion of least jerk (`run`). Then every motion and the transfers in
+//! cannot keep up with the feed (`climb`); each run gets the motion of least jerk (`run`) with as many waypoints as keep the
+//! nozzle on its way (`course`). Then every motion and the transfers in
 //! between are checked against the cell, with the part as it is built by then (`workcell`).
 
 mod climb;
@@ -182,7 +183,7 @@ impl FaultKind {
 }
 
 impl<const N: usize, const F: usize> Run<N, F> {
-    /// When the first and when the last waypoint is passed; run-in and run-out have as many knots.
+    /// When the first and when the last waypoint is passed.
     pub fn printing(&self) -> [f64; 2] {
         let (times, waypoints) = (self.trajectory.times(), self.trajectory.waypoints());
         [times[waypoints.start], times[waypoints.end - 1]]

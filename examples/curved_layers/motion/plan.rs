@@ -38,9 +38,9 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     let mut cell: Workcell<N, F, R> = Workcell::new(field, surfaces, &shift)?;
     let mut print = Print::new(start.elapsed());
     let (mut before, mut next) = (None, 0);
-    let mut climb = |group: &[&[ToolPath]]| -> Result<Vec<Layer<N, F, R>>, Failure> {
+    let mut with_postures = |group: &[&[ToolPath]]| -> Result<Vec<Layer<N, F, R>>, Failure> {
         // Layer by layer, since the part grows.
-        let mut climbed = Vec::new();
+        let mut layers = Vec::new();
         for paths_of_layer in group {
             let number = paths_of_layer[0].layer;
             bars.update("plan motions", next as u64, paths.len() as u64);
@@ -50,30 +50,24 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
             let prepared: Vec<climb::Prepared<R>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
             next += paths_of_layer.len();
             // One after the other, since each begins near where the one before ends.
-            let climb = |prepared| climb::climb(prepared, &mut before, &cell);
-            let of_layer = prepared.into_iter().map(climb).collect::<Result<_, _>>()?;
-            climbed.push(Layer { number, cell: cell.clone(), climbed: of_layer });
+            let of_path = |prepared| climb::climb(prepared, &mut before, &cell);
+            let climbed = prepared.into_iter().map(of_path).collect::<Result<_, _>>()?;
+            layers.push(Layer { number, cell: cell.clone(), climbed });
             cell.build(number)?;
         }
-        Ok(climbed)
+        Ok(layers)
     };
-    // While layers are smoothed, the next ones are climbed.
+    // While layers are smoothed, the next ones get their postures; behind the last group there is nothing.
     let mut ready = Vec::new();
     for group in grouped(paths).iter().map(Vec::as_slice).chain([&[][..]]) {
         let planning = Instant::now();
-        let (planned, climbed) = rayon::join(|| smoothed(&ready), || climb(group));
+        let (planned, next) = rayon::join(|| smoothed(&ready), || with_postures(group));
         print.times.plan += planning.elapsed();
-        for (layer, planned) in std::mem::replace(&mut ready, climbed?).into_iter().zip(planned?) {
+        for (layer, planned) in std::mem::replace(&mut ready, next?).into_iter().zip(planned?) {
             print.add(layer, planned, paths)?;
         }
     }
-    Ok(MotionRun {
-        robot: R::empty()?,
-        shift,
-        figures: print.figures(R::NAME),
-        runs: print.runs,
-        transfers: print.transfers,
-    })
+    print.finish(shift)
 }
 
 /// A layer whose paths have their postures.
@@ -195,24 +189,17 @@ impl<const N: usize, const F: usize> Print<N, F> {
         Ok(())
     }
 
-    /// What is said of it; takes the faults and the layers.
-    fn figures(&mut self, name: &'static str) -> Figures {
-        let (mut faults, mut layers) = (std::mem::take(&mut self.faults), std::mem::take(&mut self.layers));
+    /// The whole print, in the order in which it is travelled.
+    fn finish<R: Printer<N, F>>(self, shift: Vector3<f64>) -> Result<MotionRun<N, F, R>, Failure> {
+        let Print { runs, transfers, mut faults, mut layers, times, missed_mm, strayed_mm, least_feed } = self;
         faults.sort_by_key(|fault| fault.path);
         for layer in &mut layers {
             layer.faults = faults.iter().filter(|fault| fault.layer == layer.layer).count();
         }
-        Figures {
-            name,
-            motions: self.runs.len(),
-            transfers: self.transfers.len(),
-            missed_mm: self.missed_mm,
-            strayed_mm: self.strayed_mm,
-            least_feed: self.least_feed,
-            times: self.times,
-            faults,
-            layers,
-        }
+        let (name, motions, count) = (R::NAME, runs.len(), transfers.len());
+        let figures =
+            Figures { name, motions, transfers: count, missed_mm, strayed_mm, least_feed, times, faults, layers };
+        Ok(MotionRun { robot: R::empty()?, runs, transfers, shift, figures })
     }
 }
 
