@@ -127,7 +127,7 @@ fn main() -> ExitCode {
     run_with_args(|args: Args| {
         let folder = args.common.folder("jerk_motion")?;
         let (results, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
-        outputs::told(&results.faults(), &mut |fault| warn(fault));
+        outputs::told(results.faults()).iter().for_each(warn);
         outputs::table(&results).print()?;
         Ok(outcome)
     })

@@ -140,12 +140,12 @@ fn knots<const N: usize>(trajectories: &[Trajectory<N>], out: &mut dyn Write) ->
     Ok(())
 }
 
-/// Tells what is wrong with the path, and where to find what is too much to tell.
-pub fn told(faults: &[String], tell: &mut dyn FnMut(&str)) {
-    faults.iter().take(TOLD).for_each(|fault| tell(fault));
-    if faults.len() > TOLD {
-        tell(&format!("{} more like these in {FAULTS}", faults.len() - TOLD));
-    }
+/// What is told of what is wrong with the path, and where to find what is too much to tell.
+pub fn told(mut faults: Vec<String>) -> Vec<String> {
+    let more = faults.len().saturating_sub(TOLD);
+    faults.truncate(TOLD);
+    faults.extend((more > 0).then(|| format!("{more} more like these in {FAULTS}")));
+    faults
 }
 
 pub fn table(results: &Results) -> Table {
@@ -311,7 +311,7 @@ fn report(args: &Args, results: &Results) -> Report {
          the global filter within what the local one reaches.",
         results.path.pieces.len()
     ));
-    told(&results.faults(), &mut |fault| _ = report.notice(fault));
+    told(results.faults()).iter().for_each(|fault| _ = report.notice(fault));
     report.table("All methods", &table(results));
     if args.noise_count > 0 {
         report.paragraph(&format!(
