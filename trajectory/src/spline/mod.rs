@@ -110,6 +110,7 @@ impl<const N: usize> Trajectory<N> {
     /// assert_eq!(halfway.position, [0.1, 1.0]);
     /// assert!((halfway.velocity[0] - 0.2).abs() < 0.05 && halfway.velocity[1] == 0.0);
     /// assert_eq!(trajectory.at(-100.0).velocity, [0.0; 2]);
+    /// assert_eq!(trajectory.times()[trajectory.waypoints()], [0.0, 0.5, 1.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn through(line: &Timeline, waypoints: &[[f64; N]]) -> Result<Self, TrajectoryError> {
