@@ -312,6 +312,7 @@ fn report(args: &Args, results: &Results) -> Report {
         results.path.pieces.len()
     ));
     told(results.faults()).iter().for_each(|fault| _ = report.notice(fault));
+    results.failed_checks().iter().for_each(|check| _ = report.notice(&format!("check failed: {check}")));
     report.table("All methods", &table(results));
     if args.noise_count > 0 {
         report.paragraph(&format!(

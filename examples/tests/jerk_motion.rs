@@ -161,6 +161,7 @@ fn a_filter_that_passes_its_bounds_is_compared_with_one_that_may() {
     assert!(failed.len() == 1 && failed[0].starts_with("ur3_global_limits: "), "{failed:?}");
     assert!(failed[0].contains(&format!("of {:.6} at", figure("global", "max_acceleration"))), "{failed:?}");
     assert_eq!((&summary["check_ok"], &summary["checks_failed"]), (&false.into(), &failed.join("; ").into()));
+    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains(&format!("check failed: {}", failed[0])));
     assert!(figure("global_freed", "max_velocity") <= figure("local", "max_velocity") * 1.001);
     for before in ["ladder", "local", "global"] {
         assert!(figure("global_freed", "spline_jerk") < figure(before, "spline_jerk"), "{before}");
