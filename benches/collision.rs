@@ -5,6 +5,8 @@
 //!   has parry's own tree, its hulls parry's polyhedra.
 //! * `distance`: the nearest two bodies, with points. Baseline: the same with parry's closest points.
 //! * `sweep`: whether a motion of a few degrees is free, as a proof. Baseline: 50 boolean checks along it, no proof.
+//! * `sweep_cubic`: the same of a piece of a cubic spline of that length, which bulges. Baseline: straight sweeps of the same
+//!   curve cut into 32 pieces, which prove the chords, not the curve.
 //! * `layer`: the part grows by a layer of cells. Baseline: a new scene.
 //!
 //! Answers are compared before they are timed.
@@ -13,7 +15,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_benches::time_questions;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, links};
+use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, cubic_control, links};
 use curvlay_kinematics::{Arm, robots};
 use parry3d_f64::math::{Pose, Rot3, Vector};
 use parry3d_f64::query::{self, ClosestPoints};
@@ -225,8 +227,35 @@ fn bench(c: &mut Criterion) {
     eprintln!("{} of {} short motions are free", free.iter().filter(|p| sweep(p)).count(), free.len());
     time_questions("sweep/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep(p))));
     time_questions("sweep/baseline_50_samples", free.len(), || free.iter().for_each(|p| _ = black_box(sampled(p))));
+
+    // As fast as that on average, faster at the start and slower at the end.
+    let rate = |by: f64| [by, by, -by, by, -by, by].into();
+    let cubic = |p: &Posture| cubic_control(p, &rate(0.15), &step(p), &rate(0.02), 1.0);
+    let on_curve = |[a, b, c, d]: &[Posture; 4], t: f64| {
+        let u = 1.0 - t;
+        let weights = [u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t];
+        let at = |k| [a, b, c, d].iter().zip(weights).map(|(point, weight)| point.joints[k] * weight).sum();
+        Posture { joints: std::array::from_fn(at), ..*a }
+    };
+    let sweep_cubic = |p: &Posture| scene.sweep_cubic(&cubic(p), 0.5).expect("angles") == Sweep::Free;
+    let chords = |p: &Posture| {
+        let control = cubic(p);
+        let knots: Vec<Posture> = (0..=32).map(|k| on_curve(&control, f64::from(k) / 32.0)).collect();
+        knots.windows(2).all(|ends| scene.sweep(&ends[0], &ends[1], 0.5).expect("angles") == Sweep::Free)
+    };
+    let sampled_cubic = |p: &Posture| {
+        let control = cubic(p);
+        (0..=200).all(|k| !touches(&on_curve(&control, f64::from(k) / 200.0)))
+    };
+    assert!(free.iter().all(|p| !sweep_cubic(p) || sampled_cubic(p)));
+    let count = |says: &dyn Fn(&Posture) -> bool| free.iter().filter(|p| says(p)).count();
+    eprintln!("cubics of {}: {} free, by their chords {}", free.len(), count(&sweep_cubic), count(&chords));
+    time_questions("sweep_cubic/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep_cubic(p))));
+    time_questions("sweep_cubic/baseline_32_chords", free.len(), || free.iter().for_each(|p| _ = black_box(chords(p))));
     group.bench_function("sweep", |b| b.iter(|| free.iter().filter(|p| sweep(p)).count()));
     group.bench_function("sweep_baseline_50_samples", |b| b.iter(|| free.iter().filter(|p| sampled(p)).count()));
+    group.bench_function("sweep_cubic", |b| b.iter(|| free.iter().filter(|p| sweep_cubic(p)).count()));
+    group.bench_function("sweep_cubic_baseline_32_chords", |b| b.iter(|| free.iter().filter(|p| chords(p)).count()));
     group.finish();
 }
 

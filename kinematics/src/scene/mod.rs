@@ -40,6 +40,9 @@
 //! said to touch that are up to a millionth of a millimetre (or of their distance) farther apart than the margin, never the
 //! reverse. [`Scene::sweep`] is a proof for the motion as a whole, not for samples of it.
 //!
+//! **Which motion.** [`Scene::sweep`] proves the straight motion in joint space, [`Scene::sweep_cubic`] a cubic one: a piece
+//! of the spline that a robot executes, which between its knots leaves the straight line by millimetres. Prove what runs.
+//!
 //! Nothing here depends on threads or on what was asked before; all queries take `&self`.
 
 mod body;
@@ -48,6 +51,7 @@ mod cells;
 mod chain;
 mod links;
 mod mesh;
+mod motion;
 mod narrow;
 mod pairs;
 mod piece;
@@ -57,6 +61,7 @@ mod sweep;
 
 pub use body::{Body, FARTHEST, Mount, SceneError, Shape};
 pub use links::links;
+pub use motion::cubic_control;
 pub use query::{Nearest, Posture, PostureError};
 pub use sweep::{Sweep, SweepError};
 

@@ -1,22 +1,33 @@
 //! Is a whole motion free? A proof by bisection.
 //!
-//! All joints go evenly from one posture to another; `t` runs from 0 to 1. Against body A no point of body B moves by
-//! more than `s` within an interval of half-width `h` from its middle, where `s` sums, over the joints between the two,
-//! how far the joint turns in half the interval times how far any point of the body can be from its axis there: at most
-//! how far it can ever be (see `chain`), and at most how far it is at the middle, and what the joints behind this one add to
-//! that. So a pair that is apart by more than `margin + s` at the middle is farther apart than the margin in all of the
+//! A motion is a cubic in joint space ([`Scene::sweep_cubic`]), or as its special case a straight line ([`Scene::sweep`]);
+//! `t` runs from 0 to 1. Within an interval no point of body B moves against body A by more than `s` from where it is at
+//! the middle. `s` sums, over the joints between the two, the turn times the lever arm:
+//! * The turn is how far the joint ever is, in the interval, from where it is at the middle. On a straight motion it is
+//!   what the joint turns in half the interval; of a cubic it follows from the control points of the interval (see
+//!   `motion`).
+//! * The lever arm is how far any point of the body can be from the joint's axis: at most how far it can ever be (see
+//!   `chain`), and at most how far it is at the middle and what the joints behind this one add to that.
+//!
+//! The sum holds for any posture whose joints are within these turns: the joints get there one after the other, the last
+//! of the chain first, and each finds its axis where it was at the middle.
+//!
+//! So a pair that is apart by more than `margin + s` at the middle is farther apart than the margin in all of the
 //! interval. Intervals for which some pair lacks that are halved, the earlier half first, with the pairs that lack it.
 //! With `s` below the resolution a pair lacks it only if it comes within margin + resolution at that very middle: there
-//! the sweep ends, and all before the interval has been proven free.
+//! the sweep ends, and all before the interval has been proven free. The halving ends: a turn is at most `3 h` times the
+//! length of the joint's control polygon, for half-width `h`.
 //!
-//! Where only yes or no is wanted ([`Scene::is_free`]) intervals are taken by width, the widest first, and a pair nearer than
-//! the margin at the middle of one of the widest ends it at once: what is in the way is seldom thin.
+//! Where only yes or no is wanted ([`Scene::is_free`], [`Scene::is_cubic_free`]) intervals are taken by width, the widest
+//! first, and a pair nearer than the margin at the middle of one of the widest ends it at once: what is in the way is
+//! seldom thin.
 //!
 //! The bound is that of conservative advancement (B. Mirtich, *Impulse-based dynamic simulation of rigid body
 //! systems*, PhD thesis, Berkeley 1996, section 2.3), but a distance at the middle of an interval proves twice as much as
 //! one at its end, and pairs far apart leave after one look.
 
 use super::Scene;
+use super::motion::{Motion, Turns};
 use super::pairs::Apart;
 use super::query::{Poses, Posture, PostureError};
 
@@ -46,6 +57,14 @@ pub enum SweepError {
     /// The posture to which it leads is none.
     #[error("at the end: {0}")]
     To(#[source] PostureError),
+    /// A control point between start and end is no posture.
+    #[error("at control point {index}: {source}")]
+    Control {
+        /// Which one: 1 or 2 of 0 to 3.
+        index: usize,
+        /// Why.
+        source: PostureError,
+    },
     /// A joint turns so far that it can only be a mistake.
     #[error("{} {} turns by {turn} rad in one motion: at most {most} rad can be swept", if *table { "axis of the table" } else { "joint" }, joint + 1)]
     TooLong {
@@ -53,7 +72,7 @@ pub enum SweepError {
         table: bool,
         /// Which one, counted from 0.
         joint: usize,
-        /// How far it turns.
+        /// How far it turns; of a cubic, along its control polygon.
         turn: f64,
         /// How far it may.
         most: f64,
@@ -74,10 +93,7 @@ const LEAST_RESOLUTION: f64 = 1e-3;
 /// In radians: the four turns that a joint has from stop to stop, four times over.
 const FARTHEST_TURN: f64 = 100.0;
 
-/// How far each joint turns, of the arm and of the table.
-type Turns = ([f64; 6], [f64; 2]);
-
-/// How far points of the bodies move at most in half an interval: of each body, by all joints from each one on.
+/// How far points of the bodies move at most from the middle of an interval: of each body, by all joints from each on.
 struct Travel(Vec<[f64; 7]>);
 
 /// Down to this half-width middles are looked at for what is in the way, and not for room only.
@@ -97,15 +113,64 @@ impl Scene {
     /// A few checks of the pairs in question where there is room; at most `travel / resolution` checks in a pass that is
     /// just wide enough. Nothing depends on the speed of the motion.
     pub fn sweep(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<Sweep<'_>, SweepError> {
-        let turns = self.turns(from, to, resolution)?;
+        Ok(self.first_near(&self.straight(from, to, resolution)?, resolution))
+    }
+
+    /// Whether a cubic motion is free: a piece of a cubic spline in joint space, as robots execute it.
+    ///
+    /// # Arguments
+    /// * `control`: Bezier control points of the motion in joint space, first and last the postures at its ends. Those
+    ///   between need not be postures that the robot could take, they only need to be angles. Limits of joints and of the
+    ///   table are not looked at, as in [`Scene::sweep`].
+    /// * `resolution`: as in [`Scene::sweep`], in millimetres, at least 1e-3.
+    ///
+    /// # Returns
+    /// What [`Scene::sweep`] says, of the curve itself: `at` and `free_until` are its parameter, which is the share of
+    /// time when the control points come from a spline in time (see [`cubic_control`](super::cubic_control)). Four
+    /// equally spaced control points are a straight motion.
+    ///
+    /// # Errors
+    /// [`SweepError`] names the control point and its joint that is no angle, the joint that turns by more than 100 rad
+    /// along the control polygon, or a resolution that is none.
+    ///
+    /// # Cost
+    /// That of a sweep along the same way, and more checks where the control points are far from the curve: at most
+    /// `3 * length of the control polygon / resolution` in a pass that is just wide enough. The result is deterministic.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_kinematics::nalgebra::{Isometry3, Point3};
+    /// use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, links};
+    /// use curvlay_kinematics::{Arm, robots};
+    /// let desk = Shape::block(Point3::new(-600.0, -600.0, -40.0), Point3::new(600.0, 600.0, 0.0));
+    /// let desk = Body { name: "desk".into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape: desk };
+    /// let arm = Arm::new(&robots::UR3)?;
+    /// let scene = Scene::new(SceneModel { bodies: vec![desk], links: links(&robots::UR3), ..SceneModel::of(arm) })?;
+    /// // The arm leans out, and in between down to the desk.
+    /// let leaning = |shoulder: f64| Posture::from([0.0, shoulder, -0.6, -1.9, 1.5708, 0.0]);
+    /// let level = [-1.0, -0.9, -0.8, -0.7].map(leaning);
+    /// assert_eq!(scene.sweep_cubic(&level, 0.1)?, Sweep::Free);
+    /// let dipping = [-1.0, 1.5, 1.5, -0.7].map(leaning);
+    /// let Sweep::Near { bodies, at, .. } = scene.sweep_cubic(&dipping, 0.1)? else { unreachable!() };
+    /// assert!(bodies.contains(&"desk") && at < 0.5);
+    /// // A straight motion between the same ends does not show it.
+    /// assert_eq!(scene.sweep(&dipping[0], &dipping[3], 0.1)?, Sweep::Free);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn sweep_cubic(&self, control: &[Posture; 4], resolution: f64) -> Result<Sweep<'_>, SweepError> {
+        Ok(self.first_near(&self.cubic(control, resolution)?, resolution))
+    }
+
+    /// Goes through a motion that has been checked.
+    fn first_near(&self, motion: &Motion, resolution: f64) -> Sweep<'_> {
         let mut open = self.pairs.clone();
         // Intervals still to be shown free, the earliest last: middle, half-width, and which of the open pairs.
         let mut stack = vec![(0.5, 0.5, 0..open.len())];
         while let Some((middle, half, range)) = stack.pop() {
             // Pairs listed behind those of this interval belonged to earlier ones, which are done.
             open.truncate(range.end);
-            let poses = self.poses(&between(from, to, middle));
-            let travel = self.travel(&poses, &turns, half);
+            let poses = self.poses(&motion.at(middle));
+            let travel = self.travel(&poses, &motion.turns(middle, half));
             let lacking = open.len();
             for k in range {
                 let pair = open[k];
@@ -114,7 +179,7 @@ impl Scene {
                     continue;
                 }
                 if reach <= resolution {
-                    return Ok(Sweep::Near { bodies: self.names_of(&pair), at: middle, free_until: middle - half });
+                    return Sweep::Near { bodies: self.names_of(&pair), at: middle, free_until: middle - half };
                 }
                 open.push(pair);
             }
@@ -124,7 +189,7 @@ impl Scene {
                 stack.push((middle - quarter, quarter, lacking..open.len()));
             }
         }
-        Ok(Sweep::Free)
+        Sweep::Free
     }
 
     /// Whether the motion from one posture to another is free, as [`Scene::sweep`] says it, but not where it ends: sooner
@@ -136,7 +201,23 @@ impl Scene {
     /// # Cost
     /// Where it is free, that of a sweep; where it is not, mostly a few checks.
     pub fn is_free(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<bool, SweepError> {
-        let turns = self.turns(from, to, resolution)?;
+        Ok(self.all_apart(&self.straight(from, to, resolution)?, resolution))
+    }
+
+    /// Whether a cubic motion is free, as [`Scene::sweep_cubic`] says it, but not where it ends: sooner told where it is
+    /// not.
+    ///
+    /// # Errors
+    /// Those of [`Scene::sweep_cubic`].
+    ///
+    /// # Cost
+    /// Where it is free, that of a sweep; where it is not, mostly a few checks.
+    pub fn is_cubic_free(&self, control: &[Posture; 4], resolution: f64) -> Result<bool, SweepError> {
+        Ok(self.all_apart(&self.cubic(control, resolution)?, resolution))
+    }
+
+    /// Goes through a motion that has been checked, the widest intervals first.
+    fn all_apart(&self, motion: &Motion, resolution: f64) -> bool {
         let mut open = self.pairs.clone();
         // Intervals of one width: their middles, and which of the open pairs each has still to be shown free for.
         let mut level = vec![(0.5, 0..open.len())];
@@ -144,8 +225,8 @@ impl Scene {
         while !level.is_empty() {
             let (mut narrower, mut lacking) = (vec![], vec![]);
             for (middle, range) in level {
-                let poses = self.poses(&between(from, to, middle));
-                let travel = self.travel(&poses, &turns, half);
+                let poses = self.poses(&motion.at(middle));
+                let travel = self.travel(&poses, &motion.turns(middle, half));
                 let first = lacking.len();
                 for pair in &open[range] {
                     let reach = self.reach(*pair, &travel);
@@ -153,7 +234,7 @@ impl Scene {
                         continue;
                     }
                     if reach <= resolution || (half >= COARSE && !self.pair_apart(&poses, pair, self.margin)) {
-                        return Ok(false);
+                        return false;
                     }
                     lacking.push(*pair);
                 }
@@ -165,30 +246,45 @@ impl Scene {
             (level, open) = (narrower, lacking);
             half *= 0.5;
         }
-        Ok(true)
+        true
     }
 
-    /// Checks a motion.
-    fn turns(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<Turns, SweepError> {
+    fn straight(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<Motion, SweepError> {
         from.check(self.positioner.is_some()).map_err(SweepError::From)?;
         to.check(self.positioner.is_some()).map_err(SweepError::To)?;
+        self.checked(Motion::straight(from, to), resolution)
+    }
+
+    fn cubic(&self, control: &[Posture; 4], resolution: f64) -> Result<Motion, SweepError> {
+        for (index, posture) in control.iter().enumerate() {
+            posture.check(self.positioner.is_some()).map_err(|source| match index {
+                0 => SweepError::From(source),
+                3 => SweepError::To(source),
+                _ => SweepError::Control { index, source },
+            })?;
+        }
+        self.checked(Motion::bezier(control), resolution)
+    }
+
+    /// Checks a motion through postures that have been checked.
+    fn checked(&self, motion: Motion, resolution: f64) -> Result<Motion, SweepError> {
         if !(LEAST_RESOLUTION..=super::FARTHEST).contains(&resolution) {
             return Err(SweepError::Resolution { value: resolution, least: LEAST_RESOLUTION });
         }
-        let turns = turns(from, to);
+        let (arm, on_table) = motion.lengths();
         let long = |table, angles: &[f64]| {
             let joint = angles.iter().position(|&turn| turn > FARTHEST_TURN)?;
             Some(SweepError::TooLong { table, joint, turn: angles[joint], most: FARTHEST_TURN })
         };
-        let long_table = || long(true, &turns.1).filter(|_| self.positioner.is_some());
-        if let Some(error) = long(false, &turns.0).or_else(long_table) {
-            return Err(error);
+        let long_table = || long(true, &on_table).filter(|_| self.positioner.is_some());
+        match long(false, &arm).or_else(long_table) {
+            Some(error) => Err(error),
+            None => Ok(motion),
         }
-        Ok(turns)
     }
 
-    /// How far points of all bodies move in half an interval about a middle.
-    fn travel(&self, poses: &Poses, (arm, table): &Turns, half: f64) -> Travel {
+    /// How far points of all bodies move at most from where they are, when the joints turn by so much.
+    fn travel(&self, poses: &Poses, (arm, table): &Turns) -> Travel {
         let of = |body: usize| {
             let placed = &self.bodies[body];
             let turns: &[f64] = if self.on_table(body) { table } else { arm };
@@ -197,7 +293,7 @@ impl Scene {
                 let here = poses.farthest(body, &placed.pieces, &self.axis(poses, self.on_table(body), k));
                 // What joints behind this one move away from its axis, they move at most so far.
                 let most = swing.min(here + sums[k + 1]);
-                sums[k] = sums[k + 1] + most * turns[k] * half * (1.0 + ROUNDING);
+                sums[k] = sums[k + 1] + most * turns[k] * (1.0 + ROUNDING);
             }
             sums
         };
@@ -216,17 +312,3 @@ impl Scene {
 
 /// Sums of products are less wrong than this.
 const ROUNDING: f64 = 1e-12;
-
-fn turns(from: &Posture, to: &Posture) -> Turns {
-    (
-        std::array::from_fn(|k| (to.joints[k] - from.joints[k]).abs()),
-        std::array::from_fn(|k| (to.table[k] - from.table[k]).abs()),
-    )
-}
-
-fn between(from: &Posture, to: &Posture, t: f64) -> Posture {
-    Posture {
-        joints: std::array::from_fn(|k| from.joints[k] + (to.joints[k] - from.joints[k]) * t),
-        table: std::array::from_fn(|k| from.table[k] + (to.table[k] - from.table[k]) * t),
-    }
-}
