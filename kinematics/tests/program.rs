@@ -38,6 +38,9 @@ fn goal() -> impl Strategy<Value = Goal> {
     prop_oneof![target().prop_map(Goal::Line), target().prop_map(Goal::Swing), joints().prop_map(Goal::Joints),]
 }
 
+/// Full scale of the filament's speed in these programs.
+const FULL: f64 = FILAMENT_FULL_SCALE_MM_S;
+
 /// A step that follows a stop, or is none.
 fn steps(table: bool, stream: bool) -> impl Strategy<Value = Vec<Step>> {
     let zone = prop_oneof![
@@ -54,11 +57,21 @@ fn steps(table: bool, stream: bool) -> impl Strategy<Value = Vec<Step>> {
         4 => to.prop_map(Step::Move),
         u32::from(stream) => (joints(), 0.002..0.5f64).prop_map(|(joints, seconds)| Step::Servo { joints, seconds }),
         1 => any::<bool>().prop_map(Step::Extruder),
+        1 => prop_oneof![prop::sample::select(vec![0.0, 1e-6, FULL]), 0.0..FULL].prop_map(Step::FilamentSpeed),
     ];
     prop::collection::vec(one, 1..40).prop_map(|mut steps| {
-        // A signal must find the tool at rest.
-        for k in 1..steps.len() {
-            if let (Step::Extruder(_), Step::Move(to)) = (steps[k], &mut steps[k - 1]) {
+        // What starts or stops the filament must find the tool at rest.
+        let (mut before, mut last) = (None, 0.0);
+        for k in 0..steps.len() {
+            let switches = match steps[k] {
+                Step::Extruder(_) => true,
+                Step::FilamentSpeed(mm_s) => std::mem::replace(&mut last, mm_s) * mm_s <= 0.0,
+                Step::Move(_) | Step::Servo { .. } => {
+                    before = Some(k);
+                    false
+                }
+            };
+            if let (true, Some(Step::Move(to))) = (switches, before.map(|k| &mut steps[k])) {
                 to.zone = Zone::Stop;
             }
         }
@@ -77,6 +90,7 @@ struct Digits {
     mm: f64,
     rad: f64,
     speed: f64,
+    filament: f64,
 }
 
 fn near(a: f64, b: f64, most: f64) -> bool {
@@ -117,6 +131,7 @@ fn came_back(before: &Step, after: &Step, digits: &Digits, ur: bool) -> bool {
         (Step::Servo { joints: a, seconds: s }, Step::Servo { joints: b, seconds: t }) => {
             same_joints(a, b, digits.rad) && near(*s, *t, 1e-9)
         }
+        (Step::FilamentSpeed(a), Step::FilamentSpeed(b)) => near(*a, *b, digits.filament),
         (a, b) => a == b,
     }
 }
@@ -230,7 +245,7 @@ proptest! {
         prop_assert_eq!(files.len(), main.modules.len() + 1);
         prop_assert_eq!(again.len(), steps.len());
         // Half a unit of the last digit, in each of three coordinates; quaternions lose it in four.
-        let digits = Digits { mm: 0.9e-4, rad: 3e-8, speed: 0.51e-4 };
+        let digits = Digits { mm: 0.9e-4, rad: 3e-8, speed: 0.51e-4, filament: 0.51e-6 };
         let mut stopped = 0;
         for (before, after) in steps.iter().zip(&again) {
             let mut before = *before;
@@ -265,7 +280,7 @@ proptest! {
         prop_assert!(mm < 1e-6 && rad < 3e-9 && reader.name() == "curvlay");
         let again: Vec<Step> = reader.map(Result::unwrap).collect();
         prop_assert_eq!(again.len(), steps.len());
-        let digits = Digits { mm: 1e-6, rad: 3e-9, speed: 1e-6 };
+        let digits = Digits { mm: 1e-6, rad: 3e-9, speed: 1e-6, filament: 0.51e-9 };
         for (before, after) in steps.iter().zip(&again) {
             prop_assert!(came_back(before, after, &digits, true), "{before:?}\n{after:?}");
         }
@@ -416,7 +431,7 @@ fn a_part_that_vanished_is_told() {
     let error = from_rapid(&damaged, "curvlay.mod").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "module 2, `curvlay_003.mod`: line 3, column 3: expected MoveL, MoveJ, MoveAbsJ, SetDO or ENDPROC, found `MoveC`"
+        "module 2, `curvlay_003.mod`: line 3, column 3: expected MoveL, MoveJ, MoveAbsJ, SetDO, SetAO or ENDPROC, found `MoveC`"
     );
 }
 
@@ -433,6 +448,183 @@ fn error_of(steps: &[Step], limits: ProgramLimits) -> WriteError {
         assert!(errors.iter().all(|error| error.to_string() == errors[0].to_string()), "{errors:?}");
     }
     errors.remove(0)
+}
+
+/// A stroke whose filament follows the speed of the tool.
+fn fed() -> Vec<Step> {
+    let blend = Zone::Blend(1.0);
+    vec![
+        line(0.0, 5.0, 20.0, Zone::Stop),
+        Step::FilamentSpeed(2.5),
+        Step::Extruder(true),
+        line(10.0, 5.0, 20.0, blend),
+        Step::FilamentSpeed(1.0 / 3.0),
+        line(20.0, 5.0, 20.0, Zone::Stop),
+        Step::Extruder(false),
+        Step::FilamentSpeed(0.0),
+        line(20.0, 25.0, 20.0, Zone::Stop),
+    ]
+}
+
+/// The lines of a text in which a word stands.
+fn lines_with<'a>(text: &'a [u8], word: &str) -> Vec<&'a str> {
+    std::str::from_utf8(text).unwrap().lines().map(str::trim).filter(|line| line.contains(word)).collect()
+}
+
+#[test]
+fn the_speed_of_the_filament_is_written_in_every_format() {
+    let (files, written) = to_rapid(fed(), &RapidOptions::default()).unwrap();
+    assert_eq!((written.moves, written.stops_added), (4, 0));
+    let expected = ["SetAO aoFilament,2.5;", "SetAO aoFilament,0.333333;", "SetAO aoFilament,0;"];
+    assert_eq!(lines_with(&files["curvlay_001.mod"], "SetAO"), expected);
+    let options = RapidOptions { filament_signal: "aoFeed".into(), ..RapidOptions::default() };
+    assert!(lines_with(&to_rapid(fed(), &options).unwrap().0["curvlay_001.mod"], "SetAO aoFeed,2.5;").len() == 1);
+
+    let options = UrScriptOptions { filament_output: 1, filament_full_scale_mm_s: 2.5, ..UrScriptOptions::default() };
+    let script = to_script(&fed(), &options).unwrap();
+    // The scale once, before the first; its point makes the division one of floats.
+    let expected = [
+        "filament_full_scale=2.5",
+        "set_standard_analog_out(1,2.5/filament_full_scale)",
+        "set_standard_analog_out(1,0.333333333/filament_full_scale)",
+        "set_standard_analog_out(1,0/filament_full_scale)",
+    ];
+    assert_eq!(lines_with(&script, "filament"), expected);
+    let whole = to_script(&fed(), &UrScriptOptions::default()).unwrap();
+    assert_eq!(lines_with(&whole, "filament_full_scale="), ["filament_full_scale=20.0"]);
+    let speeds = |steps: Vec<Step>| -> Vec<f64> {
+        steps.iter().filter_map(|step| if let Step::FilamentSpeed(mm_s) = step { Some(*mm_s) } else { None }).collect()
+    };
+    assert_eq!(speeds(from_script(&script).unwrap()), [2.5, 0.333333333, 0.0]);
+    // A program without it has no such line.
+    assert!(lines_with(&to_script(&sample(true), &UrScriptOptions::default()).unwrap(), "filament").is_empty());
+
+    let csv = to_csv(&fed()).unwrap();
+    let expected = "filament,,,,,,,,,,,,,,,,,,,,2.5,,,";
+    assert_eq!(lines_with(&csv, "filament")[0], expected);
+    assert_eq!(expected.matches(',').count(), lines_with(&csv, "kind")[0].matches(',').count());
+    assert_eq!(lines_with(&csv, "kind")[0].split(',').nth(20), Some("mm_s"));
+    assert_eq!(from_csv(&csv).unwrap(), fed());
+}
+
+/// Neither output ends a stream: `stopj` comes once, after the last `servoj`.
+#[test]
+fn signals_do_not_end_a_stream() {
+    let servo = |x: f64| Step::Servo { joints: [x; 6], seconds: 0.008 };
+    let signals = [Step::FilamentSpeed(3.0), Step::Extruder(true)];
+    let steps = [servo(0.0), signals[0], signals[1], servo(0.001), Step::FilamentSpeed(4.0), servo(0.002)];
+    let script = to_script(&steps, &UrScriptOptions::default()).unwrap();
+    let words: Vec<&str> = std::str::from_utf8(&script)
+        .unwrap()
+        .lines()
+        .skip(3)
+        .map(|line| line.trim().split(['(', '=']).next().unwrap())
+        .collect();
+    let expected = "servoj filament_full_scale set_standard_analog_out set_standard_digital_out servoj \
+                    set_standard_analog_out servoj stopj end";
+    assert_eq!(words.join(" "), expected);
+    assert_eq!(from_script(&script).unwrap(), steps);
+    // Nor does the check of joint speeds begin anew behind one.
+    let slow = ProgramLimits { joints: JointLimits { velocity: [1.0; 6], ..JointLimits::NONE }, ..Default::default() };
+    let jump = [servo(0.0), signals[0], servo(0.016)];
+    assert!(matches!(error_of(&jump, slow), WriteError::JointSpeed { index: 2, joint: 0, .. }));
+}
+
+#[test]
+fn filament_speeds_that_cannot_be_are_named() {
+    let none = ProgramLimits::default();
+    let stop = line(0.0, 0.0, 5.0, Zone::Stop);
+    for mm_s in [f64::NAN, -1.0, -1e-300, f64::INFINITY, f64::NEG_INFINITY, 2e6] {
+        let csv = write_csv([stop, Step::FilamentSpeed(mm_s)], &none, io::sink()).unwrap_err();
+        let rapid = to_rapid([stop, Step::FilamentSpeed(mm_s)], &RapidOptions::default()).map(|_| ()).unwrap_err();
+        let script = to_script(&[stop, Step::FilamentSpeed(mm_s)], &UrScriptOptions::default()).unwrap_err();
+        for error in [csv, rapid, script] {
+            assert!(matches!(error, WriteError::Number { index: 1, what: "filament_mm_s", .. }), "{error}");
+        }
+    }
+    let limits = ProgramLimits { filament_mm_s: 4.0, ..none };
+    let error = error_of(&[stop, Step::FilamentSpeed(4.0), Step::FilamentSpeed(4.5)], limits);
+    assert_eq!(error.to_string(), "step 2: `filament_mm_s` is 4.5; it must be from 0 to 4");
+    // Above full scale, in the one format that has a scale.
+    let fast = [stop, Step::FilamentSpeed(FULL), Step::FilamentSpeed(20.5)];
+    let error = to_script(&fast, &UrScriptOptions::default()).unwrap_err();
+    assert_eq!(error.to_string(), "step 2: `filament_mm_s` is 20.5; it must be from 0 to 20");
+    assert!(to_csv(&fast).is_ok() && to_rapid(fast, &RapidOptions::default()).is_ok());
+    // Only a change between two speeds above zero may come while the tool is on its way.
+    let flying = line(0.0, 0.0, 5.0, Zone::Blend(1.0));
+    let [off, slow, fast] = [0.0, 1.0, 2.0].map(Step::FilamentSpeed);
+    assert!(matches!(error_of(&[flying, slow], none), WriteError::SignalInFlight { index: 1 }));
+    assert!(matches!(error_of(&[stop, slow, flying, off], none), WriteError::SignalInFlight { index: 3 }));
+    assert!(matches!(error_of(&[stop, slow, stop, off, flying, fast], none), WriteError::SignalInFlight { index: 5 }));
+    let on = Step::Extruder(true);
+    assert!(matches!(error_of(&[stop, slow, flying, fast, on], none), WriteError::SignalInFlight { index: 4 }));
+    assert!(to_csv(&[stop, slow, flying, fast]).is_ok());
+    // Signals are no moves: they make no program, and do not count.
+    assert!(matches!(error_of(&[slow], none), WriteError::Empty));
+    assert!(write_csv([slow, stop, fast, off], &ProgramLimits { moves: 1, ..none }, io::sink()).is_ok());
+    for (what, options) in [
+        ("filament_output", UrScriptOptions { filament_output: 2, ..UrScriptOptions::default() }),
+        ("filament_full_scale_mm_s", UrScriptOptions { filament_full_scale_mm_s: 0.0, ..UrScriptOptions::default() }),
+        (
+            "filament_full_scale_mm_s",
+            UrScriptOptions { filament_full_scale_mm_s: f64::NAN, ..UrScriptOptions::default() },
+        ),
+    ] {
+        let error = to_script(&[stop], &options).unwrap_err();
+        assert!(matches!(error, WriteError::Option { what: named, .. } if named == what), "{error}");
+    }
+    let options = RapidOptions { filament_signal: "1st".into(), ..RapidOptions::default() };
+    let error = to_rapid([stop], &options).map(|_| ()).unwrap_err();
+    assert!(matches!(error, WriteError::Name { what: "name of the filament signal", .. }), "{error}");
+}
+
+/// Files whose speeds of the filament cannot be say where.
+#[test]
+fn files_with_wrong_filament_speeds_say_where() {
+    let head = "def a():\nwork=p[0,0,0,0,0,0]\nset_tcp(p[0,0,0,0,0,0])\n";
+    let script = |text: &str| from_script(format!("{head}{text}\nend").as_bytes()).map_err(|error| error.to_string());
+    let scale = "filament_full_scale = 10 # mm/s\n";
+    let read = script(&format!("{scale}set_standard_analog_out( 1 , 2.5 / filament_full_scale )"));
+    assert_eq!(read, Ok(vec![Step::FilamentSpeed(2.5)]));
+    let error = |text: &str| script(text).unwrap_err();
+    assert_eq!(
+        error("set_standard_analog_out(0,1/filament_full_scale)"),
+        "line 4, column 1: expected filament_full_scale before an analog output, found `set_standard_analog_out`"
+    );
+    let told = error(&format!("{scale}set_standard_analog_out(0,11/filament_full_scale)"));
+    assert_eq!(told, "line 5, column 27: 11 cannot be a speed of the filament from 0 to the full scale");
+    assert!(error(&format!("{scale}set_standard_analog_out(0,-1/filament_full_scale)")).contains("-1 cannot be"));
+    assert!(error(&format!("{scale}set_standard_analog_out(0,0.5)")).contains("expected /, found `)`"));
+    assert!(error("filament_full_scale=0").contains("0 cannot be a speed of the filament"));
+    let part = |value: &str| {
+        let text = format!("MODULE a PROC a() SetAO ao1 , {value}; ENDPROC ENDMODULE");
+        RapidPart::new(text.as_bytes()).unwrap().collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())
+    };
+    assert_eq!(part("2.5"), Ok(vec![Step::FilamentSpeed(2.5)]));
+    assert!(part("-2.5").unwrap_err().contains("-2.5 cannot be a speed of the filament"));
+    assert!(part("high").unwrap_err().contains("expected a number, found `high`"));
+    let good =
+        String::from_utf8(to_csv(&[line(1.0, 2.0, 3.0, Zone::Stop), Step::FilamentSpeed(2.5)]).unwrap()).unwrap();
+    let csv = |from: &str, to: &str| from_csv(good.replace(from, to).as_bytes()).unwrap_err().to_string();
+    assert_eq!(csv(",2.5,", ",-2.5,"), "line 3, column 29: -2.5 cannot be a speed of the filament");
+    assert!(csv(",2.5,", ",NaN,").contains("expected a finite number"));
+    assert!(csv(",2.5,", ",,").contains("expected a finite number"));
+    assert!(csv(",2.5,", ",2.5,1").contains("expected an empty cell, found `1`"));
+    assert!(csv("filament,", "filament,1").contains("expected an empty cell, found `1`"));
+}
+
+#[test]
+fn modules_do_not_end_while_the_filament_runs() {
+    let stop = line(1.0, 2.0, 3.0, Zone::Stop);
+    let options = RapidOptions { moves_per_module: 16, ..RapidOptions::default() };
+    let first_module = |begin: &[Step]| {
+        let fed = [stop, Step::FilamentSpeed(2.0)].into_iter().chain([stop; 13]).chain([Step::FilamentSpeed(0.0)]);
+        let (files, _) = to_rapid(begin.iter().copied().chain(fed).chain([stop; 9]), &options).unwrap();
+        lines_with(&files["curvlay_001.mod"], "MoveL").len()
+    };
+    // A module may end from its 13th move on. Without a digital output the speed alone switches, and it is 0 after 14.
+    assert_eq!(first_module(&[]), 15);
+    assert_eq!(first_module(&[Step::Extruder(false)]), 13);
 }
 
 #[test]
@@ -571,7 +763,7 @@ fn a_stream_passes_through_its_samples() {
                     tick += 1;
                 }
                 Step::Extruder(on) => switched.push((*on, 5.0 + f64::from(tick) * rate.seconds())),
-                Step::Move(_) => panic!("a move in a stream"),
+                Step::Move(_) | Step::FilamentSpeed(_) => panic!("not of this stream: {step:?}"),
             }
         }
         // The end lies on a step, and is not lost to rounding.

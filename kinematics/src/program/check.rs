@@ -12,13 +12,15 @@ pub struct ProgramLimits {
     pub joints: JointLimits<6>,
     /// Greatest speed of the tool, mm/s. Default 7000: the fastest speed that RAPID has a name for.
     pub speed_mm_s: f64,
+    /// Greatest speed of the filament, mm/s. Default: no limit.
+    pub filament_mm_s: f64,
     /// Most moves and steps of streams in a program. Default: no limit.
     pub moves: u64,
 }
 
 impl Default for ProgramLimits {
     fn default() -> Self {
-        ProgramLimits { joints: JointLimits::NONE, speed_mm_s: 7000.0, moves: u64::MAX }
+        ProgramLimits { joints: JointLimits::NONE, speed_mm_s: 7000.0, filament_mm_s: f64::INFINITY, moves: u64::MAX }
     }
 }
 
@@ -86,7 +88,8 @@ pub enum WriteError {
         /// Moves allowed.
         limit: u64,
     },
-    /// A signal follows a move that does not stop: it would be given before the tool is there.
+    /// A signal that starts or stops the filament follows a move that does not stop: it would be given before the tool
+    /// is there.
     #[error("step {index}: the move before the extruder signal must stop, else the signal comes too early")]
     SignalInFlight {
         /// The signal's step.
@@ -154,12 +157,14 @@ pub(super) struct Checker<'a> {
     index: u64,
     moves: u64,
     in_flight: bool,
+    /// Whether the last speed of the filament was above zero.
+    fed: bool,
     streamed: Option<[f64; 6]>,
 }
 
 impl<'a> Checker<'a> {
     pub fn new(limits: &'a ProgramLimits) -> Self {
-        Checker { limits, index: 0, moves: 0, in_flight: false, streamed: None }
+        Checker { limits, index: 0, moves: 0, in_flight: false, fed: false, streamed: None }
     }
 
     /// Passes a step, or says what is wrong with it.
@@ -186,8 +191,16 @@ impl<'a> Checker<'a> {
             }
             Step::Extruder(_) if self.in_flight => return Err(WriteError::SignalInFlight { index: self.index }),
             Step::Extruder(_) => {}
+            Step::FilamentSpeed(mm_s) => {
+                within(self.index, "filament_mm_s", *mm_s, 0.0, self.limits.filament_mm_s.min(LARGEST))?;
+                let feeds = *mm_s > 0.0;
+                if self.in_flight && !(self.fed && feeds) {
+                    return Err(WriteError::SignalInFlight { index: self.index });
+                }
+                self.fed = feeds;
+            }
         }
-        if !matches!(step, Step::Extruder(_)) {
+        if matches!(step, Step::Move(_) | Step::Servo { .. }) {
             self.moves += 1;
             if self.moves > self.limits.moves {
                 return Err(WriteError::TooLong { index: self.index, limit: self.limits.moves });

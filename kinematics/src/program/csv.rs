@@ -1,8 +1,8 @@
 //! CSV: every step with every bit, for other programs.
 //!
-//! A line a step under the header below. `kind` is `line`, `swing`, `joints`, `servo`, `on` or `off`; a cell that the
-//! kind does not need is empty; `zone_mm` is `stop` or a radius. Millimetres, radians, seconds, each number with the
-//! digits that bring the same double back.
+//! A line a step under the header below. `kind` is `line`, `swing`, `joints`, `servo`, `on`, `off` or `filament`; a cell
+//! that the kind does not need is empty; `zone_mm` is `stop` or a radius. The speed of the filament stands in `mm_s`.
+//! Millimetres, radians, seconds, each number with the digits that bring the same double back.
 
 use super::check::Checker;
 use super::tokens::Tokens;
@@ -113,6 +113,12 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
             text.extend_from_slice(if *on { b"on" } else { b"off" });
             empty(text, COLUMNS - 1);
         }
+        Step::FilamentSpeed(mm_s) => {
+            text.extend_from_slice(b"filament");
+            empty(text, SPEED - POSE);
+            numbers(text, &[*mm_s])?;
+            empty(text, COLUMNS - SPEED - 1);
+        }
     }
     text.push(b'\n');
     Ok(())
@@ -185,7 +191,18 @@ impl<R: BufRead> Row<R> {
                 self.blank(POSE..COLUMNS)?;
                 return Ok(Some(Step::Extruder(kind == b"on")));
             }
-            other => return Err(unexpected(&self.lines, 0, "line, swing, joints, servo, on or off", other)),
+            b"filament" => {
+                self.blank(POSE..SPEED)?;
+                self.blank(SPEED + 1..COLUMNS)?;
+                let mm_s = self.number(SPEED)?;
+                if mm_s < 0.0 {
+                    return Err(self.wrong(SPEED, "a speed of the filament", mm_s));
+                }
+                return Ok(Some(Step::FilamentSpeed(mm_s)));
+            }
+            other => {
+                return Err(unexpected(&self.lines, 0, "line, swing, joints, servo, on, off or filament", other));
+            }
         };
         let [x, y, z, w, i, j, k] = self.numbers::<7>(POSE)?;
         let quaternion = Quaternion::new(w, i, j, k);

@@ -1,21 +1,25 @@
 //! Robot programs: a path leaves as RAPID, URScript or CSV, and comes back.
 //!
 //! A program is a sequence of [`Step`]s: moves of tool or joints, a stream of joints at an even rate, the extruder on
-//! or off. Writers and readers pass it on step by step in constant memory; a writer checks each step before it is
-//! written and names the one that cannot be. [`strokes`] makes the steps of a print, with approach, retract and
-//! extruder; [`resample`] makes the even stream from a timed trajectory.
+//! or off, and the speed of the filament. Writers and readers pass it on step by step in constant memory; a writer
+//! checks each step before it is written and names the one that cannot be. [`strokes`] makes the steps of a print, with
+//! approach, retract and extruder; [`resample`] makes the even stream from a timed trajectory.
 //!
 //! * RAPID ([`write_rapid`], [`read_rapid`]): `MoveL`, `MoveJ`, `MoveAbsJ` with robtargets, jointtargets, speed and
-//!   zone data inside the instruction, one line a move. B. Brooks (*3D printing a transposed design*, ME thesis,
-//!   Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a program is split into modules
-//!   of a chosen size, and a main loads them in turn.
-//! * URScript ([`write_urscript`], [`UrScriptReader`]): `movel` or `movep`, `movej`, `servoj`.
+//!   zone data inside the instruction, one line a move; `SetDO` and `SetAO` for the extruder. B. Brooks (*3D printing a
+//!   transposed design*, ME thesis, Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a
+//!   program is split into modules of a chosen size, and a main loads them in turn.
+//! * URScript ([`write_urscript`], [`UrScriptReader`]): `movel` or `movep`, `movej`, `servoj`;
+//!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder.
 //! * CSV ([`write_csv`], [`CsvReader`]): every bit of a step, for other programs.
 //!
 //! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget.
 //!
 //! Extruder signals: a controller hands out a signal when it reads it, and past a blended corner it reads ahead of the
-//! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there.
+//! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there. A change between two
+//! speeds of the filament above zero is allowed there: it only comes early. URScript sends it where the blend begins,
+//! RAPID about 0.1 s and the lag of the servos before that (*RAPID Reference Manual*, synchronisation with logical
+//! instructions). Within a stream of joints a signal comes at its step and does not end the stream.
 
 mod check;
 mod csv;
@@ -36,7 +40,7 @@ pub use rapid::{
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use strokes::{StrokeOptions, lifted, strokes};
 pub use tokens::ReadError;
-pub use urscript::{Straight, UrScriptOptions, UrScriptReader, write_urscript};
+pub use urscript::{FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, write_urscript};
 
 use crate::arm::Arm;
 use nalgebra::Isometry3;
@@ -143,6 +147,9 @@ pub enum Step {
     },
     /// The extruder goes on or off.
     Extruder(bool),
+    /// The speed of the filament into the extruder from here on, in mm of filament per second, 0 or more. The filament
+    /// runs at it while the extruder is on; a program without [`Step::Extruder`] starts and stops it by this speed.
+    FilamentSpeed(f64),
 }
 
 /// What `next` returns of a stream of steps that ends after the last one and after the first error; `over` is its note

@@ -332,6 +332,12 @@ impl<R: BufRead> Tokens<R> {
         if value > 0.0 { Ok(value) } else { Err(self.wrong(what, value)) }
     }
 
+    /// A number from zero to `most`.
+    pub fn up_to(&mut self, what: &'static str, most: f64) -> Result<f64, ReadError> {
+        let value = self.number()?;
+        if (0.0..=most).contains(&value) { Ok(value) } else { Err(self.wrong(what, value)) }
+    }
+
     /// `[a, b, ...]` with exactly `N` numbers.
     pub fn numbers<const N: usize>(&mut self) -> Result<[f64; N], ReadError> {
         let mut values = [0.0; N];

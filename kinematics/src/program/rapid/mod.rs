@@ -4,6 +4,10 @@
 //! Positions are written to 1e-4 mm, quaternions to 1e-8, angles to 1e-6 degrees: about what the controller's own
 //! numbers hold.
 //!
+//! The extruder is a digital output (`SetDO`), the speed of the filament an analog one (`SetAO`), in mm/s with six
+//! decimals. In the controller's configuration of that signal, `Maximum Logical Value` is the speed in mm/s at which
+//! the output is at its `Maximum Physical Value`.
+//!
 //! Each part module ends with the tool at rest, for a module must not be unloaded while its last corner is still to be
 //! rounded. Modules therefore end, where they can, at a stop with the extruder off.
 
@@ -57,6 +61,8 @@ pub struct RapidOptions {
     pub work_object: RapidWorkObject,
     /// The digital output of the extruder.
     pub signal: String,
+    /// The analog output of the filament's speed, in mm/s. Default `aoFilament`.
+    pub filament_signal: String,
     /// Where the controller finds the modules. Default `HOME:`.
     pub folder: String,
     /// Most moves in a module. Default 5000, about half a megabyte: Brooks' 180,000 lines were too many.
@@ -66,7 +72,7 @@ pub struct RapidOptions {
 }
 
 impl Default for RapidOptions {
-    /// `tool0`, `wobj0`, the signal `doExtruder`, the name `curvlay`.
+    /// `tool0`, `wobj0`, the signals `doExtruder` and `aoFilament`, the name `curvlay`.
     fn default() -> Self {
         let tool = RapidTool {
             name: TOOL0.to_owned(),
@@ -82,6 +88,7 @@ impl Default for RapidOptions {
             tool,
             work_object,
             signal: "doExtruder".to_owned(),
+            filament_signal: "aoFilament".to_owned(),
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,
             limits: ProgramLimits::default(),
@@ -96,6 +103,8 @@ const WOBJ0: &str = "wobj0";
 const MM: usize = 4;
 const QUATERNION: usize = 8;
 const DEGREES: usize = 6;
+/// Of the filament's speed in mm/s: finer than any analog output.
+const FILAMENT: usize = 6;
 
 /// RAPID's word for "no axis there".
 const NO_AXIS: f64 = 9e9;

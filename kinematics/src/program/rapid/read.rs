@@ -196,11 +196,17 @@ fn step(tokens: &mut Tokens<impl BufRead>) -> Result<Option<Step>, ReadError> {
         }
         tokens.marks(";")?;
         return Ok(Some(Step::Extruder(value == 1)));
+    } else if tokens.is_word(token, "SetAO") {
+        tokens.name("the signal")?;
+        tokens.marks(",")?;
+        let mm_s = tokens.up_to("a speed of the filament", f64::INFINITY)?;
+        tokens.marks(";")?;
+        return Ok(Some(Step::FilamentSpeed(mm_s)));
     } else if tokens.is_word(token, "ENDPROC") {
         end(tokens)?;
         return Ok(None);
     } else {
-        return Err(tokens.unexpected("MoveL, MoveJ, MoveAbsJ, SetDO or ENDPROC", token));
+        return Err(tokens.unexpected("MoveL, MoveJ, MoveAbsJ, SetDO, SetAO or ENDPROC", token));
     };
     let pose = open_pose(tokens)?;
     tokens.marks(",[")?;

@@ -1,6 +1,6 @@
 //! RAPID, written.
 
-use super::{DEGREES, MM, NAMED_TURN_RAD_S, QUATERNION, RapidOptions, SPEEDS, TOOL0, WOBJ0, ZONES};
+use super::{DEGREES, FILAMENT, MM, NAMED_TURN_RAD_S, QUATERNION, RapidOptions, SPEEDS, TOOL0, WOBJ0, ZONES};
 use crate::program::check::{Checker, check_frame, check_name, check_option, farthest};
 use crate::program::text::Text;
 use crate::program::{Goal, Move, Speed, Step, Target, WriteError, Zone};
@@ -63,7 +63,8 @@ pub fn write_rapid<W: Write>(
     let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0 };
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
-    let mut extruding = false;
+    // By the digital output; by the speed of the filament where there is none.
+    let (mut on, mut fed) = (None, false);
     let mut steps = steps.into_iter().peekable();
     while let Some(mut step) = steps.next() {
         checker.check(&step)?;
@@ -87,16 +88,22 @@ pub fn write_rapid<W: Write>(
                 at_rest = to.zone == Zone::Stop;
                 write_move(&mut current.text, to, &end);
             }
-            Step::Extruder(on) => {
-                extruding = *on;
-                let value = if *on { "1" } else { "0" };
+            Step::Extruder(to) => {
+                on = Some(*to);
+                let value = if *to { "1" } else { "0" };
                 current.text.word("    SetDO ").word(&options.signal).word(",").word(value).word(";\n");
+            }
+            Step::FilamentSpeed(mm_s) => {
+                fed = *mm_s > 0.0;
+                current.text.word("    SetAO ").word(&options.filament_signal).word(",").fixed(*mm_s, FILAMENT);
+                current.text.word(";\n");
             }
             Step::Servo { .. } => return Err(checker.unsupported("stream of joints", "RAPID")),
         }
         let most = options.moves_per_module;
         // Not over the begin of a stroke: there the nozzle would wait on the part.
-        let idle = at_rest && !extruding && !matches!(steps.peek(), Some(Step::Extruder(_)));
+        let signal_next = matches!(steps.peek(), Some(Step::Extruder(_) | Step::FilamentSpeed(_)));
+        let idle = at_rest && !on.unwrap_or(fed) && !signal_next;
         let early = current.moves > most - most / 4 && idle;
         if current.text.0.len() > CHUNK {
             current.send()?;
@@ -116,6 +123,7 @@ fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
     check_name("name of the tool", &options.tool.name, LONGEST_WORD)?;
     check_name("name of the work object", &options.work_object.name, LONGEST_WORD)?;
     check_name("name of the signal", &options.signal, LONGEST_WORD)?;
+    check_name("name of the filament signal", &options.filament_signal, LONGEST_WORD)?;
     if let Some(unit) = &options.work_object.unit {
         check_name("name of the mechanical unit", unit, LONGEST_WORD)?;
     }

@@ -1,6 +1,6 @@
 //! URScript, read: what [`write_urscript`](super::write_urscript) writes, in any layout, with comments.
 
-use super::MM_PER_M;
+use super::{FULL_SCALE, MM_PER_M};
 use crate::program::tokens::{Token, Tokens};
 use crate::program::{ConfData, Goal, Move, ReadError, Speed, Step, Target, Zone, until_error};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -16,6 +16,8 @@ pub struct UrScriptReader<R> {
     name: String,
     work: Isometry3<f64>,
     tool: Isometry3<f64>,
+    /// Of the filament's speed, mm/s, once the program has set it.
+    full_scale: Option<f64>,
     over: bool,
 }
 
@@ -36,7 +38,7 @@ impl<R: BufRead> UrScriptReader<R> {
         tokens.marks("(")?;
         let tool = pose(&mut tokens)?;
         tokens.marks(")")?;
-        Ok(UrScriptReader { tokens, name, work, tool, over: false })
+        Ok(UrScriptReader { tokens, name, work, tool, full_scale: None, over: false })
     }
 
     /// The program's name.
@@ -56,7 +58,7 @@ impl<R: BufRead> UrScriptReader<R> {
 }
 
 /// The next step; `None` at the end of the program.
-fn step(tokens: &mut Tokens<impl BufRead>) -> Result<Option<Step>, ReadError> {
+fn step(tokens: &mut Tokens<impl BufRead>, full_scale: &mut Option<f64>) -> Result<Option<Step>, ReadError> {
     loop {
         let token = tokens.next()?;
         if tokens.is_word(token, "movel") || tokens.is_word(token, "movep") {
@@ -95,6 +97,21 @@ fn step(tokens: &mut Tokens<impl BufRead>) -> Result<Option<Step>, ReadError> {
             }
             tokens.marks(")")?;
             return Ok(Some(Step::Extruder(on)));
+        } else if tokens.is_word(token, "set_standard_analog_out") {
+            let Some(most) = *full_scale else {
+                return Err(tokens.unexpected("filament_full_scale before an analog output", token));
+            };
+            tokens.marks("(")?;
+            tokens.whole()?;
+            tokens.marks(",")?;
+            let mm_s = tokens.up_to("a speed of the filament from 0 to the full scale", most)?;
+            tokens.marks("/")?;
+            tokens.expect_word(FULL_SCALE)?;
+            tokens.marks(")")?;
+            return Ok(Some(Step::FilamentSpeed(mm_s)));
+        } else if tokens.is_word(token, FULL_SCALE) {
+            tokens.marks("=")?;
+            *full_scale = Some(tokens.positive("a speed of the filament")?);
         } else if tokens.is_word(token, "stopj") {
             tokens.marks("(")?;
             tokens.number()?;
@@ -160,6 +177,6 @@ impl<R: BufRead> Iterator for UrScriptReader<R> {
     type Item = Result<Step, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        until_error(&mut self.over, || step(&mut self.tokens))
+        until_error(&mut self.over, || step(&mut self.tokens, &mut self.full_scale))
     }
 }

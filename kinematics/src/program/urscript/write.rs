@@ -1,9 +1,9 @@
 //! URScript, written.
 
-use super::{DECIMALS, MM_PER_M, Straight, UrScriptOptions};
+use super::{DECIMALS, FULL_SCALE, MM_PER_M, Straight, UrScriptOptions};
 use crate::program::check::{Checker, check_frame, check_name, check_option};
 use crate::program::text::Text;
-use crate::program::{Goal, Move, Step, WriteError, Zone};
+use crate::program::{Goal, Move, ProgramLimits, Step, WriteError, Zone};
 use nalgebra::Isometry3;
 use std::io::Write;
 
@@ -14,7 +14,8 @@ const FORMAT: &str = "URScript";
 /// Writes a program.
 ///
 /// # Errors
-/// [`WriteError`] names the step that cannot be. A table that moves along has no words in URScript.
+/// [`WriteError`] names the step that cannot be. A table that moves along has no words in URScript; a speed of the
+/// filament above the full scale is a [`WriteError::Number`].
 ///
 /// # Cost
 /// Constant memory; about half a microsecond a move.
@@ -24,9 +25,12 @@ const FORMAT: &str = "URScript";
 /// use curvlay_kinematics::program::*;
 /// let to = Move { goal: Goal::Joints([0.5; 6]), table: None, speed: Speed::default(), zone: Zone::Stop };
 /// let mut script = Vec::new();
-/// write_urscript([Step::Move(to), Step::Extruder(true)], &UrScriptOptions::default(), &mut script)?;
+/// let steps = [Step::Move(to), Step::FilamentSpeed(3.25), Step::Extruder(true)];
+/// write_urscript(steps, &UrScriptOptions::default(), &mut script)?;
 /// let script = String::from_utf8_lossy(&script);
 /// assert!(script.contains("movej([0.5,0.5,0.5,0.5,0.5,0.5],a=1.4,v=1,r=0)"));
+/// assert!(script.contains("filament_full_scale=20.0"));
+/// assert!(script.contains("set_standard_analog_out(0,3.25/filament_full_scale)"));
 /// assert!(script.contains("set_standard_digital_out(0,True)"));
 /// # Ok::<(), WriteError>(())
 /// ```
@@ -37,14 +41,16 @@ pub fn write_urscript(
 ) -> Result<(), WriteError> {
     check_options(options)?;
     let failed = |source| WriteError::Io { file: options.name.clone(), source };
-    let mut checker = Checker::new(&options.limits);
+    let filament_mm_s = options.limits.filament_mm_s.min(options.filament_full_scale_mm_s);
+    let limits = ProgramLimits { filament_mm_s, ..options.limits };
+    let mut checker = Checker::new(&limits);
     let mut text = Text::default();
     text.word("def ").word(&options.name).word("():\n  work=");
     write_pose(&mut text, &options.work);
     text.word("\n  set_tcp(");
     write_pose(&mut text, &options.tool);
     text.word(")\n");
-    let mut streaming = false;
+    let (mut streaming, mut scaled) = (false, false);
     for step in steps {
         checker.check(&step)?;
         match &step {
@@ -64,6 +70,13 @@ pub fn write_urscript(
             Step::Extruder(on) => {
                 text.word("  set_standard_digital_out(").fixed(f64::from(options.output), 0);
                 text.word(if *on { ",True)\n" } else { ",False)\n" });
+            }
+            Step::FilamentSpeed(mm_s) => {
+                if !std::mem::replace(&mut scaled, true) {
+                    write_full_scale(&mut text, options.filament_full_scale_mm_s);
+                }
+                text.word("  set_standard_analog_out(").fixed(f64::from(options.filament_output), 0).word(",");
+                text.fixed(*mm_s, DECIMALS).word("/").word(FULL_SCALE).word(")\n");
             }
         }
         if text.0.len() > CHUNK {
@@ -87,6 +100,18 @@ fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
         ("lookahead_s", options.lookahead_s, [0.03, 0.2], "the controller takes 0.03 to 0.2 s"),
         ("gain", options.gain, [100.0, 2000.0], "the controller takes 100 to 2000"),
         ("output", f64::from(options.output), [0.0, 7.0], "the controller has outputs 0 to 7"),
+        (
+            "filament_output",
+            f64::from(options.filament_output),
+            [0.0, 1.0],
+            "the controller has analog outputs 0 and 1",
+        ),
+        (
+            "filament_full_scale_mm_s",
+            options.filament_full_scale_mm_s,
+            [1e-3, 1e6],
+            "it must be from 0.001 to 1e6 mm/s",
+        ),
     ];
     for (what, value, [least, most], need) in ranges {
         check_option(what, value, least <= value && value <= most, need)?;
@@ -99,6 +124,15 @@ fn stop_stream(text: &mut Text, streaming: &mut bool, options: &UrScriptOptions)
     if std::mem::take(streaming) {
         text.word("  stopj(").fixed(options.acceleration_rad_s2, DECIMALS).word(")\n");
     }
+}
+
+/// With a point, also where the number is whole.
+fn write_full_scale(text: &mut Text, mm_s: f64) {
+    text.word("  ").word(FULL_SCALE).word("=");
+    let from = text.0.len();
+    text.fixed(mm_s, DECIMALS);
+    let point = if text.0[from..].contains(&b'.') { "" } else { ".0" };
+    text.word(point).word("\n");
 }
 
 /// `p[x,y,z,rx,ry,rz]`
