@@ -4,12 +4,15 @@
 //! closest point, and for the clearance of the nozzle at points a tenth of a layer apart. On the small part (4 layers, 1,800
 //! triangles) both run, and the waypoints that gouge must be the same ones but for those within that tenth of the
 //! limit, which is asserted. The baseline's time grows with waypoints times triangles.
+//!
+//! The group `contact` asks how deep the nozzle is at each waypoint of the small part, beside the same look at all points, which
+//! are made beforehand.
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::surface::{
-    BuiltLayer, GougingOptions, LayerCurve, LayerStack, Nozzle, OrientOptions, Oriented, ToolPath,
+    BuiltLayer, GougingOptions, LayerCurve, LayerStack, Moment, Nozzle, OrientOptions, Oriented, Pose, ToolPath,
 };
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -84,9 +87,8 @@ fn gouging(stack: &LayerStack, paths: &[ToolPath]) -> Vec<[usize; 2]> {
     freed.left.iter().map(|gouge| [gouge.path, gouge.waypoint]).collect()
 }
 
-/// For each waypoint the least clearance at points of all sheets of earlier layers.
-fn slow(part: &[Layer], paths: &[ToolPath]) -> Vec<Vec<f64>> {
-    let nozzle = Nozzle::default();
+/// Points of all sheets, layer by layer.
+fn rasters(part: &[Layer]) -> Vec<Vec<Point3<f64>>> {
     let raster = |layer: &Layer| -> Vec<Point3<f64>> {
         let mut normals = vec![Vector3::zeros(); layer.vertices.len()];
         let corners = |t: &[u32; 3]| t.map(|v| layer.vertices[v as usize]);
@@ -127,7 +129,12 @@ fn slow(part: &[Layer], paths: &[ToolPath]) -> Vec<Vec<f64>> {
         }
         points
     };
-    let rasters: Vec<_> = part.iter().map(raster).collect();
+    part.iter().map(raster).collect()
+}
+
+/// For each waypoint the least clearance at points of all sheets of earlier layers.
+fn slow(rasters: &[Vec<Point3<f64>>], paths: &[ToolPath]) -> Vec<Vec<f64>> {
+    let nozzle = Nozzle::default();
     let of_path = |path: &ToolPath| {
         let least = |w: &curvlay_toolpath::surface::Waypoint| {
             let clearance = |p: &Point3<f64>| {
@@ -148,8 +155,10 @@ fn orientation(c: &mut Criterion) {
     let small = part(15, 4, 6.0);
     with_stack(&small, |layers| {
         let stack = LayerStack::new(layers).expect("sound");
-        let paths = orient(&stack).paths;
-        let (found, twin) = (gouging(&stack, &paths), slow(&small, &paths));
+        let mut paths = orient(&stack).paths;
+        // All count as samples: points put between that gouge would be taken out, and the rest numbered anew.
+        paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.added = false);
+        let (found, twin) = (gouging(&stack, &paths), slow(&rasters(&small), &paths));
         for (path, lacks) in twin.iter().enumerate() {
             for (waypoint, &lack) in lacks.iter().enumerate() {
                 let gouges = found.contains(&[path, waypoint]);
@@ -162,7 +171,7 @@ fn orientation(c: &mut Criterion) {
         group.throughput(Throughput::Elements(count as u64));
         group.bench_function(BenchmarkId::new("gouging", "small"), |b| b.iter(|| gouging(&stack, black_box(&paths))));
         group.bench_function(BenchmarkId::new("baseline_all_triangles", "small"), |b| {
-            b.iter(|| slow(&small, black_box(&paths)));
+            b.iter(|| slow(&rasters(&small), black_box(&paths)));
         });
     });
     let large = part(50, 40, 2.5);
@@ -189,5 +198,39 @@ fn orientation(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, orientation);
+fn contact(c: &mut Criterion) {
+    let mut group = c.benchmark_group("contact");
+    group.sample_size(10);
+    let small = part(15, 4, 6.0);
+    with_stack(&small, |layers| {
+        let stack = LayerStack::new(layers).expect("sound");
+        let paths = orient(&stack).paths;
+        let points = rasters(&small);
+        let contacts = stack.contacts(&paths, &Nozzle::default(), &earlier(), &go_on).expect("sound");
+        let each = |path: usize| {
+            let waypoints = paths[path].waypoints.iter().enumerate();
+            waypoints
+                .map(move |(waypoint, w)| (Moment::At { path, waypoint }, Pose { tip: w.tip, direction: w.direction }))
+        };
+        let asked: Vec<_> = (0..paths.len()).flat_map(each).collect();
+        let deepest = || -> Vec<_> {
+            asked.iter().map(|(moment, pose)| contacts.deepest(*moment, black_box(pose)).expect("known")).collect()
+        };
+        for (found, lack) in deepest().iter().zip(slow(&points, &paths).concat()) {
+            let depth = found.map_or(0.25 * HEIGHT, |contact| contact.depth);
+            assert!((depth - (0.25 * HEIGHT - lack.min(0.0))).abs() < 0.1 * HEIGHT, "{depth} {lack}");
+        }
+        let are_free =
+            || asked.iter().filter(|(moment, pose)| contacts.is_free(*moment, black_box(pose)).expect("known")).count();
+        group.throughput(Throughput::Elements(asked.len() as u64));
+        group.bench_function(BenchmarkId::new("deepest", "small"), |b| b.iter(deepest));
+        group.bench_function(BenchmarkId::new("is_free", "small"), |b| b.iter(are_free));
+        group.bench_function(BenchmarkId::new("baseline_all_points", "small"), |b| {
+            b.iter(|| slow(&points, black_box(&paths)));
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, orientation, contact);
 criterion_main!(benches);

@@ -204,7 +204,7 @@ impl LayerStack<'_> {
     }
 
     /// Boxes around the layers up to each one, by their lower and upper corner; thickness included.
-    fn boxes(&self) -> Vec<[Point3<f64>; 2]> {
+    pub(super) fn boxes(&self) -> Vec<[Point3<f64>; 2]> {
         let mut low = Point3::from([f64::INFINITY; 3]);
         let mut high = -low;
         let grown = |layer: &super::BuiltLayer| {
@@ -241,8 +241,23 @@ fn lifted(waypoint: &Waypoint, by: f64) -> Pose {
     Pose { tip: waypoint.tip + waypoint.direction.into_inner() * by, direction: waypoint.direction }
 }
 
+impl Pose {
+    /// A share of the way to another: the tip goes straight, the direction turns evenly. None between opposite directions.
+    pub(super) fn toward(&self, to: &Pose, share: f64) -> Option<Pose> {
+        let direction = along(&self.direction, &to.direction, share)?;
+        Some(Pose { tip: self.tip + (to.tip - self.tip) * share, direction })
+    }
+}
+
+/// The farthest that a point of a box may be from another; 0 if there is no box.
+pub(super) fn farthest([low, high]: &[Point3<f64>; 2], p: &Point3<f64>) -> f64 {
+    let side = |k: usize| (p[k] - low[k]).abs().max((p[k] - high[k]).abs());
+    let far = side(0).hypot(side(1)).hypot(side(2));
+    if far.is_finite() { far } else { 0.0 }
+}
+
 /// How far a pose leans from the upright.
-fn lean(pose: &Pose) -> f64 {
+pub(super) fn lean(pose: &Pose) -> f64 {
     angle(&pose.direction, &Vector3::z_axis())
 }
 
@@ -328,7 +343,7 @@ impl Finder<'_> {
         let (height, lean) = (leg[0].tip.z.min(leg[1].tip.z), lean(&leg[0]).max(lean(&leg[1])));
         let motion = length(leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
         let halves = || {
-            let middle = self.between(leg, 0.5)?;
+            let middle = leg[0].toward(&leg[1], 0.5)?;
             Some([[leg[0], middle], [middle, leg[1]]])
         };
         self.above_plate(height, lean) >= room - ROUNDING
@@ -340,9 +355,9 @@ impl Finder<'_> {
     fn is_leg_free(&mut self, leg: [Pose; 2]) -> bool {
         let clearance = self.options.clearance;
         let length = (leg[1].tip - leg[0].tip).norm();
-        let reach = leg.map(|pose| self.farthest(&pose.tip)).into_iter().fold(self.nozzle.corner(), f64::max);
+        let reach = leg.map(|pose| farthest(&self.built, &pose.tip)).into_iter().fold(self.nozzle.corner(), f64::max);
         let motion = length + angle(&leg[0].direction, &leg[1].direction) * (reach + 2.0 * clearance);
-        let Some(finest) = self.between(&leg, 0.5) else {
+        let Some(finest) = leg[0].toward(&leg[1], 0.5) else {
             return false;
         };
         // Wide pieces first: what is in the way shows soon.
@@ -357,26 +372,13 @@ impl Finder<'_> {
             }
             let half = (low + high) / 2.0;
             for (low, high) in [(low, half), (half, high)] {
-                let Some(middle) = self.between(&leg, (low + high) / 2.0) else {
+                let Some(middle) = leg[0].toward(&leg[1], (low + high) / 2.0) else {
                     return false;
                 };
                 open.push_back((low, high, middle));
             }
         }
         true
-    }
-
-    fn between(&self, [from, to]: &[Pose; 2], share: f64) -> Option<Pose> {
-        let direction = along(&from.direction, &to.direction, share)?;
-        Some(Pose { tip: from.tip + (to.tip - from.tip) * share, direction })
-    }
-
-    /// The farthest that a built point may be from another.
-    fn farthest(&self, p: &Point3<f64>) -> f64 {
-        let [low, high] = self.built;
-        let side = |k: usize| (p[k] - low[k]).abs().max((p[k] - high[k]).abs());
-        let far = side(0).hypot(side(1)).hypot(side(2));
-        if far.is_finite() { far } else { 0.0 }
     }
 
     /// A nozzle grown by a clearance, and where its tip is.
@@ -386,8 +388,7 @@ impl Finder<'_> {
     }
 
     fn scene<'s>(&'s self, nozzle: &'s Nozzle) -> Scene<'s> {
-        let LayerStack { tree, rims, keys, .. } = self.stack;
-        Scene { tree, rims, keys, nozzle, plate: false }
+        Scene::new(self.stack, &self.stack.keys, nozzle, false)
     }
 
     /// Whether a nozzle is farther from all that is built.
@@ -414,7 +415,7 @@ impl Finder<'_> {
             let leg = [leg[0], leg[1]];
             let motion = length(&leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
             let steps = (motion / (FINEST * clearance)).ceil().clamp(1.0, MOST_LOOKS) as usize;
-            for pose in (0..=steps).filter_map(|k| self.between(&leg, k as f64 / steps as f64)) {
+            for pose in (0..=steps).filter_map(|k| leg[0].toward(&leg[1], k as f64 / steps as f64)) {
                 let (nozzle, stand) = self.grown(&pose, clearance);
                 let scene = self.scene(&nozzle);
                 if let Some(worst) = scene.worst(stand, &pose.direction, &mut work) {

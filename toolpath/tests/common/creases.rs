@@ -3,9 +3,9 @@
 #![allow(dead_code)] // each test takes what it needs
 
 use crate::common::{self, rng, rough};
-use crate::layers::Layer;
+use crate::layers::{Layer, path};
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::Nozzle;
+use curvlay_toolpath::surface::{Nozzle, ToolPath};
 use rand::RngExt;
 
 /// Height of all layers.
@@ -101,4 +101,81 @@ pub fn hills(seed: u64) -> (Layer, Vec<Point3<f64>>) {
         p + normal * rng.random_range(0.6 * H..2.5 * H)
     };
     (layer, (0..6).map(tip).collect())
+}
+
+/// When each triangle of a layer is touched last, as a number of samples from 0 on through all paths; all are on this layer.
+pub fn last_touched(layer: &Layer, paths: &[ToolPath]) -> Vec<Option<usize>> {
+    let corners: Vec<[Point3<f64>; 3]> =
+        layer.triangles.iter().map(|t| t.map(|v| layer.vertices[v as usize])).collect();
+    let mut last = vec![None; corners.len()];
+    let samples = || paths.iter().flat_map(|path| path.waypoints.iter().filter(|w| !w.added));
+    for (number, w) in samples().enumerate() {
+        let distances: Vec<_> = corners.iter().map(|t| near(t, &w.tip, 9.0).unwrap_or(f64::INFINITY)).collect();
+        let nearest = (0..corners.len()).fold(0, |best, k| if distances[k] < distances[best] { k } else { best });
+        let foot = foot(&corners[nearest], &w.tip);
+        for (t, corners) in corners.iter().enumerate() {
+            if near(corners, &foot, 0.4).is_some_and(|distance| distance <= 0.4) {
+                last[t] = Some(number);
+            }
+        }
+    }
+    last
+}
+
+/// How far a triangle is from a point, if its box is within reach.
+fn near(corners: &[Point3<f64>; 3], p: &Point3<f64>, reach: f64) -> Option<f64> {
+    let [low, high] = [corners[0].inf(&corners[1]).inf(&corners[2]), corners[0].sup(&corners[1]).sup(&corners[2])];
+    if (0..3).any(|k| p[k] < low[k] - reach || p[k] > high[k] + reach) {
+        return None;
+    }
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).normalize();
+    let foot = p - normal * (p - corners[0]).dot(&normal);
+    let inside = (0..3).all(|k| (corners[(k + 1) % 3] - corners[k]).cross(&(foot - corners[k])).dot(&normal) >= 0.0);
+    let sides = (0..3).map(|k| common::to_segment(*p, corners[k], corners[(k + 1) % 3]));
+    Some(if inside { (foot - p).norm() } else { sides.fold(f64::INFINITY, f64::min) })
+}
+
+/// The point of a triangle nearest to another.
+fn foot(corners: &[Point3<f64>; 3], p: &Point3<f64>) -> Point3<f64> {
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).normalize();
+    let foot = p - normal * (p - corners[0]).dot(&normal);
+    let side = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let share = ((p - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+        a + (b - a) * share
+    };
+    if (0..3).all(|k| (corners[(k + 1) % 3] - corners[k]).cross(&(foot - corners[k])).dot(&normal) >= 0.0) {
+        return foot;
+    }
+    (1..3).map(side).fold(side(0), |best, other| if (other - p).norm() < (best - p).norm() { other } else { best })
+}
+
+/// Rows of beads over hills, to and fro: in creases some close others in.
+pub fn rows(seed: u64) -> (Layer, Vec<ToolPath>) {
+    let (layer, _) = hills(seed);
+    let triangles: Vec<[Point3<f64>; 3]> =
+        layer.triangles.iter().map(|t| t.map(|v| layer.vertices[v as usize])).collect();
+    let over = |x: f64, y: f64| {
+        // The triangle under the place, if there is one.
+        triangles.iter().find_map(|[a, b, c]| {
+            let normal = (b - a).cross(&(c - a));
+            let p = Point3::new(x, y, a.z - (normal.x * (x - a.x) + normal.y * (y - a.y)) / normal.z);
+            let inside = [(a, b), (b, c), (c, a)].iter().all(|(s, e)| (*e - *s).cross(&(p - *s)).dot(&normal) >= 0.0);
+            let up = normal.normalize();
+            inside.then_some((p + up * (H / 2.0), up))
+        })
+    };
+    let row = |k: u32| {
+        let places = (0..14).map(|i| if k.is_multiple_of(2) { i } else { 13 - i });
+        places.filter_map(|i| over(0.5 + f64::from(i), 1.0 + 1.7 * f64::from(k))).collect::<Vec<_>>()
+    };
+    let all: Vec<Vec<_>> = (0..8).map(row).collect();
+    // Two curves: every other pair of rows.
+    let curve = |odd: usize| {
+        path(
+            0,
+            &all.iter().enumerate().filter(|(k, _)| k / 2 % 2 == odd).flat_map(|(_, r)| r.clone()).collect::<Vec<_>>(),
+        )
+    };
+    (layer, vec![curve(0), ToolPath { curve: 1, ..curve(1) }])
 }

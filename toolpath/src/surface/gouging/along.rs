@@ -6,13 +6,17 @@
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
 //! 4. Around tilted waypoints directions become the means of their neighbours, round by round.
 //! 5. Waypoints that were only put between and that no tilt frees are taken out again: a sharp turn that is listed is better.
+//! 6. Between neighbours that are free the nozzle may still gouge, half way; there a point is put between and freed, so that
+//!    the straight way of a machine goes round. That is repeated with the halves.
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
+use super::built::{after, before};
+use super::contact::Contact;
 use super::deepest::{Scene, Stand};
-use super::{Gouge, GougingOptions, Obstacle};
-use crate::surface::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between};
-use nalgebra::{Unit, UnitVector3, Vector3};
+use super::{Gouge, GougingOptions};
+use crate::surface::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
+use nalgebra::{Unit, UnitVector3};
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
@@ -21,6 +25,9 @@ const DEEPER_STEP: f64 = 0.05;
 /// How often points are put between: each time as many as an even turn needs, so more than once only where the new ones
 /// have to be tilted as well. Where that does not do either, the turn is listed.
 const INSERTIONS: usize = 3;
+
+/// How often legs are halved in step 6: down to an eighth of the way between two waypoints.
+const HALVINGS: usize = 3;
 
 /// Rounds of step 4, and how far around a tilted waypoint it goes.
 const MEANS: usize = 6;
@@ -57,8 +64,7 @@ pub(super) struct Start {
 struct Step {
     waypoint: Waypoint,
     wanted: UnitVector3<f64>,
-    /// What has a key below this is there. It ends with the last sample before: beads of waypoints added in between lie
-    /// under the tip.
+    /// What has a key below this is there (`built`).
     before: u32,
     /// No tilt frees it.
     stuck: bool,
@@ -75,18 +81,15 @@ struct Walker<'a> {
 
 /// Sets a path free.
 pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &GougingOptions) -> FreedPath {
-    let mut done = start.path + 1;
-    let mut steps: Vec<Step> = Vec::with_capacity(path.waypoints.len());
-    for (k, (waypoint, number)) in path.waypoints.iter().zip(start.path + 2..).enumerate() {
-        let before = match steps.last() {
-            Some(last) if waypoint.added => last.before,
-            _ => done,
-        };
-        if !waypoint.added {
-            done = number;
-        }
-        steps.push(Step { waypoint: *waypoint, wanted: waypoint.direction, before, stuck: false, given: Some(k) });
-    }
+    let step = |(k, (&waypoint, before)): (usize, (&Waypoint, u32))| Step {
+        waypoint,
+        wanted: waypoint.direction,
+        before,
+        stuck: false,
+        given: Some(k),
+    };
+    let before = before(&path.waypoints, start.path);
+    let steps = path.waypoints.iter().zip(before).enumerate().map(step).collect();
     let mut walker = Walker { scene, options, steps, stack: Vec::new() };
     let gouging_before = (0..walker.steps.len()).filter(|&k| walker.free(k)).count();
     if gouging_before > 0 {
@@ -100,6 +103,12 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &Goug
         walker.means();
         // A turn that is listed is better than waypoints in it that gouge.
         walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
+    }
+    for _ in 0..HALVINGS {
+        if !walker.halve() {
+            break;
+        }
+        walker.ramp();
     }
     let given = |steps: &[Step]| steps.iter().filter(|step| step.given.is_some()).count();
     let (kept, all) = (given(&walker.steps), walker.steps.len());
@@ -231,6 +240,29 @@ impl Walker<'_> {
         }
     }
 
+    /// Step 6; whether there was anything to do.
+    fn halve(&mut self) -> bool {
+        let old = std::mem::take(&mut self.steps);
+        let mut any = false;
+        for step in old {
+            let last = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied();
+            let middle = last.and_then(|last| Some((part_way(&last.waypoint, &step.waypoint, 0.5)?, last.before)));
+            if let Some((waypoint, before)) = middle {
+                let wanted = waypoint.direction;
+                self.steps.push(Step { waypoint, wanted, before, stuck: false, given: None });
+                let k = self.steps.len() - 1;
+                let gouged = self.free(k);
+                if gouged && !self.steps[k].stuck {
+                    any = true;
+                } else {
+                    self.steps.pop();
+                }
+            }
+            self.steps.push(step);
+        }
+        any
+    }
+
     /// What came of it; `layer` is the number of the first waypoint of the layer.
     fn finish(mut self, layer: u32) -> FreedPath {
         let stuck = |k: &usize| self.steps[*k].stuck;
@@ -246,20 +278,9 @@ impl Walker<'_> {
     /// How a waypoint that no tilt frees gouges.
     fn gouge(&mut self, waypoint: usize, layer: u32) -> Option<Gouge> {
         let (stand, direction) = (self.stand(waypoint), self.steps[waypoint].waypoint.direction);
-        let nozzle = self.scene.nozzle;
-        let (obstacle, depth, part) = if let Some(worst) = self.scene.worst(stand, &direction, &mut self.stack) {
-            let v = worst.point - stand.tip;
-            let z = v.dot(&direction);
-            let part = nozzle.part(z, (v - direction.into_inner() * z).norm());
-            (Obstacle::Layer(worst.layer), worst.depth(stand.allowed), part)
-        } else if !self.scene.above_plate(stand, &direction) {
-            let (below, part) = nozzle.below_plate(stand.tip.z, direction.angle(&Vector3::z_axis()));
-            (Obstacle::Plate, below, part)
-        } else {
-            return None;
-        };
+        let Contact { obstacle, depth, part, .. } = self.scene.deepest(stand, &direction, &mut self.stack)?;
         // Earlier layers are finished before the first waypoint of this one.
-        let earlier = Stand { before: layer + 1, ..stand };
+        let earlier = Stand { before: after(layer), ..stand };
         let wanted = self.steps[waypoint].wanted;
         let own_layer = self.scene.least_tilt(earlier, wanted, self.options.max_tilt, &mut self.stack).is_some();
         Some(Gouge { path: 0, waypoint, obstacle, depth, part, own_layer })

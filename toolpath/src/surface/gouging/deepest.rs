@@ -12,8 +12,10 @@
 //! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
 //! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
 
+use super::Obstacle;
+use super::contact::Contact;
 use super::nozzle::Nozzle;
-use crate::surface::stack::{Keys, Node, Tree, Triangle, Walk};
+use crate::surface::stack::{Keys, LayerStack, Node, Tree, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 /// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
@@ -187,7 +189,12 @@ impl Walk for Seeker<'_> {
     }
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// The triangles of a stack, with these keys.
+    pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: bool) -> Self {
+        Scene { tree: &stack.tree, rims: &stack.rims, keys, nozzle, plate }
+    }
+
     fn seek(
         &self,
         stand: Stand,
@@ -211,6 +218,24 @@ impl Scene<'_> {
     /// The point that lacks most clearance.
     pub fn worst(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Worst> {
         self.seek(stand, direction, 0.0, false, stack)
+    }
+
+    /// Where the nozzle is deepest, if it is too deep: in a layer or below the plate, whichever is more.
+    pub fn deepest(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Contact> {
+        let in_layer = self.worst(stand, direction, stack).map(|worst| {
+            let v = worst.point - stand.tip;
+            let z = v.dot(direction);
+            let part = self.nozzle.part(z, (v - direction.into_inner() * z).norm());
+            let (obstacle, depth) = (Obstacle::Layer(worst.layer), worst.depth(stand.allowed));
+            Contact { obstacle, depth, height: worst.height, part, point: worst.point }
+        });
+        if self.above_plate(stand, direction) {
+            return in_layer;
+        }
+        let (depth, part) = self.nozzle.below_plate(stand.tip.z, direction.angle(&Vector3::z_axis()));
+        let point = stand.tip + self.nozzle.lowest(direction, part);
+        let below = Contact { obstacle: Obstacle::Plate, depth, height: 0.0, part, point };
+        Some(in_layer.filter(|contact| contact.depth >= depth).unwrap_or(below))
     }
 
     /// Whether the nozzle is nowhere too deep.

@@ -5,7 +5,7 @@
 //! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is. A path on which waypoints are
 //! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free. If
 //! that is not enough, pieces of paths are cut out and laid before the rest of the layer; those where the nozzle would run into
-//! what is built are left out (`order`).
+//! what is built are left out (`order`). What `free` asks at waypoints can be asked of any pose at any moment of the print (`contact`).
 //!
 //! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
 //! (`built`). The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
@@ -16,6 +16,7 @@
 
 mod along;
 mod built;
+mod contact;
 mod deepest;
 mod nozzle;
 mod order;
@@ -24,6 +25,7 @@ mod tilt;
 use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
 use super::stack::LayerStack;
 use crate::Progress;
+pub use contact::{Contact, ContactError, Contacts, Moment};
 pub(super) use deepest::{Scene, Stand};
 use nalgebra::Point3;
 pub use nozzle::{Nozzle, NozzleError, NozzlePart};
@@ -124,6 +126,16 @@ pub enum Obstacle {
     Layer(u32),
     /// The plate.
     Plate,
+}
+
+impl std::fmt::Display for Obstacle {
+    /// `layer N`, counted from 1, or `plate`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Obstacle::Layer(layer) => write!(f, "layer {}", layer + 1),
+            Obstacle::Plate => f.write_str("plate"),
+        }
+    }
 }
 
 /// Paths along which the nozzle gouges nothing, but for what is listed.

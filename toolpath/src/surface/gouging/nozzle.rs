@@ -23,6 +23,7 @@
 //! The cap is the widest `f` of either. Narrower angles are forbidden, too, unless `m` is large beside the tip or the step
 //! from the cone to the block: then a sliver of free angles may lie inside, which is given away.
 
+use nalgebra::{UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Lengths beyond this are refused, in millimetres: a nozzle is not ten metres wide.
@@ -49,6 +50,17 @@ pub enum NozzlePart {
     Cone,
     /// The block on top of the cone.
     Block,
+}
+
+impl std::fmt::Display for NozzlePart {
+    /// `tip`, `cone` or `block`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            NozzlePart::Tip => "tip",
+            NozzlePart::Cone => "cone",
+            NozzlePart::Block => "block",
+        })
+    }
 }
 
 /// Why there is no such nozzle.
@@ -111,6 +123,8 @@ impl Nozzle {
     /// assert!((nozzle.clearance(0.0, 1.0) - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
     /// let plate = Nozzle::new(9.0, 0.5, 8.0, 20.0);
     /// assert_eq!(plate, Err(NozzleError::WiderThanHigh { tip_flat: 9.0, height: 8.0 }));
+    /// let radii = [nozzle.tip_radius(), nozzle.cone_radius(), nozzle.block_radius()];
+    /// assert!(radii[0] == 0.5 && (radii[1] - 8.5).abs() < 1e-12 && radii[2] == 10.0 && nozzle.cone_height() == 8.0);
     /// # Ok::<(), NozzleError>(())
     /// ```
     pub fn new(
@@ -144,6 +158,26 @@ impl Nozzle {
         let (sin, cos) = half_angle.sin_cos();
         let (tip_radius, block_radius) = (tip_flat_diameter / 2.0, block_diameter / 2.0);
         Nozzle { tip_radius, half_angle, sin, cos, cone_height, block_radius }
+    }
+
+    /// Radius of the tip flat, in millimetres.
+    pub fn tip_radius(&self) -> f64 {
+        self.tip_radius
+    }
+
+    /// Height of the cone, in millimetres.
+    pub fn cone_height(&self) -> f64 {
+        self.cone_height
+    }
+
+    /// Radius of the upper end of the cone, in millimetres.
+    pub fn cone_radius(&self) -> f64 {
+        self.tip_radius + self.cone_height * self.half_angle.tan()
+    }
+
+    /// Radius of the block on top of the cone, in millimetres.
+    pub fn block_radius(&self) -> f64 {
+        self.block_radius
     }
 
     /// How far a point is from the nozzle, in millimetres; below 0 inside. See the source for what it is before edges.
@@ -256,6 +290,17 @@ impl Nozzle {
         let (sin, cos) = lean.sin_cos();
         let (tip, block) = (self.tip_radius * sin, self.block_radius * sin - self.cone_height * cos);
         if block > tip { (block - height, NozzlePart::Block) } else { (tip - height, NozzlePart::Tip) }
+    }
+
+    /// From the tip to the lowest point of the rim of the tip flat or, for the block, of its lower edge.
+    pub(super) fn lowest(&self, direction: &UnitVector3<f64>, part: NozzlePart) -> Vector3<f64> {
+        let up = direction.into_inner();
+        // Straight up or down the whole rim is as low.
+        let down = (up * up.z - Vector3::z()).try_normalize(0.0).unwrap_or_else(Vector3::x);
+        match part {
+            NozzlePart::Block => up * self.cone_height + down * self.block_radius,
+            _ => down * self.tip_radius,
+        }
     }
 }
 

@@ -191,12 +191,10 @@ impl Freeing<'_> {
             let found = parallel::map(&wanted, "built", self.progress, work).ok_or(GougingError::Cancelled)?;
             wanted.iter().zip(found).for_each(|(&(k, place), found)| orders[k][place].laid.touched = found);
         }
-        let built = built(self.stack, orders.iter().flatten().map(|place| &place.laid));
+        let built =
+            built(self.stack, orders.iter().flatten().map(|Place { laid, .. }| (&laid.path, &laid.touched[..])));
         let starts = starts(orders);
-        let scene = |keys| {
-            let LayerStack { tree, rims, .. } = self.stack;
-            Scene { tree, rims, keys, nozzle: self.nozzle, plate: self.options.plate }
-        };
+        let scene = |keys| Scene::new(self.stack, keys, self.nozzle, self.options.plate);
         let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
         let work = |_: usize, &(k, place): &(usize, usize)| {
             let path = &orders[k][place].laid.path;

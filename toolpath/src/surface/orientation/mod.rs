@@ -20,7 +20,7 @@ use super::stack::LayerStack;
 use crate::Progress;
 use nalgebra::{Point3, UnitVector3};
 use resample::Line;
-pub(super) use smooth::{ROUNDING, along, angle, between};
+pub(super) use smooth::{ROUNDING, along, angle, between, part_way};
 use std::ops::ControlFlow;
 
 /// Samples beyond this number are refused: the step is then a slip of the unit.

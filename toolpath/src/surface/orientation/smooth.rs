@@ -55,17 +55,18 @@ pub(super) fn low_pass(directions: &mut [UnitVector3<f64>], limit: f64, rounds: 
 /// The waypoints to be put between two that differ by more than `limit`, evenly; none if they do not or are opposite.
 pub(in crate::surface) fn between(from: &Waypoint, to: &Waypoint, limit: f64) -> Vec<Waypoint> {
     let parts = (angle(&from.direction, &to.direction) / limit - ROUNDING).ceil().max(1.0) as usize;
-    let part = |k: usize| {
-        let share = k as f64 / parts as f64;
-        let mix = |a: f64, b: f64| a + (b - a) * share;
-        along(&from.direction, &to.direction, share).map(|direction| Waypoint {
-            tip: from.tip + (to.tip - from.tip) * share,
-            direction,
-            width: mix(from.width, to.width),
-            height: mix(from.height, to.height),
-            arc: mix(from.arc, to.arc),
-            added: true,
-        })
-    };
-    (1..parts).filter_map(part).collect()
+    (1..parts).filter_map(|k| part_way(from, to, k as f64 / parts as f64)).collect()
+}
+
+/// The waypoint a share of the way from one to another; none if they are opposite.
+pub(in crate::surface) fn part_way(from: &Waypoint, to: &Waypoint, share: f64) -> Option<Waypoint> {
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    along(&from.direction, &to.direction, share).map(|direction| Waypoint {
+        tip: from.tip + (to.tip - from.tip) * share,
+        direction,
+        width: mix(from.width, to.width),
+        height: mix(from.height, to.height),
+        arc: mix(from.arc, to.arc),
+        added: true,
+    })
 }
