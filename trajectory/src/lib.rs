@@ -4,6 +4,7 @@
 //! crate's own, so any arm will do.
 
 mod bounds;
+pub mod check;
 mod closures;
 mod global;
 pub mod indicator;
@@ -15,6 +16,7 @@ mod progress;
 mod random;
 mod robot;
 mod spline;
+mod timing;
 pub mod transfer;
 pub mod verify;
 
@@ -37,6 +39,7 @@ pub use spline::{
     Extremes, Peak, Quantity, RunIn, SplineRow, State, Timeline, TimelineError, Trajectory, TrajectoryError, Violation,
     run_in_and_out,
 };
+pub use timing::{FlowLimits, TimePathError, TimePathOptions, TimePathStatus, TimedMotion, time_path};
 
 /// The snippet of the README, compiled and run with the examples of the documentation.
 #[cfg(doctest)]

@@ -232,3 +232,14 @@ fn one_waypoint_stands_still() {
         assert!((still.at(2.9).position[0] - 0.4).abs() < 1e-12);
     }
 }
+
+#[test]
+fn a_timeline_at_rest_is_one_with_single_pieces_around() {
+    let new = Timeline::new(&[0.0, 0.5, 0.75], RunIn { pieces: 1, spacing: 0.25 }).unwrap();
+    assert_eq!(Timeline::at_rest(&[-0.25, 0.0, 0.5, 0.75, 1.0]).unwrap(), new);
+    assert_eq!(Timeline::at_rest(&[0.0, 1.0]), Err(TimelineError::Empty));
+    let falling = TimelineError::NotRising { waypoint: 2, time: 1.0, before: 1.0 };
+    assert_eq!(Timeline::at_rest(&[0.0, 1.0, 1.0]), Err(falling));
+    let infinite = TimelineError::NotFinite { waypoint: 1, time: f64::INFINITY };
+    assert_eq!(Timeline::at_rest(&[0.0, f64::INFINITY, 2.0]), Err(infinite));
+}

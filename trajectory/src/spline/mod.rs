@@ -152,6 +152,25 @@ impl<const N: usize> Trajectory<N> {
         std::array::from_fn(|joint| self.piece(piece, joint).j)
     }
 
+    /// The Bezier control points of piece `k`, that from knot `k` to knot `k + 1` (the resting ones counted): the motion
+    /// between the two lies within their convex hull.
+    /// ```
+    /// use curvlay_trajectory::{RunIn, Timeline, Trajectory};
+    /// let line = Timeline::new(&[0.0, 1.0, 2.0], RunIn::default())?;
+    /// let motion = Trajectory::through(&line, &[[0.0], [1.0], [0.0]])?;
+    /// let piece = motion.waypoints().start;
+    /// let [[a], [b], [c], [d]] = motion.control(piece);
+    /// assert!((motion.at(0.5).position[0] - (a + 3.0 * b + 3.0 * c + d) / 8.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn control(&self, piece: usize) -> [[f64; N]; 4] {
+        let (from, to) = (self.joints[piece], self.joints[piece + 1]);
+        let cubics: [Piece; N] = std::array::from_fn(|joint| self.piece(piece, joint));
+        let leaving = cubics.map(|cubic| cubic.q + cubic.v * cubic.step / 3.0);
+        let arriving = |joint: usize| to[joint] - cubics[joint].velocity(cubics[joint].step) * cubics[joint].step / 3.0;
+        [from, leaving, std::array::from_fn(arriving), to]
+    }
+
     /// Joints and their derivatives at a time; at rest before the beginning and after the end.
     ///
     /// # Cost

@@ -121,14 +121,7 @@ impl Timeline {
         if !((1..=RunIn::MOST_PIECES).contains(&pieces) && spacing > 0.0 && spacing.is_finite()) {
             return Err(TimelineError::RunIn { pieces, spacing });
         }
-        for (waypoint, &time) in waypoint_times.iter().enumerate() {
-            if !time.is_finite() {
-                return Err(TimelineError::NotFinite { waypoint, time });
-            }
-            if waypoint > 0 && time <= waypoint_times[waypoint - 1] {
-                return Err(TimelineError::NotRising { waypoint, time, before: waypoint_times[waypoint - 1] });
-            }
-        }
+        check_times(waypoint_times)?;
         let (&[first, ..], &[.., last]) = (waypoint_times, waypoint_times) else { return Err(TimelineError::Empty) };
         let run_in = (1..=pieces).rev().map(|k| first - k as f64 * spacing);
         let run_out = (1..=pieces).map(|k| last + k as f64 * spacing);
@@ -137,21 +130,47 @@ impl Timeline {
         if times.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err(TimelineError::RunIn { pieces, spacing });
         }
-        let mut line = Timeline { times, run: pieces - 1, lower: Vec::new(), diagonal: Vec::new() };
-        line.factor();
-        Ok(line)
+        Ok(Timeline::factored(times, pieces - 1))
     }
 
-    fn factor(&mut self) {
-        for k in 0..self.knots() {
-            let [before, diagonal, _] = self.row(k).curvatures;
-            let (lower, spent) = match self.diagonal.last() {
+    /// A timeline without run-in and run-out: these are all its knots, and it rests at the first and the last. Every
+    /// knot between them counts as a waypoint.
+    ///
+    /// # Errors
+    /// [`TimelineError::Empty`] for fewer than three times, [`TimelineError::NotFinite`] and
+    /// [`TimelineError::NotRising`], where `waypoint` is the index of the time.
+    ///
+    /// # Cost
+    /// Linear time and memory.
+    /// ```
+    /// use curvlay_trajectory::{Timeline, Trajectory};
+    /// let line = Timeline::at_rest(&[0.0, 1.0, 2.0])?;
+    /// assert_eq!((line.knots(), line.waypoints()), (1, 0..1));
+    /// let there = Trajectory::new(&line, &[[0.5]])?;
+    /// assert_eq!(there.times(), [0.0, 1.0, 2.0]);
+    /// assert_eq!((there.at(0.0).velocity, there.at(1.0).position), ([0.0], [0.5]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn at_rest(times: &[f64]) -> Result<Self, TimelineError> {
+        check_times(times)?;
+        if times.len() < 3 {
+            return Err(TimelineError::Empty);
+        }
+        Ok(Timeline::factored(times.to_vec(), 0))
+    }
+
+    fn factored(times: Vec<f64>, run: usize) -> Self {
+        let mut line = Timeline { times, run, lower: Vec::new(), diagonal: Vec::new() };
+        for k in 0..line.knots() {
+            let [before, diagonal, _] = line.row(k).curvatures;
+            let (lower, spent) = match line.diagonal.last() {
                 Some(last) => (before / last, before * before / last),
                 None => (0.0, 0.0),
             };
-            self.lower.push(lower);
-            self.diagonal.push(diagonal - spent);
+            line.lower.push(lower);
+            line.diagonal.push(diagonal - spent);
         }
+        line
     }
 
     /// Times of all knots, the two resting ones included, in seconds.
@@ -245,4 +264,16 @@ impl Timeline {
             })
             .sum()
     }
+}
+
+fn check_times(times: &[f64]) -> Result<(), TimelineError> {
+    for (waypoint, &time) in times.iter().enumerate() {
+        if !time.is_finite() {
+            return Err(TimelineError::NotFinite { waypoint, time });
+        }
+        if waypoint > 0 && time <= times[waypoint - 1] {
+            return Err(TimelineError::NotRising { waypoint, time, before: times[waypoint - 1] });
+        }
+    }
+    Ok(())
 }

@@ -1,0 +1,316 @@
+//! The fastest timing of a given path of postures.
+//!
+//! D. Verscheure et al., "Time-optimal path tracking for robots: a convex optimization approach", IEEE Trans. Automatic
+//! Control 54(10), 2009: the squared pace along the path is the unknown, in which accelerations are linear and the
+//! duration is convex. F. Debrouwere et al., "Time-optimal path following for robots with convex-concave constraints using
+//! sequential convex programming", IEEE Trans. Robotics 29(6), 2013, section IV: limits of jerk are a linear expression
+//! below a convex one, which a tangent replaces.
+//! Symbols: the path parameter `s` is the planned time, the pace is `ds/dt`, `b = (ds/dt)^2`.
+//!
+//! Departs from them: the path is a function of `sigma` in which rest is regular (see `curve`), and the unknown is
+//! `beta = (d sigma / dt)^2` at knots; accelerations are taken in the middle of cells between knots and jerks at knots, from the difference of
+//! two accelerations; tangents are renewed in each step of one interior-point method (see `program`). What is executed
+//! is the C2 cubic spline through the knots at their times, and not the solution of the program: its accelerations and
+//! jerks, in closed form, are compared with those of the program, the limits of the program move by the difference, and
+//! it is solved again from where it was. A row more at each knot keeps the squared pace from spikes that the spline
+//! cannot follow. At last time is stretched around each place where a limit is passed, and uniformly by what is left.
+
+mod curve;
+mod executed;
+mod factors;
+mod limits;
+mod program;
+mod row;
+
+use crate::spline::Trajectory;
+use crate::{Bounds, BoundsError, Progress};
+use curve::{Curve, Grid};
+use std::ops::ControlFlow;
+
+/// Tolerance of the first timing, which only tells where knots are needed.
+const ROUGH: f64 = 0.02;
+
+/// How a path is timed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimePathOptions {
+    /// By what share the duration may be longer than the least of the discretised problem; between 0 and 1.
+    pub tolerance: f64,
+    /// Steps of the interior-point method in all rounds together. When they are spent the best timing so far is
+    /// returned, which holds all limits.
+    pub iterations: usize,
+    /// How often the program is solved again with limits moved by how the executed spline differs from it.
+    pub rounds: usize,
+    /// Knots for each piece at least, 1 to [`TimePathOptions::MAX_SUBDIVISION`].
+    pub subdivision: usize,
+    /// Knots for the way from rest and for that to rest, at least 4.
+    pub ramp: usize,
+    /// Longest time from knot to knot, as a share of the time in which the jerk limit reaches the acceleration limit. Where
+    /// accelerations and jerks keep the motion from its largest speed, six tenths of it. A piece has at most
+    /// [`TimePathOptions::MAX_SUBDIVISION`] knots all the same, besides those of the ramps.
+    pub step: f64,
+}
+
+impl TimePathOptions {
+    /// The largest `subdivision`.
+    pub const MAX_SUBDIVISION: usize = 64;
+}
+
+impl Default for TimePathOptions {
+    /// 0.1 % of the duration, 400 steps, 10 rounds, 2 knots for each piece, 24 for each ramp, a quarter of the time in which
+    /// the jerk limit reaches the acceleration limit.
+    fn default() -> Self {
+        TimePathOptions { tolerance: 1e-3, iterations: 400, rounds: 10, subdivision: 2, ramp: 24, step: 0.25 }
+    }
+}
+
+/// What the extruder can follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowLimits<'a> {
+    /// For each piece the flow of the plan, at pace 1, in mm^3/s.
+    pub flow_mm3_s: &'a [f64],
+    /// The greatest flow, in mm^3/s.
+    pub max_flow_mm3_s: f64,
+    /// How fast the flow may change, in mm^3/s^2. Steps of the planned flow from piece to piece do not count.
+    pub max_ramp_mm3_s2: f64,
+}
+
+/// How the search for the least duration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimePathStatus {
+    /// Within the tolerance.
+    Solved,
+    /// The steps were spent before. All limits hold, but the duration may be longer than need be.
+    Iterations,
+}
+
+/// A timed motion along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedMotion<const N: usize> {
+    /// What is executed. It begins at time 0.
+    pub trajectory: Trajectory<N>,
+    /// For each posture its knot in the trajectory.
+    pub knots: Vec<usize>,
+    /// For each knot of the trajectory the planned time that it stands for.
+    pub planned: Vec<f64>,
+    /// For each knot of the trajectory the pace: planned seconds a second; 0 at both ends.
+    pub pace: Vec<f64>,
+    /// How far the first and the last posture are missed, in radians: knots at rest follow from their neighbours (see
+    /// [`Timeline`](crate::Timeline)). The other postures are met.
+    pub end_deviation: f64,
+    /// Duration of the discretised problem, in seconds, without what the executed spline needs beyond it.
+    pub ideal_duration: f64,
+    /// Steps of the interior-point method in all rounds.
+    pub iterations: usize,
+    /// Gap and residual of the last round, as a share of the duration.
+    pub residual: f64,
+    /// How the search ended.
+    pub status: TimePathStatus,
+}
+
+impl<const N: usize> TimedMotion<N> {
+    /// From rest to rest, in seconds.
+    pub fn duration(&self) -> f64 {
+        let (start, end) = self.trajectory.span();
+        end - start
+    }
+}
+
+/// Why a path cannot be timed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimePathError {
+    /// A path has two postures at least.
+    #[error("a path of {postures} postures: two are needed at least")]
+    TooFew {
+        /// Postures that were given.
+        postures: usize,
+    },
+    /// A list has not one entry for each posture or piece.
+    #[error("{given} entries in `{field}`, {expected} are needed")]
+    Count {
+        /// `planned`, `max_pace` or `flow_mm3_s`.
+        field: &'static str,
+        /// Its length.
+        given: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// An angle is infinite or not a number.
+    #[error("joint {} of posture {posture} is {value}, not a finite number", joint + 1)]
+    Posture {
+        /// The posture, counted from 0.
+        posture: usize,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// Its angle.
+        value: f64,
+    },
+    /// A planned time is not finite, or not after the one before it.
+    #[error(
+        "the planned time of posture {posture} is {time} s, it must be finite and after that of the posture before"
+    )]
+    Planned {
+        /// The posture, counted from 0.
+        posture: usize,
+        /// Its planned time.
+        time: f64,
+    },
+    /// A number for a piece cannot be.
+    #[error("`{field}` of piece {piece} is {value}")]
+    Piece {
+        /// `max_pace`, which must be above 0, or `flow_mm3_s`, which must be finite and not negative.
+        field: &'static str,
+        /// The piece, counted from 0.
+        piece: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A limit of the flow is not above 0.
+    #[error("`{field}` is {value}: it must be above 0, or infinite")]
+    Flow {
+        /// `max_flow_mm3_s` or `max_ramp_mm3_s2`.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// An option is out of its range.
+    #[error("option `{field}` is {value}")]
+    Option {
+        /// The option.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Joints cannot move.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// Numbers are so large or so small that times or angles are no longer finite or distinct.
+    #[error("the timing is beyond the range of double precision")]
+    Range,
+    /// The callback broke off.
+    #[error("timing was cancelled")]
+    Cancelled,
+}
+
+/// The fastest motion through postures in order, at rest at both ends, whose speed, acceleration and jerk stay within
+/// `bounds` everywhere.
+///
+/// # Arguments
+/// * `postures`: at least two, in radians.
+/// * `planned`: when the plan passes each, in seconds, rising. At pace 1 the motion keeps these times.
+/// * `max_pace`: for each piece between two postures, planned seconds a second; infinite for none.
+/// * `flow`: limits of the extruder.
+/// * `bounds`: `velocity`, `acceleration` and `jerk`, infinite for none. Angles follow from the postures: `lower` and
+///   `upper` must be sound, but are not looked at ([`Trajectory::violations`] does that).
+///
+/// # Returns
+/// The trajectory. All postures but the first and the last are met exactly, those as far as [`TimedMotion::end_deviation`] says.
+/// Where nothing limits a piece (no pace, and joints that stand still or have no limits), the pace stays below a
+/// thousand times what the whole path allows everywhere.
+///
+/// # Errors
+/// [`TimePathError`] names the argument; [`TimePathError::Cancelled`] when `progress` breaks off.
+///
+/// # Cost
+/// Linear time and memory in knots, for each step. One thread; the result is the same each time.
+/// ```
+/// use curvlay_trajectory::{Bounds, TimePathOptions, time_path, transfer::SCurve};
+/// use std::ops::ControlFlow;
+/// let bounds = Bounds { velocity: [3.0], acceleration: [10.0], jerk: [100.0], ..Bounds::NONE };
+/// let quiet = |_| ControlFlow::Continue(());
+/// let motion = time_path(&[[0.0], [2.0]], &[0.0, 1.0], &[f64::INFINITY], None, &bounds, &TimePathOptions::default(), &quiet)?;
+/// let best = SCurve::new(2.0, 3.0, 10.0, 100.0).unwrap().duration();
+/// assert!(motion.trajectory.violations(&bounds, 1e-9).is_empty());
+/// assert!(motion.duration() > 0.999 * best && motion.duration() < 1.01 * best);
+/// # Ok::<(), curvlay_trajectory::TimePathError>(())
+/// ```
+pub fn time_path<const N: usize>(
+    postures: &[[f64; N]],
+    planned: &[f64],
+    max_pace: &[f64],
+    flow: Option<FlowLimits<'_>>,
+    bounds: &Bounds<N>,
+    options: &TimePathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<TimedMotion<N>, TimePathError> {
+    check(postures, planned, max_pace, flow, bounds, options)?;
+    let curve = Curve::new(postures, planned);
+    let task = limits::Task { planned, max_pace, flow, bounds, options };
+    let (warp, parts) = task.layout(&curve);
+    let mut grid = Grid::new(&curve, &warp, &parts, options.ramp);
+    let mut done = 0;
+    let mut stop = || {
+        done += 1;
+        progress(Progress { stage: "time path", done: done - 1, total: options.iterations as u64 }).is_break()
+    };
+    let (mut program, mut rows) = task.program(&grid);
+    let rough = program.solve(options.tolerance.max(ROUGH), options.iterations, &mut stop);
+    if rough.stopped {
+        return Err(TimePathError::Cancelled);
+    }
+    let fine = task.refined(&curve, &parts, &grid, &executed::times_of(&program));
+    if fine != parts {
+        grid = Grid::new(&curve, &warp, &fine, options.ramp);
+        let coarse = program;
+        (program, rows) = task.program(&grid);
+        program.start_like(&coarse);
+    }
+    executed::run(&task, &warp, &grid, (program, &rows), rough.iterations, &mut stop)
+}
+
+fn check<const N: usize>(
+    postures: &[[f64; N]],
+    planned: &[f64],
+    max_pace: &[f64],
+    flow: Option<FlowLimits<'_>>,
+    bounds: &Bounds<N>,
+    options: &TimePathOptions,
+) -> Result<(), TimePathError> {
+    bounds.check()?;
+    let count = |field, given, expected| {
+        if given == expected { Ok(()) } else { Err(TimePathError::Count { field, given, expected }) }
+    };
+    if postures.len() < 2 {
+        return Err(TimePathError::TooFew { postures: postures.len() });
+    }
+    let pieces = postures.len() - 1;
+    count("planned", planned.len(), postures.len())?;
+    count("max_pace", max_pace.len(), pieces)?;
+    for (posture, joints) in postures.iter().enumerate() {
+        if let Some(joint) = joints.iter().position(|angle| !angle.is_finite()) {
+            return Err(TimePathError::Posture { posture, joint, value: joints[joint] });
+        }
+    }
+    for (posture, &time) in planned.iter().enumerate() {
+        if !time.is_finite() || (posture > 0 && time <= planned[posture - 1]) {
+            return Err(TimePathError::Planned { posture, time });
+        }
+    }
+    let bad = |value: f64| value.is_nan() || value <= 0.0;
+    if let Some(piece) = max_pace.iter().position(|&pace| bad(pace)) {
+        return Err(TimePathError::Piece { field: "max_pace", piece, value: max_pace[piece] });
+    }
+    if let Some(FlowLimits { flow_mm3_s, max_flow_mm3_s, max_ramp_mm3_s2 }) = flow {
+        count("flow_mm3_s", flow_mm3_s.len(), pieces)?;
+        if let Some(piece) = flow_mm3_s.iter().position(|flow| !flow.is_finite() || *flow < 0.0) {
+            return Err(TimePathError::Piece { field: "flow_mm3_s", piece, value: flow_mm3_s[piece] });
+        }
+        for (field, value) in [("max_flow_mm3_s", max_flow_mm3_s), ("max_ramp_mm3_s2", max_ramp_mm3_s2)] {
+            if bad(value) {
+                return Err(TimePathError::Flow { field, value });
+            }
+        }
+    }
+    let TimePathOptions { tolerance, iterations, rounds: _, subdivision, ramp, step } = *options;
+    let sound = [
+        ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0),
+        ("iterations", iterations as f64, iterations > 0),
+        ("subdivision", subdivision as f64, (1..=TimePathOptions::MAX_SUBDIVISION).contains(&subdivision)),
+        ("ramp", ramp as f64, (4..=4096).contains(&ramp)),
+        ("step", step, step > 0.0),
+    ];
+    match sound.iter().find(|(_, _, sound)| !sound) {
+        Some(&(field, value, _)) => Err(TimePathError::Option { field, value }),
+        None => Ok(()),
+    }
+}

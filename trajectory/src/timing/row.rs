@@ -1,0 +1,92 @@
+//! Rows of the program: limits of three neighbouring unknowns.
+
+/// A two-sided row over three neighbouring unknowns.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    /// The first unknown; entries beyond the last unknown are 0.
+    pub first: usize,
+    pub by: [f64; 3],
+    /// The unknown that the limit goes with, counted from `first`; `None` where the limit is a constant.
+    pub root: Option<u8>,
+    /// The limit goes with the unknown itself and not with the inverse of its root.
+    pub is_linear: bool,
+    /// Whether it takes part in the Newton step.
+    pub is_near: bool,
+    /// Above and below; infinite where there is none.
+    pub limits: [f64; 2],
+}
+
+/// The sides of a row that takes part.
+#[derive(Clone, Debug)]
+pub(super) struct Near {
+    pub row: usize,
+    pub multipliers: [f64; 2],
+    pub slack: [f64; 2],
+    /// Of the slack.
+    pub inverse: [f64; 2],
+    /// Derivative of the limits by the unknown that they go with.
+    pub bend: [f64; 2],
+    pub slack_step: [f64; 2],
+    pub step: [f64; 2],
+}
+
+impl Row {
+    pub fn new(first: usize, by: [f64; 3], root: Option<usize>, limit: f64) -> Self {
+        Row { first, by, root: root.map(|root| root as u8), is_linear: false, is_near: false, limits: [limit; 2] }
+    }
+
+    pub fn value(&self, x: &[f64]) -> f64 {
+        let at = |i: usize| x.get(self.first + i).copied().unwrap_or(0.0);
+        self.by[0] * at(0) + self.by[1] * at(1) + self.by[2] * at(2)
+    }
+
+    /// The unknown that the limit goes with.
+    pub fn rooted(&self) -> Option<usize> {
+        self.root.map(|root| self.first + usize::from(root))
+    }
+
+    /// Limit over value: how many times the value may grow, with the unknowns as they are.
+    pub fn room(&self, x: &[f64]) -> f64 {
+        let value = self.value(x);
+        let limit = if value > 0.0 { self.limits[0] } else { self.limits[1] };
+        self.rooted().map_or(limit, |root| limit / x[root].sqrt()) / value.abs()
+    }
+}
+
+impl Near {
+    pub fn new(row: usize) -> Self {
+        let none = [0.0; 2];
+        Near { row, multipliers: none, slack: none, inverse: none, bend: none, slack_step: none, step: none }
+    }
+
+    pub fn look(&mut self, row: &Row, x: &[f64]) {
+        let value = row.value(x);
+        let (scale, bend) = row.rooted().map_or((1.0, 0.0), |root| {
+            if row.is_linear {
+                return (x[root], 1.0);
+            }
+            let scale = 1.0 / x[root].sqrt();
+            (scale, -0.5 * scale * scale * scale)
+        });
+        self.slack = [row.limits[0] * scale - value, row.limits[1] * scale + value];
+        self.inverse = self.slack.map(f64::recip);
+        self.bend = [row.limits[0] * bend, row.limits[1] * bend];
+    }
+
+    /// Adds the gradients of both sides times these numbers.
+    pub fn add(&self, row: &Row, to: &mut [f64], push: [f64; 2]) {
+        let along = push[0] - push[1];
+        for (entry, by) in to[row.first..].iter_mut().zip(&row.by) {
+            *entry += along * by;
+        }
+        if let Some(root) = row.rooted() {
+            to[root] -= push[0] * self.bend[0] + push[1] * self.bend[1];
+        }
+    }
+
+    pub fn move_by(&mut self, row: &Row, dx: &[f64]) {
+        let rise = row.value(dx);
+        let root = row.rooted().map_or(0.0, |root| dx[root]);
+        self.slack_step = [self.bend[0] * root - rise, self.bend[1] * root + rise];
+    }
+}
