@@ -19,6 +19,10 @@ use std::time::{Duration, Instant};
 /// Layers thinner than this share of their height are taken for as thick: beads of no height are none.
 const LEAST_HEIGHT: f64 = 0.02;
 
+/// How deep the nozzle may be in a layer at waypoints, as a share of its height: a little less than the quarter that it may
+/// be anywhere, since a machine leaves the straight way between two waypoints.
+const PLANNED_DEPTH: f64 = 0.2;
+
 /// Share of the waypoints that may gouge, listed, before a run counts as failed; and of the paths that may be left out.
 pub const GOUGING_SHARE: f64 = 1e-3;
 
@@ -102,6 +106,23 @@ impl MachineRun {
         failed
     }
 
+    /// Takes over how long a robot takes: for a path, to a waypoint from the one before, so many seconds.
+    pub fn retime(&mut self, steps: impl IntoIterator<Item = (usize, usize, f64)>) {
+        let mut seconds: Vec<Vec<Option<f64>>> =
+            self.freed.paths.iter().map(|path| vec![None; path.waypoints.len()]).collect();
+        for (path, waypoint, step) in steps {
+            seconds[path][waypoint] = Some(step);
+        }
+        let Deposition { moves, print_s, total_s, .. } = &mut self.deposition;
+        for step in moves.iter_mut().filter(|step| step.kind == MoveKind::Print) {
+            let Some(seconds) = seconds[step.path][step.waypoint].filter(|_| step.seconds > 0.0) else { continue };
+            *print_s += seconds - step.seconds;
+            *total_s += seconds - step.seconds;
+            step.feed *= step.seconds / seconds;
+            step.seconds = seconds;
+        }
+    }
+
     /// The moves of the machine file.
     pub fn moves(&self) -> impl Iterator<Item = gcode::Move> {
         self.deposition.moves.iter().map(|plan| {
@@ -127,16 +148,13 @@ fn curves(layer: &Layer) -> Curves {
     layer.paths.paths.iter().map(of).collect()
 }
 
-/// Orients, frees and deposits.
-pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -> Result<MachineRun, Failure> {
-    let progress = |p: curvlay_toolpath::Progress| {
-        bars.update(p.stage, p.done, p.total);
-        ControlFlow::Continue(())
-    };
-    let start = Instant::now();
-    let least = LEAST_HEIGHT * surfaces.height_mm;
-    let sheets = surfaces.sheets.iter().zip(&surfaces.spacing.thickness_mm);
-    let thickness: Vec<Vec<f64>> = sheets.map(|(sheet, thickness)| even_thickness(sheet, thickness, least)).collect();
+/// Does some work with the layers as they are built: surfaces with their thickness, and the curves on them.
+pub fn with_layers<T>(
+    surfaces: &SurfacesRun,
+    paths: &PathsRun,
+    work: impl FnOnce(&LayerStack) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let thickness = even_thicknesses(surfaces);
     let curves: Vec<Curves> = paths.layers.iter().map(|layer| layer.as_ref().map(curves).unwrap_or_default()).collect();
     let borrowed: Vec<Vec<LayerCurve>> = curves
         .iter()
@@ -152,11 +170,32 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
             curves,
         })
         .collect();
-    let stack = LayerStack::new(&layers).map_err(failure)?;
+    work(&LayerStack::new(&layers).map_err(failure)?)
+}
+
+/// Orients, frees and deposits.
+pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -> Result<MachineRun, Failure> {
+    let start = Instant::now();
+    with_layers(surfaces, paths, |stack| on_layers(args, surfaces, paths, stack, start, bars))
+}
+
+fn on_layers(
+    args: &Args,
+    surfaces: &SurfacesRun,
+    paths: &PathsRun,
+    stack: &LayerStack,
+    start: Instant,
+    bars: &Bars,
+) -> Result<MachineRun, Failure> {
+    let progress = |p: curvlay_toolpath::Progress| {
+        bars.update(p.stage, p.done, p.total);
+        ControlFlow::Continue(())
+    };
     let oriented = stack.orient(&OrientOptions::default(), &progress).map_err(failure)?;
     let raw = oriented.before;
     let before_gouging = Instant::now();
-    let freed = stack.free(oriented.paths, &args.nozzle.nozzle, &GougingOptions::default(), &progress);
+    let options = GougingOptions { allowed_depth: PLANNED_DEPTH, ..GougingOptions::default() };
+    let freed = stack.free(oriented.paths, &args.nozzle.nozzle, &options, &progress);
     let freed = freed.map_err(failure)?;
     let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
 
@@ -183,8 +222,16 @@ pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -
     let covered = |(layer, (sheet, thickness)): (&Option<Layer>, (&_, &Vec<f64>))| {
         layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * volume(sheet, thickness))
     };
+    let thickness = even_thicknesses(surfaces);
     let covered_mm3 = paths.layers.iter().zip(surfaces.sheets.iter().zip(&thickness)).map(covered).sum();
     Ok(MachineRun { raw, freed, travels, deposition, covered_mm3, example, times })
+}
+
+/// The thickness of each triangle of each layer, as beads have it.
+fn even_thicknesses(surfaces: &SurfacesRun) -> Vec<Vec<f64>> {
+    let least = LEAST_HEIGHT * surfaces.height_mm;
+    let sheets = surfaces.sheets.iter().zip(&surfaces.spacing.thickness_mm);
+    sheets.map(|(sheet, thickness)| even_thickness(sheet, thickness, least)).collect()
 }
 
 /// The thickness of each triangle as the mean over those around its corners, by area. Where layers bend, rays from

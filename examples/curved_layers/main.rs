@@ -18,13 +18,16 @@ use curvlay_examples::args::{
     Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, from_zero, run_with_args, warn,
 };
 use curvlay_examples::bars::Bars;
+use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::surface::Pattern;
 use field::FieldRun;
 use machine::MachineRun;
-use motion::{Motion, MotionArgs};
+use motion::{Motion, MotionArgs, Print};
 use paths::PathsRun;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use surfaces::SurfacesRun;
@@ -132,7 +135,8 @@ fn main() -> ExitCode {
         let part = args.mesh.load("jug (made in code)", jug)?;
         part.warning.iter().for_each(warn);
         let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
-        let results = work(&args, &part, saved, &bars)?;
+        let mut results = work(&args, &part, saved, &bars)?;
+        check_motion(&args, &mut results, &folder, &bars)?;
         bars.finish();
         results.field.findings.iter().for_each(warn);
         let refused = outputs::write(&args, &part, &results, &folder)?;
@@ -152,6 +156,13 @@ struct Results {
 }
 
 impl Results {
+    /// What the motion is planned for, once there is a machine file.
+    fn print<'a>(&'a self, args: &'a Args) -> Option<Print<'a>> {
+        let (surfaces, paths) = (self.surfaces.as_ref()?, self.paths.as_ref()?);
+        let (filament_mm, args, nozzle) = (args.filament, &args.motion, &args.nozzle.nozzle);
+        Some(Print { args, nozzle, filament_mm, field: &self.field, surfaces, paths, machine: self.machine.as_ref()? })
+    }
+
     fn failed_checks(&self) -> Vec<String> {
         let audit = &self.field.audit;
         let audit = (!audit.is_ok()).then(|| format!("audit of the layers: {audit}"));
@@ -163,18 +174,37 @@ impl Results {
 
 /// Runs the stages.
 fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)?;
-    pool.install(|| {
+    pool(args)?.install(|| {
         let (field, surfaces) = layers(args, part, saved, bars)?;
         let filled = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths);
         let paths = filled.map(|surfaces| paths::run(args, surfaces, bars)).transpose()?;
         let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
         let machine = filled.map(|(surfaces, paths)| machine::run(args, surfaces, paths, bars)).transpose()?;
-        let filled = surfaces.as_ref().zip(machine.as_ref()).filter(|_| args.stage >= Stage::Motion);
-        let motion = filled.map(|(surfaces, machine)| motion::run(&args.motion, &field, surfaces, machine, bars));
-        let motion = motion.transpose()?;
-        Ok(Results { field, surfaces, paths, machine, motion })
+        let mut results = Results { field, surfaces, paths, machine, motion: None };
+        if args.stage >= Stage::Motion {
+            results.motion = results.print(args).map(|print| motion::run(&print, bars)).transpose()?;
+        }
+        Ok(results)
     })
+}
+
+/// Writes the motion, reads it again and checks it. The machine file then goes as fast as the robot.
+fn check_motion(args: &Args, results: &mut Results, folder: &OutputFolder, bars: &Bars) -> Result<(), Failure> {
+    let Some(mut motion) = results.motion.take() else { return Ok(()) };
+    if let Some(print) = results.print(args) {
+        outputs::trajectory(&motion, folder)?;
+        let file = File::open(folder.path().join(outputs::TRAJECTORY)).map_err(failure)?;
+        pool(args)?.install(|| motion.check(&print, BufReader::new(file), bars))?;
+    }
+    if let Some(machine) = &mut results.machine {
+        machine.retime(motion.steps());
+    }
+    results.motion = Some(motion);
+    Ok(())
+}
+
+fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)
 }
 
 /// The order of the cells and its surfaces.

@@ -398,7 +398,8 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
             figures.acceleration = figures.acceleration.max(joint.acceleration.value.abs());
         }
         figures.violations.extend(trajectory.violations(bounds, BEYOND));
-        let strayed = strayed(&robot.part(run.clone()), trajectory).into_iter();
+        let times = &trajectory.times()[trajectory.waypoints()];
+        let strayed = strayed(&robot.part(run.clone()), trajectory, times, 0.0).into_iter();
         figures.strayed_mm = strayed.fold(figures.strayed_mm, f64::max);
     }
     Planned { method, trajectories, figures }

@@ -81,19 +81,31 @@ pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
 /// Looks between two waypoints.
 const LOOKS: u32 = 8;
 
-/// How far the nozzle leaves the straight way from each waypoint to the next, in millimetres; infinite where the table
-/// cannot be. A motion meets its waypoints; between them it goes as the joints do.
-pub fn strayed<const N: usize, const F: usize>(robot: &impl Placed<N, F>, trajectory: &Trajectory<N>) -> Vec<f64> {
-    let knots = trajectory.waypoints();
-    let times = &trajectory.times()[knots.clone()];
+/// How far the nozzle leaves the way from each waypoint to the next, on which the tip goes straight and the axis turns evenly:
+/// the tip, or a point of the nozzle that is `lever` from it, in millimetres; infinite where the table cannot be. A motion
+/// meets its waypoints; between them it goes as the joints do.
+///
+/// # Arguments
+/// * `times`: when the motion passes each waypoint of the robot.
+/// * `lever`: in millimetres; 0 looks at the tip alone.
+pub fn strayed<const N: usize, const F: usize>(
+    robot: &impl Placed<N, F>,
+    trajectory: &Trajectory<N>,
+    times: &[f64],
+    lever: f64,
+) -> Vec<f64> {
     let step = |(waypoint, times): (usize, &[f64])| {
-        let [from, to] = [waypoint, waypoint + 1].map(|waypoint| robot.at(waypoint).position);
+        let [from, to] = [waypoint, waypoint + 1].map(|waypoint| robot.at(waypoint));
+        let way = to.position - from.position;
         let off = |look: u32| {
-            let time = times[0] + (times[1] - times[0]) * f64::from(look) / f64::from(LOOKS);
-            let nozzle = robot.nozzle_on_part(&trajectory.at(time).position)?;
-            let (way, tip) = (to - from, nozzle.translation.vector - from.coords);
-            let along = (tip.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            Some((tip - way * along).norm())
+            let share = f64::from(look) / f64::from(LOOKS);
+            let nozzle = robot.nozzle_on_part(&trajectory.at(times[0] + (times[1] - times[0]) * share).position)?;
+            let tip = nozzle.translation.vector - from.position.coords;
+            let length = way.norm_squared();
+            let along = if length > 0.0 { (tip.dot(&way) / length).clamp(0.0, 1.0) } else { share };
+            let axis = from.axis.try_slerp(&to.axis, along, 1e-9).unwrap_or(from.axis);
+            let turned = (nozzle.rotation * Vector3::z()).cross(&axis).norm();
+            Some((tip - way * along).norm().max(lever * turned))
         };
         (1..LOOKS).map(|look| off(look).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
     };

@@ -34,7 +34,7 @@ fn how_far_a_nozzle_strays_is_what_a_thousand_looks_find() {
     let robot = PartInHand::new(line(12)).unwrap();
     let branch = (0..8).find(|&branch| (0..12).all(|k| robot.posture(k, &[0.3], branch).is_some())).unwrap();
     let trajectory = motion(&robot, &[branch; 12]);
-    let found = strayed(&robot, &trajectory);
+    let found = strayed(&robot, &trajectory, &trajectory.times()[trajectory.waypoints()], 0.0);
     assert_eq!(found.len(), 11);
     for (step, found) in found.iter().enumerate() {
         let [from, to] = [step, step + 1].map(|k| robot.at(k).position);
@@ -63,5 +63,5 @@ fn an_arm_that_turns_over_between_two_waypoints_strays() {
     for (k, joints) in trajectory.at_waypoints().iter().enumerate() {
         assert!(robot.missed(k, joints).0 < 1e-9);
     }
-    assert!(strayed(&robot, &trajectory)[5] > 10.0);
+    assert!(strayed(&robot, &trajectory, &trajectory.times()[trajectory.waypoints()], 0.0)[5] > 10.0);
 }

@@ -1,20 +1,37 @@
-//! The waypoints of a run, and more of them where the nozzle would leave the way from one to the next.
+//! The waypoints of a run with their postures, the motion through them, and more of them where the nozzle would leave the
+//! straight way from one to the next.
 //!
-//! A motion meets its waypoints; between them it goes as the joints do. Steps on which that leads too far away are split:
-//! places and directions by as much of both ends, the postures next to those of the motion.
+//! A motion begins and ends at rest on the path itself and meets its waypoints; between them it goes as the joints do. Steps
+//! on which that leads too far away are split: positions and directions by as much of both ends, the postures next to those
+//! of the motion.
 
+use super::flow::Flow;
 use super::robots::Printer;
+use super::workcell::Workcell;
+use super::{FlowBounds, Limits};
+use crate::failure;
+use curvlay_examples::args::Failure;
 use curvlay_examples::motion::strayed;
 use curvlay_kinematics::Waypoint;
-use curvlay_trajectory::{FreeRange, Posture, Robot, Rung, Trajectory};
-use nalgebra::{SMatrix, SVector, UnitVector3};
+use curvlay_toolpath::surface::Moment;
+use curvlay_trajectory::{FlowLimits, FreeRange, Posture, Robot, Rung, TimePathOptions, Trajectory, time_path};
+use nalgebra::{Isometry3, Point3, SMatrix, SVector, UnitVector3, Vector3};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
-/// How far the nozzle may leave the straight way between two waypoints, in millimetres: a third of a bead of 1.2.
-const STRAY_MM: f64 = 0.4;
-
-/// What a split aims at: a share of that, since the motion changes with it.
+/// What a split aims at: a share of the tolerance, since the motion changes with it.
 const AIM: f64 = 0.7;
+
+/// The share of the tolerance to which motions are planned; they are checked at more places than they are planned with.
+const PLANNED: f64 = 0.9;
+
+/// A step is looked at in so many parts, whether the nozzle gouges.
+const GOUGING_LOOKS: u32 = 4;
+
+/// How hard the fastest timing is searched: within a hundredth. Limits hold whatever that is; with the defaults a print takes several
+/// times as long to plan and is hardly shorter, since it mostly goes at the planned feed.
+pub const TIMING: TimePathOptions =
+    TimePathOptions { tolerance: 1e-2, iterations: 60, rounds: 3, subdivision: 2, ramp: 24, step: 0.25 };
 
 /// Parts of a step at most, when it is split.
 const MOST_PARTS: f64 = 8.0;
@@ -28,25 +45,85 @@ pub struct Course<const N: usize, const F: usize, R> {
     pub part: R,
     pub times: Vec<f64>,
     pub rungs: Vec<Rung<N, F>>,
-    /// The waypoint of the run from which each comes, or behind which it was put.
+    /// The path, and the waypoint of it that each is, or behind which it was put.
+    pub path: usize,
     pub of: Vec<usize>,
 }
 
+/// The motion along a course.
+pub struct Timed<const N: usize> {
+    pub trajectory: Trajectory<N>,
+    /// The knot of the motion at each waypoint of the course.
+    pub knots: Vec<usize>,
+    /// The planned time of each knot of the motion.
+    pub planned: Vec<f64>,
+    /// The lowest pace at a waypoint between the first and the last, as a share of the planned feed.
+    pub min_pace: f64,
+}
+
+impl<const N: usize> Timed<N> {
+    /// When each waypoint is passed.
+    pub fn times(&self) -> Vec<f64> {
+        self.knots.iter().map(|&knot| self.trajectory.times()[knot]).collect()
+    }
+}
+
 impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
-    pub fn new(part: R, times: &[f64], rungs: &[Rung<N, F>]) -> Self {
-        Course { part, times: times.to_vec(), rungs: rungs.to_vec(), of: (0..times.len()).collect() }
+    /// The fastest motion within the limits that is nowhere faster than planned.
+    pub fn timed(&self, flow: &Flow, limits: &Limits<N>) -> Result<Timed<N>, Failure> {
+        let joints: Vec<[f64; N]> = self.rungs.iter().map(|rung| rung.joints).collect();
+        let max_pace = vec![1.0; joints.len() - 1];
+        let FlowBounds { max_flow_mm3_s, max_ramp_mm3_s2, filament_mm2 } = limits.flow;
+        let of_piece = |times: &[f64]| {
+            (flow.filament(times[1]) - flow.filament(times[0])).max(0.0) * filament_mm2 / (times[1] - times[0])
+        };
+        let flow_mm3_s: Vec<f64> = self.times.windows(2).map(of_piece).collect();
+        let flow = FlowLimits { flow_mm3_s: &flow_mm3_s, max_flow_mm3_s, max_ramp_mm3_s2 };
+        let progress = |_| ControlFlow::Continue(());
+        let found = time_path(&joints, &self.times, &max_pace, Some(flow), &limits.bounds, &TIMING, &progress)
+            .map_err(failure)?;
+        let inner = &found.knots[1..found.knots.len() - 1];
+        let min_pace = inner.iter().map(|&knot| found.pace[knot]).fold(1.0, f64::min);
+        Ok(Timed { trajectory: found.trajectory, knots: found.knots, planned: found.planned, min_pace })
     }
 
     /// Where a motion leaves the way too far: the waypoint before, and how far.
-    pub fn astray(&self, trajectory: &Trajectory<N>) -> Vec<(usize, f64)> {
-        strayed(&self.part, trajectory).into_iter().enumerate().filter(|(_, mm)| *mm > STRAY_MM).collect()
+    pub fn astray(&self, motion: &Timed<N>, limits: &Limits<N>) -> Vec<(usize, f64)> {
+        let strayed = strayed(&self.part, &motion.trajectory, &motion.times(), limits.lever_mm).into_iter();
+        strayed.enumerate().filter(|(_, mm)| *mm > PLANNED * limits.tolerance_mm).collect()
     }
 
-    /// The same course with the steps split on which a motion of so much of the feed leaves the way, each into as many parts as
-    /// it takes if half as long is a quarter as far. `None` if there are none, or none can be.
-    pub fn split(&self, trajectory: &Trajectory<N>, feed: f64) -> Option<Self> {
-        let steps = self.astray(trajectory);
-        let mut split = Course { part: self.part.with(Vec::new()), times: vec![], rungs: vec![], of: vec![] };
+    /// Steps on which the nozzle gouges between two waypoints at which it does not.
+    pub fn gouging(&self, motion: &Timed<N>, cell: &Workcell<N, F, R>) -> Vec<usize> {
+        let passed = motion.times();
+        let is_free = |k: usize, waypoint: &Waypoint| {
+            cell.gouges_nothing(Moment::At { path: self.path, waypoint: self.of[k] }, waypoint)
+        };
+        let gouges = |k: &usize| {
+            let look = |look: u32| {
+                let time = passed[*k] + (passed[k + 1] - passed[*k]) * f64::from(look) / f64::from(GOUGING_LOOKS);
+                let nozzle = self.part.nozzle_on_part(&motion.trajectory.at(time).position);
+                nozzle.is_some_and(|nozzle| is_free(*k, &standing(&nozzle)))
+            };
+            !(1..GOUGING_LOOKS).all(look) && is_free(*k, &self.part.at(*k)) && is_free(*k, &self.part.at(k + 1))
+        };
+        (0..self.times.len() - 1).filter(gouges).collect()
+    }
+
+    /// The same course with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
+    /// long is a quarter as far, and halved those on which it gouges. `None` if there are none, or none can be.
+    pub fn split(&self, motion: &Timed<N>, cell: &Workcell<N, F, R>) -> Option<Self> {
+        let limits = cell.limits();
+        let mut steps = self.astray(motion, limits);
+        steps.extend(self.gouging(motion, cell).into_iter().map(|k| (k, 0.0)));
+        steps.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        steps.dedup_by_key(|step| step.0);
+        if steps.is_empty() {
+            return None;
+        }
+        let passed = motion.times();
+        let mut split =
+            Course { part: self.part.with(Vec::new()), times: vec![], rungs: vec![], path: self.path, of: vec![] };
         let mut waypoints: Vec<Waypoint> = Vec::with_capacity(self.times.len() + 2 * steps.len());
         let mut steps = steps.into_iter().peekable();
         for k in 0..self.times.len() {
@@ -58,12 +135,13 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
             };
             put(self.part.at(k), self.times[k], self.rungs[k]);
             let Some((_, mm)) = steps.next_if(|step| step.0 == k) else { continue };
-            let parts = (mm / (AIM * STRAY_MM)).sqrt().ceil().clamp(2.0, MOST_PARTS);
+            let parts = (mm / (AIM * limits.tolerance_mm)).sqrt().ceil().clamp(2.0, MOST_PARTS);
+            let between = |times: &[f64], share: f64| times[k] + (times[k + 1] - times[k]) * share;
             for part in 1..parts as u32 {
                 let share = f64::from(part) / parts;
-                let time = self.times[k] + (self.times[k + 1] - self.times[k]) * share;
-                if let Some((waypoint, rung)) = self.between(k, share, &trajectory.at(time / feed).position) {
-                    put(waypoint, time, rung);
+                let near = motion.trajectory.at(between(&passed, share)).position;
+                if let Some((waypoint, rung)) = self.between(k, share, &near) {
+                    put(waypoint, between(&self.times, share), rung);
                 }
             }
         }
@@ -88,6 +166,12 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
         let rung = found.into_iter().flatten().min_by(|a, b| apart(a, near).total_cmp(&apart(b, near)))?;
         Some((waypoint, rung))
     }
+}
+
+/// A nozzle as a waypoint.
+fn standing(nozzle: &Isometry3<f64>) -> Waypoint {
+    let axis = UnitVector3::new_normalize(nozzle.rotation * Vector3::z());
+    Waypoint { position: Point3::from(nozzle.translation.vector), axis }
 }
 
 /// The posture on a branch next to some joints, by a few steps of Gauss and Newton from these free parameters, as far as

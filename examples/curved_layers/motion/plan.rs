@@ -1,15 +1,13 @@
 //! The whole print, layer after layer: postures one path after the other, while the layers before are smoothed side by side.
 
+use super::flow::Flow;
 use super::robots::Printer;
+use super::travel::{Travel, travel};
 use super::workcell::Workcell;
-use super::{Fault, FaultKind, Figures, LayerFigures, MotionRun, Run, Times, climb, run};
-use crate::field::FieldRun;
-use crate::machine::MachineRun;
-use crate::surfaces::SurfacesRun;
+use super::{Fault, FaultKind, Figures, LayerFigures, Limits, MotionRun, Print, Run, Times, postures, run};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_toolpath::surface::{MoveKind, ToolPath};
-use curvlay_trajectory::transfer::Transfer;
+use curvlay_toolpath::surface::ToolPath;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -17,26 +15,28 @@ use std::time::{Duration, Instant};
 /// Layers are smoothed side by side until there are so many paths a thread: more only take memory for what is built.
 const PATHS_A_THREAD: usize = 2;
 
-/// What came of a transfer: the motion, or why there is none.
-type Found<const N: usize> = Result<Transfer<N>, String>;
+/// What came of a travel: the motion, or why there is none.
+type Found<const N: usize> = Result<Travel<N>, String>;
 
 /// Plans it.
 pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
-    field: &FieldRun,
-    surfaces: &SurfacesRun,
-    machine: &MachineRun,
+    print: &Print,
+    bars: &Bars,
+) -> Result<MotionRun<N, F, R>, Failure> {
+    let start = Instant::now();
+    print.in_workcell(bars, |cell| in_workcell(print, cell, start.elapsed(), bars))
+}
+
+fn in_workcell<const N: usize, const F: usize, R: Printer<N, F>>(
+    Print { machine, .. }: &Print,
+    mut cell: Workcell<N, F, R>,
+    took: Duration,
     bars: &Bars,
 ) -> Result<MotionRun<N, F, R>, Failure> {
     let paths = &machine.freed.paths;
-    let tips = || paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip);
-    let mean = tips().map(|tip| tip.coords).sum::<Vector3<f64>>() / tips().count().max(1) as f64;
-    // The plate stays where it is: z = 0 stands on what carries it.
-    let shift = Vector3::new(mean.x, mean.y, 0.0);
-
-    let steps = seconds_of(machine);
-    let start = Instant::now();
-    let mut cell: Workcell<N, F, R> = Workcell::new(field, surfaces, &shift)?;
-    let mut print = Print::new(start.elapsed());
+    let (shift, limits) = (*cell.shift(), *cell.limits());
+    let mut print = Plan::new(R::NAME, took);
+    let flows = Flow::of_paths(machine);
     let (mut before, mut next) = (None, 0);
     let mut with_postures = |group: &[&[ToolPath]]| -> Result<Vec<Layer<N, F, R>>, Failure> {
         // Layer by layer, since the part grows.
@@ -45,14 +45,14 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
             let number = paths_of_layer[0].layer;
             bars.update("plan motions", next as u64, paths.len() as u64);
             cell.begin(number)?;
-            let of_path = |path: usize| climb::prepare(path, &paths[path], &steps[path], &shift, &cell);
+            let of_path = |path: usize| postures::prepare(path, &paths[path], &flows[path], &shift, &cell);
             let of_layer = (next..next + paths_of_layer.len()).into_par_iter();
-            let prepared: Vec<climb::Prepared<R>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
+            let prepared: Vec<postures::Prepared<R>> = of_layer.map(of_path).collect::<Result<_, _>>()?;
             next += paths_of_layer.len();
             // One after the other, since each begins near where the one before ends.
-            let of_path = |prepared| climb::climb(prepared, &mut before, &cell);
-            let climbed = prepared.into_iter().map(of_path).collect::<Result<_, _>>()?;
-            layers.push(Layer { number, cell: cell.clone(), climbed });
+            let of_path = |prepared| postures::choose(prepared, &mut before, &cell);
+            let chosen = prepared.into_iter().map(of_path).collect::<Result<_, _>>()?;
+            layers.push(Layer { number, cell: cell.clone(), chosen });
             cell.build(number)?;
         }
         Ok(layers)
@@ -61,13 +61,13 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     let mut ready = Vec::new();
     for group in grouped(paths).iter().map(Vec::as_slice).chain([&[][..]]) {
         let planning = Instant::now();
-        let (planned, next) = rayon::join(|| smoothed(&ready), || with_postures(group));
-        print.times.plan += planning.elapsed();
+        let (planned, next) = rayon::join(|| smoothed(&ready, &flows), || with_postures(group));
+        print.figures.times.plan += planning.elapsed();
         for (layer, planned) in std::mem::replace(&mut ready, next?).into_iter().zip(planned?) {
             print.add(layer, planned, paths)?;
         }
     }
-    print.finish(shift)
+    Ok(print.finish(R::empty()?, limits, shift))
 }
 
 /// A layer whose paths have their postures.
@@ -75,83 +75,72 @@ struct Layer<'a, const N: usize, const F: usize, R> {
     number: u32,
     /// As it is while the layer is printed; for transfers, as it is before.
     cell: Workcell<'a, N, F, R>,
-    climbed: Vec<climb::Climbed<N, F, R>>,
+    chosen: Vec<postures::Chosen<N, F, R>>,
 }
 
 /// The motions along all paths of some layers.
 fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
     layers: &[Layer<N, F, R>],
+    flows: &[Flow],
 ) -> Result<Vec<Vec<run::Planned<N, F>>>, Failure> {
-    let of_layer = |Layer { cell, climbed, .. }: &Layer<N, F, R>| {
-        climbed.par_iter().map(|climbed| run::smoothed(climbed, cell)).collect()
+    let of_layer = |Layer { cell, chosen, .. }: &Layer<N, F, R>| {
+        chosen.par_iter().map(|chosen| run::smoothed(chosen, &flows[chosen.prepared.path], cell)).collect()
     };
     layers.par_iter().map(of_layer).collect()
 }
 
 /// The print as far as it is planned.
-struct Print<const N: usize, const F: usize> {
+struct Plan<const N: usize, const F: usize> {
     runs: Vec<Run<N, F>>,
-    transfers: Vec<Option<Transfer<N>>>,
-    faults: Vec<Fault>,
-    layers: Vec<LayerFigures>,
-    times: Times,
-    missed_mm: f64,
-    strayed_mm: f64,
-    least_feed: f64,
+    travels: Vec<Option<Travel<N>>>,
+    figures: Figures,
 }
 
-impl<const N: usize, const F: usize> Print<N, F> {
+impl<const N: usize, const F: usize> Plan<N, F> {
     /// Nothing yet, but that it has taken so long.
-    fn new(plan: Duration) -> Self {
-        Print {
-            runs: Vec::new(),
-            transfers: Vec::new(),
-            faults: Vec::new(),
-            layers: Vec::new(),
-            times: Times { plan, ..Times::default() },
+    fn new(name: &'static str, plan: Duration) -> Self {
+        let figures = Figures {
+            name,
+            motions: 0,
+            transfers: 0,
             missed_mm: 0.0,
             strayed_mm: 0.0,
-            least_feed: 1.0,
-        }
+            min_pace: 1.0,
+            planned_s: 0.0,
+            printing_s: 0.0,
+            times: Times { plan, ..Times::default() },
+            faults: Vec::new(),
+            layers: Vec::new(),
+        };
+        Plan { runs: Vec::new(), travels: Vec::new(), figures }
     }
 
-    /// Adds the motions of a layer: checks them, and looks for the ways from one to the next.
+    /// Adds the motions of a layer, and looks for the ways from one to the next.
     fn add<R: Printer<N, F>>(
         &mut self,
-        Layer { number, mut cell, climbed }: Layer<N, F, R>,
+        Layer { number, mut cell, chosen }: Layer<N, F, R>,
         planned: Vec<run::Planned<N, F>>,
         paths: &[ToolPath],
     ) -> Result<(), Failure> {
         let mut layer = LayerFigures { layer: number, ..LayerFigures::default() };
         let first = self.runs.len();
+        let figures = &mut self.figures;
         for planned in planned {
             layer.times.plan += planned.took;
-            self.missed_mm = self.missed_mm.max(planned.missed_mm);
-            self.strayed_mm = self.strayed_mm.max(planned.strayed_mm);
-            self.least_feed = self.least_feed.min(planned.least_feed);
-            self.faults.extend(planned.faults);
+            figures.missed_mm = figures.missed_mm.max(planned.missed_mm);
+            figures.strayed_mm = figures.strayed_mm.max(planned.strayed_mm);
+            figures.min_pace = figures.min_pace.min(planned.min_pace);
+            figures.planned_s += planned.planned_s;
+            figures.faults.extend(planned.faults);
             self.runs.extend(planned.runs);
         }
-        layer.waypoints = climbed.iter().map(|climbed| paths[climbed.prepared.path].waypoints.len()).sum();
+        layer.waypoints = chosen.iter().map(|chosen| paths[chosen.prepared.path].waypoints.len()).sum();
         layer.motions = self.runs.len() - first;
         layer.robot_s = self.runs[first..].iter().map(Run::duration).sum();
-        self.check(&mut layer, &cell, first);
+        figures.printing_s += layer.robot_s;
         self.connect(&mut layer, &mut cell, first, paths)?;
-        self.layers.push(layer);
+        self.figures.layers.push(layer);
         Ok(())
-    }
-
-    /// Sees whether anything touches along the runs from `first` on.
-    fn check<R: Printer<N, F>>(&mut self, layer: &mut LayerFigures, cell: &Workcell<N, F, R>, first: usize) {
-        let checking = Instant::now();
-        let check = |run: &Run<N, F>| timed(|| cell.collisions(&run.trajectory));
-        let found: Vec<(Vec<(usize, String)>, Duration)> = self.runs[first..].par_iter().map(check).collect();
-        self.times.check += checking.elapsed();
-        for (run, (found, took)) in self.runs[first..].iter().zip(found) {
-            layer.times.check += took;
-            let (layer, path, kind) = (run.layer, run.path, FaultKind::Collision);
-            self.faults.extend(found.into_iter().map(|(waypoint, what)| Fault { layer, path, kind, waypoint, what }));
-        }
     }
 
     /// Looks for the ways to each of the runs from `first` on.
@@ -164,19 +153,20 @@ impl<const N: usize, const F: usize> Print<N, F> {
     ) -> Result<(), Failure> {
         let moving = Instant::now();
         let runs = &self.runs;
-        let transfer = |to: usize| timed(|| cell.transfer(to - 1, &runs[to - 1], &runs[to]));
+        let to = |to: usize, cell: &Workcell<N, F, R>| timed(|| travel(cell, to - 1, &runs[to - 1], &runs[to]));
         // The way to the layer is gone before any of it is there.
-        let there: Vec<(Found<N>, Duration)> = (first..runs.len()).take(usize::from(first > 0)).map(transfer).collect();
+        let there: Vec<(Found<N>, Duration)> =
+            (first..runs.len()).take(usize::from(first > 0)).map(|run| to(run, cell)).collect();
         cell.build(layer.layer)?;
-        let transfer = |to: usize| timed(|| cell.transfer(to - 1, &runs[to - 1], &runs[to]));
-        let within: Vec<(Found<N>, Duration)> = (first + 1..runs.len()).into_par_iter().map(transfer).collect();
-        self.times.transfers += moving.elapsed();
+        let within: Vec<(Found<N>, Duration)> =
+            (first + 1..runs.len()).into_par_iter().map(|run| to(run, cell)).collect();
+        self.figures.times.transfers += moving.elapsed();
         for (found, took) in there.into_iter().chain(within) {
             layer.times.transfers += took;
-            let from = &runs[self.transfers.len()];
+            let from = &runs[self.travels.len()];
             match &found {
-                Ok(transfer) => layer.robot_s += transfer.duration(),
-                Err(what) => self.faults.push(Fault {
+                Ok(travel) => layer.robot_s += travel.duration(),
+                Err(what) => self.figures.faults.push(Fault {
                     layer: from.layer,
                     path: from.path,
                     kind: FaultKind::NoTransfer,
@@ -184,22 +174,20 @@ impl<const N: usize, const F: usize> Print<N, F> {
                     what: what.clone(),
                 }),
             }
-            self.transfers.push(found.ok());
+            self.travels.push(found.ok());
         }
         Ok(())
     }
 
     /// The whole print, in the order in which it is travelled.
-    fn finish<R: Printer<N, F>>(self, shift: Vector3<f64>) -> Result<MotionRun<N, F, R>, Failure> {
-        let Print { runs, transfers, mut faults, mut layers, times, missed_mm, strayed_mm, least_feed } = self;
-        faults.sort_by_key(|fault| fault.path);
-        for layer in &mut layers {
-            layer.faults = faults.iter().filter(|fault| fault.layer == layer.layer).count();
+    fn finish<R>(self, robot: R, limits: Limits<N>, shift: Vector3<f64>) -> MotionRun<N, F, R> {
+        let Plan { runs, travels, mut figures } = self;
+        figures.faults.sort_by_key(|fault| fault.path);
+        for layer in &mut figures.layers {
+            layer.faults = figures.faults.iter().filter(|fault| fault.layer == layer.layer).count();
         }
-        let (name, motions, count) = (R::NAME, runs.len(), transfers.len());
-        let figures =
-            Figures { name, motions, transfers: count, missed_mm, strayed_mm, least_feed, times, faults, layers };
-        Ok(MotionRun { robot: R::empty()?, runs, transfers, shift, figures })
+        (figures.motions, figures.transfers) = (runs.len(), travels.len());
+        MotionRun { robot, limits, runs, travels, shift, figures, checked: None }
     }
 }
 
@@ -225,13 +213,4 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed())
-}
-
-/// For each path the seconds from waypoint to waypoint, as the plan of the deposition has them.
-fn seconds_of(machine: &MachineRun) -> Vec<Vec<f64>> {
-    let mut seconds = vec![Vec::new(); machine.freed.paths.len()];
-    for step in machine.deposition.moves.iter().filter(|step| step.kind == MoveKind::Print) {
-        seconds[step.path].push(step.seconds);
-    }
-    seconds
 }

@@ -62,7 +62,10 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Clone + Send {
     /// Samples of the free parameters at which a waypoint is tried, and of the ladder to begin with.
     const SAMPLES: [u32; F];
 
-    /// Where these lead nowhere, as many as a step leads from one to the next; and how often the ladder may double them.
+    /// Samples with which a waypoint is searched that has no posture at those: a waypoint without one here is out of reach.
+    const DENSE: [u32; F];
+
+    /// Where the few lead nowhere, as many as a step leads from one to the next; and how often the ladder may double them.
     const NEAR: [u32; F];
     const DOUBLINGS: u32;
 
@@ -157,6 +160,7 @@ fn placement_of(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> Plac
 impl Printer<6, 1> for PartInHand {
     const NAME: &'static str = "UR3 that holds the part under a standing nozzle";
     const SAMPLES: [u32; 1] = [24];
+    const DENSE: [u32; 1] = [720];
     const NEAR: [u32; 1] = [24];
     const DOUBLINGS: u32 = 4;
     const STEP: [f64; 6] = [0.35; 6];
@@ -199,6 +203,7 @@ impl Printer<6, 1> for PartInHand {
 impl Printer<8, 2> for OverTable {
     const NAME: &'static str = "IRB 1200 over a table that tilts and turns";
     const SAMPLES: [u32; 2] = [5, 4];
+    const DENSE: [u32; 2] = [25, 72];
     const NEAR: [u32; 2] = [7, 18];
     const DOUBLINGS: u32 = 1;
     const STEP: [f64; 8] = [0.35; 8];

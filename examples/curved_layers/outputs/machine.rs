@@ -10,7 +10,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Freed, NozzlePart, Obstacle, ToolPath};
+use curvlay_toolpath::surface::{Freed, Obstacle, ToolPath};
 use std::collections::HashSet;
 use std::io;
 
@@ -33,16 +33,9 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
 fn blocked_travels(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     writeln!(out, "path,obstacle,x,y,z")?;
     run.travels.blocked.iter().try_for_each(|travel| {
-        let (obstacle, tip) = (name(travel.obstacle), travel.tip);
+        let (obstacle, tip) = (travel.obstacle, travel.tip);
         writeln!(out, "{},{obstacle},{:.4},{:.4},{:.4}", travel.path, tip.x, tip.y, tip.z)
     })
-}
-
-fn name(obstacle: Obstacle) -> String {
-    match obstacle {
-        Obstacle::Layer(layer) => format!("layer {}", layer + 1),
-        _ => "plate".to_owned(),
-    }
 }
 
 /// Layers count from 1, paths (in the order in which they are printed) and waypoints from 0.
@@ -60,17 +53,9 @@ fn gouging(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
             Obstacle::Layer(_) => "no tilt frees it of earlier layers",
             _ => "too near to the plate",
         };
-        let (place, part) = (place(run, gouge.path, gouge.waypoint), part(gouge.part));
-        writeln!(out, "{place},{},{:.4},{part},{why}", name(gouge.obstacle), gouge.depth)
+        let (place, part) = (place(run, gouge.path, gouge.waypoint), gouge.part);
+        writeln!(out, "{place},{},{:.4},{part},{why}", gouge.obstacle, gouge.depth)
     })
-}
-
-fn part(part: NozzlePart) -> &'static str {
-    match part {
-        NozzlePart::Tip => "tip",
-        NozzlePart::Cone => "cone",
-        _ => "block",
-    }
 }
 
 /// Pieces of curves that are not printed.
@@ -79,7 +64,7 @@ fn left_out(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     run.freed.left_out.iter().try_for_each(|piece| {
         let ([from, to], tip) = (piece.arcs, piece.tip);
         write!(out, "{},{},{from:.3},{to:.3},{:.3},{:.3},{:.3},", piece.layer + 1, piece.curve, tip.x, tip.y, tip.z)?;
-        writeln!(out, "{},{:.4},{}", name(piece.obstacle), piece.depth, part(piece.part))
+        writeln!(out, "{},{:.4},{}", piece.obstacle, piece.depth, piece.part)
     })
 }
 

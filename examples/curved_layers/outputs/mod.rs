@@ -22,6 +22,18 @@ use std::time::Duration;
 /// A picture and the line under it.
 type Picture = (String, Vec<u8>);
 
+/// The motion, knot by knot.
+pub const TRAJECTORY: &str = "trajectory.csv";
+
+/// Writes the motion itself, which is checked before all else is written.
+pub fn trajectory(motion: &Motion, folder: &OutputFolder) -> Result<(), Failure> {
+    folder.write_with(TRAJECTORY, |out| match motion {
+        Motion::PartInHand(run) => motion::write_csv(run, out),
+        Motion::OverTable(run) => motion::write_csv(run, out),
+    })?;
+    Ok(())
+}
+
 /// Writes all of it. Programs that would be wrong are left out; then it says why.
 pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<Option<String>, Failure> {
     let Results { field: run, surfaces, paths, machine, motion } = results;
@@ -57,9 +69,16 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         }
         let written = programs::products(run, &args.motion, folder)?;
         refused = written.refused.clone();
-        motion::summary(run.figures(), &run.shift(), &mut summary)?;
+        match run {
+            Motion::PartInHand(run) => motion::summary(run, &mut summary)?,
+            Motion::OverTable(run) => motion::summary(run, &mut summary)?,
+        }
         programs::summary(&written, &mut summary)?;
         motion::rows(run.figures(), of_motion);
+        match run {
+            Motion::PartInHand(run) => motion::check_rows(run, of_motion),
+            Motion::OverTable(run) => motion::check_rows(run, of_motion),
+        }
         programs::rows(&written, of_motion);
     }
 

@@ -1,6 +1,8 @@
 //! Of the motion: `trajectory.csv`, `layers.csv`, figures, and the robot at eight moments.
 
 use super::{Picture, borrowed, pictures, seconds};
+use crate::motion::check::{Checked, Sort};
+use crate::motion::legs::LegKind;
 use crate::motion::robots::Printer;
 use crate::motion::{FaultKind, Figures, LayerFigures, MotionRun, Run, Times};
 use crate::surfaces::SurfacesRun;
@@ -13,7 +15,9 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_kinematics::scene::{Body, Mount, Shape};
+use curvlay_trajectory::check::{JointPeaks, PrintPeak};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use serde_json::Value;
 use std::io::{self, Write};
 use std::time::Duration;
 
@@ -31,14 +35,13 @@ const PLATE: f64 = 2.0;
 const DRAWN_BELOW_MM: f64 = 120.0;
 const STAND: [u8; 3] = [158, 166, 176];
 
-/// Colours of the plot: motions, checks, transfers.
-const PARTS: [[u8; 3]; 3] = [pictures::EVEN, [150, 158, 168], [217, 120, 30]];
+/// Colours of the plot: motions, transfers.
+const PARTS: [[u8; 3]; 2] = [pictures::EVEN, [217, 120, 30]];
 
 pub fn products<const N: usize, const F: usize, R>(
     run: &MotionRun<N, F, R>,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
-    folder.write_with("trajectory.csv", |out| write_csv(run, out))?;
     folder.write_with("layers.csv", |out| write_layers(&run.figures.layers, out))?;
     let faults = &run.figures.faults;
     folder.write_list("motion-faults.csv", !faults.is_empty(), |out| {
@@ -48,46 +51,49 @@ pub fn products<const N: usize, const F: usize, R>(
             writeln!(out, "{},{},{},{kind},{what}", fault.layer + 1, fault.path, fault.waypoint)
         })
     })?;
+    let findings = run.checked.iter().flat_map(|checked| checked.report.findings.iter().zip(&checked.of));
+    folder.write_list("motion-check.csv", findings.clone().next().is_some(), |out| {
+        writeln!(out, "motion,layer,path,kind,time_s,what")?;
+        findings.clone().try_for_each(|(finding, (kind, layer, path))| {
+            let what = finding.to_string().replace(',', ";");
+            writeln!(out, "{},{},{path},{},{:.4},{what}", finding.motion, layer + 1, kind.name(), finding.time)
+        })
+    })?;
     Ok(())
 }
 
-/// A line a knot of the splines; transfers at their corners of time. Times go on from run to run.
-fn write_csv<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, out: &mut dyn Write) -> io::Result<()> {
+/// A line a knot. Times go on from motion to motion; enough digits for jerks.
+pub fn write_csv<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, out: &mut dyn Write) -> io::Result<()> {
     let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}")).collect();
-    writeln!(out, "time_s,{},kind,layer,path", names.join(","))?;
-    let mut line = |time: f64, joints: &[f64; N], kind: &str, of: &Run<N, F>| {
-        write!(out, "{time:.6}")?;
-        joints.iter().try_for_each(|joint| write!(out, ",{joint:.9}"))?;
-        writeln!(out, ",{kind},{},{}", of.layer + 1, of.path)
-    };
-    let mut start = 0.0;
-    for (number, motion) in run.runs.iter().enumerate() {
-        let (first, _) = motion.trajectory.span();
-        let [begin, end] = motion.printing();
-        for (time, joints) in motion.trajectory.times().iter().zip(motion.trajectory.joints()) {
-            let kind = if (begin..=end).contains(time) { "print" } else { "run" };
-            line(start + time - first, joints, kind, motion)?;
-        }
-        start += motion.duration();
-        if let Some(Some(transfer)) = run.transfers.get(number) {
-            for time in transfer.knots() {
-                line(start + time, &transfer.at(time).position, "transfer", motion)?;
+    writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
+    let (mut start, mut laid) = (0.0, 0.0);
+    for (number, leg) in run.legs(0..run.runs.len()).enumerate() {
+        let (kind, layer, path) = (leg.kind.name(), leg.run.layer + 1, leg.run.path);
+        let passes = if leg.kind == LegKind::Print { &leg.run.passes[..] } else { &[] };
+        let mut passes = passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
+        for (knot, (time, joints)) in leg.knots().iter().enumerate() {
+            write!(out, "{number},{}", start + time)?;
+            joints.iter().try_for_each(|joint| write!(out, ",{joint:.13}"))?;
+            write!(out, ",{kind},{layer},{path},")?;
+            if let Some((_, waypoint)) = passes.next_if(|(passed, _)| *passed == knot) {
+                write!(out, "{waypoint}")?;
             }
-            start += transfer.duration();
+            writeln!(out, ",{:.6}", laid + leg.filament(*time))?;
         }
+        start += leg.duration();
+        laid += leg.filament(leg.duration());
     }
     Ok(())
 }
 
 /// A line a layer: how long the robot moves, and how long a single thread would have planned.
 fn write_layers(layers: &[LayerFigures], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "layer,motions,waypoints,robot_s,plan_s,check_s,transfers_s,realtime_factor,faults")?;
+    writeln!(out, "layer,motions,waypoints,robot_s,plan_s,transfers_s,realtime_factor,faults")?;
     layers.iter().try_for_each(|layer| {
-        let [plan, check, transfers] =
-            [layer.times.plan, layer.times.check, layer.times.transfers].map(|time| time.as_secs_f64());
+        let [plan, transfers] = [layer.times.plan, layer.times.transfers].map(|time| time.as_secs_f64());
         writeln!(
             out,
-            "{},{},{},{:.3},{plan:.4},{check:.4},{transfers:.4},{:.6},{}",
+            "{},{},{},{:.3},{plan:.4},{transfers:.4},{:.6},{}",
             layer.layer + 1,
             layer.motions,
             layer.waypoints,
@@ -98,17 +104,32 @@ fn write_layers(layers: &[LayerFigures], out: &mut dyn Write) -> io::Result<()> 
     })
 }
 
-pub fn summary(run: &Figures, shift: &Vector3<f64>, summary: &mut Summary) -> Result<(), Failure> {
+pub fn summary<const N: usize, const F: usize, R>(
+    run: &MotionRun<N, F, R>,
+    summary: &mut Summary,
+) -> Result<(), Failure> {
+    let MotionRun { figures: run, limits, shift, checked: found, .. } = run;
     let times = &run.times;
     let worst = run.layers.iter().filter(|layer| layer.motions > 0).map(|layer| layer.factor(Times::all));
+    let limit = |values: [f64; N]| {
+        let least = values.into_iter().fold(f64::INFINITY, f64::min);
+        if least.is_finite() { Value::from(least) } else { Value::from("none") }
+    };
     summary
         .set("cell", run.name)?
         .set("part_shift_x_mm", shift.x)?
         .set("part_shift_y_mm", shift.y)?
+        .set("limit_acceleration_rad_s2", limit(limits.bounds.acceleration))?
+        .set("limit_jerk_rad_s3", limit(limits.bounds.jerk))?
+        .set("limit_flow_mm3_s", limit([limits.flow.max_flow_mm3_s; N]))?
+        .set("limit_flow_ramp_mm3_s2", limit([limits.flow.max_ramp_mm3_s2; N]))?
+        .set("path_tolerance_mm", limits.tolerance_mm)?
+        .set("margin_mm", limits.margin_mm)?
         .set("robot_time_s", run.robot_s())?
+        .set("printing_s", run.printing_s)?
+        .set("printing_planned_s", run.planned_s)?
         .set("plan_s", run.plan_s())?
         .set_seconds("plan_motion_s", times.plan)?
-        .set_seconds("plan_check_s", times.check)?
         .set_seconds("plan_transfers_s", times.transfers)?
         .set("realtime_factor", run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE))?
         .set("realtime_factor_worst_layer", worst.fold(0.0, f64::max))?
@@ -116,39 +137,89 @@ pub fn summary(run: &Figures, shift: &Vector3<f64>, summary: &mut Summary) -> Re
         .set("breaks", run.count(FaultKind::Break))?
         .set("unreachable_waypoints", run.count(FaultKind::Unreachable))?
         .set("blocked_waypoints", run.count(FaultKind::Blocked))?
-        .set("bounds_missed", run.count(FaultKind::Bounds))?
-        .set("slowed_motions", run.count(FaultKind::Slowed))?
-        .set("least_feed_share", run.least_feed)?
+        .set("min_pace", run.min_pace)?
         .set("waypoint_error_mm", run.missed_mm)?
         .set("path_error_mm", run.strayed_mm)?
         .set("astray", run.count(FaultKind::Astray))?
-        .set("collisions", run.count(FaultKind::Collision))?
         .set("transfers", run.transfers)?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
+    found.iter().try_for_each(|found| checked(found, summary))
+}
+
+/// Figures of the check.
+fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Result<(), Failure> {
+    let report = &checked.report;
+    let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
+    for (joint, peaks) in report.joints.iter().enumerate() {
+        let joint = joint + 1;
+        summary
+            .set(&format!("max_velocity_q{joint}_rad_s"), peaks.velocity.value.abs())?
+            .set(&format!("max_acceleration_q{joint}_rad_s2"), peaks.acceleration.value.abs())?
+            .set(&format!("max_jerk_q{joint}_rad_s3"), peaks.jerk.value.abs())?;
+    }
+    summary
+        .set_seconds("check_s", checked.took)?
+        .set("check_findings", report.findings.len())?
+        .set("check_limits", checked.count(Sort::Limits))?
+        .set("check_deviations", checked.count(Sort::Deviations))?
+        .set("check_contacts", checked.count(Sort::Contacts))?
+        .set("collisions", checked.count(Sort::Collisions))?
+        .set("check_joins", checked.count(Sort::Joins))?
+        .set("time_over_acceleration_share", report.share_over_acceleration())?
+        .set("time_over_jerk_share", report.share_over_jerk())?
+        .set("max_deviation_mm", peak(&report.deviation))?
+        .set("max_axis_error_deg", peak(&report.tilt).to_degrees())?
+        .set("max_contact_mm", peak(&report.depth))?
+        .set("unprinted_mm", checked.unprinted_mm)?;
     Ok(())
+}
+
+/// The check in the table on stdout.
+pub fn check_rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, table: &mut Table) {
+    let Some(checked) = &run.checked else { return };
+    let report = &checked.report;
+    let most = |of: fn(&JointPeaks) -> f64| report.joints.iter().map(of).fold(0.0, f64::max);
+    let rates = format!(
+        "{:.2} rad/s, {:.2} rad/s2, {:.1} rad/s3 at most; above a limit {:.2} % of the time",
+        most(|joint| joint.velocity.value.abs()),
+        most(|joint| joint.acceleration.value.abs()),
+        most(|joint| joint.jerk.value.abs()),
+        100.0 * report.share_over_acceleration().max(report.share_over_jerk()),
+    );
+    let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
+    let found = Sort::ALL.map(|sort| format!("{} {}", checked.count(sort), sort.name())).join(", ");
+    table
+        .row(["checked in".to_owned(), seconds(checked.took)])
+        .row(["joints".to_owned(), rates])
+        .row(["off the path, checked".to_owned(), format!("{:.3} mm at most", peak(&report.deviation))])
+        .row(["nozzle in what is built".to_owned(), format!("{:.3} mm at most", peak(&report.depth))])
+        .row(["motions with findings".to_owned(), found])
+        .row([
+            "not printed".to_owned(),
+            format!("{:.1} mm of {:.1} m", checked.unprinted_mm, checked.path_mm / 1000.0),
+        ]);
 }
 
 pub fn rows(run: &Figures, table: &mut Table) {
     let times = &run.times;
-    let worst = run.worst().map_or_else(String::new, |worst| format!(", mostly {worst}"));
     let count = |kind| run.count(kind);
     let factor = run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE);
     let reach = format!("{} waypoints, {} more blocked", count(FaultKind::Unreachable), count(FaultKind::Blocked));
-    let slowed = format!("{} slowed, to {:.0} % at least", count(FaultKind::Slowed), 100.0 * run.least_feed);
-    let slow = format!("{} breaks, {} motions, {slowed}", count(FaultKind::Break), count(FaultKind::Bounds));
+    let [printing, planned] = [run.printing_s, run.planned_s].map(|seconds| seconds / 60.0);
+    let pace =
+        format!("{printing:.1} min, {planned:.1} at the planned feed; {:.0} % of it at least", 100.0 * run.min_pace);
     table
         .row(["robot moves".to_owned(), format!("{:.1} min in {} motions", run.robot_s() / 60.0, run.motions)])
+        .row(["of which it prints".to_owned(), pace])
         .row(["planned in".to_owned(), seconds(times.plan)])
-        .row(["checked in".to_owned(), seconds(times.check)])
         .row(["transfers in".to_owned(), seconds(times.transfers)])
         .row(["planning to moving".to_owned(), format!("{factor:.4}")])
         .row(["out of reach".to_owned(), reach])
-        .row(["too fast for the arm".to_owned(), slow])
+        .row(["paths break off".to_owned(), format!("{} times", count(FaultKind::Break))])
         .row([
             "off the path".to_owned(),
             format!("{:.2} mm at most, {} steps too far", run.strayed_mm, count(FaultKind::Astray)),
         ])
-        .row(["collisions".to_owned(), format!("{}{worst}", count(FaultKind::Collision))])
         .row(["transfers".to_owned(), format!("{}, {} not found", run.transfers, count(FaultKind::NoTransfer))]);
 }
 
@@ -167,9 +238,8 @@ pub fn report<const N: usize, const F: usize, R: Printer<N, F>>(
         let moving = run.figures.layers.iter().filter(|layer| layer.robot_s > 0.0);
         plot.line(name, colour, moving.map(|layer| [f64::from(layer.layer + 1), layer.factor(part)]));
     };
-    let [motions, checks, transfers] = PARTS;
+    let [motions, transfers] = PARTS;
     line("motions", motions, |times| times.plan);
-    line("checks", checks, |times| times.check);
     line("transfers", transfers, |times| times.transfers);
     report
         .heading(&format!("The robot: {}", R::NAME))
@@ -183,7 +253,7 @@ fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
     run: &MotionRun<N, F, R>,
     motion: &Run<N, F>,
 ) -> Option<Picture> {
-    let joints = motion.trajectory.at_waypoints();
+    let joints = motion.trajectory.joints();
     let stance = run.robot.stance(&joints[joints.len() / 2])?;
     let base_part = stance.part * Isometry3::from(Translation3::new(-run.shift.x, -run.shift.y, 0.0));
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));

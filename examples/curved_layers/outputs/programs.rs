@@ -8,7 +8,9 @@
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
+use crate::motion::legs::LegKind;
 use crate::motion::robots::{Printer, out_of};
+use crate::motion::travel::Travel;
 use crate::motion::{Motion, MotionArgs, MotionRun, ProgramFormat, Run};
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::{OverTable, PartInHand};
@@ -17,10 +19,10 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::Arm;
 use curvlay_kinematics::program::{
-    Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step, UrScriptOptions,
-    WriteError, Zone, write_csv, write_rapid, write_urscript,
+    FILAMENT_FULL_SCALE_MM_S, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed,
+    Step, UrScriptOptions, WriteError, Zone, write_csv, write_rapid, write_urscript,
 };
-use curvlay_trajectory::transfer::Transfer;
+use curvlay_trajectory::Trajectory;
 use std::io::{BufWriter, Write};
 use std::ops::Range;
 
@@ -36,6 +38,12 @@ const CORNER_MM: f64 = 0.3;
 /// The tool may turn so much faster than the plan says, so that turning never holds a move up.
 const TURN_SHARE: f64 = 2.0;
 const LEAST_TURN: f64 = 0.5;
+
+/// The speed of the filament is written again where it changes by more than this share.
+const SAME_SPEED: f64 = 2e-3;
+
+/// Postures of a program of targets by which the nozzle lifts off, and by which it comes down.
+const LIFT_POSTURES: u32 = 4;
 
 /// Slower than this, in mm/s, is written as this: the way is a matter of micrometres.
 const LEAST_SPEED: f64 = 0.01;
@@ -53,7 +61,8 @@ pub struct Programs {
 /// Some motions, with the transfers behind them, that make a file.
 struct Piece {
     runs: Range<usize>,
-    steps: u64,
+    /// Steps; of a stream with fractions, since motions do not end on its ticks.
+    steps: f64,
     /// Whether it begins where the piece before ends.
     joined: bool,
 }
@@ -105,15 +114,19 @@ fn of_streams(
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let most = u64::from(most.unwrap_or(STREAM_STEPS));
-    let pieces = pieces(run, most, |run, transfer| ticks(run.duration()) + transfer.map_or(0, |t| ticks(t.duration())));
+    let pieces = pieces(run, most, |run, travel| {
+        (run.duration() + travel.map_or(0.0, Travel::duration)) / ServoRate::Hz125.seconds()
+    });
     let limits = limits(run.robot.cell().arm());
+    let filament_full_scale_mm_s = fastest_filament(run).max(FILAMENT_FULL_SCALE_MM_S);
     let ending = if format == ProgramFormat::Csv { "csv" } else { "script" };
     let write = |piece: &Piece, name: &str, out: &mut dyn Write| {
-        let steps = stream(run, &piece.runs);
+        let steps = stream(run, piece);
         if format == ProgramFormat::Csv {
             return write_csv(steps, &limits, out);
         }
-        let options = UrScriptOptions { name: name.to_owned(), limits, ..UrScriptOptions::default() };
+        let options =
+            UrScriptOptions { name: name.to_owned(), limits, filament_full_scale_mm_s, ..UrScriptOptions::default() };
         write_urscript(steps, &options, out)
     };
     of_pieces(run, &pieces, ending, folder, write)
@@ -126,8 +139,9 @@ fn of_targets(
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
-    let moves = |motion: &Run<8, 2>, transfer: Option<&Transfer<8>>| {
-        (motion.trajectory.at_waypoints().len() + 2 + transfer.map_or(0, |t| t.corners().len())) as u64
+    let moves = |motion: &Run<8, 2>, travel: Option<&Travel<8>>| {
+        let corners = travel.map_or(0, |travel| travel.way.corners().len() + 2 * LIFT_POSTURES as usize);
+        (motion.passes.len() + 2 + corners) as f64
     };
     let limits = limits(run.robot.cell().arm());
     if format == ProgramFormat::Csv {
@@ -159,21 +173,21 @@ fn of_targets(
 fn pieces<const N: usize, const F: usize, R>(
     run: &MotionRun<N, F, R>,
     most: u64,
-    steps: impl Fn(&Run<N, F>, Option<&Transfer<N>>) -> u64,
+    steps: impl Fn(&Run<N, F>, Option<&Travel<N>>) -> f64,
 ) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut joined = false;
     for (number, motion) in run.runs.iter().enumerate() {
-        let transfer = run.transfers.get(number).and_then(Option::as_ref);
-        let more = steps(motion, transfer);
+        let travel = run.travels.get(number).and_then(Option::as_ref);
+        let more = steps(motion, travel);
         match pieces.last_mut() {
-            Some(last) if joined && last.steps + more <= most => {
+            Some(last) if joined && last.steps + more <= most as f64 => {
                 last.runs.end = number + 1;
                 last.steps += more;
             }
             _ => pieces.push(Piece { runs: number..number + 1, steps: more, joined }),
         }
-        joined = transfer.is_some();
+        joined = travel.is_some();
     }
     pieces
 }
@@ -203,10 +217,10 @@ fn of_pieces<const N: usize, const F: usize, R>(
             (_, true) => "where the one before ends",
             _ => "apart: bring the robot there by hand",
         };
-        list += &format!("{file_name},{},{first},{last},{begins}\n", piece.steps);
+        list += &format!("{file_name},{},{first},{last},{begins}\n", piece.steps.ceil());
     }
     let mut programs = Programs { files: pieces.len(), ..Programs::default() };
-    programs.steps = pieces.iter().map(|piece| piece.steps).sum();
+    programs.steps = pieces.iter().map(|piece| piece.steps.ceil() as u64).sum();
     for file in unfinished {
         programs.bytes += file.finish()?;
     }
@@ -214,34 +228,48 @@ fn of_pieces<const N: usize, const F: usize, R>(
     Ok(programs)
 }
 
-/// Steps of the stream for a motion of so many seconds, which begins and ends at rest.
-fn ticks(seconds: f64) -> u64 {
-    (seconds / ServoRate::Hz125.seconds()).ceil() as u64
+/// No filament is faster than this anywhere in the print, in whole millimetres a second.
+fn fastest_filament<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>) -> f64 {
+    let of_run = |run: &Run<N, F>| {
+        let knots = run.trajectory.times().windows(2).zip(run.filament.windows(2));
+        knots.map(|(times, laid)| (laid[1] - laid[0]) / (times[1] - times[0])).fold(0.0, f64::max)
+    };
+    run.runs.iter().map(of_run).fold(0.0, f64::max).ceil()
 }
 
-/// To the first posture, then the splines and the transfers themselves at every tick.
-fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, runs: &Range<usize>) -> impl Iterator<Item = Step> + 'a {
+/// To the first posture, then the motions themselves at every tick, the extruder on while the nozzle prints.
+fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, piece: &Piece) -> impl Iterator<Item = Step> + 'a {
     let period = ServoRate::Hz125.seconds();
-    let first = run.runs[runs.start].trajectory.joints()[0];
+    let first = run.runs[piece.runs.start].trajectory.joints()[0];
     let approach = Move { goal: Goal::Joints(first), table: None, speed: Speed::default(), zone: Zone::Stop };
-    let along = runs.clone().flat_map(move |number| {
-        let motion = &run.runs[number];
-        let start = motion.trajectory.span().0;
-        let [on, off] = motion.printing().map(|time| ((time - start) / period).ceil() as u64);
-        let printing = (1..=ticks(motion.duration())).flat_map(move |tick| {
-            let joints = motion.trajectory.at(start + tick as f64 * period).position;
-            let signals = [(on, true), (off, false)].into_iter().filter(move |(at, _)| *at == tick);
-            signals.map(|(_, on)| Step::Extruder(on)).chain([Step::Servo { joints, seconds: period }])
+    let ticks = piece.steps.ceil() as u64;
+    let mut begin = 0.0;
+    let along = run.legs(piece.runs.clone()).flat_map(move |leg| {
+        let (from, to) = (begin, begin + leg.duration());
+        begin = to;
+        let of_leg = move |tick: &u64| *tick as f64 * period <= to;
+        let first = (from / period).floor() as u64 + 1;
+        let prints = leg.kind == LegKind::Print;
+        let signal = move |on| prints.then_some(Step::Extruder(on));
+        let mut speed = 0.0;
+        let servo = (first..=ticks).take_while(of_leg).flat_map(move |tick| {
+            let now = tick as f64 * period - from;
+            let needed = (leg.filament(now) - leg.filament(now - period)).max(0.0) / period;
+            // Steady speeds are written once.
+            let changes = prints && (needed - speed).abs() > SAME_SPEED * speed;
+            speed = if changes { needed } else { speed };
+            let servo = Step::Servo { joints: leg.at(now), seconds: period };
+            changes.then_some(Step::FilamentSpeed(speed)).into_iter().chain([servo])
         });
-        let moving = run.transfers.get(number).and_then(Option::as_ref).into_iter().flat_map(move |transfer| {
-            (1..=ticks(transfer.duration())).map(move |tick| {
-                let joints = transfer.at(tick as f64 * period).position;
-                Step::Servo { joints, seconds: period }
-            })
-        });
-        printing.chain(moving)
+        let end = prints.then_some(Step::FilamentSpeed(0.0));
+        signal(true).into_iter().chain(servo).chain(end).chain(signal(false))
     });
-    [Step::Move(approach)].into_iter().chain(along)
+    let last = &run.runs[piece.runs.end - 1];
+    let end = run.travels.get(piece.runs.end - 1).and_then(Option::as_ref);
+    let joints = end.map_or(&last.trajectory, |travel| &travel.approach).joints();
+    let rest = Step::Servo { joints: joints[joints.len() - 1], seconds: period };
+    // The end lies between two ticks.
+    [Step::Move(approach)].into_iter().chain(along).chain([rest])
 }
 
 /// To each motion by joints, along it by targets on the part, and on by the corners of the transfer.
@@ -251,24 +279,32 @@ fn targets<'a, R: Printer<8, 2>>(run: &'a MotionRun<8, 2, R>, runs: &Range<usize
         let goal = Goal::Joints(place.joints);
         Some(Step::Move(Move { goal, table: place.table, speed: Speed::default(), zone: Zone::Stop }))
     };
+    let sampled = move |motion: &Trajectory<8>| {
+        let (first, last) = motion.span();
+        let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(LIFT_POSTURES)).position;
+        (1..=LIFT_POSTURES).map(at).collect::<Vec<_>>()
+    };
     runs.clone().flat_map(move |number| {
         let motion = &run.runs[number];
-        let joints = motion.trajectory.at_waypoints();
-        let before = (motion.trajectory.times().len() - joints.len()) / 2;
-        let times = &motion.trajectory.times()[before..before + joints.len()];
-        let along = (1..joints.len()).filter_map(move |k| {
-            let (from, to) = (run.robot.placement(&joints[k - 1])?, run.robot.placement(&joints[k])?);
-            let step = times[k] - times[k - 1];
+        let (all, times) = (motion.trajectory.joints(), motion.trajectory.times());
+        let along = motion.passes.windows(2).enumerate().filter_map(move |(k, pair)| {
+            let [a, b] = [pair[0].0, pair[1].0];
+            let (from, to) = (run.robot.placement(&all[a])?, run.robot.placement(&all[b])?);
+            let step = times[b] - times[a];
             let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
             let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
             let speed = Speed { mm_s: mm_s.max(LEAST_SPEED), rad_s: (TURN_SHARE * turn).max(LEAST_TURN) };
-            let zone = if k + 1 == joints.len() { Zone::Stop } else { Zone::Blend(CORNER_MM) };
-            Some(Step::Move(Move { goal: Goal::Line(to.target), table: to.table, speed, zone }))
+            let zone = if k + 2 == motion.passes.len() { Zone::Stop } else { Zone::Blend(CORNER_MM) };
+            let filament = Step::FilamentSpeed((motion.filament[b] - motion.filament[a]).max(0.0) / step);
+            Some([filament, Step::Move(Move { goal: Goal::Line(to.target), table: to.table, speed, zone })])
         });
-        let begin = by_joints(&joints[0]).into_iter().chain([Step::Extruder(true)]);
-        let end = run.transfers.get(number).and_then(Option::as_ref).into_iter();
-        let end = end.flat_map(move |transfer| transfer.corners().iter().filter_map(by_joints));
-        begin.chain(along).chain([Step::Extruder(false)]).chain(end)
+        let begin = by_joints(&all[0]).into_iter().chain([Step::Extruder(true)]);
+        let travel = run.travels.get(number).and_then(Option::as_ref).into_iter();
+        let end = travel.flat_map(move |travel| {
+            let corners = sampled(&travel.lift).into_iter().chain(travel.way.corners().iter().copied());
+            corners.chain(sampled(&travel.approach)).filter_map(move |joints| by_joints(&joints))
+        });
+        begin.chain(along.flatten()).chain([Step::FilamentSpeed(0.0), Step::Extruder(false)]).chain(end)
     })
 }
 

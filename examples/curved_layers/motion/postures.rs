@@ -1,19 +1,19 @@
 //! Postures along one path: which waypoints are in reach, and for each of them a posture.
 //!
 //! C. Dai 2020, section 4.3.1. A path begins near where the one before ends, on the same branch if it can be followed
-//! there: so most transfers are short and straight. And it takes postures with room around them, where a waypoint has some,
-//! so that the smooth motion may sway and the nozzle can back off.
+//! there: so most transfers are short and straight. And it takes postures with clearance, where a waypoint has some, so that
+//! the smooth motion may sway and the nozzle can lift off.
 
+use super::flow::Flow;
 use super::robots::Printer;
-use super::workcell::{ROOMS_MM, Workcell};
-use super::{Fault, FaultKind, bounds, placed};
+use super::workcell::{CLEARANCES_MM, Workcell};
+use super::{Fault, FaultKind, placed};
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::inside;
-use curvlay_kinematics::Waypoint;
 use curvlay_toolpath::surface::ToolPath;
-use curvlay_trajectory::{Bounds, FEWEST_WAYPOINTS, FreeRange, Ladder, LadderOptions, Posture, Robot, plan_ladder};
-use nalgebra::{UnitVector3, Vector3};
+use curvlay_trajectory::{Bounds, FreeRange, Ladder, LadderOptions, Posture, Robot, plan_ladder};
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -25,8 +25,8 @@ const LEAST_STEP_S: f64 = 1e-3;
 struct Guarded<'a, const N: usize, const F: usize, R> {
     robot: &'a R,
     cell: &'a Workcell<'a, N, F, R>,
-    /// How much room each waypoint needs: numbers of [`ROOMS_MM`].
-    rooms: &'a [usize],
+    /// How much clearance each waypoint needs: numbers of [`CLEARANCES_MM`].
+    clearances: &'a [usize],
     /// The only branch, where not all are wanted.
     branch: Option<u32>,
 }
@@ -43,7 +43,7 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Robot<N, F> for Guarded<'
     fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
         self.robot.solutions(waypoint, free, &mut |branch, joints| {
             let is_wanted = self.branch.is_none_or(|wanted| wanted == branch);
-            if is_wanted && self.cell.may_print(&joints, self.rooms[waypoint]) {
+            if is_wanted && self.cell.may_print(&joints, self.clearances[waypoint]) {
                 each(branch, joints);
             }
         });
@@ -58,7 +58,7 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Robot<N, F> for Guarded<'
 pub struct Prepared<R> {
     pub path: usize,
     pub layer: u32,
-    pub stretches: Vec<Stretch<R>>,
+    pub sections: Vec<Section<R>>,
     /// Waypoint of the path by waypoint of the motion: those too near in time are left out.
     pub kept: Vec<usize>,
     pub faults: Vec<Fault>,
@@ -66,11 +66,11 @@ pub struct Prepared<R> {
 }
 
 /// Waypoints in reach, one after the other.
-pub struct Stretch<R> {
+pub struct Section<R> {
     pub first: usize,
     pub part: R,
     pub times: Vec<f64>,
-    /// The most room there is at each waypoint, at any posture.
+    /// The most clearance there is at each waypoint, at any posture.
     best: Vec<usize>,
 }
 
@@ -82,85 +82,88 @@ pub struct Before<const N: usize> {
 }
 
 /// A path with a posture for each waypoint.
-pub struct Climbed<const N: usize, const F: usize, R> {
+pub struct Chosen<const N: usize, const F: usize, R> {
     pub prepared: Prepared<R>,
-    /// One a stretch.
+    /// One a section.
     pub ladders: Vec<Ladder<N, F>>,
 }
 
-/// Sees which waypoints of a path can be reached, given the seconds from waypoint to waypoint.
+/// Sees which waypoints of a path can be reached, given when each is passed at the planned feed.
 pub fn prepare<const N: usize, const F: usize, R: Printer<N, F>>(
     number: usize,
     path: &ToolPath,
-    seconds: &[f64],
+    flow: &Flow,
     shift: &Vector3<f64>,
     cell: &Workcell<N, F, R>,
 ) -> Result<Prepared<R>, Failure> {
     let start = Instant::now();
     let (mut waypoints, mut kept, mut times) = (vec![placed(&path.waypoints[0], shift)], vec![0], vec![0.0]);
-    let mut now = 0.0;
-    for (place, (waypoint, step)) in path.waypoints[1..].iter().zip(seconds).enumerate() {
-        now += step;
+    for (place, (waypoint, &now)) in path.waypoints.iter().zip(flow.times()).enumerate().skip(1) {
         if now - times[times.len() - 1] >= LEAST_STEP_S {
             waypoints.push(placed(waypoint, shift));
-            kept.push(place + 1);
+            kept.push(place);
             times.push(now);
         }
     }
     let all = R::empty()?.with(waypoints);
-    let inner = inside(&bounds(&all));
-    let rooms: [Vec<usize>; ROOMS_MM.len()] = std::array::from_fn(|room| vec![room; all.waypoints()]);
+    let inner = inside(&cell.limits().bounds);
+    let needed: [Vec<usize>; CLEARANCES_MM.len()] = std::array::from_fn(|number| vec![number; all.waypoints()]);
     let best = |waypoint: usize| {
-        let has = |rooms: &Vec<usize>| {
-            first_posture::<N, F, R>(&Guarded { robot: &all, cell, rooms, branch: None }, &inner, waypoint).is_some()
+        let has = |samples: &[u32; F], clearances: &Vec<usize>| {
+            let guarded = Guarded { robot: &all, cell, clearances, branch: None };
+            first_posture(&guarded, &inner, waypoint, samples).is_some()
         };
-        rooms.iter().position(has)
+        let found = needed.iter().position(|clearances| has(&R::SAMPLES, clearances));
+        found.or_else(|| needed.iter().position(|clearances| has(&R::DENSE, clearances)))
     };
     let best: Vec<Option<usize>> = (0..all.waypoints()).map(best).collect();
     let mut faults = Vec::new();
     for waypoint in (0..best.len()).filter(|&waypoint| best[waypoint].is_none()) {
-        let found = first_posture::<N, F, R>(&all, &inner, waypoint);
+        let found = first_posture(&all, &inner, waypoint, &R::DENSE);
         let kind = if found.is_some() { FaultKind::Blocked } else { FaultKind::Unreachable };
         let what = found.and_then(|joints| cell.in_the_way(&joints)).unwrap_or_default();
         faults.push(Fault { layer: path.layer, path: number, kind, waypoint: kept[waypoint], what });
     }
-    let mut stretches = Vec::new();
+    let mut sections = Vec::new();
     let mut first = 0;
     for same in best.chunk_by(|a, b| a.is_some() == b.is_some()) {
-        let (range, mut best) = (first..first + same.len(), same.iter().copied().flatten().collect::<Vec<usize>>());
+        let range = first..first + same.len();
         first = range.end;
-        if let Some(least) = best.iter().copied().max() {
-            let (part, times) = long_enough(&all.part(range.clone()), &times[range.clone()]);
-            if part.waypoints() > best.len() {
-                best = vec![least; part.waypoints()];
-            }
-            stretches.push(Stretch { first: range.start, part, times, best });
+        let best: Option<Vec<usize>> = same.iter().copied().collect();
+        if let Some(best) = best {
+            sections.push(Section {
+                first: range.start,
+                part: all.part(range.clone()),
+                times: times[range].to_vec(),
+                best,
+            });
         }
     }
-    Ok(Prepared { path: number, layer: path.layer, stretches, kept, faults, took: start.elapsed() })
+    Ok(Prepared { path: number, layer: path.layer, sections, kept, faults, took: start.elapsed() })
 }
 
 /// Chooses a posture for each waypoint of a path, beginning near where the arm is before; on the same branch, if the path
 /// can be followed on it. `before` becomes where the arm is then.
-pub fn climb<const N: usize, const F: usize, R: Printer<N, F>>(
+pub fn choose<const N: usize, const F: usize, R: Printer<N, F>>(
     mut prepared: Prepared<R>,
     before: &mut Option<Before<N>>,
     cell: &Workcell<N, F, R>,
-) -> Result<Climbed<N, F, R>, Failure> {
+) -> Result<Chosen<N, F, R>, Failure> {
     let start = Instant::now();
     let mut ladders = Vec::new();
-    for Stretch { part, times, best, .. } in &prepared.stretches {
-        let inner = inside(&bounds(part));
+    for Section { part, times, best, .. } in &prepared.sections {
+        // Where a joint is too slow for the feed, the motion goes slower.
+        let inner = Bounds { velocity: [f64::INFINITY; N], ..inside(&cell.limits().bounds) };
         let plan = |enough: usize, branch, (samples, doublings), breaks| {
-            let rooms: Vec<usize> = best.iter().map(|&best| best.max(enough)).collect();
+            let clearances: Vec<usize> = best.iter().map(|&best| best.max(enough)).collect();
             let from = before.map(|before| before.joints);
             let step = R::STEP;
             let options = LadderOptions { samples, doublings, step, breaks, from, ..LadderOptions::default() };
-            let guarded = Guarded { robot: part, cell, rooms: &rooms, branch };
+            let guarded = Guarded { robot: part, cell, clearances: &clearances, branch };
             plan_ladder(&guarded, times, &inner, &options, &|_| ControlFlow::Continue(()))
         };
         let same = before.map(|before| before.branch);
-        // Of a waypoint's room less than the best is taken only where there is no path otherwise.
+        // Less clearance than the best of a waypoint is taken only where there is no path otherwise.
         let (few, many) = ((R::SAMPLES, 0), (R::NEAR, R::DOUBLINGS));
         let tries = [(0, same, few), (0, None, few), (1, same, few), (1, same, many)];
         let found = tries.iter().find_map(|&(enough, branch, samples)| plan(enough, branch, samples, false).ok());
@@ -169,16 +172,17 @@ pub fn climb<const N: usize, const F: usize, R: Printer<N, F>>(
         ladders.push(ladder);
     }
     prepared.took += start.elapsed();
-    Ok(Climbed { prepared, ladders })
+    Ok(Chosen { prepared, ladders })
 }
 
 /// A posture within the stops at the first sample of the free parameters that has one.
-fn first_posture<const N: usize, const F: usize, R: Printer<N, F>>(
+fn first_posture<const N: usize, const F: usize>(
     robot: &impl Robot<N, F>,
     bounds: &Bounds<N>,
     waypoint: usize,
+    samples: &[u32; F],
 ) -> Option<[f64; N]> {
-    let (ranges, samples) = (robot.free(), R::SAMPLES);
+    let ranges = robot.free();
     (0..samples.iter().product()).find_map(|sample: u32| {
         let mut rest = sample;
         let free = std::array::from_fn(|f| {
@@ -198,23 +202,4 @@ fn first_posture<const N: usize, const F: usize, R: Printer<N, F>>(
         });
         found
     })
-}
-
-/// Splits the longest steps until there are as many waypoints as a motion needs. A single waypoint is held for a moment.
-fn long_enough<const N: usize, const F: usize, R: Printer<N, F>>(robot: &R, times: &[f64]) -> (R, Vec<f64>) {
-    let mut waypoints: Vec<Waypoint> = (0..robot.waypoints()).map(|k| robot.at(k)).collect();
-    let mut times = times.to_vec();
-    if waypoints.len() == 1 {
-        waypoints.push(waypoints[0]);
-        times.push(times[0] + 1.0);
-    }
-    while waypoints.len() < FEWEST_WAYPOINTS {
-        let step = |k: &usize| times[k + 1] - times[*k];
-        let longest = (0..times.len() - 1).max_by(|a, b| step(a).total_cmp(&step(b))).unwrap_or(0);
-        let [a, b] = [waypoints[longest], waypoints[longest + 1]];
-        let axis = UnitVector3::try_new(a.axis.into_inner() + b.axis.into_inner(), 1e-9).unwrap_or(a.axis);
-        waypoints.insert(longest + 1, Waypoint { position: nalgebra::center(&a.position, &b.position), axis });
-        times.insert(longest + 1, (times[longest] + times[longest + 1]) / 2.0);
-    }
-    (robot.with(waypoints), times)
 }

@@ -1,0 +1,109 @@
+//! The print as it is executed: motions from rest to rest, one after the other.
+
+use super::{MotionRun, Run};
+use curvlay_trajectory::Trajectory;
+use curvlay_trajectory::transfer::Transfer;
+use std::ops::Range;
+
+/// Knots of a transfer nearer in time than this, in seconds, are one: where its jerk changes twice at once.
+const SAME_KNOT_S: f64 = 1e-6;
+
+/// What a motion is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LegKind {
+    Print,
+    Lift,
+    Transfer,
+    Approach,
+}
+
+impl LegKind {
+    pub const ALL: [LegKind; 4] = [LegKind::Print, LegKind::Lift, LegKind::Transfer, LegKind::Approach];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            LegKind::Print => "print",
+            LegKind::Lift => "lift",
+            LegKind::Transfer => "transfer",
+            LegKind::Approach => "approach",
+        }
+    }
+}
+
+/// A motion, and the run that it is or that it leads on from.
+pub struct Leg<'a, const N: usize, const F: usize> {
+    pub kind: LegKind,
+    pub run: &'a Run<N, F>,
+    way: Way<'a, N>,
+}
+
+enum Way<'a, const N: usize> {
+    Spline(&'a Trajectory<N>),
+    Lines(&'a Transfer<N>),
+}
+
+impl<const N: usize, const F: usize> Leg<'_, N, F> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        match self.way {
+            Way::Spline(spline) => spline.span().1 - spline.span().0,
+            Way::Lines(lines) => lines.duration(),
+        }
+    }
+
+    /// Joints at a time since it began.
+    pub fn at(&self, time: f64) -> [f64; N] {
+        match self.way {
+            Way::Spline(spline) => spline.at(spline.span().0 + time).position,
+            Way::Lines(lines) => lines.at(time).position,
+        }
+    }
+
+    /// Millimetres of filament that are laid by a time since it began.
+    pub fn filament(&self, time: f64) -> f64 {
+        let (LegKind::Print, Way::Spline(spline)) = (self.kind, &self.way) else { return 0.0 };
+        let (times, filament) = (spline.times(), &self.run.filament);
+        let time = time + times[0];
+        let after = times.partition_point(|knot| *knot <= time).clamp(1, times.len() - 1);
+        let [a, b] = [times[after - 1], times[after]];
+        let share = ((time - a) / (b - a)).clamp(0.0, 1.0);
+        filament[after - 1] + (filament[after] - filament[after - 1]) * share
+    }
+
+    /// Times since it began and joints; between them the C2 cubic spline at rest at both ends.
+    pub fn knots(&self) -> Vec<(f64, [f64; N])> {
+        match self.way {
+            Way::Spline(spline) => {
+                let (first, _) = spline.span();
+                spline.times().iter().zip(spline.joints()).map(|(time, joints)| (time - first, *joints)).collect()
+            }
+            Way::Lines(lines) => {
+                let mut times = lines.knots();
+                let end = lines.duration();
+                times.retain(|time| *time < end - SAME_KNOT_S);
+                times.dedup_by(|later, earlier| *later < *earlier + SAME_KNOT_S);
+                times.push(end);
+                times.into_iter().map(|time| (time, lines.at(time).position)).collect()
+            }
+        }
+    }
+}
+
+impl<const N: usize, const F: usize, R> MotionRun<N, F, R> {
+    /// The motions of some runs and of the travels behind them. Transfers of no length are left out.
+    pub fn legs(&self, runs: Range<usize>) -> impl Iterator<Item = Leg<'_, N, F>> {
+        runs.flat_map(move |number| {
+            let run = &self.runs[number];
+            let travel = self.travels.get(number).and_then(Option::as_ref);
+            let behind = travel.into_iter().flat_map(|travel| {
+                [
+                    (LegKind::Lift, Way::Spline(&travel.lift)),
+                    (LegKind::Transfer, Way::Lines(&travel.way)),
+                    (LegKind::Approach, Way::Spline(&travel.approach)),
+                ]
+            });
+            let all = [(LegKind::Print, Way::Spline(&run.trajectory))].into_iter().chain(behind);
+            all.map(move |(kind, way)| Leg { kind, run, way }).filter(|leg| leg.duration() > SAME_KNOT_S)
+        })
+    }
+}

@@ -1,0 +1,184 @@
+//! From the end of one run to the start of the next: the nozzle lifts off along its own direction, a transfer leads over, and
+//! the nozzle comes down along its direction there.
+//!
+//! A nozzle that moves back along its direction stays within the place that it had, since its block reaches up without end:
+//! lifting off gouges nothing that the end of the path did not. Only where links of the arm are in the way another
+//! direction is tried; then the nozzle is looked at on all of it.
+
+use super::Run;
+use super::course::TIMING;
+use super::robots::Printer;
+use super::workcell::Workcell;
+use curvlay_kinematics::Waypoint;
+use curvlay_toolpath::surface::Moment;
+use curvlay_trajectory::transfer::{FreeSpace, Transfer, TransferError, TransferOptions, plan_transfer};
+use curvlay_trajectory::{Bounds, Trajectory, time_path};
+use nalgebra::Vector3;
+use std::ops::ControlFlow;
+
+/// How far the nozzle lifts off before a transfer, in millimetres, the least first.
+const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
+
+/// Postures on the way are so far apart, in millimetres, so that the nozzle goes straight; and how fast it goes at most.
+const LIFT_STEP_MM: f64 = 1.0;
+const LIFT_MM_S: f64 = 80.0;
+
+/// No joint goes farther than this from one of them to the next, in radians: beyond it the arm turns over.
+const LIFT_STEP_RAD: f64 = 0.2;
+
+/// What stands for no limit of acceleration and of jerk on transfers, in rad/s2 and rad/s3: far above what arms do.
+const NO_ACCELERATION: f64 = 1e3;
+const NO_JERK: f64 = 1e6;
+
+/// How a transfer is looked for, one way after the other: from near by, from far off, and both again with the tool turned
+/// about the nozzle, which takes links of the arm out of the way. Then longer, too, and with shorter edges; at last much longer.
+const EFFORTS: [Effort; 5] = {
+    let near = Effort { far: false, turns: &[0.0], iterations: 500, step: 0.5 };
+    let turned = Effort { turns: &[0.25, -0.25, 0.5, -0.5, 1.0, -1.0], iterations: 5000, step: 0.25, ..near };
+    let long = Effort { far: true, iterations: 60_000, step: 0.5, ..turned };
+    [near, Effort { far: true, ..near }, turned, Effort { far: true, ..turned }, long]
+};
+
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Whether the farthest of the lifts is wanted that are free, not the nearest.
+    far: bool,
+    /// Radians, the first that is free.
+    turns: &'static [f64],
+    /// Random postures, and the longest edge in radians.
+    iterations: usize,
+    step: f64,
+}
+
+/// The motion between two runs, each piece from rest to rest.
+pub struct Travel<const N: usize> {
+    pub lift: Trajectory<N>,
+    pub way: Transfer<N>,
+    pub approach: Trajectory<N>,
+}
+
+impl<const N: usize> Travel<N> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        seconds(&self.lift) + self.way.duration() + seconds(&self.approach)
+    }
+}
+
+fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
+    let (first, last) = motion.span();
+    last - first
+}
+
+/// A way from the end of one run to the start of the next, or why there is none.
+pub fn travel<const N: usize, const F: usize, R: Printer<N, F>>(
+    cell: &Workcell<N, F, R>,
+    number: usize,
+    from: &Run<N, F>,
+    to: &Run<N, F>,
+) -> Result<Travel<N>, String> {
+    let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
+    let (start, goal) = (before[before.len() - 1], after[0]);
+    let name =
+        format!("from path {} of layer {} to path {} of layer {}", from.path, from.layer + 1, to.path, to.layer + 1);
+    // The next path is not begun while the nozzle comes down.
+    let moment = Moment::After { path: from.path };
+    let mut why = String::new();
+    let mut tried = Vec::new();
+    for effort in &EFFORTS {
+        let lifted =
+            [(&from.ends[1], &start), (&to.ends[0], &goal)].map(|(end, at)| lift(cell, moment, end, at, effort));
+        let [Some(up), Some(mut down)] = lifted else {
+            let what = if lifted[0].is_none() { "lift off" } else { "come down" };
+            why = format!("transfer {name}: the nozzle cannot {what}");
+            continue;
+        };
+        let ends = [up[up.len() - 1], down[down.len() - 1]];
+        if tried.contains(&(ends, effort.iterations)) {
+            continue;
+        }
+        tried.push((ends, effort.iterations));
+        down.reverse();
+        match way(cell, &name, number, &ends, effort) {
+            Ok(way) => {
+                let [lift, approach] = [up, down].map(|postures| timed(&postures, &cell.limits().bounds));
+                return Ok(Travel { lift: lift?, way, approach: approach? });
+            }
+            Err(error) => why = error,
+        }
+    }
+    Err(why)
+}
+
+/// Postures from the end of a run to a free one above it: along the nozzle, else half upright, else upright.
+fn lift<const N: usize, const F: usize, R: Printer<N, F>>(
+    cell: &Workcell<N, F, R>,
+    moment: Moment,
+    (free, waypoint): &([f64; F], Waypoint),
+    end: &[f64; N],
+    effort: &Effort,
+) -> Option<Vec<[f64; N]>> {
+    let (axis, up) = (waypoint.axis.into_inner(), Vector3::z());
+    // Straight down there is no half way.
+    let ways = [axis, axis + up, up].into_iter().filter(|way| way.norm() > 1e-3);
+    let mut lifts = LIFTS_MM;
+    if effort.far {
+        lifts.reverse();
+    }
+    let along = |turn: f64, way: &Vector3<f64>, height: f64| {
+        let steps = (height / LIFT_STEP_MM).ceil();
+        let place = |share: f64| {
+            let position = waypoint.position + way.normalize() * (height * share);
+            Waypoint { position, ..*waypoint }
+        };
+        let mut postures = vec![*end];
+        for step in 1..=steps as u32 {
+            let (share, last) = (f64::from(step) / steps, postures[postures.len() - 1]);
+            let joints = cell.robot().near(&place(share), free, turn * share, &last)?;
+            let farthest = (0..N).map(|j| (joints[j] - last[j]).abs()).fold(0.0, f64::max);
+            if farthest > LIFT_STEP_RAD {
+                return None;
+            }
+            postures.push(joints);
+        }
+        let is_along_nozzle = way == &axis;
+        let gouges_nothing = || (1..=steps as u32).all(|k| cell.gouges_nothing(moment, &place(f64::from(k) / steps)));
+        let is_free = cell.posture_free(postures.last()?)
+            && (is_along_nozzle || gouges_nothing())
+            && postures.windows(2).all(|pair| cell.may_leave(&pair[0], &pair[1]));
+        is_free.then_some(postures)
+    };
+    let first = |turn: f64| ways.clone().find_map(|way| lifts.iter().find_map(|&height| along(turn, &way, height)));
+    effort.turns.iter().find_map(|&turn| first(turn))
+}
+
+/// A transfer between two free postures.
+fn way<const N: usize, const F: usize, R: Printer<N, F>>(
+    cell: &Workcell<N, F, R>,
+    name: &str,
+    number: usize,
+    [above, before]: &[[f64; N]; 2],
+    effort: &Effort,
+) -> Result<Transfer<N>, String> {
+    let Effort { iterations, step, .. } = *effort;
+    let options =
+        TransferOptions { seed: number as u64 + 1, iterations, step, shortcuts: 30, ..TransferOptions::default() };
+    let planned = plan_transfer(name, above, before, &finite(&cell.limits().bounds), cell, &options)
+        .map_err(|error: TransferError| error.to_string())?;
+    let why = planned.to_string();
+    planned.found().ok_or(why)
+}
+
+/// The bounds with some in place of none: a transfer has no fastest motion without.
+fn finite<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
+    let (acceleration, jerk) =
+        (bounds.acceleration.map(|a| a.min(NO_ACCELERATION)), bounds.jerk.map(|j| j.min(NO_JERK)));
+    Bounds { acceleration, jerk, ..*bounds }
+}
+
+/// The fastest motion through the postures of a lift.
+fn timed<const N: usize>(postures: &[[f64; N]], bounds: &Bounds<N>) -> Result<Trajectory<N>, String> {
+    let times: Vec<f64> = (0..postures.len()).map(|k| k as f64 * LIFT_STEP_MM / LIFT_MM_S).collect();
+    let max_pace = vec![1.0; postures.len() - 1];
+    let found = time_path(postures, &times, &max_pace, None, bounds, &TIMING, &|_| ControlFlow::Continue(()));
+    found.map(|found| found.trajectory).map_err(|error| error.to_string())
+}
