@@ -24,6 +24,9 @@ use std::time::{Duration, Instant};
 /// Share by which a rate may pass its limit: what rounding of the written joints, 13 digits, makes of the jerk.
 const SLACK: f64 = 1e-4;
 
+/// How deep the nozzle counts where that cannot be said, in millimetres: deeper than any part.
+const UNKNOWN_MM: f64 = 1e6;
+
 /// How far a joint may be from where the motion before ends, in radians: 5 micrometres at half a metre. At rest the end of a
 /// spline follows from the knots beside it, and is met to about 1e-6.
 const MAX_GAP: f64 = 1e-5;
@@ -247,9 +250,11 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> PrintScene<N> for Execute
             LegKind::Approach => Moment::After { path: motion.path },
             LegKind::Transfer => return None,
         };
-        let found = self.cell.deepest(then, tip, axis)?;
-        let what = format!("{} with its {}", found.obstacle, found.part);
-        Some(curvlay_trajectory::check::Contact { depth_mm: found.depth, what })
+        let (depth_mm, what) = match self.cell.deepest(then, tip, axis) {
+            Ok(found) => found.map(|found| (found.depth, format!("{} with its {}", found.obstacle, found.part)))?,
+            Err(error) => (UNKNOWN_MM, error.to_string()),
+        };
+        Some(curvlay_trajectory::check::Contact { depth_mm, what })
     }
 
     fn sweep(&self, motion: usize, _: usize, control: &[[f64; N]; 4]) -> Option<String> {

@@ -12,7 +12,7 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::scene::{Body, Posture, Scene, SceneModel, Shape, Sweep};
-use curvlay_toolpath::surface::{Contact, Contacts, Moment, Nozzle, NozzlePart, Obstacle, Pose};
+use curvlay_toolpath::surface::{Contact, ContactError, Contacts, Moment, Nozzle, NozzlePart, Obstacle, Pose};
 use curvlay_trajectory::Trajectory;
 use curvlay_trajectory::transfer::FreeSpace;
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
@@ -218,22 +218,29 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
 
     /// Where the nozzle is deepest in what is built at some moment, if that is deeper than it may be, standing over what carries
     /// the part. For the rule the block has no upper end; over the plate it has one, so that a nozzle may lie flat.
-    pub fn deepest(&self, moment: Moment, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Option<Contact> {
-        let found = self.contacts.deepest(moment, &Pose { tip: tip + self.shift, direction: *axis }).ok().flatten()?;
-        if (found.obstacle, found.part) != (Obstacle::Plate, NozzlePart::Block) {
-            return Some(found);
-        }
+    ///
+    /// # Errors
+    /// A question that has no answer is not "nowhere".
+    pub fn deepest(
+        &self,
+        moment: Moment,
+        tip: &Point3<f64>,
+        axis: &UnitVector3<f64>,
+    ) -> Result<Option<Contact>, ContactError> {
+        let found = self.contacts.deepest(moment, &Pose { tip: tip + self.shift, direction: *axis })?;
+        let of_plate = |found: &Contact| (found.obstacle, found.part) == (Obstacle::Plate, NozzlePart::Block);
+        let Some(found) = found.filter(of_plate) else { return Ok(found) };
         let lean = axis.z.mul_add(-axis.z, 1.0).max(0.0).sqrt();
         let lowest = self.block.heights.map(|height| tip.z + axis.z * height - self.block.radius * lean);
         let depth = -lowest[0].min(lowest[1]);
-        (depth > 0.0).then_some(Contact { depth, ..found })
+        Ok((depth > 0.0).then_some(Contact { depth, ..found }))
     }
 
     /// Whether the nozzle is nowhere too deep in what is built at some moment, standing at a waypoint over what carries the part.
     pub fn gouges_nothing(&self, moment: Moment, waypoint: &Waypoint) -> bool {
         let pose = Pose { tip: waypoint.position + self.shift, direction: waypoint.axis };
         let is_free = self.contacts.is_free(moment, &pose).unwrap_or(false);
-        is_free || self.deepest(moment, &waypoint.position, &waypoint.axis).is_none()
+        is_free || matches!(self.deepest(moment, &waypoint.position, &waypoint.axis), Ok(None))
     }
 }
 
