@@ -383,7 +383,8 @@ impl Print<'_> {
                 bars.update(p.stage, p.done, p.total);
                 ControlFlow::Continue(())
             };
-            let options = GougingOptions::default();
+            // The workcell knows the plate.
+            let options = GougingOptions { plate: false, ..GougingOptions::default() };
             let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
             let job = Job { field, surfaces, nozzle, contacts: &contacts, shift: self.shift() };
             work(Workcell::new(&job, self.limits(&R::empty()?))?)

@@ -49,7 +49,7 @@ pub struct Workcell<'a, const N: usize, const F: usize, R> {
     robot: R,
     field: &'a FieldRun,
     contacts: &'a Contacts<'a>,
-    block: Block,
+    outline: Outline,
     shift: Vector3<f64>,
     /// Cells by the surface at which they are built, from 0.
     layers: Arc<[Vec<u32>]>,
@@ -59,11 +59,12 @@ pub struct Workcell<'a, const N: usize, const F: usize, R> {
     limits: Limits<N>,
 }
 
-/// The block above the cone: from where to where it reaches above the tip.
+/// What of the nozzle comes nearest to the plate: its tip flat, and the block from where to where it reaches above the tip.
 #[derive(Clone, Copy)]
-struct Block {
-    radius: f64,
-    heights: [f64; 2],
+struct Outline {
+    tip_radius: f64,
+    block_radius: f64,
+    block: [f64; 2],
 }
 
 /// What a workcell is made from, besides the robot.
@@ -96,8 +97,9 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         let height = shape.cone_height();
         let cone = ring(shape.tip_radius(), 0.0).chain(ring(shape.cone_radius(), height)).collect();
         let cone = Shape::Hull { points: cone, radius: 0.0 };
-        let block = Block { radius: shape.block_radius(), heights: [height, height.max(BLOCK_TOP_MM) + 1.0] };
-        let hot_end = Shape::cylinder(block.radius, block.heights[0], block.heights[1]);
+        let block = [height, height.max(BLOCK_TOP_MM) + 1.0];
+        let outline = Outline { tip_radius: shape.tip_radius(), block_radius: shape.block_radius(), block };
+        let hot_end = Shape::cylinder(outline.block_radius, block[0], block[1]);
         let nothing = vec![0; grid.rows().len()];
         let part = Shape::Cells { dims: grid.dims(), rows: nothing, cell: grid.cell_mm() };
         let origin = carrier_part * Isometry3::from(nalgebra::Translation3::from(grid.origin().coords));
@@ -130,7 +132,7 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
             robot,
             field,
             contacts,
-            block,
+            outline,
             shift,
             layers,
             begun: 0,
@@ -216,8 +218,8 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         self.touches_printing(&control).is_none()
     }
 
-    /// Where the nozzle is deepest in what is built at some moment, if that is deeper than it may be, standing over what carries
-    /// the part. For the rule the block has no upper end; over the plate it has one, so that a nozzle may lie flat.
+    /// Where the nozzle is deepest in what is built at some moment, or in the plate, if that is deeper than it may be, standing
+    /// over what carries the part.
     ///
     /// # Errors
     /// A question that has no answer is not "nowhere".
@@ -227,20 +229,32 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         tip: &Point3<f64>,
         axis: &UnitVector3<f64>,
     ) -> Result<Option<Contact>, ContactError> {
-        let found = self.contacts.deepest(moment, &Pose { tip: tip + self.shift, direction: *axis })?;
-        let of_plate = |found: &Contact| (found.obstacle, found.part) == (Obstacle::Plate, NozzlePart::Block);
-        let Some(found) = found.filter(of_plate) else { return Ok(found) };
-        let lean = axis.z.mul_add(-axis.z, 1.0).max(0.0).sqrt();
-        let lowest = self.block.heights.map(|height| tip.z + axis.z * height - self.block.radius * lean);
-        let depth = -lowest[0].min(lowest[1]);
-        Ok((depth > 0.0).then_some(Contact { depth, ..found }))
+        let of_layers = self.contacts.deepest(moment, &Pose { tip: tip + self.shift, direction: *axis })?;
+        let all = of_layers.into_iter().chain(self.below_plate(tip, axis));
+        Ok(all.max_by(|a, b| a.depth.total_cmp(&b.depth)))
+    }
+
+    /// How deep the nozzle is in the plate. Its block has an upper end here, so that it may lie flat; the edge of the cone is
+    /// within the block.
+    fn below_plate(&self, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Option<Contact> {
+        let lean = (1.0 - axis.z * axis.z).max(0.0).sqrt();
+        let Outline { tip_radius, block_radius, block: [from, to] } = self.outline;
+        let edges = [
+            (NozzlePart::Tip, 0.0, tip_radius),
+            (NozzlePart::Block, from, block_radius),
+            (NozzlePart::Block, to, block_radius),
+        ];
+        let depths = edges.map(|(part, height, radius)| (part, radius * lean - tip.z - axis.z * height));
+        let (part, depth) = depths.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let point = tip + self.shift;
+        (depth > 0.0).then_some(Contact { obstacle: Obstacle::Plate, depth, height: 0.0, part, point })
     }
 
     /// Whether the nozzle is nowhere too deep in what is built at some moment, standing at a waypoint over what carries the part.
     pub fn gouges_nothing(&self, moment: Moment, waypoint: &Waypoint) -> bool {
         let pose = Pose { tip: waypoint.position + self.shift, direction: waypoint.axis };
-        let is_free = self.contacts.is_free(moment, &pose).unwrap_or(false);
-        is_free || matches!(self.deepest(moment, &waypoint.position, &waypoint.axis), Ok(None))
+        let above_plate = self.below_plate(&waypoint.position, &waypoint.axis).is_none();
+        above_plate && self.contacts.is_free(moment, &pose).unwrap_or(false)
     }
 }
 
