@@ -83,6 +83,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     }
 
     let mut report = Report::new(&format!("Curved layers: {}", part.name));
+    motion.iter().flat_map(Motion::failed_checks).for_each(|check| _ = report.notice(&check));
     field::report(run, of_field, &mut report)?;
     if let Some(surfaces) = surfaces {
         report.table("", of_surfaces);
