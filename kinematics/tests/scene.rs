@@ -232,6 +232,37 @@ proptest! {
     }
 
     #[test]
+    fn clearance_is_the_nearest_within_reach_and_how_it_changes(seed in 0u64..1_000_000, arm in 0usize..6) {
+        let mut random = Random::seed_from_u64(seed);
+        let made = made(&mut random, common::ROBOTS[arm].1, 0.0);
+        for _ in 0..4 {
+            let at = posture(&mut random);
+            let nearest = made.scene.nearest(&at).unwrap().unwrap();
+            prop_assert_eq!(made.scene.clearance(&at, nearest.distance).unwrap(), None);
+            let found = made.scene.clearance(&at, nearest.distance + 1e-6).unwrap();
+            let Some(found) = found else {
+                prop_assert!(nearest.distance <= 0.0);
+                continue;
+            };
+            prop_assert!((found.nearest.distance - nearest.distance).abs() <= 1e-9);
+            // Beside the posture, where distances are smooth: what is before and behind changes alike.
+            const STEP: f64 = 1e-6;
+            for axis in 0..8 {
+                let beside = |by: f64| {
+                    let mut at = at;
+                    *at.joints.iter_mut().chain(&mut at.table).nth(axis).unwrap() += by;
+                    made.scene.nearest(&at).unwrap().unwrap().distance
+                };
+                let slopes = [-STEP, STEP].map(|by| (beside(by) - nearest.distance) / by);
+                let slope = found.joints.iter().chain(&found.table).nth(axis).unwrap();
+                if nearest.distance > 1.0 && (slopes[0] - slopes[1]).abs() < 0.1 {
+                    prop_assert!((slope - slopes[0]).abs() < 0.5, "{} {:?} {:?}", axis, slope, slopes);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_part_in_layers_is_the_part_at_once(seed in 0u64..1_000_000) {
         let mut random = Random::seed_from_u64(seed);
         let arm = Arm::new(&robots::UR3).unwrap();
@@ -388,6 +419,12 @@ fn closed_forms() {
     assert!((nearest.distance - 25.0).abs() < 1e-9);
     let [p, q] = nearest.points.unwrap();
     assert!((p - Point3::new(0.0, 0.0, 25.0)).norm() < 1e-6 && q.coords.norm() < 1e-6 && flange.norm() > 0.0);
+    // The floor stands still, and is as far as the lowest point of the ball is high.
+    let clearance = one.clearance(&zero, 25.5).unwrap().unwrap();
+    let rates = arm.jacobian(&zero.joints, &(arm.forward(&zero.joints).inverse() * p));
+    assert_eq!((clearance.nearest, clearance.table), (nearest, [0.0; 2]));
+    assert!((0..6).all(|j| (clearance.joints[j] - rates[(2, j)]).abs() < 1e-6) && rates[(2, 2)].abs() > 1.0);
+    assert_eq!(one.clearance(&zero, 25.0), Ok(None));
     // Touching, overlapping, within.
     for z in [10.0, 9.0, -0.5] {
         let one = scene(ball(z), floor.clone());

@@ -26,6 +26,18 @@ pub enum Mount {
     Table,
 }
 
+impl Mount {
+    /// Whether joint `k` of the arm, or axis `k` of the positioner, moves what is mounted here; counted from 0.
+    pub(super) fn is_moved_by(self, on_table: bool, k: usize) -> bool {
+        match self {
+            Mount::Base => false,
+            Mount::Link(link) => !on_table && k < link,
+            Mount::Tilt => on_table && k == 0,
+            Mount::Table => on_table,
+        }
+    }
+}
+
 /// The shape of a body, in millimetres.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {

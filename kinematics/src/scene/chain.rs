@@ -32,6 +32,11 @@ impl Line {
         self.at + self.along * height
     }
 
+    /// How a point moves that turns about the line, a radian.
+    pub fn turning(&self, point: &Point3<f64>) -> Vector3<f64> {
+        self.along.cross(&(point - self.at))
+    }
+
     fn foot(&self, point: &Point3<f64>) -> Point3<f64> {
         self.point(self.height(point))
     }

@@ -62,7 +62,7 @@ mod sweep;
 pub use body::{Body, FARTHEST, Mount, SceneError, Shape};
 pub use links::links;
 pub use motion::cubic_control;
-pub use query::{Nearest, Posture, PostureError};
+pub use query::{Clearance, Nearest, Posture, PostureError};
 pub use sweep::{Sweep, SweepError};
 
 use crate::arm::Arm;

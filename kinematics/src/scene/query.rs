@@ -49,6 +49,17 @@ pub struct Nearest<'a> {
     pub points: Option<[Point3<f64>; 2]>,
 }
 
+/// The nearest two bodies, and how their distance changes with the joints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance<'a> {
+    /// The two bodies.
+    pub nearest: Nearest<'a>,
+    /// Derivative of the distance by the arm's joints, in millimetres a radian; zero where the bodies touch or overlap.
+    pub joints: [f64; 6],
+    /// The same by tilt and turn.
+    pub table: [f64; 2],
+}
+
 /// Joints beyond this are refused.
 const MOST: f64 = 1e6;
 
@@ -97,21 +108,57 @@ impl Scene {
     /// [`PostureError`] names the joint that is no angle.
     pub fn nearest(&self, posture: &Posture) -> Result<Option<Nearest<'_>>, PostureError> {
         posture.check(self.positioner.is_some())?;
+        Ok(self.nearest_within(&self.poses(posture), f64::INFINITY).map(|(_, nearest)| nearest))
+    }
+
+    /// The nearest two bodies that are less than `within` millimetres apart, and how their distance changes with the joints, by
+    /// their nearest points; `None` when all pairs are farther apart. For planners that keep clear of what is near.
+    ///
+    /// Where another pair, or other points of the same, are as near, the derivative is that of one of them.
+    ///
+    /// # Errors
+    /// [`PostureError`] names the joint that is no angle.
+    ///
+    /// # Cost
+    /// That of [`nearest`](Self::nearest), less what lies beyond `within`.
+    pub fn clearance(&self, posture: &Posture, within: f64) -> Result<Option<Clearance<'_>>, PostureError> {
+        posture.check(self.positioner.is_some())?;
         let poses = self.poses(posture);
-        let mut order: Vec<(f64, usize)> =
-            self.pairs.iter().enumerate().map(|(k, pair)| (self.least_gap(&poses, pair), k)).collect();
+        let Some((pair, nearest)) = self.nearest_within(&poses, within) else { return Ok(None) };
+        let Some([p, q]) = nearest.points else {
+            return Ok(Some(Clearance { nearest, joints: [0.0; 6], table: [0.0; 2] }));
+        };
+        let apart = (q - p).normalize();
+        let mounts = pair.map(|body| self.bodies[body].body.mount);
+        let rate = |on_table: bool, k: usize| {
+            let [a, b] = mounts.map(|mount| mount.is_moved_by(on_table, k));
+            if a == b {
+                return 0.0;
+            }
+            let axis = self.axis(&poses, on_table, k);
+            if a { -axis.turning(&p).dot(&apart) } else { axis.turning(&q).dot(&apart) }
+        };
+        let table = if self.table_chain.is_some() { [0, 1].map(|k| rate(true, k)) } else { [0.0; 2] };
+        Ok(Some(Clearance { nearest, joints: [0, 1, 2, 3, 4, 5].map(|k| rate(false, k)), table }))
+    }
+
+    /// The nearest pair that is less than so far apart.
+    fn nearest_within(&self, poses: &Poses, within: f64) -> Option<([usize; 2], Nearest<'_>)> {
+        let gaps = self.pairs.iter().enumerate().map(|(k, pair)| (self.least_gap(poses, pair), k));
+        let mut order: Vec<(f64, usize)> = gaps.filter(|(gap, _)| *gap < within).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut best: Option<Nearest<'_>> = None;
+        let mut best: Option<([usize; 2], Nearest<'_>)> = None;
         for (gap, k) in order {
-            let known = best.map_or(f64::INFINITY, |best| best.distance);
+            let known = best.map_or(within, |(_, best)| best.distance);
             if gap >= known || known <= 0.0 {
                 break;
             }
-            if let Some(Found { distance, points }) = self.pair_nearest(&poses, &self.pairs[k], known) {
-                best = Some(Nearest { bodies: self.names_of(&self.pairs[k]), distance, points });
+            let pair = self.pairs[k];
+            if let Some(Found { distance, points }) = self.pair_nearest(poses, &pair, known) {
+                best = Some((pair, Nearest { bodies: self.names_of(&pair), distance, points }));
             }
         }
-        Ok(best)
+        best
     }
 
     pub(super) fn poses(&self, posture: &Posture) -> Poses {
