@@ -143,6 +143,11 @@ fn above_the_plate_it_leans_no_farther_than_the_plate_lets_it() {
         assert!((direction.angle(&Vector3::z()) - expected).abs() < 1e-6, "{height}: {direction:?}");
         assert!(direction.y.abs() < 1e-9 && direction.x > 0.0);
     }
+    // With a clearance the plate is so much higher, but by no more than half the height of the tip.
+    let aloof = GougingOptions { plate_clearance: 0.3, ..options };
+    let lean = |height: f64, options| at(&[], Point3::new(0.0, 0.0, height), lying, options).1.angle(&Vector3::z());
+    assert!((lean(1.3, &aloof) - lean(1.0, &options)).abs() < 1e-9 && lean(1.3, &options) > lean(1.0, &options) + 0.01);
+    assert!((lean(0.4, &aloof) - lean(0.2, &options)).abs() < 1e-9);
     // Below the plate there is no way out.
     let (freed, _) = at(&[], Point3::new(0.0, 0.0, -0.3), Vector3::z(), &options);
     assert_eq!((freed.left.len(), freed.left[0].obstacle), (2, Obstacle::Plate));
@@ -409,6 +414,8 @@ fn paths_and_options_that_cannot_be_used_are_named() {
         ("most_depth", GougingOptions { most_depth: f64::NAN, ..default }),
         ("max_tilt", GougingOptions { max_tilt: 4.0, ..default }),
         ("max_turn", GougingOptions { max_turn: 0.0, ..default }),
+        ("plate_clearance", GougingOptions { plate_clearance: -0.1, ..default }),
+        ("plate_clearance", GougingOptions { plate_clearance: f64::INFINITY, ..default }),
     ] {
         let error = error(std::slice::from_ref(&good), &options);
         assert!(matches!(error, GougingError::Option { option, .. } if option == name), "{error}");

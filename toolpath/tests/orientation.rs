@@ -6,14 +6,14 @@ mod common;
 mod layers;
 
 use common::{go_on, rng, rough};
-use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use curvlay_toolpath::nalgebra::{DMatrix, DVector, Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::{
     BuiltLayer, LayerCurve, LayerStack, OrientError, OrientOptions, Oriented, StackError, Waypoint,
 };
 use layers::{Layer, with_stack};
 use proptest::prelude::*;
 use rand::RngExt;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
 const H: f64 = 0.8;
@@ -24,7 +24,7 @@ fn oriented(layers: &[Layer], options: &OrientOptions) -> Oriented {
 
 /// Directions as they are found, at points of the curve.
 fn raw() -> OrientOptions {
-    OrientOptions { max_turn: PI, low_pass_rounds: 0, lift: 0.0, ..OrientOptions::default() }
+    OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, lift: 0.0, ..OrientOptions::default() }
 }
 
 /// A level square of side 10 at the height of layer `k`.
@@ -111,6 +111,79 @@ fn an_earlier_surface_beside_a_later_one_says_nothing() {
     found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.direction, &Vector3::z()) < 1e-6, "{w:?}"));
 }
 
+/// A layer of facets that lean any way, and a line over it.
+fn facets(seed: u64) -> [Layer; 2] {
+    let mut random = rng(seed);
+    let mut below = Layer::sheet([0.0, 0.0, 50.0], [40.0, 0.0, 0.0], [0.0, 10.0, 0.0], 20, H);
+    below.vertices.iter_mut().for_each(|vertex| vertex.z += random.random_range(-0.3..0.3));
+    let above = Layer::sheet([0.0, 0.0, 50.0 + H], [40.0, 0.0, 0.0], [0.0, 10.0, 0.0], 4, H);
+    [below, above.with(&[[1.0, 5.0, 50.0 + H], [20.3, 3.0, 50.0 + H], [39.0, 6.0, 50.0 + H]], 0.8)]
+}
+
+/// The directions of the first path, and how far along it they are.
+fn directions(layers: &[Layer], options: &OrientOptions) -> (Vec<Vector3<f64>>, Vec<f64>) {
+    let waypoints = oriented(layers, options).paths.swap_remove(0).waypoints;
+    waypoints.iter().map(|w| (w.direction.into_inner(), w.arc)).unzip()
+}
+
+/// The least of `sum |d - raw|^2 + (wave / 2 pi)^4 sum |d''|^2`, with a matrix of all points.
+fn slow_steady(raw: &[Vector3<f64>], arcs: &[f64], wave: f64) -> Vec<Vector3<f64>> {
+    let n = raw.len();
+    let step = |k: usize| arcs[k + 1] - arcs[k];
+    let length =
+        |k: usize| ((k > 0).then(|| step(k - 1)).unwrap_or(0.0) + (k + 1 < n).then(|| step(k)).unwrap_or(0.0)) / 2.0;
+    let mut all = DMatrix::from_fn(n, n, |i, j| if i == j { length(i) } else { 0.0 });
+    for k in 1..n - 1 {
+        let mut second: DVector<f64> = DVector::zeros(n);
+        for (at, slope) in [(k - 1, step(k - 1)), (k + 1, step(k))] {
+            second[at] += 1.0 / slope / length(k);
+            second[k] -= 1.0 / slope / length(k);
+        }
+        all += &second * second.transpose() * (length(k) * (wave / TAU).powi(4));
+    }
+    let right = DMatrix::from_fn(n, 3, |k, d| raw[k][d] * length(k));
+    let found = all.lu().solve(&right).unwrap();
+    (0..n).map(|k| Vector3::new(found[(k, 0)], found[(k, 1)], found[(k, 2)]).normalize()).collect()
+}
+
+proptest! {
+    #[test]
+    fn steady_directions_bend_least(seed in 0u64..1_000_000, wave in 1.0..30.0) {
+        let layers = facets(seed);
+        let (raw_directions, arcs) = directions(&layers, &raw());
+        let (steady, _) = directions(&layers, &OrientOptions { wave, max_tilt: PI, ..raw() });
+        let twin = slow_steady(&raw_directions, &arcs, wave);
+        prop_assert!(steady.iter().zip(&twin).all(|(a, b)| (a - b).norm() < 1e-9));
+        // Held near what they were; where that is nowhere far off, nothing changes.
+        let farthest = raw_directions.iter().zip(&steady).map(|(a, b)| a.angle(b)).fold(0.0, f64::max);
+        let (same, _) = directions(&layers, &OrientOptions { wave, max_tilt: farthest + 1e-9, ..raw() });
+        prop_assert_eq!(same, steady.clone());
+        let max_tilt = farthest / 2.0;
+        let (held, _) = directions(&layers, &OrientOptions { wave, max_tilt, ..raw() });
+        prop_assert!(held.iter().zip(&raw_directions).all(|(a, b)| a.angle(b) <= max_tilt + 1e-7));
+        let bends = |all: &[Vector3<f64>]| all.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).norm_squared()).sum::<f64>();
+        prop_assert!(bends(&steady) <= bends(&held) && bends(&held) <= bends(&raw_directions));
+    }
+}
+
+#[test]
+fn a_wave_of_the_length_asked_for_keeps_half_its_height() {
+    // Ridges along y, 10 mm from one to the next, so low that directions follow their slope.
+    let wave = |x: f64| 0.01 * (TAU * x / 10.0).cos();
+    let mut below = Layer::sheet([0.0, 0.0, 50.0], [80.0, 0.0, 0.0], [0.0, 10.0, 0.0], 400, H);
+    below.vertices.iter_mut().for_each(|vertex| vertex.z += wave(vertex.x));
+    let above = Layer::sheet([0.0, 0.0, 50.0 + H], [80.0, 0.0, 0.0], [0.0, 10.0, 0.0], 4, H);
+    let layers = [below, above.with(&[[0.0, 5.0, 50.0 + H], [80.0, 5.0, 50.0 + H]], 0.8)];
+    let height = |wave: f64| {
+        let (found, arcs) = directions(&layers, &OrientOptions { wave, step: 0.25, ..raw() });
+        let inner = found.iter().zip(&arcs).filter(|(_, arc)| (20.0..60.0).contains(*arc));
+        inner.map(|(direction, _)| direction.x).fold(0.0, f64::max)
+    };
+    let shares = [5.0, 10.0, 20.0].map(|wave| height(wave) / height(0.0));
+    let expected = [16.0 / 17.0, 0.5, 1.0 / 17.0];
+    assert!(shares.iter().zip(expected).all(|(share, expected)| (share - expected).abs() < 0.02), "{shares:?}");
+}
+
 /// A roof with sides of 45 degrees, its ridge along y at height `z`.
 fn roof(z: f64, reach: f64) -> Layer {
     let left = Layer::sheet([-reach, 0.0, z - reach], [reach, 0.0, reach], [0.0, 10.0, 0.0], 6, H);
@@ -122,7 +195,7 @@ fn across_a_crest_turns_are_shared_out() {
     let up = H * 2_f64.sqrt();
     let across = [[-5.0, 5.0, 45.0 + up], [0.0, 5.0, 50.0 + up], [5.0, 5.0, 45.0 + up]];
     let layers = [roof(50.0, 8.0), roof(50.0 + up, 8.0).with(&across, 0.8)];
-    let found = oriented(&layers, &OrientOptions { low_pass_rounds: 0, ..OrientOptions::default() });
+    let found = oriented(&layers, &OrientOptions { wave: 0.0, low_pass_rounds: 0, ..OrientOptions::default() });
     assert!((found.before.largest.to_degrees() - 45.0).abs() < 1.0, "{:?}", found.before);
     assert!(found.after.largest <= 10_f64.to_radians() + 1e-8 && found.sharp.is_empty());
     assert_eq!(found.added, 8); // twice 45 degrees, each in five parts
@@ -131,7 +204,7 @@ fn across_a_crest_turns_are_shared_out() {
     assert!(found.paths[0].waypoints.iter().all(|w| w.direction.y.abs() < 1e-9));
     assert!(leans.windows(2).all(|pair| pair[1] >= pair[0] - 1e-9), "{leans:?}");
     // A low-pass spreads the turn, so fewer points are put between.
-    let smooth = oriented(&layers, &OrientOptions::default());
+    let smooth = oriented(&layers, &OrientOptions { wave: 0.0, ..OrientOptions::default() });
     assert!(smooth.after.largest <= 10_f64.to_radians() + 1e-8);
     assert!(smooth.added < found.added && smooth.after.mean <= found.before.mean + 1e-9, "{smooth:?}");
     // Tips are half a layer above the surface.
@@ -365,6 +438,10 @@ fn options_and_normals_that_cannot_be_used_are_named() {
     for (name, options) in [
         ("step", OrientOptions { step: 0.0, ..default }),
         ("step", OrientOptions { step: f64::NAN, ..default }),
+        ("wave", OrientOptions { wave: -1.0, ..default }),
+        ("wave", OrientOptions { wave: f64::INFINITY, ..default }),
+        ("max_tilt", OrientOptions { max_tilt: f64::NAN, ..default }),
+        ("max_tilt", OrientOptions { max_tilt: -0.1, ..default }),
         ("corner", OrientOptions { corner: -1.0, ..default }),
         ("max_turn", OrientOptions { max_turn: 1e-9, ..default }),
         ("max_turn", OrientOptions { max_turn: 10.0, ..default }),

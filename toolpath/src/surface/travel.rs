@@ -388,7 +388,7 @@ impl Finder<'_> {
     }
 
     fn scene<'s>(&'s self, nozzle: &'s Nozzle) -> Scene<'s> {
-        Scene::new(self.stack, &self.stack.keys, nozzle, false)
+        Scene::new(self.stack, &self.stack.keys, nozzle, None)
     }
 
     /// Whether a nozzle is farther from all that is built.

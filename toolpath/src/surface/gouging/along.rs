@@ -6,8 +6,8 @@
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
 //! 4. Around tilted waypoints directions become the means of their neighbours, round by round.
 //! 5. Waypoints that were only put between and that no tilt frees are taken out again: a sharp turn that is listed is better.
-//! 6. Between neighbours that are free the nozzle may still gouge, half way; there a point is put between and freed, so that
-//!    the straight way of a machine goes round. That is repeated with the halves.
+//! 6. Between neighbours that are free the nozzle may still gouge; it is looked at every eighth of the way, and where it does a
+//!    point is put between and freed, so that the straight way of a machine goes round. That is repeated with the parts.
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
@@ -26,8 +26,9 @@ const DEEPER_STEP: f64 = 0.05;
 /// have to be tilted as well. Where that does not do either, the turn is listed.
 const INSERTIONS: usize = 3;
 
-/// How often legs are halved in step 6: down to an eighth of the way between two waypoints.
-const HALVINGS: usize = 3;
+/// Where legs are looked at in step 6, the middle first, and how often.
+const LOOKS: [f64; 7] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875];
+const DIVISIONS: usize = 3;
 
 /// Rounds of step 4, and how far around a tilted waypoint it goes.
 const MEANS: usize = 6;
@@ -104,8 +105,8 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &Goug
         // A turn that is listed is better than waypoints in it that gouge.
         walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
     }
-    for _ in 0..HALVINGS {
-        if !walker.halve() {
+    for _ in 0..DIVISIONS {
+        if !walker.divide() {
             break;
         }
         walker.ramp();
@@ -241,26 +242,30 @@ impl Walker<'_> {
     }
 
     /// Step 6; whether there was anything to do.
-    fn halve(&mut self) -> bool {
+    fn divide(&mut self) -> bool {
         let old = std::mem::take(&mut self.steps);
         let mut any = false;
         for step in old {
-            let last = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied();
-            let middle = last.and_then(|last| Some((part_way(&last.waypoint, &step.waypoint, 0.5)?, last.before)));
-            if let Some((waypoint, before)) = middle {
-                let wanted = waypoint.direction;
-                self.steps.push(Step { waypoint, wanted, before, stuck: false, given: None });
-                let k = self.steps.len() - 1;
-                let gouged = self.free(k);
-                if gouged && !self.steps[k].stuck {
-                    any = true;
-                } else {
-                    self.steps.pop();
-                }
+            if let Some(last) = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied() {
+                any |= LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
             }
             self.steps.push(step);
         }
         any
+    }
+
+    /// Puts a waypoint that is free a share of the way from one to another, if the nozzle gouges there; whether it did.
+    fn put_between(&mut self, last: &Step, step: &Step, share: f64) -> bool {
+        let Some(waypoint) = part_way(&last.waypoint, &step.waypoint, share) else { return false };
+        let k = self.steps.len();
+        self.steps.push(Step { waypoint, wanted: waypoint.direction, before: last.before, stuck: false, given: None });
+        let wanted = waypoint.direction;
+        let tilted = if self.is_free(k, &wanted) { None } else { self.least_tilt(k, wanted, self.options.max_tilt) };
+        match tilted {
+            Some(direction) => self.steps[k].waypoint.direction = direction,
+            None => drop(self.steps.pop()),
+        }
+        tilted.is_some()
     }
 
     /// What came of it; `layer` is the number of the first waypoint of the layer.

@@ -126,7 +126,7 @@ pub struct Contacts<'a> {
     keys: Keys,
     nozzle: Nozzle,
     allowed: f64,
-    plate: bool,
+    plate: Option<f64>,
     paths: Vec<Printed>,
 }
 
@@ -158,7 +158,7 @@ impl LayerStack<'_> {
     ///
     /// # Arguments
     /// * `paths`: of these layers, in the order in which they are printed, as [`LayerStack::free`] leaves them.
-    /// * `options`: of these count `allowed_depth`, `own_layer` and `plate`.
+    /// * `options`: of these count `allowed_depth`, `own_layer`, `plate` and `plate_clearance`.
     /// * `progress`: called with the stage `built`; may cancel.
     ///
     /// # Errors
@@ -224,7 +224,7 @@ impl LayerStack<'_> {
             Printed { before, after: after(start), bounds: boxes[layer] }
         };
         let paths = paths.iter().enumerate().map(printed).collect();
-        let (allowed, plate) = (options.allowed_depth, options.plate);
+        let (allowed, plate) = (options.allowed_depth, options.over_plate());
         Ok(Contacts { stack: self, keys, nozzle: *nozzle, allowed, plate, paths })
     }
 }
@@ -380,7 +380,7 @@ impl Leg<'_> {
         }
         let by = self.spacing * (last - first) / 2.0;
         let grown = self.scene.nozzle.grown(by);
-        let scene = Scene { nozzle: &grown, plate: false, ..self.scene };
+        let scene = Scene { nozzle: &grown, plate: None, ..self.scene };
         let stand = self.stand(middle.tip - middle.direction.into_inner() * by);
         scene.is_free(stand, &middle.direction, &mut self.work)
     }

@@ -33,8 +33,8 @@ pub(in crate::surface) struct Scene<'a> {
     /// When each triangle is built.
     pub keys: &'a Keys,
     pub nozzle: &'a Nozzle,
-    /// Whether nothing may reach below z = 0.
-    pub plate: bool,
+    /// Nothing may reach nearer to a plate at z = 0 than this; none without a plate.
+    pub plate: Option<f64>,
 }
 
 /// A place of the nozzle's tip, and what is built by then.
@@ -191,7 +191,7 @@ impl Walk for Seeker<'_> {
 
 impl<'a> Scene<'a> {
     /// The triangles of a stack, with these keys.
-    pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: bool) -> Self {
+    pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
         Scene { tree: &stack.tree, rims: &stack.rims, keys, nozzle, plate }
     }
 
@@ -232,7 +232,7 @@ impl<'a> Scene<'a> {
         if self.above_plate(stand, direction) {
             return in_layer;
         }
-        let (depth, part) = self.nozzle.below_plate(stand.tip.z, direction.angle(&Vector3::z_axis()));
+        let (depth, part) = self.nozzle.below_plate(self.over_plate(stand), direction.angle(&Vector3::z_axis()));
         let point = stand.tip + self.nozzle.lowest(direction, part);
         let below = Contact { obstacle: Obstacle::Plate, depth, height: 0.0, part, point };
         Some(in_layer.filter(|contact| contact.depth >= depth).unwrap_or(below))
@@ -243,9 +243,16 @@ impl<'a> Scene<'a> {
         self.above_plate(stand, direction) && self.seek(stand, direction, 0.0, true, stack).is_none()
     }
 
-    /// Whether nothing of the nozzle reaches below the plate.
+    /// How high the tip is over what nothing may reach below: the plate and the clearance over it, which is at most half the
+    /// height of the tip, since layers may be thin.
+    pub fn over_plate(&self, stand: Stand) -> f64 {
+        let height = stand.tip.z;
+        if height > 0.0 { (height - self.plate.unwrap_or(0.0)).max(height / 2.0) } else { height }
+    }
+
+    /// Whether nothing of the nozzle reaches below the plate, or into the clearance over it.
     pub fn above_plate(&self, stand: Stand, direction: &UnitVector3<f64>) -> bool {
         let leans = direction.angle(&Vector3::z_axis());
-        !self.plate || self.nozzle.plate_lean(stand.tip.z).is_some_and(|lean| leans <= lean + 1e-9)
+        self.plate.is_none() || self.nozzle.plate_lean(self.over_plate(stand)).is_some_and(|lean| leans <= lean + 1e-9)
     }
 }

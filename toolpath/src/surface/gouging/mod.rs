@@ -55,6 +55,8 @@ pub struct GougingOptions {
     pub most_depth: f64,
     /// Whether there is a plate at z = 0, below which nothing may reach: yes.
     pub plate: bool,
+    /// How far over it the nozzle keeps, in millimetres: 0. Never more than half the height of the tip, since layers may be thin.
+    pub plate_clearance: f64,
 }
 
 impl Default for GougingOptions {
@@ -69,6 +71,7 @@ impl Default for GougingOptions {
             cut: true,
             most_depth: 1.0,
             plate: true,
+            plate_clearance: 0.0,
         }
     }
 }
@@ -224,17 +227,23 @@ pub enum GougingError {
 
 impl GougingOptions {
     fn check(&self) -> Result<(), GougingError> {
-        let turn = (LEAST_TURN..=PI).contains(&self.max_turn);
+        let (turn, clearance) = ((LEAST_TURN..=PI).contains(&self.max_turn), self.plate_clearance);
         let sound = [
             ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
             ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),
             ("most_depth", self.most_depth, self.most_depth >= self.allowed_depth, "no less than allowed_depth"),
             ("max_turn", self.max_turn, turn, "0.1 to 180 degrees, in radians"),
+            ("plate_clearance", clearance, clearance >= 0.0 && clearance.is_finite(), "0 or more, and finite"),
         ];
         match sound.into_iter().find(|(.., sound, _)| !sound) {
             Some((option, value, _, wanted)) => Err(GougingError::Option { option, value, wanted }),
             None => Ok(()),
         }
+    }
+
+    /// How far over the plate the nozzle keeps; none without a plate.
+    fn over_plate(&self) -> Option<f64> {
+        self.plate.then_some(self.plate_clearance)
     }
 }
 

@@ -194,7 +194,7 @@ impl Freeing<'_> {
         let built =
             built(self.stack, orders.iter().flatten().map(|Place { laid, .. }| (&laid.path, &laid.touched[..])));
         let starts = starts(orders);
-        let scene = |keys| Scene::new(self.stack, keys, self.nozzle, self.options.plate);
+        let scene = |keys| Scene::new(self.stack, keys, self.nozzle, self.options.over_plate());
         let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
         let work = |_: usize, &(k, place): &(usize, usize)| {
             let path = &orders[k][place].laid.path;

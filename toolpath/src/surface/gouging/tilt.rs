@@ -136,8 +136,8 @@ impl Scene<'_> {
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
         let mut candidates = Candidates::new(wanted, limit);
-        if self.plate {
-            let lean = self.nozzle.plate_lean(stand.tip.z)?;
+        if self.plate.is_some() {
+            let lean = self.nozzle.plate_lean(self.over_plate(stand))?;
             candidates.take(Cap::new(-Vector3::z_axis(), PI - lean));
         }
         for _ in 0..ROUNDS {

@@ -4,15 +4,17 @@
 //!
 //! 1. `resample`: points an even step apart along it; corners stay.
 //! 2. `toward`: the direction away from the closest point of what is built below.
-//! 3. `smooth`: a low-pass where neighbours differ by more than a threshold, then more points where they still do.
-//! 4. `share`: where beads cover the same place, each gets a share of it.
-//! 5. The tip is lifted from the surface, which runs through the middle of the layer, to the top of the bead.
+//! 3. `steady`: short waves of these directions are taken out.
+//! 4. `smooth`: a low-pass where neighbours differ by more than a threshold, then more points where they still do.
+//! 5. `share`: where beads cover the same place, each gets a share of it.
+//! 6. The tip is lifted from the surface, which runs through the middle of the layer, to the top of the bead.
 //!
 //! The nozzle is not looked at yet: see [`LayerStack::free`] for that.
 
 mod resample;
 mod share;
 mod smooth;
+mod steady;
 mod toward;
 
 use super::parallel;
@@ -39,6 +41,11 @@ pub struct OrientOptions {
     pub step: f64,
     /// Bends sharper than this are corners, on which a point stays: 30 degrees, in radians.
     pub corner: f64,
+    /// Waves of the directions along a path that are shorter than this, in millimetres, are taken out: 20. One of this length
+    /// keeps half its height; with 0 all stay. An arm has to follow each of them with its wrist.
+    pub wave: f64,
+    /// As far as the direction is then within this of what it was: 25 degrees, in radians.
+    pub max_tilt: f64,
     /// Directions of neighbours may differ by this: 10 degrees, in radians.
     pub max_turn: f64,
     /// How often directions that differ by more are filtered before points are added: 8. More rounds spread a turn
@@ -57,6 +64,8 @@ impl Default for OrientOptions {
         OrientOptions {
             step: 1.0,
             corner: 30_f64.to_radians(),
+            wave: 20.0,
+            max_tilt: 25_f64.to_radians(),
             max_turn: 10_f64.to_radians(),
             low_pass_rounds: 8,
             lift: 0.5,
@@ -217,6 +226,13 @@ impl OrientOptions {
         let sound = [
             ("step", self.step, self.step > 0.0 && self.step.is_finite(), "above 0 and finite"),
             ("corner", self.corner, (LEAST_TURN..=std::f64::consts::PI).contains(&self.corner), turn),
+            ("wave", self.wave, self.wave >= 0.0 && self.wave.is_finite(), "0 or more, and finite"),
+            (
+                "max_tilt",
+                self.max_tilt,
+                (0.0..=std::f64::consts::PI).contains(&self.max_tilt),
+                "0 to 180 degrees, in radians",
+            ),
             ("max_turn", self.max_turn, (LEAST_TURN..=std::f64::consts::PI).contains(&self.max_turn), turn),
             ("lift", self.lift, (0.0..=1.0).contains(&self.lift), "0 to 1 heights of the layer"),
         ];
@@ -344,6 +360,8 @@ impl LayerStack<'_> {
 /// Filters the directions of a path and adds points.
 fn smoothed(path: &mut ToolPath, options: &OrientOptions) {
     let mut directions: Vec<_> = path.waypoints.iter().map(|waypoint| waypoint.direction).collect();
+    let arcs: Vec<f64> = path.waypoints.iter().map(|waypoint| waypoint.arc).collect();
+    steady::steady(&mut directions, &arcs, options.wave, options.max_tilt);
     smooth::low_pass(&mut directions, options.max_turn, options.low_pass_rounds);
     path.waypoints.iter_mut().zip(directions).for_each(|(waypoint, direction)| waypoint.direction = direction);
     let mut waypoints: Vec<Waypoint> = Vec::with_capacity(path.waypoints.len());
