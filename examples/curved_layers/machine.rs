@@ -2,7 +2,7 @@
 
 use crate::paths::{Layer, PathsRun};
 use crate::surfaces::SurfacesRun;
-use crate::{Args, failure};
+use crate::{Args, Stage, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_layers::curved::trim::TrimmedSheet;
@@ -22,6 +22,9 @@ const LEAST_HEIGHT: f64 = 0.02;
 /// How deep the nozzle may be in a layer at waypoints, as a share of its height: a little less than the quarter that it may
 /// be anywhere, since a machine leaves the straight way between two waypoints.
 const PLANNED_DEPTH: f64 = 0.2;
+
+/// How far it keeps over the plate there, in millimetres, for the same reason.
+const PLANNED_CLEARANCE_MM: f64 = 0.1;
 
 /// Share of the waypoints that may gouge, listed, before a run counts as failed; and of the paths that may be left out.
 pub const GOUGING_SHARE: f64 = 1e-3;
@@ -194,7 +197,11 @@ fn on_layers(
     let oriented = stack.orient(&OrientOptions::default(), &progress).map_err(failure)?;
     let raw = oriented.before;
     let before_gouging = Instant::now();
-    let options = GougingOptions { allowed_depth: PLANNED_DEPTH, ..GougingOptions::default() };
+    let defaults = GougingOptions::default();
+    // A robot's motion gouges nowhere: what it cannot print so is left out.
+    let most_depth = if args.stage >= Stage::Motion { defaults.allowed_depth } else { defaults.most_depth };
+    let options =
+        GougingOptions { allowed_depth: PLANNED_DEPTH, plate_clearance: PLANNED_CLEARANCE_MM, most_depth, ..defaults };
     let freed = stack.free(oriented.paths, &args.nozzle.nozzle, &options, &progress);
     let freed = freed.map_err(failure)?;
     let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
@@ -210,7 +217,7 @@ fn on_layers(
     times.deposition = start.elapsed();
 
     // What the closest points say, unfiltered, for the picture of one path.
-    let unfiltered = OrientOptions { max_turn: PI, low_pass_rounds: 0, ..OrientOptions::default() };
+    let unfiltered = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..OrientOptions::default() };
     let unfiltered = stack.orient(&unfiltered, &progress).map_err(failure)?;
     let longest = freed.paths.iter().max_by_key(|path| path.waypoints.len());
     let example = longest.and_then(|path| {

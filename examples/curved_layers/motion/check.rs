@@ -55,7 +55,7 @@ pub struct Checked<const N: usize> {
     pub report: PrintReport<N>,
     /// The motion of each finding.
     pub of: Vec<(LegKind, u32, usize)>,
-    /// Length of all paths, and of what no motion goes along.
+    /// Length of all paths, with what was left out of them, and of what no motion goes along.
     pub path_mm: f64,
     pub unprinted_mm: f64,
     pub took: Duration,
@@ -149,7 +149,7 @@ pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
     bars: &Bars,
 ) -> Result<Checked<N>, Failure> {
     let start = Instant::now();
-    let max_angle = GougingOptions::default().max_turn;
+    let GougingOptions { allowed_depth, max_turn: max_angle, .. } = GougingOptions::default();
     let options = CheckOptions {
         slack: SLACK,
         max_gap: MAX_GAP,
@@ -157,7 +157,7 @@ pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
         max_angle,
         ..CheckOptions::default()
     };
-    let report = print.in_workcell(bars, |mut cell: Workcell<N, F, R>| {
+    let report = print.in_workcell(allowed_depth, bars, |mut cell: Workcell<N, F, R>| {
         let scene = Executed { print, motions, cell: &cell };
         let path: Vec<Vec<PathPoint>> = motions.iter().map(|motion| scene.path(motion)).collect();
         let mut reports: Vec<MotionReport<N>> = Vec::with_capacity(motions.len());
@@ -207,13 +207,6 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Executed<'_, N, F, R> {
         CheckedMotion { kind, times, joints, path, printing: None, apart: false }
     }
 
-    /// Whether the nozzle gouges at a waypoint or the next however it is tilted: then `gouging.csv` has it, and counts it.
-    fn gouges_anyway(&self, path: usize, waypoint: usize) -> bool {
-        let left = &self.print.machine.freed.left;
-        let first = left.partition_point(|gouge| (gouge.path, gouge.waypoint) < (path, waypoint));
-        left.get(first).is_some_and(|gouge| gouge.path == path && gouge.waypoint <= waypoint + 1)
-    }
-
     /// Whether a motion is not led to: behind a transfer that was not found, and the first.
     fn is_apart(&self, number: usize) -> bool {
         let before = number.checked_sub(1).map(|before| self.motions[before].kind);
@@ -235,13 +228,7 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> PrintScene<N> for Execute
     ) -> Option<curvlay_trajectory::check::Contact> {
         let motion = &self.motions[moment.motion];
         let then = match motion.kind {
-            LegKind::Print => {
-                let waypoint = motion.printed()?.start + moment.point;
-                if self.gouges_anyway(motion.path, waypoint) {
-                    return None;
-                }
-                Moment::At { path: motion.path, waypoint }
-            }
+            LegKind::Print => Moment::At { path: motion.path, waypoint: motion.printed()?.start + moment.point },
             // What it has laid last was shaped by the nozzle itself.
             LegKind::Lift => {
                 let printed = self.motions[..moment.motion].last().and_then(Written::printed);
@@ -272,7 +259,8 @@ fn lengths<const N: usize>(print: &Print, motions: &[Written<N>]) -> [f64; 2] {
         let tips = paths[path].waypoints[waypoints].windows(2);
         tips.map(|pair| (pair[1].tip - pair[0].tip).norm()).sum::<f64>()
     };
-    let all: f64 = (0..paths.len()).map(|path| length(path, 0..paths[path].waypoints.len())).sum();
+    let [_, left_out] = print.machine.lengths_mm();
+    let all = (0..paths.len()).map(|path| length(path, 0..paths[path].waypoints.len())).sum::<f64>() + left_out;
     let printed = motions.iter().filter(|motion| motion.kind == LegKind::Print);
     let of = |motion: &Written<N>| motion.printed().map_or(0.0, |waypoints| length(motion.path, waypoints));
     [all, (all - printed.map(of).sum::<f64>()).max(0.0)]

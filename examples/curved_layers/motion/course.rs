@@ -7,14 +7,14 @@
 
 use super::flow::Flow;
 use super::robots::Printer;
-use super::workcell::Workcell;
+use super::workcell::{CLEARANCES_MM, Workcell};
 use super::{FlowBounds, Limits};
 use crate::failure;
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::strayed;
+use curvlay_examples::motion::{inside, strayed};
 use curvlay_kinematics::Waypoint;
 use curvlay_toolpath::surface::Moment;
-use curvlay_trajectory::{FlowLimits, FreeRange, Posture, Robot, Rung, TimePathOptions, Trajectory, time_path};
+use curvlay_trajectory::{Bounds, FlowLimits, FreeRange, Posture, Robot, Rung, TimePathOptions, Trajectory, time_path};
 use nalgebra::{Isometry3, Point3, SMatrix, SVector, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -26,7 +26,7 @@ const AIM: f64 = 0.7;
 const PLANNED: f64 = 0.9;
 
 /// A step is looked at in so many parts, whether the nozzle gouges.
-const GOUGING_LOOKS: u32 = 4;
+const GOUGING_LOOKS: u32 = 8;
 
 /// How hard the fastest timing is searched: within a hundredth. Limits hold whatever that is; with the defaults a print takes several
 /// times as long to plan and is hardly shorter, since it mostly goes at the planned feed.
@@ -110,12 +110,25 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
         (0..self.times.len() - 1).filter(gouges).collect()
     }
 
+    /// Steps on which a joint passes one of its stops, between two waypoints where it does not.
+    pub fn beyond(&self, motion: &Timed<N>, limits: &Limits<N>) -> Vec<usize> {
+        let stops = Bounds { lower: limits.bounds.lower, upper: limits.bounds.upper, ..Bounds::NONE };
+        let step =
+            |time: f64| motion.times().partition_point(|&passed| passed <= time).clamp(1, self.times.len() - 1) - 1;
+        let mut steps: Vec<usize> =
+            motion.trajectory.violations(&stops, 0.0).iter().map(|found| step(found.time)).collect();
+        steps.sort_unstable();
+        steps.dedup();
+        steps
+    }
+
     /// The same course with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
-    /// long is a quarter as far, and halved those on which it gouges. `None` if there are none, or none can be.
+    /// long is a quarter as far, and halved those on which it gouges or passes a stop. `None` if there are none, or none can be.
     pub fn split(&self, motion: &Timed<N>, cell: &Workcell<N, F, R>) -> Option<Self> {
         let limits = cell.limits();
         let mut steps = self.astray(motion, limits);
-        steps.extend(self.gouging(motion, cell).into_iter().map(|k| (k, 0.0)));
+        let halved = self.gouging(motion, cell).into_iter().chain(self.beyond(motion, limits));
+        steps.extend(halved.map(|k| (k, 0.0)));
         steps.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
         steps.dedup_by_key(|step| step.0);
         if steps.is_empty() {
@@ -147,6 +160,27 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Course<N, F, R> {
         }
         split.part = self.part.with(waypoints);
         (split.times.len() > self.times.len()).then_some(split)
+    }
+
+    /// The same course from the waypoint before on, where the arm can go from there as it goes then. So a path that breaks off
+    /// between two waypoints, since a joint has come to a stop, is printed whole.
+    pub fn begun_before(&self, waypoint: Waypoint, time: f64, of: usize, cell: &Workcell<N, F, R>) -> Option<Self> {
+        let first = &self.rungs[0];
+        let rung = nearest(&self.part.with(vec![waypoint]), first.free, first.branch, &first.joints)?;
+        let Bounds { lower, upper, .. } = inside(&cell.limits().bounds);
+        let is_near = |j: usize| {
+            let angle = rung.joints[j];
+            (angle - first.joints[j]).abs() <= R::STEP[j] && (lower[j]..=upper[j]).contains(&angle)
+        };
+        if !((0..N).all(is_near) && cell.may_print(&rung.joints, CLEARANCES_MM.len() - 1)) {
+            return None;
+        }
+        let waypoints = std::iter::once(waypoint).chain((0..self.times.len()).map(|k| self.part.at(k))).collect();
+        let mut course = Course { part: self.part.with(waypoints), ..self.clone() };
+        course.times.insert(0, time);
+        course.rungs.insert(0, rung);
+        course.of.insert(0, of);
+        Some(course)
     }
 
     /// A waypoint between two, and the posture there that is next to some joints, on the branch of one of the two.

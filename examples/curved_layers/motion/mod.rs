@@ -362,7 +362,7 @@ impl Print<'_> {
 
     fn limits<const N: usize, const F: usize>(&self, robot: &impl Printer<N, F>) -> Limits<N> {
         let MotionArgs { acceleration, jerk, max_flow, max_flow_ramp, tolerance, margin, .. } = *self.args;
-        let bounds = Bounds { acceleration: [acceleration; N], jerk: [jerk; N], ..robot.bounds(true) };
+        let bounds = Bounds { acceleration: [acceleration; N], jerk: [jerk; N], ..robot.limits() };
         let tolerance_mm = tolerance.unwrap_or(TOLERANCE_SHARE * self.surfaces.height_mm.min(self.paths.bead_mm));
         // The lower edge of the block.
         let lever_mm = self.nozzle.block_radius().hypot(self.nozzle.cone_height());
@@ -371,9 +371,11 @@ impl Print<'_> {
         Limits { bounds, flow, tolerance_mm, lever_mm, margin_mm: margin }
     }
 
-    /// The workcell before anything is built, for as long as `work` takes.
+    /// The workcell before anything is built, for as long as `work` takes. The nozzle may be so deep in a layer, as a share of
+    /// its height.
     fn in_workcell<const N: usize, const F: usize, R: Printer<N, F>, T>(
         &self,
+        allowed_depth: f64,
         bars: &Bars,
         work: impl FnOnce(Workcell<N, F, R>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
@@ -384,7 +386,7 @@ impl Print<'_> {
                 ControlFlow::Continue(())
             };
             // The workcell knows the plate.
-            let options = GougingOptions { plate: false, ..GougingOptions::default() };
+            let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
             let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
             let job = Job { field, surfaces, nozzle, contacts: &contacts, shift: self.shift() };
             work(Workcell::new(&job, self.limits(&R::empty()?))?)

@@ -15,6 +15,10 @@ use std::time::{Duration, Instant};
 /// Layers are smoothed side by side until there are so many paths a thread: more only take memory for what is built.
 const PATHS_A_THREAD: usize = 2;
 
+/// How deep the nozzle may be in a layer on a planned motion, as a share of its height: motions are checked with a little more,
+/// at more places.
+const PLANNED_DEPTH: f64 = 0.24;
+
 /// What came of a travel: the motion, or why there is none.
 type Found<const N: usize> = Result<Travel<N>, String>;
 
@@ -24,7 +28,7 @@ pub fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
     bars: &Bars,
 ) -> Result<MotionRun<N, F, R>, Failure> {
     let start = Instant::now();
-    print.in_workcell(bars, |cell| in_workcell(print, cell, start.elapsed(), bars))
+    print.in_workcell(PLANNED_DEPTH, bars, |cell| in_workcell(print, cell, start.elapsed(), bars))
 }
 
 fn in_workcell<const N: usize, const F: usize, R: Printer<N, F>>(

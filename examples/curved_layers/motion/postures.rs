@@ -167,7 +167,9 @@ pub fn choose<const N: usize, const F: usize, R: Printer<N, F>>(
         let (few, many) = ((R::SAMPLES, 0), (R::NEAR, R::DOUBLINGS));
         let tries = [(0, same, few), (0, None, few), (1, same, few), (1, same, many)];
         let found = tries.iter().find_map(|&(enough, branch, samples)| plan(enough, branch, samples, false).ok());
-        let ladder = found.map_or_else(|| plan(1, None, many, true), Ok).map_err(failure)?;
+        // Broken off it is as well with fewer samples, and on one branch: all of them together take minutes on a long path.
+        let broken_off = |branch| plan(1, branch, (R::NEAR, 0), true);
+        let ladder = found.map_or_else(|| broken_off(same).or_else(|_| broken_off(None)), Ok).map_err(failure)?;
         *before = ladder.rungs.last().map(|rung| Before { joints: rung.joints, branch: rung.branch });
         ladders.push(ladder);
     }

@@ -14,8 +14,12 @@ use curvlay_examples::motion::{OverTable, PartInHand, Placed, eight, six_and_two
 use curvlay_kinematics::program::{ConfData, Target};
 use curvlay_kinematics::scene::{Body, Mount, Posture, SceneModel, Shape, links};
 use curvlay_kinematics::{Cell, Waypoint, robots};
+use curvlay_trajectory::Bounds;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
+
+/// The third joint of an arm.
+const ELBOW: usize = 2;
 
 /// The post under the table: its radius, and how far below the table's top it ends, in millimetres. The tilt axis is
 /// 105 mm below the top.
@@ -75,6 +79,11 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Clone + Send {
 
     /// The cell without waypoints.
     fn empty() -> Result<Self, Failure>;
+
+    /// Stops and the makers' speeds, with stops so close that postures within can be reached from one another.
+    fn limits(&self) -> Bounds<N> {
+        self.bounds(true)
+    }
 
     /// Arm, links and whatever stands there besides nozzle, part and plate.
     fn scene(&self) -> SceneModel;
@@ -181,6 +190,14 @@ impl Printer<6, 1> for PartInHand {
 
     fn part_frame(&self) -> (Mount, Isometry3<f64>) {
         (Mount::Link(6), self.cell().held())
+    }
+
+    /// A UR turns its elbow two turns, says its manual; but beyond half a turn to either side the shoulder is in the way, says
+    /// Universal_Robots_ROS2_Description (`config/ur3/joint_limits.yaml`): no way leads from there to here.
+    fn limits(&self) -> Bounds<6> {
+        let mut bounds = self.bounds(true);
+        (bounds.lower[ELBOW], bounds.upper[ELBOW]) = (-PI, PI);
+        bounds
     }
 
     fn posture_of(joints: &[f64; 6]) -> Posture {

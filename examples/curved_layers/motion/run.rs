@@ -12,14 +12,18 @@ use super::workcell::Workcell;
 use super::{Fault, FaultKind, Run};
 use crate::failure;
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::strayed;
-use curvlay_trajectory::{FEWEST_WAYPOINTS, GlobalOptions, RunIn, Rung, Timeline, smooth_globally};
+use curvlay_examples::motion::{inside, strayed};
+use curvlay_trajectory::{Avoid, FEWEST_WAYPOINTS, GlobalOptions, RunIn, Rung, Timeline, smooth_clear_of};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Rounds of the filter, the smoothest first; 0 leaves the postures of the ladder. Where a motion touches something or leaves
-/// its path, the next is tried.
-const ATTEMPTS: [usize; 4] = [40, 6, 2, 0];
+/// Rounds of the filter at most.
+const ROUNDS: usize = 40;
+
+/// How much farther than the margin the filter keeps things apart at waypoints, in millimetres, and the price of each
+/// millimetre less.
+const CLEAR_MM: f64 = 5.0;
+const PRICE: f64 = 1e3;
 
 /// Seconds of each piece of the run-in and run-out with which the filter smooths. They are not executed; shorter ones let
 /// the ends of a path weigh more.
@@ -62,12 +66,7 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
     for (Section { first, part, times, .. }, ladder) in sections.iter().zip(&chosen.ladders) {
         let of_path = |waypoint: usize| kept[first + waypoint];
         let fault = |kind, waypoint: usize, what: String| Fault { layer: *layer, path: *path, kind, waypoint, what };
-        planned.faults.extend(ladder.breaks.iter().map(|&next| fault(FaultKind::Break, of_path(next), String::new())));
         for run in ladder.runs() {
-            if run.len() < 2 {
-                planned.faults.push(fault(FaultKind::Break, of_path(run.start), "a waypoint on its own".to_owned()));
-                continue;
-            }
             let course = Course {
                 part: part.part(run.clone()),
                 times: times[run.clone()].to_vec(),
@@ -75,9 +74,20 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
                 path: *path,
                 of: run.clone().map(of_path).collect(),
             };
+            let before = run.start.checked_sub(1);
+            let joined = before.and_then(|k| course.begun_before(part.at(k), times[k], of_path(k), cell));
+            if before.is_some() && joined.is_none() {
+                planned.faults.push(fault(FaultKind::Break, of_path(run.start), String::new()));
+            }
+            let course = joined.unwrap_or(course);
+            if course.times.len() < 2 {
+                planned.faults.push(fault(FaultKind::Break, of_path(run.start), "a waypoint on its own".to_owned()));
+                continue;
+            }
+            let began = course.times[0];
             let (course, motion) = on_course(course, flow, cell)?;
             planned.min_pace = planned.min_pace.min(motion.min_pace);
-            planned.planned_s += times[run.end - 1] - times[run.start];
+            planned.planned_s += times[run.end - 1] - began;
             let missed = |(k, rung): (usize, &Rung<N, F>)| course.part.missed(k, &rung.joints).0;
             planned.missed_mm = course.rungs.iter().enumerate().map(missed).fold(planned.missed_mm, f64::max);
             let strayed = strayed(&course.part, &motion.trajectory, &motion.times(), 0.0).into_iter();
@@ -90,7 +100,7 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
             let is_given = |k: usize| k == 0 || course.of[k] != course.of[k - 1];
             let pass = |(k, &knot)| (knot, is_given(k).then(|| course.of[k]));
             let passes = motion.knots.iter().enumerate().map(pass).collect();
-            let laid = |time: &f64| flow.filament(*time) - flow.filament(times[run.start]);
+            let laid = |time: &f64| flow.filament(*time) - flow.filament(began);
             let filament = motion.planned.iter().map(laid).collect();
             let trajectory = motion.trajectory;
             planned.runs.push(Run { path: *path, layer: *layer, ends, passes, filament, trajectory });
@@ -100,32 +110,28 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
     Ok(planned)
 }
 
-/// The smoothest motion along a run that touches nothing and stays on its way, with as many waypoints as that takes; if there
-/// is none, the one with the fewest faults.
+/// A motion along a run that touches nothing and stays on its way, with as many waypoints as that takes: the smooth one, else
+/// the one through the postures of the ladder; of two with faults the one with fewer.
 fn on_course<const N: usize, const F: usize, R: Printer<N, F>>(
     course: Course<N, F, R>,
     flow: &Flow,
     cell: &Workcell<N, F, R>,
 ) -> Result<(Course<N, F, R>, Timed<N>), Failure> {
-    let limits = cell.limits();
-    // What the postures of the ladder need costs next to nothing.
-    let (course, unsmoothed) = split(course, flow, cell)?;
-    let mut unsmoothed = Some(unsmoothed);
-    let mut best: Option<([usize; 3], Course<N, F, R>, Timed<N>)> = None;
-    for rounds in ATTEMPTS {
-        let (course, motion) = if rounds > 0 {
-            let Some(rungs) = smooth(&course, rounds, cell)? else { continue };
-            split(Course { rungs, ..course.clone() }, flow, cell)?
-        } else {
-            let Some(motion) = unsmoothed.take() else { break };
-            (course.clone(), motion)
-        };
-        let off = [course.astray(&motion, limits).len(), course.gouging(&motion, cell).len()];
-        let faults = [cell.touching(&motion.trajectory), off[0], off[1]];
+    let smooth = smooth(&course, cell)?.map(|rungs| Course { rungs, ..course.clone() });
+    let mut best: Option<([usize; 4], Course<N, F, R>, Timed<N>)> = None;
+    for course in smooth.into_iter().chain([course]) {
+        let (course, motion) = split(course, flow, cell)?;
+        let limits = cell.limits();
+        let faults = [
+            course.beyond(&motion, limits).len(),
+            cell.touching(&motion.trajectory),
+            course.astray(&motion, limits).len(),
+            course.gouging(&motion, cell).len(),
+        ];
         if best.as_ref().is_none_or(|best| faults < best.0) {
             best = Some((faults, course, motion));
         }
-        if faults == [0; 3] {
+        if faults == [0; 4] {
             break;
         }
     }
@@ -148,11 +154,10 @@ fn split<const N: usize, const F: usize, R: Printer<N, F>>(
     Ok((course, motion))
 }
 
-/// Postures with which the motion at the planned feed has the least jerk; `None` where there are too few waypoints for a
-/// filter, or it fails.
+/// Postures with which the motion at the planned feed has the least jerk and keeps clear; `None` where there are too few
+/// waypoints for a filter, or it fails.
 fn smooth<const N: usize, const F: usize, R: Printer<N, F>>(
     course: &Course<N, F, R>,
-    rounds: usize,
     cell: &Workcell<N, F, R>,
 ) -> Result<Option<Vec<Rung<N, F>>>, Failure> {
     if course.rungs.len() < FEWEST_WAYPOINTS {
@@ -160,9 +165,9 @@ fn smooth<const N: usize, const F: usize, R: Printer<N, F>>(
     }
     let run = RunIn { spacing: RUN_SPACING, ..RunIn::default() };
     let line = Timeline::new(&course.times, run).map_err(failure)?;
-    let options = GlobalOptions { lower_peak: false, rounds, ..GlobalOptions::default() };
-    let bounds = cell.limits().speeds();
-    let progress = |_| ControlFlow::Continue(());
-    let found = smooth_globally(&course.part, &line, &course.rungs, &bounds, &options, &progress);
+    let options = GlobalOptions { lower_peak: false, rounds: ROUNDS, ..GlobalOptions::default() };
+    let avoid = Avoid { indicator: cell, clear: CLEAR_MM, price: PRICE };
+    let (bounds, progress) = (inside(&cell.limits().speeds()), |_| ControlFlow::Continue(()));
+    let found = smooth_clear_of(&course.part, &line, &course.rungs, &bounds, &options, &avoid, &progress);
     Ok(found.ok().map(|found| found.rungs))
 }

@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
 /// How far the nozzle lifts off before a transfer, in millimetres, the least first.
-const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
+const LIFTS_MM: [f64; 6] = [2.5, 5.0, 10.0, 20.0, 40.0, 80.0];
 
 /// Postures on the way are so far apart, in millimetres, so that the nozzle goes straight; and how fast it goes at most.
 const LIFT_STEP_MM: f64 = 1.0;
@@ -31,12 +31,14 @@ const NO_ACCELERATION: f64 = 1e3;
 const NO_JERK: f64 = 1e6;
 
 /// How a transfer is looked for, one way after the other: from near by, from far off, and both again with the tool turned
-/// about the nozzle, which takes links of the arm out of the way. Then longer, too, and with shorter edges; at last much longer.
-const EFFORTS: [Effort; 5] = {
+/// about the nozzle, which takes links of the arm out of the way. Then longer, too, and with shorter edges, the shortest for ends
+/// that are nearly shut in; at last much longer.
+const EFFORTS: [Effort; 6] = {
     let near = Effort { far: false, turns: &[0.0], iterations: 500, step: 0.5 };
     let turned = Effort { turns: &[0.25, -0.25, 0.5, -0.5, 1.0, -1.0], iterations: 5000, step: 0.25, ..near };
+    let tight = Effort { step: 0.06, iterations: 20_000, ..turned };
     let long = Effort { far: true, iterations: 60_000, step: 0.5, ..turned };
-    [near, Effort { far: true, ..near }, turned, Effort { far: true, ..turned }, long]
+    [near, Effort { far: true, ..near }, turned, Effort { far: true, ..turned }, tight, long]
 };
 
 #[derive(Clone, Copy)]

@@ -11,9 +11,10 @@ use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_kinematics::Waypoint;
-use curvlay_kinematics::scene::{Body, Posture, Scene, SceneModel, Shape, Sweep};
+use curvlay_kinematics::scene::{Body, Clearance, Posture, Scene, SceneModel, Shape, Sweep};
 use curvlay_toolpath::surface::{Contact, ContactError, Contacts, Moment, Nozzle, NozzlePart, Obstacle, Pose};
 use curvlay_trajectory::Trajectory;
+use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::transfer::FreeSpace;
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -31,6 +32,9 @@ const SIDES: u32 = 12;
 /// How fine sweeps look, in millimetres; and where that proves nothing.
 const RESOLUTION_MM: f64 = 2.0;
 const FINE_MM: f64 = 0.25;
+
+/// The filter is told what is nearer than this, in millimetres.
+const NEAR_MM: f64 = 30.0;
 
 /// How much farther than the margin things stay apart at waypoints, in millimetres, the best first. With the first the smooth
 /// motion may sway between two waypoints, and the arm can leave. Each next one is for paths that cannot be followed so: the
@@ -280,6 +284,23 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> FreeSpace<N> for Workcell
 
     fn posture_free(&self, joints: &[f64; N]) -> bool {
         matches!(self.moving.touching(&R::posture_of(joints)), Ok(None))
+    }
+}
+
+/// How far a posture is from what the arm must not touch while it prints, in millimetres below zero; the margin is.
+impl<const N: usize, const F: usize, R: Printer<N, F>> CollisionIndicator<N> for Workcell<'_, N, F, R> {
+    fn value(&self, joints: &[f64; N]) -> f64 {
+        self.gradient(joints).0
+    }
+
+    fn gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]) {
+        match self.printing.clearance(&R::posture_of(joints), NEAR_MM) {
+            Ok(Some(Clearance { nearest, joints, table })) => {
+                let slope = |j: usize| -if j < joints.len() { joints[j] } else { table[j - joints.len()] };
+                (self.printing.margin() - nearest.distance, std::array::from_fn(slope))
+            }
+            Ok(None) | Err(_) => (self.printing.margin() - NEAR_MM, [0.0; N]),
+        }
     }
 }
 
