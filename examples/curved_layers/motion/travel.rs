@@ -16,8 +16,9 @@ use curvlay_trajectory::{Bounds, Trajectory, time_path};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
-/// How far the nozzle lifts off before a transfer, in millimetres, the least first.
-const LIFTS_MM: [f64; 6] = [2.5, 5.0, 10.0, 20.0, 40.0, 80.0];
+/// How far the nozzle lifts off before a transfer, in millimetres, the least first; and where not even that is free.
+const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
+const LEAST_LIFT_MM: f64 = 2.5;
 
 /// Postures on the way are so far apart, in millimetres, so that the nozzle goes straight; and how fast it goes at most.
 const LIFT_STEP_MM: f64 = 1.0;
@@ -149,7 +150,9 @@ fn lift<const N: usize, const F: usize, R: Printer<N, F>>(
             && postures.windows(2).all(|pair| cell.may_leave(&pair[0], &pair[1]));
         is_free.then_some(postures)
     };
-    let first = |turn: f64| ways.clone().find_map(|way| lifts.iter().find_map(|&height| along(turn, &way, height)));
+    let first = |turn: f64| {
+        ways.clone().find_map(|way| lifts.iter().chain([&LEAST_LIFT_MM]).find_map(|&height| along(turn, &way, height)))
+    };
     effort.turns.iter().find_map(|&turn| first(turn))
 }
 
