@@ -130,8 +130,8 @@ fn directions(layers: &[Layer], options: &OrientOptions) -> (Vec<Vector3<f64>>, 
 fn slow_steady(raw: &[Vector3<f64>], arcs: &[f64], wave: f64) -> Vec<Vector3<f64>> {
     let n = raw.len();
     let step = |k: usize| arcs[k + 1] - arcs[k];
-    let length =
-        |k: usize| ((k > 0).then(|| step(k - 1)).unwrap_or(0.0) + (k + 1 < n).then(|| step(k)).unwrap_or(0.0)) / 2.0;
+    let step_before = |k: usize| if k > 0 { step(k - 1) } else { 0.0 };
+    let length = |k: usize| (step_before(k) + if k + 1 < n { step(k) } else { 0.0 }) / 2.0;
     let mut all = DMatrix::from_fn(n, n, |i, j| if i == j { length(i) } else { 0.0 });
     for k in 1..n - 1 {
         let mut second: DVector<f64> = DVector::zeros(n);
