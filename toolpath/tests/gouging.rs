@@ -16,7 +16,8 @@ use common::go_on;
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::{
-    Freed, GougingError, GougingOptions, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, ToolPath, Waypoint,
+    Freed, GougingError, GougingOptions, LayerStack, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions,
+    Pose, ToolPath, Waypoint,
 };
 use layers::{Layer, path, with_stack};
 use nozzle::{inside, to_profile};
@@ -65,6 +66,37 @@ proptest! {
         let [c, d] = [a, b].map(|[z, rho]| Nozzle::default().clearance(z, rho));
         prop_assert!((c - d).abs() <= (a[0] - b[0]).hypot(a[1] - b[1]) + 1e-12);
     }
+}
+
+#[test]
+fn a_nozzle_that_gouges_a_quarter_of_the_way_goes_round() {
+    // From 60 degrees on one side to 60 on the other, past a pin at 30 that is a little aside: at both ends and half way
+    // nothing is near.
+    let lean = |degrees: f64| Vector3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+    let pin = lean(30.0) * 5.0 + Vector3::y() * 0.9;
+    let pin = Layer::sheet([pin.x - 0.5, pin.y - 0.5, pin.z], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 4, H);
+    let layers = [pin, nowhere()];
+    let nozzle = Nozzle::new(0.5, 10_f64.to_radians(), 20.0, 8.0).unwrap();
+    let paths = [path(1, &[(Point3::origin(), lean(60.0)), (Point3::new(0.0, 0.2, 0.0), lean(-60.0))])];
+    let gouging = |paths: &[ToolPath], stack: &LayerStack| {
+        let contacts = stack.contacts(paths, &nozzle, &alone(), &go_on).unwrap();
+        let waypoints = &paths[0].waypoints;
+        let looks = (0..waypoints.len() - 1).flat_map(|k| (0..=8).map(move |look| (k, f64::from(look) / 8.0)));
+        let is_free = |&(k, share): &(usize, f64)| {
+            let [from, to] = [&waypoints[k], &waypoints[k + 1]];
+            let tip = from.tip + (to.tip - from.tip) * share;
+            let direction = UnitVector3::new_normalize(from.direction.slerp(&to.direction, share).into_inner());
+            contacts.is_free(Moment::At { path: 0, waypoint: k }, &Pose { tip, direction }).unwrap()
+        };
+        looks.filter(|look| !is_free(look)).map(|(_, share)| share).collect::<Vec<f64>>()
+    };
+    with_stack(&layers, |stack| {
+        let before = gouging(&paths, stack);
+        assert!(before.contains(&0.25) && !before.iter().any(|share| [0.0, 0.5, 1.0].contains(share)), "{before:?}");
+        let freed = stack.free(paths.to_vec(), &nozzle, &alone(), &go_on).unwrap();
+        assert!(freed.added > 0 && freed.left.is_empty());
+        assert_eq!(gouging(&freed.paths, stack), Vec::<f64>::new());
+    });
 }
 
 #[test]

@@ -76,12 +76,14 @@ pub fn smoothed<const N: usize, const F: usize, R: Printer<N, F>>(
             };
             let before = run.start.checked_sub(1);
             let joined = before.and_then(|k| course.begun_before(part.at(k), times[k], of_path(k), cell));
-            if before.is_some() && joined.is_none() {
-                planned.faults.push(fault(FaultKind::Break, of_path(run.start), String::new()));
-            }
+            let is_broken_off = before.is_some() && joined.is_none();
             let course = joined.unwrap_or(course);
-            if course.times.len() < 2 {
-                planned.faults.push(fault(FaultKind::Break, of_path(run.start), "a waypoint on its own".to_owned()));
+            let is_alone = course.times.len() < 2;
+            if is_broken_off || is_alone {
+                let what = if is_alone { "a waypoint on its own" } else { "" };
+                planned.faults.push(fault(FaultKind::Break, of_path(run.start), what.to_owned()));
+            }
+            if is_alone {
                 continue;
             }
             let began = course.times[0];
