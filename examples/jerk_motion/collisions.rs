@@ -10,8 +10,8 @@ use super::path::upright;
 use curvlay_examples::args::Failure;
 use curvlay_examples::mesh::{Up, read_mesh};
 use curvlay_examples::motion::{PartInHand, Placed};
+use curvlay_kinematics::robots;
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, links};
-use curvlay_kinematics::{Waypoint, robots};
 use curvlay_trajectory::indicator::geometric::{
     BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricIndicator, GeometricModel, Twist,
 };
@@ -20,6 +20,7 @@ use curvlay_trajectory::indicator::{
     CollisionIndicator, ContactFn, ContactSpace, Rates, Sample, SamplingOptions, random_samples, training_set,
     verification_samples,
 };
+use curvlay_trajectory::print::Waypoint;
 use curvlay_trajectory::{
     Avoid, FEWEST_WAYPOINTS, FreeRange, GlobalOptions, LadderOptions, Posture, Progress, Robot, RunIn, Timeline,
     Trajectory, plan_ladder, smooth_clear_of,
@@ -258,7 +259,7 @@ fn verify(scene: &Scene, trajectories: &[Trajectory<6>], study: &mut Study) {
 
 /// Cells a layer below the waypoints.
 fn slab(robot: &PartInHand) -> Result<Obstacle, Failure> {
-    let waypoints: Vec<_> = (0..robot.waypoints()).map(|k| robot.at(k)).collect();
+    let waypoints = robot.path();
     let around = Vector3::repeat(2.0 * LAYER_MM + ASIDE_MM);
     let low = waypoints.iter().fold(Point3::from([f64::INFINITY; 3]), |low, at| low.inf(&at.position)) - around;
     let high = waypoints.iter().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, at| high.sup(&at.position)) + around;
@@ -266,7 +267,7 @@ fn slab(robot: &PartInHand) -> Result<Obstacle, Failure> {
     let words = dims[0].div_ceil(64);
     let mut rows = vec![0u64; words * dims[1] * dims[2]];
     let deep = 2.0 * LAYER_MM;
-    for waypoint in &waypoints {
+    for waypoint in waypoints {
         let range = |d: usize| {
             let place = |by: f64| ((waypoint.position[d] + by - low[d]) / CELL_MM).max(0.0) as usize;
             place(-deep - ASIDE_MM)..dims[d].min(place(ASIDE_MM) + 1)
@@ -368,8 +369,7 @@ fn drum(body: usize, points: &[Point3<f64>]) -> Cylinder {
 
 /// The tip on a waypoint, turned at will, on any branch, joints within half a turn of the motion's middle.
 fn contact<'a>(robot: &'a PartInHand, scene: &'a Scene, middle: [f64; 6]) -> impl ContactSpace<6> + use<'a> {
-    let surface: Vec<Waypoint> =
-        (0..robot.waypoints()).step_by(robot.waypoints().div_ceil(PLANES)).map(|k| robot.at(k)).collect();
+    let surface: Vec<Waypoint> = robot.path().iter().step_by(robot.waypoints().div_ceil(PLANES)).copied().collect();
     ContactFn {
         collides: |q: &[f64; 6]| !matches!(scene.touching(&(*q).into()), Ok(None)),
         gap: move |q: &[f64; 6]| {
@@ -390,10 +390,10 @@ fn contact<'a>(robot: &'a PartInHand, scene: &'a Scene, middle: [f64; 6]) -> imp
         },
         sample: move |random: &mut dyn FnMut() -> f64| {
             let waypoint = (random() * robot.waypoints() as f64) as usize;
-            let flange = robot.cell().flange(&robot.at(waypoint.min(robot.waypoints() - 1)), TAU * random());
-            let solutions = robot.cell().arm().inverse(&flange);
-            let count = solutions.iter().count();
-            let (_, joints) = solutions.iter().nth((random() * count as f64) as usize)?;
+            let mut solutions: Vec<[f64; 6]> = Vec::new();
+            let waypoint = waypoint.min(Robot::waypoints(robot) - 1);
+            Robot::solutions(robot, waypoint, &[TAU * random()], &mut |_, joints| solutions.push(joints));
+            let joints = *solutions.get((random() * solutions.len() as f64) as usize)?;
             Some(std::array::from_fn(|j| joints[j] + TAU * ((middle[j] - joints[j]) / TAU).round()))
         },
     }

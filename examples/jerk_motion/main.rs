@@ -207,7 +207,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
     timed: &TimedPath,
     args: &Args,
     bars: &Bars,
-    cell: impl Fn(Vec<curvlay_kinematics::Waypoint>) -> Result<R, E>,
+    cell: impl Fn(Vec<curvlay_trajectory::print::Waypoint>) -> Result<R, E>,
     grid: ([u32; F], LadderSearch),
     finer: Finer<F>,
 ) -> Result<Run<N>, Failure> {

@@ -2,7 +2,8 @@
 
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{Placed, inside, strayed};
+use curvlay_examples::motion::{Placed, inside};
+use curvlay_trajectory::print::path_deviations;
 use curvlay_trajectory::{
     Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
     Quantity, RunIn, Rung, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder, smooth_globally,
@@ -399,8 +400,8 @@ fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
         }
         figures.violations.extend(trajectory.violations(bounds, BEYOND));
         let times = &trajectory.times()[trajectory.waypoints()];
-        let strayed = strayed(&robot.part(run.clone()), trajectory, times, 0.0).into_iter();
-        figures.strayed_mm = strayed.fold(figures.strayed_mm, f64::max);
+        let off = path_deviations(robot, &robot.path()[run.clone()], trajectory, times, 0.0).into_iter();
+        figures.strayed_mm = off.fold(figures.strayed_mm, f64::max);
     }
     Planned { method, trajectories, figures }
 }

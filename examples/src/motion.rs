@@ -1,11 +1,11 @@
 //! Cells as the planners of trajectories see them: an arm with the part in its hand, and an arm over a table.
 
 use curvlay_kinematics::{
-    Arm, ArmError, Branch, Cell, CellError, JointLimits, Positioner, PositionerError, TableCell, Waypoint,
-    nozzle_frame, robots,
+    Arm, ArmError, Branch, Cell, CellError, JointLimits, Positioner, PositionerError, TableCell, nozzle_frame, robots,
 };
-use curvlay_trajectory::{Bounds, FreeRange, LadderError, LeastSpeed, Posture, Robot, Trajectory, least_speed};
-use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use curvlay_trajectory::print::{PrintRobot, Waypoint};
+use curvlay_trajectory::{Bounds, FreeRange, LadderError, LeastSpeed, Posture, Robot, least_speed};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::ops::{ControlFlow, Range};
 
@@ -42,23 +42,22 @@ pub enum MotionError {
 }
 
 /// A robot whose waypoints can be taken apart, and checked.
-pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
-    /// The same cell with some of the waypoints.
-    fn part(&self, waypoints: Range<usize>) -> Self;
-
+pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + PrintRobot<N, F> + Sized {
     /// The same cell with other waypoints.
     fn with(&self, waypoints: Vec<Waypoint>) -> Self;
 
-    /// A waypoint.
-    fn at(&self, waypoint: usize) -> Waypoint;
+    /// Its waypoints.
+    fn path(&self) -> &[Waypoint];
 
-    /// Where the nozzle is on the part; `None` where the table cannot be.
-    fn nozzle_on_part(&self, joints: &[f64; N]) -> Option<Isometry3<f64>>;
+    /// The same cell with some of the waypoints.
+    fn part(&self, waypoints: Range<usize>) -> Self {
+        self.with(self.path()[waypoints].to_vec())
+    }
 
     /// How far joints are from a waypoint: millimetres, and the angle of the axes in radians.
     fn missed(&self, waypoint: usize, joints: &[f64; N]) -> (f64, f64) {
-        let nozzle = self.nozzle_on_part(joints);
-        nozzle.map_or((f64::INFINITY, f64::INFINITY), |nozzle| apart(&nozzle, &self.at(waypoint)))
+        let nozzle = self.nozzle(joints);
+        nozzle.map_or((f64::INFINITY, f64::INFINITY), |nozzle| apart(&nozzle, &self.path()[waypoint]))
     }
 
     /// The bounds of the figures, or with the makers' speeds.
@@ -78,38 +77,9 @@ pub trait Placed<const N: usize, const F: usize>: Robot<N, F> + Sized {
     }
 }
 
-/// Looks between two waypoints.
-const LOOKS: u32 = 8;
-
-/// How far the nozzle leaves the way from each waypoint to the next, on which the tip goes straight and the axis turns evenly:
-/// the tip, or a point of the nozzle that is `lever` from it, in millimetres; infinite where the table cannot be. A motion
-/// meets its waypoints; between them it goes as the joints do.
-///
-/// # Arguments
-/// * `times`: when the motion passes each waypoint of the robot.
-/// * `lever`: in millimetres; 0 looks at the tip alone.
-pub fn strayed<const N: usize, const F: usize>(
-    robot: &impl Placed<N, F>,
-    trajectory: &Trajectory<N>,
-    times: &[f64],
-    lever: f64,
-) -> Vec<f64> {
-    let step = |(waypoint, times): (usize, &[f64])| {
-        let [from, to] = [waypoint, waypoint + 1].map(|waypoint| robot.at(waypoint));
-        let way = to.position - from.position;
-        let off = |look: u32| {
-            let share = f64::from(look) / f64::from(LOOKS);
-            let nozzle = robot.nozzle_on_part(&trajectory.at(times[0] + (times[1] - times[0]) * share).position)?;
-            let tip = nozzle.translation.vector - from.position.coords;
-            let length = way.norm_squared();
-            let along = if length > 0.0 { (tip.dot(&way) / length).clamp(0.0, 1.0) } else { share };
-            let axis = from.axis.try_slerp(&to.axis, along, 1e-9).unwrap_or(from.axis);
-            let turned = (nozzle.rotation * Vector3::z()).cross(&axis).norm();
-            Some((tip - way * along).norm().max(lever * turned))
-        };
-        (1..LOOKS).map(|look| off(look).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
-    };
-    times.windows(2).enumerate().map(step).collect()
+/// A waypoint as kinematics have it.
+fn of(waypoint: &Waypoint) -> curvlay_kinematics::Waypoint {
+    curvlay_kinematics::Waypoint { position: waypoint.position, axis: waypoint.axis }
 }
 
 /// Waypoints centred in x and y by their mean, the lowest at z = 0.
@@ -145,44 +115,58 @@ impl PartInHand {
     }
 }
 
+impl PrintRobot<6, 1> for PartInHand {
+    fn free(&self) -> [FreeRange; 1] {
+        [FreeRange::Turn]
+    }
+
+    fn solutions(&self, waypoint: &Waypoint, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
+        let flange = self.cell.flange(&of(waypoint), free[0]);
+        for (branch, joints) in self.cell.arm().inverse(&flange).iter() {
+            each(branch.slot() as u32, *joints);
+        }
+    }
+
+    fn posture(&self, waypoint: &Waypoint, free: &[f64; 1], branch: u32) -> Option<Posture<6, 1>> {
+        let flange = self.cell.flange(&of(waypoint), free[0]);
+        let joints = *self.cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        Some(Posture { joints, rates: [self.cell.tool_rates(&joints)?.first] })
+    }
+
+    fn nozzle(&self, joints: &[f64; 6]) -> Option<Isometry3<f64>> {
+        Some(self.cell.nozzle_on_part(joints))
+    }
+
+    fn continued(&self, waypoint: &Waypoint, free: &[f64; 1], turn: f64, near: &[f64; 6]) -> Option<[f64; 6]> {
+        self.cell.arm().continuing(&self.cell.flange(&of(waypoint), free[0] + turn), near)
+    }
+}
+
 impl Robot<6, 1> for PartInHand {
     fn waypoints(&self) -> usize {
         self.waypoints.len()
     }
 
     fn free(&self) -> [FreeRange; 1] {
-        [FreeRange::Turn]
+        PrintRobot::free(self)
     }
 
     fn solutions(&self, waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
-        let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
-        for (branch, joints) in self.cell.arm().inverse(&flange).iter() {
-            each(branch.slot() as u32, *joints);
-        }
+        PrintRobot::solutions(self, &self.waypoints[waypoint], free, each);
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; 1], branch: u32) -> Option<Posture<6, 1>> {
-        let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
-        let joints = *self.cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
-        Some(Posture { joints, rates: [self.cell.tool_rates(&joints)?.first] })
+        PrintRobot::posture(self, &self.waypoints[waypoint], free, branch)
     }
 }
 
 impl Placed<6, 1> for PartInHand {
-    fn part(&self, waypoints: Range<usize>) -> Self {
-        self.with(self.waypoints[waypoints].to_vec())
-    }
-
     fn with(&self, waypoints: Vec<Waypoint>) -> Self {
         PartInHand { cell: self.cell, waypoints }
     }
 
-    fn at(&self, waypoint: usize) -> Waypoint {
-        self.waypoints[waypoint]
-    }
-
-    fn nozzle_on_part(&self, joints: &[f64; 6]) -> Option<Isometry3<f64>> {
-        Some(self.cell.nozzle_on_part(joints))
+    fn path(&self) -> &[Waypoint] {
+        &self.waypoints
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<6> {
@@ -254,29 +238,60 @@ pub fn six_and_two(joints: &[f64; 8]) -> ([f64; 6], [f64; 2]) {
     ([a, b, c, d, e, f], [tilt, turn])
 }
 
+impl PrintRobot<8, 2> for OverTable {
+    fn free(&self) -> [FreeRange; 2] {
+        [FreeRange::Within(-MOST_TILT, MOST_TILT), FreeRange::Turn]
+    }
+
+    fn solutions(&self, waypoint: &Waypoint, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 8])) {
+        let Some((table, cell)) = self.turned(free[0], free[1]) else { return };
+        let flange = cell.flange(&of(waypoint), 0.0);
+        for (branch, joints) in cell.arm().inverse(&flange).iter() {
+            each(branch.slot() as u32, eight(&at_rest(joints), table));
+        }
+    }
+
+    fn posture(&self, waypoint: &Waypoint, free: &[f64; 2], branch: u32) -> Option<Posture<8, 2>> {
+        let (table, cell) = self.turned(free[0], free[1])?;
+        let flange = cell.flange(&of(waypoint), 0.0);
+        let joints = at_rest(cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?);
+        let [_, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| at_rest(&rates.first));
+        Some(Posture { joints: eight(&joints, table), rates: [eight(&tilt, [1.0, 0.0]), eight(&turn, [0.0, 1.0])] })
+    }
+
+    fn nozzle(&self, joints: &[f64; 8]) -> Option<Isometry3<f64>> {
+        // Also where a turn passes its stops, which is another fault.
+        let (arm, [tilt, turn]) = six_and_two(joints);
+        let (_, cell) = self.turned(tilt, turn)?;
+        Some(cell.nozzle_on_part(&arm))
+    }
+
+    /// The table stays as it is, whole turns included, and so does joint 6 but for the turn.
+    fn continued(&self, waypoint: &Waypoint, _: &[f64; 2], turn: f64, near: &[f64; 8]) -> Option<[f64; 8]> {
+        let (joints, table) = six_and_two(near);
+        let cell = self.cell.at(&table)?;
+        let (arm, flange) = (cell.arm(), cell.flange(&of(waypoint), 0.0));
+        let back = joints[5] - arm.inverse(&flange).get(arm.branch(&joints))?[5];
+        let flange = flange * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), back + turn);
+        Some(eight(&arm.continuing(&flange, &joints)?, table))
+    }
+}
+
 impl Robot<8, 2> for OverTable {
     fn waypoints(&self) -> usize {
         self.waypoints.len()
     }
 
     fn free(&self) -> [FreeRange; 2] {
-        [FreeRange::Within(-MOST_TILT, MOST_TILT), FreeRange::Turn]
+        PrintRobot::free(self)
     }
 
     fn solutions(&self, waypoint: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 8])) {
-        let Some((table, cell)) = self.turned(free[0], free[1]) else { return };
-        let flange = cell.flange(&self.waypoints[waypoint], 0.0);
-        for (branch, joints) in cell.arm().inverse(&flange).iter() {
-            each(branch.slot() as u32, eight(&at_rest(joints), table));
-        }
+        PrintRobot::solutions(self, &self.waypoints[waypoint], free, each);
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; 2], branch: u32) -> Option<Posture<8, 2>> {
-        let (table, cell) = self.turned(free[0], free[1])?;
-        let flange = cell.flange(&self.waypoints[waypoint], 0.0);
-        let joints = at_rest(cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?);
-        let [_, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| at_rest(&rates.first));
-        Some(Posture { joints: eight(&joints, table), rates: [eight(&tilt, [1.0, 0.0]), eight(&turn, [0.0, 1.0])] })
+        PrintRobot::posture(self, &self.waypoints[waypoint], free, branch)
     }
 }
 
@@ -287,23 +302,12 @@ fn at_rest(joints: &[f64; 6]) -> [f64; 6] {
 }
 
 impl Placed<8, 2> for OverTable {
-    fn part(&self, waypoints: Range<usize>) -> Self {
-        self.with(self.waypoints[waypoints].to_vec())
-    }
-
     fn with(&self, waypoints: Vec<Waypoint>) -> Self {
         OverTable { cell: self.cell, waypoints }
     }
 
-    fn at(&self, waypoint: usize) -> Waypoint {
-        self.waypoints[waypoint]
-    }
-
-    fn nozzle_on_part(&self, joints: &[f64; 8]) -> Option<Isometry3<f64>> {
-        // Also where a turn passes its stops, which is another fault.
-        let (arm, [tilt, turn]) = six_and_two(joints);
-        let (_, cell) = self.turned(tilt, turn)?;
-        Some(cell.nozzle_on_part(&arm))
+    fn path(&self) -> &[Waypoint] {
+        &self.waypoints
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<8> {

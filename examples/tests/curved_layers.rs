@@ -1,10 +1,11 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_examples::motion::{PartInHand, Placed};
+use curvlay_examples::motion::PartInHand;
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
 use curvlay_toolpath::nalgebra::Point3;
+use curvlay_trajectory::print::PrintRobot;
 use serde_json::Value;
 use std::fs;
 use std::io::BufReader;
@@ -412,7 +413,7 @@ fn the_nozzle_keeps_on_its_way_between_waypoints() {
     let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
     let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let joints = |line: &[&str]| -> [f64; 6] { std::array::from_fn(|joint| line[joint + 2].parse().unwrap()) };
-    let tip = |joints: &[f64; 6]| robot.nozzle_on_part(joints).unwrap().translation.vector;
+    let tip = |joints: &[f64; 6]| robot.nozzle(joints).unwrap().translation.vector;
     let mut steps = 0;
     for pair in lines.windows(2).filter(|pair| pair[0][KIND] == "print" && pair[0][0] == pair[1][0]) {
         let [a, b] = [joints(&pair[0]), joints(&pair[1])];

@@ -12,6 +12,7 @@ mod jerk;
 mod ladder;
 mod local;
 mod path;
+pub mod print;
 mod progress;
 mod random;
 mod robot;

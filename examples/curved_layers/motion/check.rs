@@ -3,10 +3,9 @@
 //! Nothing here knows of the planner. The motions are those of `trajectory.csv`, the path is that of the machine file, and
 //! [`check_motion`] computes splines and extremes by itself.
 
-use super::legs::LegKind;
 use super::robots::Printer;
 use super::workcell::Workcell;
-use super::{Limits, Print, placed};
+use super::{Print, placed};
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
@@ -15,6 +14,7 @@ use curvlay_trajectory::check::{
     CheckOptions, CheckedMotion, FindingKind, MotionKind, MotionReport, PathPoint, PrintReport, PrintScene,
     check_motion,
 };
+use curvlay_trajectory::print::{LegKind, PrintCell, PrintLimits};
 use nalgebra::{Isometry3, Point3, UnitVector3};
 use rayon::prelude::*;
 use std::io::{self, BufRead};
@@ -144,7 +144,7 @@ pub fn read<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>>> {
 /// Checks the motions that were written, layer by layer, with the part as it is built by then.
 pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
     print: &Print,
-    limits: &Limits<N>,
+    limits: &PrintLimits<N>,
     motions: &[Written<N>],
     bars: &Bars,
 ) -> Result<Checked<N>, Failure> {
@@ -163,8 +163,8 @@ pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
         let mut reports: Vec<MotionReport<N>> = Vec::with_capacity(motions.len());
         for of_layer in motions.chunk_by(|a, b| a.layer == b.layer) {
             bars.update("check motions", reports.len() as u64, motions.len() as u64);
-            cell.begin(of_layer[0].layer)?;
-            cell.build(of_layer[0].layer)?;
+            cell.begin(of_layer[0].layer).map_err(failure)?;
+            cell.build(of_layer[0].layer).map_err(failure)?;
             let (scene, first) = (Executed { print, motions, cell: &cell }, reports.len());
             let one = |number: usize| {
                 let motion = CheckedMotion { apart: scene.is_apart(number), ..scene.motion(number, &path[number]) };
@@ -216,7 +216,7 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Executed<'_, N, F, R> {
 
 impl<const N: usize, const F: usize, R: Printer<N, F>> PrintScene<N> for Executed<'_, N, F, R> {
     fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
-        self.cell.robot().nozzle_on_part(joints)
+        self.cell.robot().nozzle(joints)
     }
 
     /// By the rule of the machine file. Transfers keep the margin from the part, which is looked at in sweeps.

@@ -1,20 +1,11 @@
 //! Stage `motion`: joint trajectories for the whole print, of a UR3 that holds the part under a standing nozzle or
 //! (`--cell8`) of an arm with the nozzle over a table that tilts and turns.
 //!
-//! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. Every path is split where waypoints are out of reach (`postures`); each run gets the
-//! postures of the motion of least jerk and the fastest timing within the limits of the joints (`run`), with as many waypoints as
-//! keep the nozzle on its way (`course`). Between runs the nozzle lifts off, travels and comes down (`travel`), clear of the part
-//! as it is built by then (`workcell`). What has been written is read again and checked (`check`).
+//! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. The planning is that of [`curvlay_trajectory::print`]; here are the two cells
+//! (`robots`), what stands in them while the part grows (`workcell`), and the check of what has been written (`check`).
 
 pub mod check;
-mod course;
-mod flow;
-pub mod legs;
-mod plan;
-mod postures;
 pub mod robots;
-mod run;
-pub mod travel;
 mod workcell;
 
 use crate::failure;
@@ -27,18 +18,20 @@ use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{OverTable, PartInHand};
-use curvlay_kinematics::Waypoint;
-use curvlay_toolpath::surface::{GougingOptions, Nozzle};
-use curvlay_trajectory::{Bounds, Trajectory};
+use curvlay_toolpath::surface::{GougingOptions, MoveKind, Nozzle};
+use curvlay_trajectory::Bounds;
+use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintPath, PrintPlan, Waypoint, plan_print};
 use nalgebra::Vector3;
-use plan::plan;
 use robots::Printer;
 use std::f64::consts::PI;
 use std::io::BufRead;
 use std::ops::ControlFlow;
-use std::time::Duration;
-use travel::Travel;
+use std::time::Instant;
 use workcell::{Job, Workcell};
+
+/// How deep the nozzle may be in a layer on a planned motion, as a share of its height: motions are checked with a little more,
+/// at more places.
+const PLANNED_DEPTH: f64 = 0.24;
 
 /// How far the nozzle may leave its path, as a share of layer height or bead: what gouging allows as well.
 const TOLERANCE_SHARE: f64 = 0.25;
@@ -108,191 +101,34 @@ pub enum Motion {
     OverTable(Box<MotionRun<8, 2, OverTable>>),
 }
 
-/// What the extruder can follow.
-#[derive(Clone, Copy, Debug)]
-pub struct FlowBounds {
-    pub max_flow_mm3_s: f64,
-    pub max_ramp_mm3_s2: f64,
-    /// Section of the filament.
-    pub filament_mm2: f64,
-}
-
-/// What every motion keeps within.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits<const N: usize> {
-    /// Stops, the makers' speeds, and the accelerations and jerks that were asked for.
-    pub bounds: Bounds<N>,
-    pub flow: FlowBounds,
-    /// How far the nozzle may leave its path, at its tip and at a point so far from the tip.
-    pub tolerance_mm: f64,
-    pub lever_mm: f64,
-    /// How far things stay apart.
-    pub margin_mm: f64,
-}
-
-impl<const N: usize> Limits<N> {
-    /// Stops and speeds alone.
-    pub fn speeds(&self) -> Bounds<N> {
-        Bounds { acceleration: [f64::INFINITY; N], jerk: [f64::INFINITY; N], ..self.bounds }
-    }
-}
-
 /// The whole print.
 pub struct MotionRun<const N: usize, const F: usize, R> {
     /// The cell, without waypoints.
     pub robot: R,
-    pub limits: Limits<N>,
-    /// In the order in which they are travelled.
-    pub runs: Vec<Run<N, F>>,
-    /// From the end of each run to the start of the next; `None` where no way was found.
-    pub travels: Vec<Option<Travel<N>>>,
+    pub limits: PrintLimits<N>,
+    /// How far things stay apart.
+    pub margin_mm: f64,
+    pub plan: PrintPlan<N, F>,
     /// Positions in the part, less this, are positions over what carries it.
     pub shift: Vector3<f64>,
-    pub figures: Figures,
     /// What the check of the written motions found.
     pub checked: Option<Checked<N>>,
 }
 
-/// One unbroken motion along a path, from rest to rest.
-pub struct Run<const N: usize, const F: usize> {
-    /// The path, by its place in the list.
-    pub path: usize,
-    pub layer: u32,
-    pub trajectory: Trajectory<N>,
-    /// Knots of the motion at waypoints, and which of the path these are; `None` of those that were put between two.
-    pub passes: Vec<(usize, Option<usize>)>,
-    /// Millimetres of filament since it began, at each knot.
-    pub filament: Vec<f64>,
-    /// Free parameters and waypoint at both ends.
-    pub ends: [([f64; F], Waypoint); 2],
-}
-
-/// What is said of the whole print.
-pub struct Figures {
-    /// The cell, in words.
-    pub name: &'static str,
-    pub motions: usize,
-    pub transfers: usize,
-    /// How far from its waypoint a nozzle is at most, and from the straight way between two.
-    pub missed_mm: f64,
-    pub strayed_mm: f64,
-    /// Lowest share of the planned feed at a waypoint between the ends of a motion.
-    pub min_pace: f64,
-    /// Seconds of printing: at the planned feed, and as it is.
-    pub planned_s: f64,
-    pub printing_s: f64,
-    /// On the clock.
-    pub times: Times,
-    /// In the order of the print.
-    pub faults: Vec<Fault>,
-    pub layers: Vec<LayerFigures>,
-}
-
-/// How long the steps took.
-#[derive(Clone, Copy, Default)]
-pub struct Times {
-    pub plan: Duration,
-    pub transfers: Duration,
-}
-
-/// What is said of a layer. Transfers count with the layer to which they lead.
-#[derive(Clone, Copy, Default)]
-pub struct LayerFigures {
-    pub layer: u32,
-    pub motions: usize,
-    pub waypoints: usize,
-    pub robot_s: f64,
-    /// On the threads that did it, added up: what a single one would have taken.
-    pub times: Times,
-    pub faults: usize,
-}
-
-/// Something that cannot be printed as it is, or not be reached.
-#[derive(Clone, Debug)]
-pub struct Fault {
-    pub layer: u32,
-    pub path: usize,
-    pub kind: FaultKind,
-    /// The waypoint of the path.
-    pub waypoint: usize,
-    pub what: String,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaultKind {
-    /// No tool angle (and no tilt and turn of the table) reaches the waypoint.
-    Unreachable,
-    /// In reach, but something touches at every tool angle.
-    Blocked,
-    /// The path breaks off before the waypoint: no posture leads on from the one before.
-    Break,
-    /// The nozzle leaves the way from the waypoint to the next.
-    Astray,
-    /// No way to the next run was found.
-    NoTransfer,
-}
-
-impl FaultKind {
-    pub fn name(self) -> &'static str {
+impl Motion {
+    /// How many faults of a kind there are.
+    pub fn count(&self, kind: FaultKind) -> usize {
         match self {
-            FaultKind::Unreachable => "unreachable",
-            FaultKind::Blocked => "blocked",
-            FaultKind::Break => "break",
-            FaultKind::Astray => "astray",
-            FaultKind::NoTransfer => "no transfer",
+            Motion::PartInHand(run) => run.plan.count(kind),
+            Motion::OverTable(run) => run.plan.count(kind),
         }
     }
-}
 
-impl<const N: usize, const F: usize> Run<N, F> {
-    /// How long it takes to each waypoint of the path from the one before: path, waypoint, seconds.
-    fn steps(&self) -> Vec<(usize, usize, f64)> {
-        let given = self.passes.iter().filter_map(|&(knot, waypoint)| Some((self.trajectory.times()[knot], waypoint?)));
-        let given: Vec<(f64, usize)> = given.collect();
-        let step = |pair: &[(f64, usize)]| (self.path, pair[1].1, pair[1].0 - pair[0].0);
-        given.windows(2).filter(|pair| pair[1].1 == pair[0].1 + 1).map(step).collect()
-    }
-
-    /// Seconds from rest to rest.
-    pub fn duration(&self) -> f64 {
-        let (first, last) = self.trajectory.span();
-        last - first
-    }
-}
-
-impl Times {
-    pub fn all(&self) -> Duration {
-        self.plan + self.transfers
-    }
-}
-
-impl LayerFigures {
-    /// Planning time by robot time.
-    pub fn factor(&self, times: impl Fn(&Times) -> Duration) -> f64 {
-        times(&self.times).as_secs_f64() / self.robot_s.max(f64::MIN_POSITIVE)
-    }
-}
-
-impl Figures {
-    /// Seconds that the robot moves.
-    pub fn robot_s(&self) -> f64 {
-        self.layers.iter().map(|layer| layer.robot_s).sum()
-    }
-
-    pub fn plan_s(&self) -> f64 {
-        self.times.all().as_secs_f64()
-    }
-
-    pub fn count(&self, kind: FaultKind) -> usize {
-        self.faults.iter().filter(|fault| fault.kind == kind).count()
-    }
-}
-
-impl Motion {
-    pub fn figures(&self) -> &Figures {
+    /// Whether nothing can be printed.
+    pub fn is_empty(&self) -> bool {
         match self {
-            Motion::PartInHand(run) => &run.figures,
-            Motion::OverTable(run) => &run.figures,
+            Motion::PartInHand(run) => run.plan.runs.is_empty(),
+            Motion::OverTable(run) => run.plan.runs.is_empty(),
         }
     }
 
@@ -307,8 +143,8 @@ impl Motion {
     /// How long the motion takes to each waypoint from the one before: path, waypoint, seconds.
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
         match self {
-            Motion::PartInHand(run) => run.runs.iter().flat_map(Run::steps).collect(),
-            Motion::OverTable(run) => run.runs.iter().flat_map(Run::steps).collect(),
+            Motion::PartInHand(run) => run.plan.steps(),
+            Motion::OverTable(run) => run.plan.steps(),
         }
     }
 
@@ -320,7 +156,7 @@ impl Motion {
             (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed"),
             (FaultKind::NoTransfer, "transfers were not found: the robot has to be brought there by hand"),
         ];
-        let counted = kinds.map(|(kind, what)| (self.figures().count(kind), what));
+        let counted = kinds.map(|(kind, what)| (self.count(kind), what));
         let failed = counted.into_iter().filter(|(count, _)| *count > 0);
         let failed = failed.map(|(count, what)| format!("{count} {what}, see motion-faults.csv"));
         let checked = match self {
@@ -360,15 +196,62 @@ impl Print<'_> {
         Vector3::new(mean.x, mean.y, 0.0)
     }
 
-    fn limits<const N: usize, const F: usize>(&self, robot: &impl Printer<N, F>) -> Limits<N> {
-        let MotionArgs { acceleration, jerk, max_flow, max_flow_ramp, tolerance, margin, .. } = *self.args;
-        let bounds = Bounds { acceleration: [acceleration; N], jerk: [jerk; N], ..robot.limits() };
-        let tolerance_mm = tolerance.unwrap_or(TOLERANCE_SHARE * self.surfaces.height_mm.min(self.paths.bead_mm));
-        // The lower edge of the block.
-        let lever_mm = self.nozzle.block_radius().hypot(self.nozzle.cone_height());
-        let filament_mm2 = PI * self.filament_mm * self.filament_mm / 4.0;
-        let flow = FlowBounds { max_flow_mm3_s: max_flow, max_ramp_mm3_s2: max_flow_ramp, filament_mm2 };
-        Limits { bounds, flow, tolerance_mm, lever_mm, margin_mm: margin }
+    fn limits<const N: usize, const F: usize>(&self, robot: &impl Printer<N, F>) -> PrintLimits<N> {
+        let MotionArgs { acceleration, jerk, max_flow, max_flow_ramp, tolerance, .. } = *self.args;
+        PrintLimits {
+            bounds: Bounds { acceleration: [acceleration; N], jerk: [jerk; N], ..robot.limits() },
+            max_flow_mm3_s: max_flow,
+            max_flow_ramp_mm3_s2: max_flow_ramp,
+            filament_mm2: PI * self.filament_mm * self.filament_mm / 4.0,
+            tolerance_mm: tolerance.unwrap_or(TOLERANCE_SHARE * self.surfaces.height_mm.min(self.paths.bead_mm)),
+            // The lower edge of the block.
+            lever_mm: self.nozzle.block_radius().hypot(self.nozzle.cone_height()),
+        }
+    }
+
+    /// For each path, when the plan of the deposition passes each waypoint, and how much filament it has laid by then.
+    fn flows(&self) -> Vec<[Vec<f64>; 2]> {
+        let mut flows = vec![[vec![0.0], vec![0.0]]; self.machine.freed.paths.len()];
+        for step in self.machine.deposition.moves.iter().filter(|step| step.kind == MoveKind::Print) {
+            let [times, filament] = &mut flows[step.path];
+            times.push(times[times.len() - 1] + step.seconds);
+            filament.push(filament[filament.len() - 1] + step.filament);
+        }
+        flows
+    }
+
+    /// Plans it.
+    fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
+        &self,
+        bars: &Bars,
+    ) -> Result<MotionRun<N, F, R>, Failure> {
+        let start = Instant::now();
+        let (robot, shift) = (R::empty()?, self.shift());
+        let limits = self.limits(&robot);
+        let flows = self.flows();
+        let of_path = |path: &curvlay_toolpath::surface::ToolPath| {
+            path.waypoints.iter().map(|waypoint| placed(waypoint, &shift)).collect()
+        };
+        let waypoints: Vec<Vec<Waypoint>> = self.machine.freed.paths.iter().map(of_path).collect();
+        let paths: Vec<PrintPath> = (self.machine.freed.paths.iter().zip(&waypoints).zip(&flows))
+            .map(|((path, waypoints), [times, filament_mm])| PrintPath {
+                layer: path.layer,
+                waypoints,
+                times,
+                filament_mm,
+            })
+            .collect();
+        let progress = |p: curvlay_trajectory::Progress| {
+            bars.update(p.stage, p.done, p.total);
+            ControlFlow::Continue(())
+        };
+        let plan = self.in_workcell(PLANNED_DEPTH, bars, |cell: Workcell<N, F, R>| {
+            let took = start.elapsed();
+            let mut plan = plan_print(&robot, cell, &paths, &limits, &R::options(), &progress).map_err(failure)?;
+            plan.times.runs += took;
+            Ok(plan)
+        })?;
+        Ok(MotionRun { robot, limits, margin_mm: self.args.margin, plan, shift, checked: None })
     }
 
     /// The workcell before anything is built, for as long as `work` takes. The nozzle may be so deep in a layer, as a share of
@@ -388,8 +271,8 @@ impl Print<'_> {
             // The workcell knows the plate.
             let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
             let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
-            let job = Job { field, surfaces, nozzle, contacts: &contacts, shift: self.shift() };
-            work(Workcell::new(&job, self.limits(&R::empty()?))?)
+            let (shift, margin_mm) = (self.shift(), self.args.margin);
+            work(Workcell::new(&Job { field, surfaces, nozzle, contacts: &contacts, shift, margin_mm })?)
         })
     }
 }
@@ -397,9 +280,9 @@ impl Print<'_> {
 /// Plans the whole print on the cell that is wanted.
 pub fn run(print: &Print, bars: &Bars) -> Result<Motion, Failure> {
     if print.args.cell8 {
-        Ok(Motion::OverTable(Box::new(plan(print, bars)?)))
+        Ok(Motion::OverTable(Box::new(print.plan(bars)?)))
     } else {
-        Ok(Motion::PartInHand(Box::new(plan(print, bars)?)))
+        Ok(Motion::PartInHand(Box::new(print.plan(bars)?)))
     }
 }
 

@@ -10,11 +10,12 @@
 
 use crate::failure;
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::{OverTable, PartInHand, Placed, eight, six_and_two};
+use curvlay_examples::motion::{OverTable, PartInHand, Placed, six_and_two};
 use curvlay_kinematics::program::{ConfData, Target};
 use curvlay_kinematics::scene::{Body, Mount, Posture, SceneModel, Shape, links};
-use curvlay_kinematics::{Cell, Waypoint, robots};
+use curvlay_kinematics::{Cell, robots};
 use curvlay_trajectory::Bounds;
+use curvlay_trajectory::print::PrintOptions;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
@@ -63,19 +64,8 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Clone + Send {
     /// What a report calls it.
     const NAME: &'static str;
 
-    /// Samples of the free parameters at which a waypoint is tried, and of the ladder to begin with.
-    const SAMPLES: [u32; F];
-
-    /// Samples with which a waypoint is searched that has no posture at those: a waypoint without one here is out of reach.
-    const DENSE: [u32; F];
-
-    /// Where the few lead nowhere, as many as a step leads from one to the next; and how often the ladder may double them.
-    const NEAR: [u32; F];
-    const DOUBLINGS: u32;
-
-    /// How far each joint may go from a waypoint to the next, in radians. Their directions differ by a sixth; what goes
-    /// much farther turns the arm over, and the nozzle goes anywhere between.
-    const STEP: [f64; N];
+    /// How its postures are searched.
+    fn options() -> PrintOptions<N, F>;
 
     /// The cell without waypoints.
     fn empty() -> Result<Self, Failure>;
@@ -89,17 +79,13 @@ pub trait Printer<const N: usize, const F: usize>: Placed<N, F> + Clone + Send {
     fn scene(&self) -> SceneModel;
 
     /// What the nozzle is fixed to, and its frame there.
-    fn nozzle(&self) -> (Mount, Isometry3<f64>);
+    fn nozzle_frame(&self) -> (Mount, Isometry3<f64>);
 
     /// What the part is fixed to, and its frame there.
     fn part_frame(&self) -> (Mount, Isometry3<f64>);
 
     /// Joints as the scene takes them.
     fn posture_of(joints: &[f64; N]) -> Posture;
-
-    /// Joints for a waypoint with the tool turned by so much about the nozzle, its free parameters otherwise as they were,
-    /// nearest to some that are known.
-    fn near(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, near: &[f64; N]) -> Option<[f64; N]>;
 
     /// Where everything is; `None` with the table beyond its limits.
     fn stance(&self, joints: &[f64; N]) -> Option<Stance>;
@@ -168,11 +154,10 @@ fn placement_of(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> Plac
 
 impl Printer<6, 1> for PartInHand {
     const NAME: &'static str = "UR3 that holds the part under a standing nozzle";
-    const SAMPLES: [u32; 1] = [24];
-    const DENSE: [u32; 1] = [720];
-    const NEAR: [u32; 1] = [24];
-    const DOUBLINGS: u32 = 4;
-    const STEP: [f64; 6] = [0.35; 6];
+
+    fn options() -> PrintOptions<6, 1> {
+        PrintOptions::default()
+    }
 
     fn empty() -> Result<Self, Failure> {
         PartInHand::new(Vec::new()).map_err(failure)
@@ -184,7 +169,7 @@ impl Printer<6, 1> for PartInHand {
         SceneModel { bodies: vec![floor(), beam, pillar], links, ..SceneModel::of(*self.cell().arm()) }
     }
 
-    fn nozzle(&self) -> (Mount, Isometry3<f64>) {
+    fn nozzle_frame(&self) -> (Mount, Isometry3<f64>) {
         (Mount::Base, self.cell().other())
     }
 
@@ -204,10 +189,6 @@ impl Printer<6, 1> for PartInHand {
         (*joints).into()
     }
 
-    fn near(&self, waypoint: &Waypoint, free: &[f64; 1], turn: f64, near: &[f64; 6]) -> Option<[f64; 6]> {
-        self.cell().arm().continuing(&self.cell().flange(waypoint, free[0] + turn), near)
-    }
-
     fn stance(&self, joints: &[f64; 6]) -> Option<Stance> {
         Some(stance_of(self.cell(), joints, true))
     }
@@ -219,11 +200,11 @@ impl Printer<6, 1> for PartInHand {
 
 impl Printer<8, 2> for OverTable {
     const NAME: &'static str = "IRB 1200 over a table that tilts and turns";
-    const SAMPLES: [u32; 2] = [5, 4];
-    const DENSE: [u32; 2] = [25, 72];
-    const NEAR: [u32; 2] = [7, 18];
-    const DOUBLINGS: u32 = 1;
-    const STEP: [f64; 8] = [0.35; 8];
+
+    fn options() -> PrintOptions<8, 2> {
+        let (samples, dense_samples, near_samples) = ([5, 4], [25, 72], [7, 18]);
+        PrintOptions { samples, dense_samples, near_samples, doublings: 1, ..PrintOptions::default() }
+    }
 
     fn empty() -> Result<Self, Failure> {
         OverTable::new(Vec::new()).map_err(failure)
@@ -231,7 +212,7 @@ impl Printer<8, 2> for OverTable {
 
     fn scene(&self) -> SceneModel {
         let cell = self.cell();
-        let (link, flange_nozzle) = self.nozzle();
+        let (link, flange_nozzle) = self.nozzle_frame();
         let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
         let post = Shape::cylinder(POST_RADIUS, -POST_MM, -super::workcell::PLATE_MM);
         let [low, high] = HOLDER;
@@ -246,7 +227,7 @@ impl Printer<8, 2> for OverTable {
         SceneModel { links, bodies, positioner, ..SceneModel::of(*cell.arm()) }
     }
 
-    fn nozzle(&self) -> (Mount, Isometry3<f64>) {
+    fn nozzle_frame(&self) -> (Mount, Isometry3<f64>) {
         // What the arm holds is the same wherever the table is; at zero it is within its limits.
         let held = self.cell().at(&[0.0; 2]).map_or_else(Isometry3::identity, |cell| cell.held());
         (Mount::Link(6), held)
@@ -259,16 +240,6 @@ impl Printer<8, 2> for OverTable {
     fn posture_of(joints: &[f64; 8]) -> Posture {
         let (joints, table) = six_and_two(joints);
         Posture { joints, table }
-    }
-
-    fn near(&self, waypoint: &Waypoint, _: &[f64; 2], turn: f64, near: &[f64; 8]) -> Option<[f64; 8]> {
-        // The table stays as it is, whole turns included, and so does joint 6 but for the turn.
-        let (joints, table) = six_and_two(near);
-        let cell = self.cell().at(&table)?;
-        let (arm, flange) = (cell.arm(), cell.flange(waypoint, 0.0));
-        let back = joints[5] - arm.inverse(&flange).get(arm.branch(&joints))?[5];
-        let flange = flange * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), back + turn);
-        Some(eight(&arm.continuing(&flange, &joints)?, table))
     }
 
     fn stance(&self, joints: &[f64; 8]) -> Option<Stance> {

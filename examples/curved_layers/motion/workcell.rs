@@ -4,17 +4,15 @@
 //! layer, everywhere on a motion. Everything else (links, table, plate, stand, and the part against these) keeps a margin, and
 //! on transfers nozzle and block keep it from part and plate as well.
 
-use super::Limits;
 use super::robots::Printer;
 use crate::failure;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
-use curvlay_kinematics::Waypoint;
-use curvlay_kinematics::scene::{Body, Clearance, Posture, Scene, SceneModel, Shape, Sweep};
+use curvlay_kinematics::scene::{Body, Clearance as Distance, Posture, Scene, SceneModel, Shape, Sweep};
 use curvlay_toolpath::surface::{Contact, ContactError, Contacts, Moment, Nozzle, NozzlePart, Obstacle, Pose};
-use curvlay_trajectory::Trajectory;
 use curvlay_trajectory::indicator::CollisionIndicator;
+use curvlay_trajectory::print::{self, Clearance, PrintCell, Waypoint};
 use curvlay_trajectory::transfer::FreeSpace;
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -36,10 +34,9 @@ const FINE_MM: f64 = 0.25;
 /// The filter is told what is nearer than this, in millimetres.
 const NEAR_MM: f64 = 30.0;
 
-/// How much farther than the margin things stay apart at waypoints, in millimetres, the best first. With the first the smooth
-/// motion may sway between two waypoints, and the arm can leave. Each next one is for paths that cannot be followed so: the
-/// last is twice what fine sweeps leave undecided.
-pub const CLEARANCES_MM: [f64; 3] = [9.5, 2.5, 2.0 * FINE_MM];
+/// How much farther than the margin things stay apart at waypoints, in millimetres, by [`Clearance`]. The least is twice what fine
+/// sweeps leave undecided.
+const CLEARANCES_MM: [f64; Clearance::ALL.len()] = [9.5, 2.5, 2.0 * FINE_MM];
 
 /// Robot, nozzle, plate and the part as far as it is built.
 #[derive(Clone)]
@@ -60,7 +57,6 @@ pub struct Workcell<'a, const N: usize, const F: usize, R> {
     /// Surfaces that are there while one is printed, that one included, and behind transfers.
     begun: usize,
     built: usize,
-    limits: Limits<N>,
 }
 
 /// What of the nozzle comes nearest to the plate: its tip flat, and the block from where to where it reaches above the tip.
@@ -80,15 +76,17 @@ pub struct Job<'a> {
     pub contacts: &'a Contacts<'a>,
     /// Positions in the part, less this, are positions over what carries it.
     pub shift: Vector3<f64>,
+    /// How far things stay apart.
+    pub margin_mm: f64,
 }
 
 impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R> {
-    pub fn new(job: &Job<'a>, limits: Limits<N>) -> Result<Self, Failure> {
+    pub fn new(job: &Job<'a>) -> Result<Self, Failure> {
         let robot = R::empty()?;
-        let Job { field, surfaces, nozzle: shape, contacts, shift } = *job;
+        let Job { field, surfaces, nozzle: shape, contacts, shift, margin_mm } = *job;
         let grid = &field.solid.grid;
         let (carrier, part_frame) = robot.part_frame();
-        let (holder, nozzle) = robot.nozzle();
+        let (holder, nozzle) = robot.nozzle_frame();
         let carrier_part = part_frame * Isometry3::translation(-shift.x, -shift.y, 0.0);
         let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
         let ring = |radius: f64, z: f64| {
@@ -119,7 +117,7 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         let may = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
         let of_nozzle = ["nozzle", "hot end"];
         let allowed = of_nozzle.iter().flat_map(|a| ["part", "plate"].map(|b| may(a, b))).collect::<Vec<_>>();
-        let margin = limits.margin_mm;
+        let margin = margin_mm;
         let model = SceneModel { margin, ..model };
         let with = |more: f64| {
             let model = SceneModel { margin: margin + more, allowed: allowed.clone(), ..model.clone() };
@@ -129,51 +127,16 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         let (printing, clear) = (with(0.0)?, [wide?, aloof?, close?]);
         let moving = Scene::new(model).map_err(failure)?;
         let layers = layers(field, surfaces).into();
-        Ok(Workcell {
-            printing,
-            clear,
-            moving,
-            robot,
-            field,
-            contacts,
-            outline,
-            shift,
-            layers,
-            begun: 0,
-            built: 0,
-            limits,
-        })
+        Ok(Workcell { printing, clear, moving, robot, field, contacts, outline, shift, layers, begun: 0, built: 0 })
     }
 
     pub fn robot(&self) -> &R {
         &self.robot
     }
 
-    pub fn limits(&self) -> &Limits<N> {
-        &self.limits
-    }
-
     /// Positions in the part, less this, are positions over what carries it.
     pub fn shift(&self) -> &Vector3<f64> {
         &self.shift
-    }
-
-    /// Adds the cells of all surfaces up to one, which is about to be printed.
-    pub fn begin(&mut self, surface: u32) -> Result<(), Failure> {
-        let (rows, until) = self.rows(self.begun, surface);
-        for scene in self.clear.iter_mut().chain([&mut self.printing]) {
-            scene.add_cells("part", &rows).map_err(failure)?;
-        }
-        self.begun = until;
-        Ok(())
-    }
-
-    /// The same for transfers, which from now on have that surface in their way.
-    pub fn build(&mut self, surface: u32) -> Result<(), Failure> {
-        let (rows, until) = self.rows(self.built, surface);
-        self.moving.add_cells("part", &rows).map_err(failure)?;
-        self.built = until;
-        Ok(())
     }
 
     /// Cells of the surfaces from one up to another, and how many surfaces there are then.
@@ -189,23 +152,6 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         (rows, until)
     }
 
-    /// Whether a posture is free while the nozzle prints, with all of its layer there, and with so much clearance.
-    pub fn may_print(&self, joints: &[f64; N], clearance: usize) -> bool {
-        matches!(self.clear[clearance].touching(&R::posture_of(joints)), Ok(None))
-    }
-
-    /// What is in the way at a posture, in words.
-    pub fn in_the_way(&self, joints: &[f64; N]) -> Option<String> {
-        let [a, b] = self.clear[CLEARANCES_MM.len() - 1].touching(&R::posture_of(joints)).ok()??;
-        Some(format!("{a} and {b}"))
-    }
-
-    /// On how many pieces of a motion something may touch while the nozzle prints, with all of its layer there.
-    pub fn touching(&self, trajectory: &Trajectory<N>) -> usize {
-        let knots = (0..trajectory.times().len() - 1).map(|piece| trajectory.control(piece));
-        knots.filter(|control| self.touches_printing(control).is_some()).count()
-    }
-
     /// What may touch on a cubic piece of a motion while the nozzle prints or leaves its path, in words.
     pub fn touches_printing(&self, control: &[[f64; N]; 4]) -> Option<String> {
         touches::<N, F, R>(&self.printing, control)
@@ -214,12 +160,6 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
     /// The same on a transfer.
     pub fn touches_moving(&self, control: &[[f64; N]; 4]) -> Option<String> {
         touches::<N, F, R>(&self.moving, control)
-    }
-
-    /// Whether a straight motion of the joints is free while the nozzle leaves its path.
-    pub fn may_leave(&self, from: &[f64; N], to: &[f64; N]) -> bool {
-        let control = [0.0, 1.0, 2.0, 3.0].map(|k| std::array::from_fn(|j| from[j] + (to[j] - from[j]) * (k / 3.0)));
-        self.touches_printing(&control).is_none()
     }
 
     /// Where the nozzle is deepest in what is built at some moment, or in the plate, if that is deeper than it may be, standing
@@ -253,12 +193,46 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
         let point = tip + self.shift;
         (depth > 0.0).then_some(Contact { obstacle: Obstacle::Plate, depth, height: 0.0, part, point })
     }
+}
 
-    /// Whether the nozzle is nowhere too deep in what is built at some moment, standing at a waypoint over what carries the part.
-    pub fn gouges_nothing(&self, moment: Moment, waypoint: &Waypoint) -> bool {
-        let pose = Pose { tip: waypoint.position + self.shift, direction: waypoint.axis };
-        let above_plate = self.below_plate(&waypoint.position, &waypoint.axis).is_none();
-        above_plate && self.contacts.is_free(moment, &pose).unwrap_or(false)
+impl<const N: usize, const F: usize, R: Printer<N, F>> PrintCell<N> for Workcell<'_, N, F, R> {
+    fn begin(&mut self, layer: u32) -> Result<(), String> {
+        let (rows, until) = self.rows(self.begun, layer);
+        for scene in self.clear.iter_mut().chain([&mut self.printing]) {
+            scene.add_cells("part", &rows).map_err(|error| error.to_string())?;
+        }
+        self.begun = until;
+        Ok(())
+    }
+
+    fn build(&mut self, layer: u32) -> Result<(), String> {
+        let (rows, until) = self.rows(self.built, layer);
+        self.moving.add_cells("part", &rows).map_err(|error| error.to_string())?;
+        self.built = until;
+        Ok(())
+    }
+
+    fn keeps(&self, joints: &[f64; N], clearance: Clearance) -> bool {
+        matches!(self.clear[clearance as usize].touching(&R::posture_of(joints)), Ok(None))
+    }
+
+    fn obstacle(&self, joints: &[f64; N]) -> Option<String> {
+        let [a, b] = self.clear[Clearance::Least as usize].touching(&R::posture_of(joints)).ok()??;
+        Some(format!("{a} and {b}"))
+    }
+
+    fn touches(&self, control: &[[f64; N]; 4]) -> Option<String> {
+        self.touches_printing(control)
+    }
+
+    fn is_gouging(&self, moment: print::Moment, nozzle: &Waypoint) -> bool {
+        let moment = match moment {
+            print::Moment::At { path, waypoint } => Moment::At { path, waypoint },
+            print::Moment::After { path } => Moment::After { path },
+        };
+        let pose = Pose { tip: nozzle.position + self.shift, direction: nozzle.axis };
+        let above_plate = self.below_plate(&nozzle.position, &nozzle.axis).is_none();
+        !(above_plate && self.contacts.is_free(moment, &pose).unwrap_or(false))
     }
 }
 
@@ -295,7 +269,7 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> CollisionIndicator<N> for
 
     fn gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]) {
         match self.printing.clearance(&R::posture_of(joints), NEAR_MM) {
-            Ok(Some(Clearance { nearest, joints, table })) => {
+            Ok(Some(Distance { nearest, joints, table })) => {
                 let slope = |j: usize| -if j < joints.len() { joints[j] } else { table[j - joints.len()] };
                 (self.printing.margin() - nearest.distance, std::array::from_fn(slope))
             }

@@ -74,10 +74,9 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
             Motion::OverTable(run) => motion::summary(run, &mut summary)?,
         }
         programs::summary(&written, &mut summary)?;
-        motion::rows(run.figures(), of_motion);
         match run {
-            Motion::PartInHand(run) => motion::check_rows(run, of_motion),
-            Motion::OverTable(run) => motion::check_rows(run, of_motion),
+            Motion::PartInHand(run) => motion::rows(run, of_motion),
+            Motion::OverTable(run) => motion::rows(run, of_motion),
         }
         programs::rows(&written, of_motion);
     }

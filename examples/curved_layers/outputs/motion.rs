@@ -1,10 +1,9 @@
 //! Of the motion: `trajectory.csv`, `layers.csv`, figures, and the robot at eight moments.
 
 use super::{Picture, borrowed, pictures, seconds};
+use crate::motion::MotionRun;
 use crate::motion::check::{Checked, Sort};
-use crate::motion::legs::LegKind;
 use crate::motion::robots::Printer;
-use crate::motion::{FaultKind, Figures, LayerFigures, MotionRun, Run, Times};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
@@ -16,6 +15,7 @@ use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_kinematics::scene::{Body, Mount, Shape};
 use curvlay_trajectory::check::{JointPeaks, PrintPeak};
+use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use serde_json::Value;
 use std::io::{self, Write};
@@ -42,8 +42,8 @@ pub fn products<const N: usize, const F: usize, R>(
     run: &MotionRun<N, F, R>,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
-    folder.write_with("layers.csv", |out| write_layers(&run.figures.layers, out))?;
-    let faults = &run.figures.faults;
+    folder.write_with("layers.csv", |out| write_layers(&run.plan.layers, out))?;
+    let faults = &run.plan.faults;
     folder.write_list("motion-faults.csv", !faults.is_empty(), |out| {
         writeln!(out, "layer,path,at,kind,what")?;
         faults.iter().try_for_each(|fault| {
@@ -67,7 +67,8 @@ pub fn write_csv<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, ou
     let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}")).collect();
     writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
     let (mut start, mut laid) = (0.0, 0.0);
-    for (number, leg) in run.legs(0..run.runs.len()).enumerate() {
+    let plan = &run.plan;
+    for (number, leg) in plan.legs(0..plan.runs.len()).enumerate() {
         let (kind, layer, path) = (leg.kind.name(), leg.run.layer + 1, leg.run.path);
         let passes = if leg.kind == LegKind::Print { &leg.run.passes[..] } else { &[] };
         let mut passes = passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
@@ -78,70 +79,70 @@ pub fn write_csv<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, ou
             if let Some((_, waypoint)) = passes.next_if(|(passed, _)| *passed == knot) {
                 write!(out, "{waypoint}")?;
             }
-            writeln!(out, ",{:.6}", laid + leg.filament(*time))?;
+            writeln!(out, ",{:.6}", laid + leg.filament_mm(*time))?;
         }
         start += leg.duration();
-        laid += leg.filament(leg.duration());
+        laid += leg.filament_mm(leg.duration());
     }
     Ok(())
 }
 
 /// A line a layer: how long the robot moves, and how long a single thread would have planned.
-fn write_layers(layers: &[LayerFigures], out: &mut dyn Write) -> io::Result<()> {
+fn write_layers(layers: &[LayerPlan], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "layer,motions,waypoints,robot_s,plan_s,transfers_s,realtime_factor,faults")?;
     layers.iter().try_for_each(|layer| {
-        let [plan, transfers] = [layer.times.plan, layer.times.transfers].map(|time| time.as_secs_f64());
+        let [plan, transfers] = [layer.times.runs, layer.times.travels].map(|time| time.as_secs_f64());
         writeln!(
             out,
             "{},{},{},{:.3},{plan:.4},{transfers:.4},{:.6},{}",
             layer.layer + 1,
-            layer.motions,
+            layer.runs,
             layer.waypoints,
             layer.robot_s,
-            layer.factor(Times::all),
+            layer.factor(PlanTimes::all),
             layer.faults
         )
     })
 }
 
-pub fn summary<const N: usize, const F: usize, R>(
+pub fn summary<const N: usize, const F: usize, R: Printer<N, F>>(
     run: &MotionRun<N, F, R>,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let MotionRun { figures: run, limits, shift, checked: found, .. } = run;
+    let MotionRun { plan: run, limits, margin_mm, shift, checked: found, .. } = run;
     let times = &run.times;
-    let worst = run.layers.iter().filter(|layer| layer.motions > 0).map(|layer| layer.factor(Times::all));
+    let worst = run.layers.iter().filter(|layer| layer.runs > 0).map(|layer| layer.factor(PlanTimes::all));
     let limit = |values: [f64; N]| {
         let least = values.into_iter().fold(f64::INFINITY, f64::min);
         if least.is_finite() { Value::from(least) } else { Value::from("none") }
     };
     summary
-        .set("cell", run.name)?
+        .set("cell", R::NAME)?
         .set("part_shift_x_mm", shift.x)?
         .set("part_shift_y_mm", shift.y)?
         .set("limit_acceleration_rad_s2", limit(limits.bounds.acceleration))?
         .set("limit_jerk_rad_s3", limit(limits.bounds.jerk))?
-        .set("limit_flow_mm3_s", limit([limits.flow.max_flow_mm3_s; N]))?
-        .set("limit_flow_ramp_mm3_s2", limit([limits.flow.max_ramp_mm3_s2; N]))?
+        .set("limit_flow_mm3_s", limit([limits.max_flow_mm3_s; N]))?
+        .set("limit_flow_ramp_mm3_s2", limit([limits.max_flow_ramp_mm3_s2; N]))?
         .set("path_tolerance_mm", limits.tolerance_mm)?
-        .set("margin_mm", limits.margin_mm)?
+        .set("margin_mm", *margin_mm)?
         .set("robot_time_s", run.robot_s())?
         .set("printing_s", run.printing_s)?
         .set("printing_planned_s", run.planned_s)?
         .set("plan_s", run.plan_s())?
-        .set_seconds("plan_motion_s", times.plan)?
-        .set_seconds("plan_transfers_s", times.transfers)?
+        .set_seconds("plan_motion_s", times.runs)?
+        .set_seconds("plan_transfers_s", times.travels)?
         .set("realtime_factor", run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE))?
         .set("realtime_factor_worst_layer", worst.fold(0.0, f64::max))?
-        .set("motions", run.motions)?
+        .set("motions", run.runs.len())?
         .set("breaks", run.count(FaultKind::Break))?
         .set("unreachable_waypoints", run.count(FaultKind::Unreachable))?
         .set("blocked_waypoints", run.count(FaultKind::Blocked))?
         .set("min_pace", run.min_pace)?
-        .set("waypoint_error_mm", run.missed_mm)?
-        .set("path_error_mm", run.strayed_mm)?
+        .set("waypoint_error_mm", run.max_missed_mm)?
+        .set("path_error_mm", run.max_deviation_mm)?
         .set("astray", run.count(FaultKind::Astray))?
-        .set("transfers", run.transfers)?
+        .set("transfers", run.travels.len())?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
     found.iter().try_for_each(|found| checked(found, summary))
 }
@@ -174,8 +175,13 @@ fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Resul
     Ok(())
 }
 
-/// The check in the table on stdout.
-pub fn check_rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, table: &mut Table) {
+/// The table on stdout: the plan, and its check.
+pub fn rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, table: &mut Table) {
+    plan_rows(&run.plan, table);
+    check_rows(run, table);
+}
+
+fn check_rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, table: &mut Table) {
     let Some(checked) = &run.checked else { return };
     let report = &checked.report;
     let most = |of: fn(&JointPeaks) -> f64| report.joints.iter().map(of).fold(0.0, f64::max);
@@ -200,7 +206,7 @@ pub fn check_rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, t
         ]);
 }
 
-pub fn rows(run: &Figures, table: &mut Table) {
+fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut Table) {
     let times = &run.times;
     let count = |kind| run.count(kind);
     let factor = run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE);
@@ -209,18 +215,18 @@ pub fn rows(run: &Figures, table: &mut Table) {
     let pace =
         format!("{printing:.1} min, {planned:.1} at the planned feed; {:.0} % of it at least", 100.0 * run.min_pace);
     table
-        .row(["robot moves".to_owned(), format!("{:.1} min in {} motions", run.robot_s() / 60.0, run.motions)])
+        .row(["robot moves".to_owned(), format!("{:.1} min in {} motions", run.robot_s() / 60.0, run.runs.len())])
         .row(["of which it prints".to_owned(), pace])
-        .row(["planned in".to_owned(), seconds(times.plan)])
-        .row(["transfers in".to_owned(), seconds(times.transfers)])
+        .row(["planned in".to_owned(), seconds(times.runs)])
+        .row(["transfers in".to_owned(), seconds(times.travels)])
         .row(["planning to moving".to_owned(), format!("{factor:.4}")])
         .row(["out of reach".to_owned(), reach])
         .row(["paths break off".to_owned(), format!("{} times", count(FaultKind::Break))])
         .row([
             "off the path".to_owned(),
-            format!("{:.2} mm at most, {} steps too far", run.strayed_mm, count(FaultKind::Astray)),
+            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::Astray)),
         ])
-        .row(["transfers".to_owned(), format!("{}, {} not found", run.transfers, count(FaultKind::NoTransfer))]);
+        .row(["transfers".to_owned(), format!("{}, {} not found", run.travels.len(), count(FaultKind::NoTransfer))]);
 }
 
 pub fn report<const N: usize, const F: usize, R: Printer<N, F>>(
@@ -229,18 +235,18 @@ pub fn report<const N: usize, const F: usize, R: Printer<N, F>>(
     report: &mut Report,
 ) {
     let shown = (0..MOMENTS).filter_map(|moment| {
-        let at = (2 * moment + 1) * run.runs.len() / (2 * MOMENTS);
-        run.runs.get(at).and_then(|motion| moment_of(surfaces, run, motion))
+        let at = (2 * moment + 1) * run.plan.runs.len() / (2 * MOMENTS);
+        run.plan.runs.get(at).and_then(|motion| moment_of(surfaces, run, motion))
     });
     let pictures: Vec<Picture> = shown.collect();
     let mut plot = Plot::new("layer", "planning time / robot time");
-    let mut line = |name: &str, colour: [u8; 3], part: fn(&Times) -> Duration| {
-        let moving = run.figures.layers.iter().filter(|layer| layer.robot_s > 0.0);
+    let mut line = |name: &str, colour: [u8; 3], part: fn(&PlanTimes) -> Duration| {
+        let moving = run.plan.layers.iter().filter(|layer| layer.robot_s > 0.0);
         plot.line(name, colour, moving.map(|layer| [f64::from(layer.layer + 1), layer.factor(part)]));
     };
     let [motions, transfers] = PARTS;
-    line("motions", motions, |times| times.plan);
-    line("transfers", transfers, |times| times.transfers);
+    line("motions", motions, |times| times.runs);
+    line("transfers", transfers, |times| times.travels);
     report
         .heading(&format!("The robot: {}", R::NAME))
         .pictures(&borrowed(&pictures))

@@ -8,10 +8,8 @@
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
-use crate::motion::legs::LegKind;
 use crate::motion::robots::{Printer, out_of};
-use crate::motion::travel::Travel;
-use crate::motion::{Motion, MotionArgs, MotionRun, ProgramFormat, Run};
+use crate::motion::{Motion, MotionArgs, MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::{OverTable, PartInHand};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished};
@@ -23,6 +21,7 @@ use curvlay_kinematics::program::{
     Step, UrScriptOptions, WriteError, Zone, write_csv, write_rapid, write_urscript,
 };
 use curvlay_trajectory::Trajectory;
+use curvlay_trajectory::print::{LegKind, Run, Travel};
 use std::io::{BufWriter, Write};
 use std::ops::Range;
 
@@ -92,7 +91,7 @@ impl From<OutputError> for Trouble {
 /// to leave the rest out.
 pub fn products(motion: &Motion, args: &MotionArgs, folder: &OutputFolder) -> Result<Programs, Failure> {
     let (format, most) = (args.format()?, args.program_steps);
-    if format == ProgramFormat::None || motion.figures().motions == 0 {
+    if format == ProgramFormat::None || motion.is_empty() {
         return Ok(Programs::default());
     }
     let written = match motion {
@@ -177,8 +176,8 @@ fn pieces<const N: usize, const F: usize, R>(
 ) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut joined = false;
-    for (number, motion) in run.runs.iter().enumerate() {
-        let travel = run.travels.get(number).and_then(Option::as_ref);
+    for (number, motion) in run.plan.runs.iter().enumerate() {
+        let travel = run.plan.travels.get(number).and_then(Option::as_ref);
         let more = steps(motion, travel);
         match pieces.last_mut() {
             Some(last) if joined && last.steps + more <= most as f64 => {
@@ -211,7 +210,7 @@ fn of_pieces<const N: usize, const F: usize, R>(
         write(piece, &name, &mut file)?;
         file.flush().map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         unfinished.push(begun);
-        let [first, last] = [piece.runs.start, piece.runs.end - 1].map(|at| run.runs[at].layer + 1);
+        let [first, last] = [piece.runs.start, piece.runs.end - 1].map(|at| run.plan.runs[at].layer + 1);
         let begins = match (number, piece.joined) {
             (0, _) => "first",
             (_, true) => "where the one before ends",
@@ -231,20 +230,20 @@ fn of_pieces<const N: usize, const F: usize, R>(
 /// No filament is faster than this anywhere in the print, in whole millimetres a second.
 fn fastest_filament<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>) -> f64 {
     let of_run = |run: &Run<N, F>| {
-        let knots = run.trajectory.times().windows(2).zip(run.filament.windows(2));
+        let knots = run.trajectory.times().windows(2).zip(run.filament_mm.windows(2));
         knots.map(|(times, laid)| (laid[1] - laid[0]) / (times[1] - times[0])).fold(0.0, f64::max)
     };
-    run.runs.iter().map(of_run).fold(0.0, f64::max).ceil()
+    run.plan.runs.iter().map(of_run).fold(0.0, f64::max).ceil()
 }
 
 /// To the first posture, then the motions themselves at every tick, the extruder on while the nozzle prints.
 fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, piece: &Piece) -> impl Iterator<Item = Step> + 'a {
     let period = ServoRate::Hz125.seconds();
-    let first = run.runs[piece.runs.start].trajectory.joints()[0];
+    let first = run.plan.runs[piece.runs.start].trajectory.joints()[0];
     let approach = Move { goal: Goal::Joints(first), table: None, speed: Speed::default(), zone: Zone::Stop };
     let ticks = piece.steps.ceil() as u64;
     let mut begin = 0.0;
-    let along = run.legs(piece.runs.clone()).flat_map(move |leg| {
+    let along = run.plan.legs(piece.runs.clone()).flat_map(move |leg| {
         let (from, to) = (begin, begin + leg.duration());
         begin = to;
         let of_leg = move |tick: &u64| *tick as f64 * period <= to;
@@ -254,7 +253,7 @@ fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, piece: &Piece) -> impl Iterator<It
         let mut speed = 0.0;
         let servo = (first..=ticks).take_while(of_leg).flat_map(move |tick| {
             let now = tick as f64 * period - from;
-            let needed = (leg.filament(now) - leg.filament(now - period)).max(0.0) / period;
+            let needed = (leg.filament_mm(now) - leg.filament_mm(now - period)).max(0.0) / period;
             // Steady speeds are written once.
             let changes = prints && (needed - speed).abs() > SAME_SPEED * speed;
             speed = if changes { needed } else { speed };
@@ -264,8 +263,8 @@ fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, piece: &Piece) -> impl Iterator<It
         let end = prints.then_some(Step::FilamentSpeed(0.0));
         signal(true).into_iter().chain(servo).chain(end).chain(signal(false))
     });
-    let last = &run.runs[piece.runs.end - 1];
-    let end = run.travels.get(piece.runs.end - 1).and_then(Option::as_ref);
+    let last = &run.plan.runs[piece.runs.end - 1];
+    let end = run.plan.travels.get(piece.runs.end - 1).and_then(Option::as_ref);
     let joints = end.map_or(&last.trajectory, |travel| &travel.approach).joints();
     let rest = Step::Servo { joints: joints[joints.len() - 1], seconds: period };
     // The end lies between two ticks.
@@ -285,7 +284,7 @@ fn targets<'a, R: Printer<8, 2>>(run: &'a MotionRun<8, 2, R>, runs: &Range<usize
         (1..=LIFT_POSTURES).map(at).collect::<Vec<_>>()
     };
     runs.clone().flat_map(move |number| {
-        let motion = &run.runs[number];
+        let motion = &run.plan.runs[number];
         let (all, times) = (motion.trajectory.joints(), motion.trajectory.times());
         let along = motion.passes.windows(2).enumerate().filter_map(move |(k, pair)| {
             let [a, b] = [pair[0].0, pair[1].0];
@@ -295,11 +294,11 @@ fn targets<'a, R: Printer<8, 2>>(run: &'a MotionRun<8, 2, R>, runs: &Range<usize
             let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
             let speed = Speed { mm_s: mm_s.max(LEAST_SPEED), rad_s: (TURN_SHARE * turn).max(LEAST_TURN) };
             let zone = if k + 2 == motion.passes.len() { Zone::Stop } else { Zone::Blend(CORNER_MM) };
-            let filament = Step::FilamentSpeed((motion.filament[b] - motion.filament[a]).max(0.0) / step);
+            let filament = Step::FilamentSpeed((motion.filament_mm[b] - motion.filament_mm[a]).max(0.0) / step);
             Some([filament, Step::Move(Move { goal: Goal::Line(to.target), table: to.table, speed, zone })])
         });
         let begin = by_joints(&all[0]).into_iter().chain([Step::Extruder(true)]);
-        let travel = run.travels.get(number).and_then(Option::as_ref).into_iter();
+        let travel = run.plan.travels.get(number).and_then(Option::as_ref).into_iter();
         let end = travel.flat_map(move |travel| {
             let corners = sampled(&travel.lift).into_iter().chain(travel.way.corners().iter().copied());
             corners.chain(sampled(&travel.approach)).filter_map(move |joints| by_joints(&joints))
@@ -323,7 +322,7 @@ fn limits(arm: &Arm) -> ProgramLimits {
 
 fn rapid(run: &MotionRun<8, 2, OverTable>, name: String, most: u32, limits: ProgramLimits) -> RapidOptions {
     let defaults = RapidOptions::default();
-    let (_, nozzle) = run.robot.nozzle();
+    let (_, nozzle) = run.robot.nozzle_frame();
     let (_, table_part) = run.robot.part_frame();
     let tool = RapidTool { name: "nozzle".to_owned(), frame: out_of(&nozzle), ..defaults.tool };
     let work_object =

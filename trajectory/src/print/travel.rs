@@ -5,16 +5,12 @@
 //! lifting off gouges nothing that the end of the path did not. Only where links of the arm are in the way another
 //! direction is tried; then the nozzle is looked at on all of it.
 
-use super::Run;
-use super::course::TIMING;
-use super::robots::Printer;
-use super::workcell::Workcell;
-use curvlay_kinematics::Waypoint;
-use curvlay_toolpath::surface::Moment;
-use curvlay_trajectory::transfer::{FreeSpace, Transfer, TransferError, TransferOptions, plan_transfer};
-use curvlay_trajectory::{Bounds, Trajectory, time_path};
+use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
+use super::course::Task;
+use super::plan::Run;
+use crate::transfer::{Transfer, TransferError, TransferOptions, plan_transfer};
+use crate::{Bounds, TimePathOptions, Trajectory, time_path};
 use nalgebra::Vector3;
-use std::ops::ControlFlow;
 
 /// How far the nozzle lifts off before a transfer, in millimetres, the least first; and where not even that is free.
 const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
@@ -54,9 +50,13 @@ struct Effort {
 }
 
 /// The motion between two runs, each piece from rest to rest.
+#[derive(Clone, Debug)]
 pub struct Travel<const N: usize> {
+    /// Off the end of the run.
     pub lift: Trajectory<N>,
+    /// From there to above the start of the next.
     pub way: Transfer<N>,
+    /// Down to it.
     pub approach: Trajectory<N>,
 }
 
@@ -73,11 +73,11 @@ fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
 }
 
 /// A way from the end of one run to the start of the next, or why there is none.
-pub fn travel<const N: usize, const F: usize, R: Printer<N, F>>(
-    cell: &Workcell<N, F, R>,
+pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
     number: usize,
-    from: &Run<N, F>,
-    to: &Run<N, F>,
+    [from, to]: [&Run<N, F>; 2],
+    task: &Task<'_, N, F, R>,
+    cell: &C,
 ) -> Result<Travel<N>, String> {
     let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
     let (start, goal) = (before[before.len() - 1], after[0]);
@@ -88,8 +88,11 @@ pub fn travel<const N: usize, const F: usize, R: Printer<N, F>>(
     let mut why = String::new();
     let mut tried = Vec::new();
     for effort in &EFFORTS {
-        let lifted =
-            [(&from.ends[1], &start), (&to.ends[0], &goal)].map(|(end, at)| lift(cell, moment, end, at, effort));
+        if (task.stopped)() {
+            break;
+        }
+        let lifted = [(&from.ends[1], &start), (&to.ends[0], &goal)]
+            .map(|(end, at)| lift(task.robot, cell, moment, end, at, effort));
         let [Some(up), Some(mut down)] = lifted else {
             let what = if lifted[0].is_none() { "lift off" } else { "come down" };
             why = format!("transfer {name}: the nozzle cannot {what}");
@@ -101,9 +104,10 @@ pub fn travel<const N: usize, const F: usize, R: Printer<N, F>>(
         }
         tried.push((ends, effort.iterations));
         down.reverse();
-        match way(cell, &name, number, &ends, effort) {
+        match way(&task.limits.bounds, cell, &name, number, &ends, effort) {
             Ok(way) => {
-                let [lift, approach] = [up, down].map(|postures| timed(&postures, &cell.limits().bounds));
+                let [lift, approach] =
+                    [up, down].map(|postures| timed(&postures, &task.limits.bounds, &task.options.timing));
                 return Ok(Travel { lift: lift?, way, approach: approach? });
             }
             Err(error) => why = error,
@@ -113,8 +117,9 @@ pub fn travel<const N: usize, const F: usize, R: Printer<N, F>>(
 }
 
 /// Postures from the end of a run to a free one above it: along the nozzle, else half upright, else upright.
-fn lift<const N: usize, const F: usize, R: Printer<N, F>>(
-    cell: &Workcell<N, F, R>,
+fn lift<const N: usize, const F: usize>(
+    robot: &impl PrintRobot<N, F>,
+    cell: &impl PrintCell<N>,
     moment: Moment,
     (free, waypoint): &([f64; F], Waypoint),
     end: &[f64; N],
@@ -136,7 +141,7 @@ fn lift<const N: usize, const F: usize, R: Printer<N, F>>(
         let mut postures = vec![*end];
         for step in 1..=steps as u32 {
             let (share, last) = (f64::from(step) / steps, postures[postures.len() - 1]);
-            let joints = cell.robot().near(&place(share), free, turn * share, &last)?;
+            let joints = robot.continued(&place(share), free, turn * share, &last)?;
             let farthest = (0..N).map(|j| (joints[j] - last[j]).abs()).fold(0.0, f64::max);
             if farthest > LIFT_STEP_RAD {
                 return None;
@@ -144,10 +149,10 @@ fn lift<const N: usize, const F: usize, R: Printer<N, F>>(
             postures.push(joints);
         }
         let is_along_nozzle = way == &axis;
-        let gouges_nothing = || (1..=steps as u32).all(|k| cell.gouges_nothing(moment, &place(f64::from(k) / steps)));
+        let gouges_nothing = || !(1..=steps as u32).any(|k| cell.is_gouging(moment, &place(f64::from(k) / steps)));
         let is_free = cell.posture_free(postures.last()?)
             && (is_along_nozzle || gouges_nothing())
-            && postures.windows(2).all(|pair| cell.may_leave(&pair[0], &pair[1]));
+            && postures.windows(2).all(|pair| cell.touches(&line(&pair[0], &pair[1])).is_none());
         is_free.then_some(postures)
     };
     let first = |turn: f64| {
@@ -156,9 +161,15 @@ fn lift<const N: usize, const F: usize, R: Printer<N, F>>(
     effort.turns.iter().find_map(|&turn| first(turn))
 }
 
+/// The control polygon of a straight motion.
+fn line<const N: usize>(from: &[f64; N], to: &[f64; N]) -> [[f64; N]; 4] {
+    [0.0, 1.0, 2.0, 3.0].map(|k| std::array::from_fn(|j| from[j] + (to[j] - from[j]) * (k / 3.0)))
+}
+
 /// A transfer between two free postures.
-fn way<const N: usize, const F: usize, R: Printer<N, F>>(
-    cell: &Workcell<N, F, R>,
+fn way<const N: usize>(
+    bounds: &Bounds<N>,
+    cell: &impl PrintCell<N>,
     name: &str,
     number: usize,
     [above, before]: &[[f64; N]; 2],
@@ -167,7 +178,7 @@ fn way<const N: usize, const F: usize, R: Printer<N, F>>(
     let Effort { iterations, step, .. } = *effort;
     let options =
         TransferOptions { seed: number as u64 + 1, iterations, step, shortcuts: 30, ..TransferOptions::default() };
-    let planned = plan_transfer(name, above, before, &finite(&cell.limits().bounds), cell, &options)
+    let planned = plan_transfer(name, above, before, &finite(bounds), cell, &options)
         .map_err(|error: TransferError| error.to_string())?;
     let why = planned.to_string();
     planned.found().ok_or(why)
@@ -181,9 +192,13 @@ fn finite<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
 }
 
 /// The fastest motion through the postures of a lift.
-fn timed<const N: usize>(postures: &[[f64; N]], bounds: &Bounds<N>) -> Result<Trajectory<N>, String> {
+fn timed<const N: usize>(
+    postures: &[[f64; N]],
+    bounds: &Bounds<N>,
+    timing: &TimePathOptions,
+) -> Result<Trajectory<N>, String> {
     let times: Vec<f64> = (0..postures.len()).map(|k| k as f64 * LIFT_STEP_MM / LIFT_MM_S).collect();
     let max_pace = vec![1.0; postures.len() - 1];
-    let found = time_path(postures, &times, &max_pace, None, bounds, &TIMING, &|_| ControlFlow::Continue(()));
+    let found = time_path(postures, &times, &max_pace, None, bounds, timing, &|_| std::ops::ControlFlow::Continue(()));
     found.map(|found| found.trajectory).map_err(|error| error.to_string())
 }

@@ -1,8 +1,8 @@
 //! The print as it is executed: motions from rest to rest, one after the other.
 
-use super::{MotionRun, Run};
-use curvlay_trajectory::Trajectory;
-use curvlay_trajectory::transfer::Transfer;
+use super::plan::{PrintPlan, Run};
+use crate::spline::Trajectory;
+use crate::transfer::Transfer;
 use std::ops::Range;
 
 /// Knots of a transfer nearer in time than this, in seconds, are one: where its jerk changes twice at once.
@@ -11,15 +11,21 @@ const SAME_KNOT_S: f64 = 1e-6;
 /// What a motion is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LegKind {
+    /// Along a path.
     Print,
+    /// Off the end of a path.
     Lift,
+    /// From above the end of a path to above the start of the next.
     Transfer,
+    /// Down to the start of a path.
     Approach,
 }
 
 impl LegKind {
+    /// All of them, in the order in which they follow each other.
     pub const ALL: [LegKind; 4] = [LegKind::Print, LegKind::Lift, LegKind::Transfer, LegKind::Approach];
 
+    /// In a word.
     pub fn name(self) -> &'static str {
         match self {
             LegKind::Print => "print",
@@ -31,12 +37,16 @@ impl LegKind {
 }
 
 /// A motion, and the run that it is or that it leads on from.
+#[derive(Clone, Copy, Debug)]
 pub struct Leg<'a, const N: usize, const F: usize> {
+    /// What it is for.
     pub kind: LegKind,
+    /// The run that it is, or that it leads on from.
     pub run: &'a Run<N, F>,
     way: Way<'a, N>,
 }
 
+#[derive(Clone, Copy, Debug)]
 enum Way<'a, const N: usize> {
     Spline(&'a Trajectory<N>),
     Lines(&'a Transfer<N>),
@@ -59,10 +69,10 @@ impl<const N: usize, const F: usize> Leg<'_, N, F> {
         }
     }
 
-    /// Millimetres of filament that are laid by a time since it began.
-    pub fn filament(&self, time: f64) -> f64 {
+    /// Millimetres of filament that are laid by a time since it began; 0 for legs that do not print.
+    pub fn filament_mm(&self, time: f64) -> f64 {
         let (LegKind::Print, Way::Spline(spline)) = (self.kind, &self.way) else { return 0.0 };
-        let (times, filament) = (spline.times(), &self.run.filament);
+        let (times, filament) = (spline.times(), &self.run.filament_mm);
         let time = time + times[0];
         let after = times.partition_point(|knot| *knot <= time).clamp(1, times.len() - 1);
         let [a, b] = [times[after - 1], times[after]];
@@ -89,8 +99,8 @@ impl<const N: usize, const F: usize> Leg<'_, N, F> {
     }
 }
 
-impl<const N: usize, const F: usize, R> MotionRun<N, F, R> {
-    /// The motions of some runs and of the travels behind them. Transfers of no length are left out.
+impl<const N: usize, const F: usize> PrintPlan<N, F> {
+    /// The motions of some runs and of the travels behind them. Those of no length are left out.
     pub fn legs(&self, runs: Range<usize>) -> impl Iterator<Item = Leg<'_, N, F>> {
         runs.flat_map(move |number| {
             let run = &self.runs[number];

@@ -4,61 +4,57 @@
 //! there: so most transfers are short and straight. And it takes postures with clearance, where a waypoint has some, so that
 //! the smooth motion may sway and the nozzle can lift off.
 
-use super::flow::Flow;
-use super::robots::Printer;
-use super::workcell::{CLEARANCES_MM, Workcell};
-use super::{Fault, FaultKind, placed};
-use crate::failure;
-use curvlay_examples::args::Failure;
-use curvlay_examples::motion::inside;
-use curvlay_toolpath::surface::ToolPath;
-use curvlay_trajectory::{Bounds, FreeRange, Ladder, LadderOptions, Posture, Robot, plan_ladder};
-use nalgebra::Vector3;
+use super::cell::{Clearance, OnPath, PrintCell, PrintRobot, Waypoint};
+use super::course::Task;
+use super::options::{PrintError, PrintPath};
+use super::plan::{Fault, FaultKind};
+use crate::robot::{FreeRange, Posture, Robot};
+use crate::{Bounds, Ladder, LadderError, LadderOptions, plan_ladder};
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Waypoints nearer in time than this, in seconds, are one: a controller's cycle is longer.
 const LEAST_STEP_S: f64 = 1e-3;
 
 /// A robot without the postures at which something touches (section 3.5.3).
-struct Guarded<'a, const N: usize, const F: usize, R> {
-    robot: &'a R,
-    cell: &'a Workcell<'a, N, F, R>,
-    /// How much clearance each waypoint needs: numbers of [`CLEARANCES_MM`].
-    clearances: &'a [usize],
+struct Guarded<'a, R, C> {
+    on_path: OnPath<'a, R>,
+    cell: &'a C,
+    /// How much clearance each waypoint needs.
+    clearances: &'a [Clearance],
     /// The only branch, where not all are wanted.
     branch: Option<u32>,
 }
 
-impl<const N: usize, const F: usize, R: Printer<N, F>> Robot<N, F> for Guarded<'_, N, F, R> {
+impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Robot<N, F> for Guarded<'_, R, C> {
     fn waypoints(&self) -> usize {
-        self.robot.waypoints()
+        self.on_path.waypoints.len()
     }
 
     fn free(&self) -> [FreeRange; F] {
-        self.robot.free()
+        self.on_path.free()
     }
 
     fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
-        self.robot.solutions(waypoint, free, &mut |branch, joints| {
+        self.on_path.solutions(waypoint, free, &mut |branch, joints| {
             let is_wanted = self.branch.is_none_or(|wanted| wanted == branch);
-            if is_wanted && self.cell.may_print(&joints, self.clearances[waypoint]) {
+            if is_wanted && self.cell.keeps(&joints, self.clearances[waypoint]) {
                 each(branch, joints);
             }
         });
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
-        self.robot.posture(waypoint, free, branch)
+        self.on_path.posture(waypoint, free, branch)
     }
 }
 
 /// A path before it is planned: its waypoints, as far as they are in reach.
-pub struct Prepared<R> {
+#[derive(Clone)]
+pub(super) struct Prepared {
     pub path: usize,
     pub layer: u32,
-    pub sections: Vec<Section<R>>,
+    pub sections: Vec<Section>,
     /// Waypoint of the path by waypoint of the motion: those too near in time are left out.
     pub kept: Vec<usize>,
     pub faults: Vec<Fault>,
@@ -66,62 +62,68 @@ pub struct Prepared<R> {
 }
 
 /// Waypoints in reach, one after the other.
-pub struct Section<R> {
+#[derive(Clone)]
+pub(super) struct Section {
     pub first: usize,
-    pub part: R,
+    pub waypoints: Vec<Waypoint>,
     pub times: Vec<f64>,
     /// The most clearance there is at each waypoint, at any posture.
-    best: Vec<usize>,
+    best: Vec<Clearance>,
 }
 
 /// Where the arm is before a path, and on which branch.
 #[derive(Clone, Copy, Debug)]
-pub struct Before<const N: usize> {
+pub(super) struct Before<const N: usize> {
     joints: [f64; N],
     branch: u32,
 }
 
 /// A path with a posture for each waypoint.
-pub struct Chosen<const N: usize, const F: usize, R> {
-    pub prepared: Prepared<R>,
+#[derive(Clone)]
+pub(super) struct Chosen<const N: usize, const F: usize> {
+    pub prepared: Prepared,
     /// One a section.
     pub ladders: Vec<Ladder<N, F>>,
 }
 
-/// Sees which waypoints of a path can be reached, given when each is passed at the planned feed.
-pub fn prepare<const N: usize, const F: usize, R: Printer<N, F>>(
+/// Sees which waypoints of a path can be reached.
+pub(super) fn prepare<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     number: usize,
-    path: &ToolPath,
-    flow: &Flow,
-    shift: &Vector3<f64>,
-    cell: &Workcell<N, F, R>,
-) -> Result<Prepared<R>, Failure> {
+    path: &PrintPath<'_>,
+    task: &Task<'_, N, F, R>,
+    cell: &impl PrintCell<N>,
+) -> Result<Prepared, PrintError> {
     let start = Instant::now();
-    let (mut waypoints, mut kept, mut times) = (vec![placed(&path.waypoints[0], shift)], vec![0], vec![0.0]);
-    for (place, (waypoint, &now)) in path.waypoints.iter().zip(flow.times()).enumerate().skip(1) {
+    let (mut waypoints, mut kept, mut times) = (vec![path.waypoints[0]], vec![0], vec![path.times[0]]);
+    for (place, (waypoint, &now)) in path.waypoints.iter().zip(path.times).enumerate().skip(1) {
         if now - times[times.len() - 1] >= LEAST_STEP_S {
-            waypoints.push(placed(waypoint, shift));
+            waypoints.push(*waypoint);
             kept.push(place);
             times.push(now);
         }
     }
-    let all = R::empty()?.with(waypoints);
-    let inner = inside(&cell.limits().bounds);
-    let needed: [Vec<usize>; CLEARANCES_MM.len()] = std::array::from_fn(|number| vec![number; all.waypoints()]);
+    let (options, inner) = (task.options, task.inside());
+    let needed = Clearance::ALL.map(|clearance| vec![clearance; waypoints.len()]);
+    let on_path = || OnPath { robot: task.robot, waypoints: &waypoints };
     let best = |waypoint: usize| {
-        let has = |samples: &[u32; F], clearances: &Vec<usize>| {
-            let guarded = Guarded { robot: &all, cell, clearances, branch: None };
-            first_posture(&guarded, &inner, waypoint, samples).is_some()
+        if (task.stopped)() {
+            return Err(PrintError::Cancelled);
+        }
+        let with = |samples: &[u32; F]| {
+            let has = |clearances: &&Vec<Clearance>| {
+                let guarded = Guarded { on_path: on_path(), cell, clearances, branch: None };
+                first_posture(&guarded, &inner, waypoint, samples).is_some()
+            };
+            needed.iter().find(has).map(|clearances| clearances[waypoint])
         };
-        let found = needed.iter().position(|clearances| has(&R::SAMPLES, clearances));
-        found.or_else(|| needed.iter().position(|clearances| has(&R::DENSE, clearances)))
+        Ok(with(&options.samples).or_else(|| with(&options.dense_samples)))
     };
-    let best: Vec<Option<usize>> = (0..all.waypoints()).map(best).collect();
+    let best: Vec<Option<Clearance>> = (0..waypoints.len()).map(best).collect::<Result<_, _>>()?;
     let mut faults = Vec::new();
     for waypoint in (0..best.len()).filter(|&waypoint| best[waypoint].is_none()) {
-        let found = first_posture(&all, &inner, waypoint, &R::DENSE);
+        let found = first_posture(&on_path(), &inner, waypoint, &options.dense_samples);
         let kind = if found.is_some() { FaultKind::Blocked } else { FaultKind::Unreachable };
-        let what = found.and_then(|joints| cell.in_the_way(&joints)).unwrap_or_default();
+        let what = found.and_then(|joints| cell.obstacle(&joints)).unwrap_or_default();
         faults.push(Fault { layer: path.layer, path: number, kind, waypoint: kept[waypoint], what });
     }
     let mut sections = Vec::new();
@@ -129,14 +131,10 @@ pub fn prepare<const N: usize, const F: usize, R: Printer<N, F>>(
     for same in best.chunk_by(|a, b| a.is_some() == b.is_some()) {
         let range = first..first + same.len();
         first = range.end;
-        let best: Option<Vec<usize>> = same.iter().copied().collect();
+        let best: Option<Vec<Clearance>> = same.iter().copied().collect();
         if let Some(best) = best {
-            sections.push(Section {
-                first: range.start,
-                part: all.part(range.clone()),
-                times: times[range].to_vec(),
-                best,
-            });
+            let (waypoints, times) = (waypoints[range.clone()].to_vec(), times[range.clone()].to_vec());
+            sections.push(Section { first: range.start, waypoints, times, best });
         }
     }
     Ok(Prepared { path: number, layer: path.layer, sections, kept, faults, took: start.elapsed() })
@@ -144,32 +142,39 @@ pub fn prepare<const N: usize, const F: usize, R: Printer<N, F>>(
 
 /// Chooses a posture for each waypoint of a path, beginning near where the arm is before; on the same branch, if the path
 /// can be followed on it. `before` becomes where the arm is then.
-pub fn choose<const N: usize, const F: usize, R: Printer<N, F>>(
-    mut prepared: Prepared<R>,
+pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    mut prepared: Prepared,
     before: &mut Option<Before<N>>,
-    cell: &Workcell<N, F, R>,
-) -> Result<Chosen<N, F, R>, Failure> {
+    task: &Task<'_, N, F, R>,
+    cell: &impl PrintCell<N>,
+) -> Result<Chosen<N, F>, PrintError> {
     let start = Instant::now();
     let mut ladders = Vec::new();
-    for Section { part, times, best, .. } in &prepared.sections {
-        // Where a joint is too slow for the feed, the motion goes slower.
-        let inner = Bounds { velocity: [f64::INFINITY; N], ..inside(&cell.limits().bounds) };
-        let plan = |enough: usize, branch, (samples, doublings), breaks| {
-            let clearances: Vec<usize> = best.iter().map(|&best| best.max(enough)).collect();
+    // Where a joint is too slow for the feed, the motion goes slower.
+    let inner = Bounds { velocity: [f64::INFINITY; N], ..task.inside() };
+    for Section { waypoints, times, best, .. } in &prepared.sections {
+        let plan = |enough: Clearance, branch, (samples, doublings), breaks| {
+            let clearances: Vec<Clearance> = best.iter().map(|&best| best.max(enough)).collect();
             let from = before.map(|before| before.joints);
-            let step = R::STEP;
+            let step = task.options.max_step;
             let options = LadderOptions { samples, doublings, step, breaks, from, ..LadderOptions::default() };
-            let guarded = Guarded { robot: part, cell, clearances: &clearances, branch };
-            plan_ladder(&guarded, times, &inner, &options, &|_| ControlFlow::Continue(()))
+            let on_path = OnPath { robot: task.robot, waypoints };
+            let guarded = Guarded { on_path, cell, clearances: &clearances, branch };
+            plan_ladder(&guarded, times, &inner, &options, &|_| task.flow())
         };
         let same = before.map(|before| before.branch);
         // Less clearance than the best of a waypoint is taken only where there is no path otherwise.
-        let (few, many) = ((R::SAMPLES, 0), (R::NEAR, R::DOUBLINGS));
-        let tries = [(0, same, few), (0, None, few), (1, same, few), (1, same, many)];
+        let (few, many) = ((task.options.samples, 0), (task.options.near_samples, task.options.doublings));
+        let (wide, narrow) = (Clearance::Wide, Clearance::Narrow);
+        let tries = [(wide, same, few), (wide, None, few), (narrow, same, few), (narrow, same, many)];
         let found = tries.iter().find_map(|&(enough, branch, samples)| plan(enough, branch, samples, false).ok());
         // Broken off it is as well with fewer samples, and on one branch: all of them together take minutes on a long path.
-        let broken_off = |branch| plan(1, branch, (R::NEAR, 0), true);
-        let ladder = found.map_or_else(|| broken_off(same).or_else(|_| broken_off(None)), Ok).map_err(failure)?;
+        let broken_off = |branch| plan(narrow, branch, (task.options.near_samples, 0), true);
+        let ladder = found.map_or_else(|| broken_off(same).or_else(|_| broken_off(None)), Ok);
+        let ladder = ladder.map_err(|error| match error {
+            LadderError::Cancelled => PrintError::Cancelled,
+            error => PrintError::Ladder { path: prepared.path, error },
+        })?;
         *before = ladder.rungs.last().map(|rung| Before { joints: rung.joints, branch: rung.branch });
         ladders.push(ladder);
     }

@@ -1,0 +1,39 @@
+//! The motion of a whole print: from paths with timed waypoints to motions from rest to rest, and the ways between them.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), sections 2.5, 3.5.3 and 4.3. Waypoints
+//! that no posture reaches are left out and reported. Each unbroken piece of a path, a *run*, gets the postures of the
+//! motion of least jerk ([`smooth_clear_of`](crate::smooth_clear_of)) and the fastest timing within the limits of the
+//! joints ([`time_path`](crate::time_path)), with as many waypoints in between as keep the nozzle on its path. Between runs the
+//! nozzle lifts off, travels ([`transfer`](crate::transfer)) and comes down.
+//!
+//! The robot is a [`PrintRobot`], the workcell with the part as it grows a [`PrintCell`]; both belong to the caller.
+//! [`plan_print`] plans all at once. [`PrintPlanner`] can be stopped and goes on where it was.
+//!
+//! Departs from the dissertation: motions begin and end at rest on the path itself; a path begins near where the one before
+//! ends, on the same branch if it can; postures keep clearance where there is some; what comes out is to be
+//! checked by [`check`](crate::check), which shares no code with this.
+//!
+//! ```text
+//! paths -> postures (which waypoints are in reach; a ladder along each path)
+//!       -> runs     (smooth postures, fastest timing, more waypoints where the nozzle leaves its path)
+//!       -> travels  (lift, transfer, approach)
+//! ```
+
+mod cell;
+mod course;
+mod legs;
+mod options;
+mod parallel;
+mod plan;
+mod planner;
+mod postures;
+mod run;
+mod travel;
+
+pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, PrintRobotFn, Waypoint};
+pub use course::path_deviations;
+pub use legs::{Leg, LegKind};
+pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath};
+pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run};
+pub use planner::{PrintPlanner, plan_print};
+pub use travel::Travel;

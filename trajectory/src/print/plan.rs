@@ -1,0 +1,196 @@
+//! What comes of planning: runs, travels, and what cannot be printed as it is.
+
+use super::cell::Waypoint;
+use super::travel::Travel;
+use crate::spline::Trajectory;
+use std::time::Duration;
+
+/// The whole print.
+#[derive(Clone, Debug)]
+pub struct PrintPlan<const N: usize, const F: usize> {
+    /// The motions along the paths, in the order in which they are travelled.
+    pub runs: Vec<Run<N, F>>,
+    /// From the end of each run to the start of the next, one less than runs; `None` where no way was found.
+    pub travels: Vec<Option<Travel<N>>>,
+    /// What cannot be printed as it is, or not be reached, in the order of the paths.
+    pub faults: Vec<Fault>,
+    /// One a layer with paths.
+    pub layers: Vec<LayerPlan>,
+    /// How far from its waypoint the tip is at most, in millimetres: what inverse kinematics leave.
+    pub max_missed_mm: f64,
+    /// How far from the straight way between two waypoints the tip is at most, in millimetres, as [`path_deviations`](super::path_deviations)
+    /// looks.
+    pub max_deviation_mm: f64,
+    /// Lowest share of the planned feed at a waypoint between the ends of a run; 1 for none.
+    pub min_pace: f64,
+    /// Seconds of all runs at the planned feed.
+    pub planned_s: f64,
+    /// Seconds of all runs as they are.
+    pub printing_s: f64,
+    /// How long planning took, on the clock. The only part of a plan that is not the same each time, with
+    /// [`LayerPlan::times`].
+    pub times: PlanTimes,
+}
+
+/// One unbroken motion along a path, from rest to rest.
+#[derive(Clone, Debug)]
+pub struct Run<const N: usize, const F: usize> {
+    /// The path, by its place in the list.
+    pub path: usize,
+    /// Its layer.
+    pub layer: u32,
+    /// What is executed.
+    pub trajectory: Trajectory<N>,
+    /// Knots of the trajectory at waypoints, and which of the path these are; `None` of those that were put between two.
+    pub passes: Vec<(usize, Option<usize>)>,
+    /// Millimetres of filament since the run began, at each knot.
+    pub filament_mm: Vec<f64>,
+    /// Free parameters and waypoint at both ends.
+    pub ends: [([f64; F], Waypoint); 2],
+}
+
+impl<const N: usize, const F: usize> Run<N, F> {
+    /// How long it takes to each waypoint of the path from the one before: path, waypoint, seconds.
+    pub fn steps(&self) -> Vec<(usize, usize, f64)> {
+        let given = self.passes.iter().filter_map(|&(knot, waypoint)| Some((self.trajectory.times()[knot], waypoint?)));
+        let given: Vec<(f64, usize)> = given.collect();
+        let step = |pair: &[(f64, usize)]| (self.path, pair[1].1, pair[1].0 - pair[0].0);
+        given.windows(2).filter(|pair| pair[1].1 == pair[0].1 + 1).map(step).collect()
+    }
+
+    /// Seconds from rest to rest.
+    pub fn duration(&self) -> f64 {
+        let (first, last) = self.trajectory.span();
+        last - first
+    }
+}
+
+/// How long steps took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlanTimes {
+    /// Postures and runs.
+    pub runs: Duration,
+    /// Travels.
+    pub travels: Duration,
+}
+
+impl PlanTimes {
+    /// Both.
+    pub fn all(&self) -> Duration {
+        self.runs + self.travels
+    }
+}
+
+/// What is said of a layer. Travels count with the layer to which they lead.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerPlan {
+    /// The layer.
+    pub layer: u32,
+    /// Its runs.
+    pub runs: usize,
+    /// Waypoints of its paths.
+    pub waypoints: usize,
+    /// Seconds that the robot moves.
+    pub robot_s: f64,
+    /// How long planning took, on the threads that did it, added up: what a single one would have taken.
+    pub times: PlanTimes,
+    /// Its faults.
+    pub faults: usize,
+}
+
+impl LayerPlan {
+    /// Planning time by robot time.
+    pub fn factor(&self, times: impl Fn(&PlanTimes) -> Duration) -> f64 {
+        times(&self.times).as_secs_f64() / self.robot_s.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Something that cannot be printed as it is, or not be reached.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The layer.
+    pub layer: u32,
+    /// The path, by its place in the list.
+    pub path: usize,
+    /// What it is.
+    pub kind: FaultKind,
+    /// The waypoint of the path.
+    pub waypoint: usize,
+    /// What is in the way, or how far the nozzle is off, in words; may be empty.
+    pub what: String,
+}
+
+/// What cannot be had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum FaultKind {
+    /// No sample of the free parameters reaches the waypoint.
+    Unreachable,
+    /// In reach, but something touches at every sample.
+    Blocked,
+    /// The path breaks off before the waypoint: no posture leads on from the one before.
+    Break,
+    /// The nozzle leaves the straight way from the waypoint to the next by more than the tolerance.
+    Astray,
+    /// No way to the next run was found.
+    NoTransfer,
+}
+
+impl FaultKind {
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            FaultKind::Unreachable => "unreachable",
+            FaultKind::Blocked => "blocked",
+            FaultKind::Break => "break",
+            FaultKind::Astray => "astray",
+            FaultKind::NoTransfer => "no transfer",
+        }
+    }
+}
+
+impl<const N: usize, const F: usize> PrintPlan<N, F> {
+    /// Nothing yet.
+    pub(super) fn new() -> Self {
+        PrintPlan {
+            runs: Vec::new(),
+            travels: Vec::new(),
+            faults: Vec::new(),
+            layers: Vec::new(),
+            max_missed_mm: 0.0,
+            max_deviation_mm: 0.0,
+            min_pace: 1.0,
+            planned_s: 0.0,
+            printing_s: 0.0,
+            times: PlanTimes::default(),
+        }
+    }
+
+    /// Sorts faults by path, and counts them.
+    pub(super) fn settle(&mut self) {
+        self.faults.sort_by_key(|fault| fault.path);
+        for layer in &mut self.layers {
+            layer.faults = self.faults.iter().filter(|fault| fault.layer == layer.layer).count();
+        }
+    }
+
+    /// Seconds that the robot moves.
+    pub fn robot_s(&self) -> f64 {
+        self.layers.iter().map(|layer| layer.robot_s).sum()
+    }
+
+    /// Seconds that planning took, on the clock.
+    pub fn plan_s(&self) -> f64 {
+        self.times.all().as_secs_f64()
+    }
+
+    /// Faults of a kind.
+    pub fn count(&self, kind: FaultKind) -> usize {
+        self.faults.iter().filter(|fault| fault.kind == kind).count()
+    }
+
+    /// How long the motion takes to each waypoint of a path from the one before: path, waypoint, seconds.
+    pub fn steps(&self) -> Vec<(usize, usize, f64)> {
+        self.runs.iter().flat_map(Run::steps).collect()
+    }
+}
