@@ -16,6 +16,7 @@
 use crate::arm::{Arm, Branch, Rates, Solutions};
 use crate::pose::parts;
 use crate::positioner::Positioner;
+use crate::scene::Mount;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -184,6 +185,30 @@ impl Cell {
         self.base_other
     }
 
+    /// What the part is fixed to, flange or base, and its frame there.
+    /// ```
+    /// use curvlay_kinematics::{Arm, Cell, nalgebra::Isometry3, robots, scene::Mount};
+    /// let (part, nozzle) = (Isometry3::translation(0.0, 0.0, 45.0), Isometry3::translation(300.0, 60.0, 220.0));
+    /// let cell = Cell::part_in_hand(Arm::new(&robots::UR3)?, part, nozzle)?;
+    /// assert_eq!(cell.part_frame(), (Mount::Link(6), part));
+    /// assert_eq!(cell.nozzle_frame(), (Mount::Base, nozzle));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn part_frame(&self) -> (Mount, Isometry3<f64>) {
+        match self.held {
+            Held::Part => (Mount::Link(6), self.flange_held),
+            Held::Nozzle => (Mount::Base, self.base_other),
+        }
+    }
+
+    /// What the nozzle is fixed to, base or flange, and its frame there.
+    pub fn nozzle_frame(&self) -> (Mount, Isometry3<f64>) {
+        match self.held {
+            Held::Part => (Mount::Base, self.base_other),
+            Held::Nozzle => (Mount::Link(6), self.flange_held),
+        }
+    }
+
     /// Where the flange must be for a waypoint at a tool angle, `base_flange`: Eq. 2.3 solved for it.
     pub fn flange(&self, waypoint: &Waypoint, tool_angle: f64) -> Isometry3<f64> {
         let part_deposition = waypoint.frame(tool_angle);
@@ -317,6 +342,16 @@ impl TableCell {
         self.cell.arm()
     }
 
+    /// What the part is fixed to, flange or table, and its frame there.
+    pub fn part_frame(&self) -> (Mount, Isometry3<f64>) {
+        on_table(self.cell.part_frame())
+    }
+
+    /// What the nozzle is fixed to, table or flange, and its frame there.
+    pub fn nozzle_frame(&self) -> (Mount, Isometry3<f64>) {
+        on_table(self.cell.nozzle_frame())
+    }
+
     /// The cell with the table at these joints; `None` beyond its limits.
     pub fn at(&self, table: &[f64; 2]) -> Option<Cell> {
         let base_other = self.positioner.forward(table) * self.cell.base_other;
@@ -345,4 +380,9 @@ impl TableCell {
         let follow = |(point, axis): (Point3<f64>, UnitVector3<f64>)| self.cell.arm.rates_about(joints, &point, &axis);
         Some([self.at(table)?.tool_rates(joints)?, follow(tilt)?, follow(turn)?])
     }
+}
+
+/// What the arm does not hold is on the table, not in the base.
+fn on_table((mount, frame): (Mount, Isometry3<f64>)) -> (Mount, Isometry3<f64>) {
+    (if mount == Mount::Base { Mount::Table } else { mount }, frame)
 }

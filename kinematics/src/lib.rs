@@ -9,6 +9,7 @@
 //! * [`JointLimits`]: limits and whole turns.
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Cell`], [`TableCell`]: who holds what; from a waypoint to configurations.
+//! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
@@ -28,6 +29,7 @@ mod progress;
 pub mod scene;
 pub mod stewart;
 mod trig;
+pub mod workcell;
 
 pub use arm::robots;
 pub use arm::{

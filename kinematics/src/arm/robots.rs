@@ -113,3 +113,14 @@ pub const IRBP_A250: PositionerModel = PositionerModel {
     table_origin: [0.0, 0.0, 1124.87],
     limits: limits([-TAU; 2], [TAU; 2], [85.0, 85.0]),
 };
+
+/// The arms by name, as files of workcells call them.
+/// ```
+/// use curvlay_kinematics::robots;
+/// assert_eq!(robots::ARMS.iter().find(|(name, _)| *name == "UR3").map(|(_, arm)| **arm), Some(robots::UR3));
+/// ```
+pub const ARMS: [(&str, &ArmModel); 6] =
+    [("UR3", &UR3), ("UR3e", &UR3E), ("UR5", &UR5), ("UR5e", &UR5E), ("IRB120", &IRB120), ("IRB1200", &IRB1200)];
+
+/// The positioners by name, as files of workcells call them.
+pub const POSITIONERS: [(&str, &PositionerModel); 1] = [("IRBP_A250", &IRBP_A250)];

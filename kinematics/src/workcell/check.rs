@@ -1,0 +1,303 @@
+//! From the numbers of a file to what they describe, each checked under the name that it has in the file.
+
+use super::model::{
+    ArmGeometry, ArmPart, FrameModel, LimitsModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, VERSION,
+};
+use crate::arm::robots::{ARMS, POSITIONERS};
+use crate::arm::{Arm, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
+use crate::cell::{CellError, nozzle_frame};
+use crate::limits::JointLimits;
+use crate::positioner::{Positioner, PositionerError, PositionerModel};
+use crate::scene::{FARTHEST, SceneError};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+
+/// Why numbers make no workcell. `path` is the field, as in the file: `solids[2].shape.block.min_mm[0]`.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorkcellError {
+    /// A version of the format that this crate does not know.
+    #[error("version: {found} is not known, only {VERSION} is")]
+    Version {
+        /// What the model says.
+        found: u32,
+    },
+    /// No such robot, or no such positioner.
+    #[error("{path}: no robot is called `{name}`; known are {known}")]
+    UnknownRobot {
+        /// The field.
+        path: String,
+        /// Its value.
+        name: String,
+        /// The names that are known.
+        known: String,
+    },
+    /// A number cannot be what it is.
+    #[error("{path} is {value}: it must be {must}")]
+    Number {
+        /// The field.
+        path: String,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: String,
+    },
+    /// An axis or a direction of flow is zero.
+    #[error("{path} is zero: it must be a direction")]
+    NoDirection {
+        /// The field.
+        path: String,
+    },
+    /// A name is empty, stands for something else, or is there twice.
+    #[error("{path}: the name `{name}` {what}")]
+    Name {
+        /// The field.
+        path: String,
+        /// Its value.
+        name: String,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// Something is on a table, and there is none; or the arm has no such link.
+    #[error("{path}: {what}")]
+    Mount {
+        /// The field.
+        path: String,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// The arm holds the part, and a table is there that should carry it.
+    #[error("held: the arm holds the part, but a positioner must carry it; `held` must be `nozzle` with a positioner")]
+    HeldPartOnTable,
+    /// The arm.
+    #[error("{path}: {source}")]
+    Arm {
+        /// The field.
+        path: &'static str,
+        /// What is wrong with it.
+        source: ArmError,
+    },
+    /// The table.
+    #[error("{path}: {source}")]
+    Positioner {
+        /// The field.
+        path: &'static str,
+        /// What is wrong with it.
+        source: PositionerError,
+    },
+    /// A frame.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+    /// The bodies make no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+pub(super) fn wrong(path: impl Into<String>, value: f64, must: impl Into<String>) -> WorkcellError {
+    WorkcellError::Number { path: path.into(), value, must: must.into() }
+}
+
+/// A number that a length or a coordinate can be.
+pub(super) fn finite(path: impl Into<String>, value: f64) -> Result<f64, WorkcellError> {
+    // NaN fails the comparison.
+    if value.abs() <= FARTHEST { Ok(value) } else { Err(wrong(path, value, "a number from -1e6 to 1e6")) }
+}
+
+pub(super) fn positive(path: impl Into<String>, value: f64) -> Result<f64, WorkcellError> {
+    if value > 0.0 && value <= FARTHEST { Ok(value) } else { Err(wrong(path, value, "above 0 and at most 1e6")) }
+}
+
+pub(super) fn each<const K: usize>(path: &str, values: &[f64; K]) -> Result<[f64; K], WorkcellError> {
+    for (k, &value) in values.iter().enumerate() {
+        finite(format!("{path}[{k}]"), value)?;
+    }
+    Ok(*values)
+}
+
+fn radians(path: &str, degrees: f64) -> Result<f64, WorkcellError> {
+    finite(path, degrees).map(f64::to_radians)
+}
+
+fn direction(path: &str, value: &[f64; 3]) -> Result<UnitVector3<f64>, WorkcellError> {
+    let found = UnitVector3::try_new(Vector3::from(each(path, value)?), f64::MIN_POSITIVE);
+    found.ok_or_else(|| WorkcellError::NoDirection { path: path.into() })
+}
+
+pub(super) fn version(found: u32) -> Result<(), WorkcellError> {
+    if found == VERSION { Ok(()) } else { Err(WorkcellError::Version { found }) }
+}
+
+pub(super) fn frame(path: &str, model: &FrameModel) -> Result<Isometry3<f64>, WorkcellError> {
+    let position = each(&format!("{path}.position_mm"), &model.position_mm)?;
+    let [roll, pitch, yaw] = each(&format!("{path}.rpy_deg"), &model.rpy_deg)?.map(f64::to_radians);
+    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Ok(Isometry3::from_parts(Translation3::from(position), rotation))
+}
+
+/// The limits of a robot, with what a cell says of them.
+fn limits<const N: usize>(
+    path: &str,
+    known: JointLimits<N>,
+    model: &LimitsModel<N>,
+) -> Result<JointLimits<N>, WorkcellError> {
+    let mut limits = known;
+    let LimitsModel { min_deg, max_deg, max_speed_deg_s, max_acceleration_rad_s2, max_jerk_rad_s3 } = model;
+    let stops = [("min_deg", min_deg, &mut limits.lower, -1.0), ("max_deg", max_deg, &mut limits.upper, 1.0)];
+    for (name, given, stops, side) in stops {
+        let Some(given) = given else { continue };
+        for joint in 0..N {
+            let path = || format!("{path}.{name}[{joint}]");
+            let angle = given[joint].map(|angle| finite(path(), angle).map(f64::to_radians));
+            stops[joint] = angle.transpose()?.unwrap_or(side * f64::INFINITY);
+        }
+    }
+    let bounds = [
+        ("max_speed_deg_s", max_speed_deg_s, &mut limits.velocity, 1f64.to_radians()),
+        ("max_acceleration_rad_s2", max_acceleration_rad_s2, &mut limits.acceleration, 1.0),
+        ("max_jerk_rad_s3", max_jerk_rad_s3, &mut limits.jerk, 1.0),
+    ];
+    for (name, given, bounds, unit) in bounds {
+        let Some(given) = given else { continue };
+        for joint in 0..N {
+            bounds[joint] = match given[joint] {
+                None => f64::INFINITY,
+                Some(value) if value > 0.0 && value < f64::INFINITY => value * unit,
+                Some(value) => {
+                    let must = "above 0 and finite, or null for no limit";
+                    return Err(wrong(format!("{path}.{name}[{joint}]"), value, must));
+                }
+            };
+        }
+    }
+    for joint in 0..N {
+        let (lower, upper) = (limits.lower[joint], limits.upper[joint]);
+        if lower > upper {
+            let must = format!("at most the greatest angle, {}", upper.to_degrees());
+            return Err(wrong(format!("{path}.min_deg[{joint}]"), lower.to_degrees(), must));
+        }
+    }
+    Ok(limits)
+}
+
+/// The numbers of one of the robots that have names.
+fn named<T: Copy>(path: &str, name: &str, all: &[(&str, &T)]) -> Result<T, WorkcellError> {
+    let found = all.iter().find(|(known, _)| *known == name);
+    found.map(|(_, model)| **model).ok_or_else(|| WorkcellError::UnknownRobot {
+        path: path.into(),
+        name: name.into(),
+        known: all.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// The arm, and the numbers that it was made from, with the limits of the cell.
+pub(super) fn arm(part: &ArmPart) -> Result<(Arm, ArmModel), WorkcellError> {
+    let free = |geometry, offsets, signs| ArmModel { geometry, offsets, signs, limits: JointLimits::NONE };
+    let path = "arm.geometry";
+    let model = match &part.geometry {
+        ArmGeometry::Named(name) => named("arm.geometry.named", name, &ARMS)?,
+        ArmGeometry::Ur { d_mm, upper_arm_mm, forearm_mm } => {
+            let path = "arm.geometry.ur";
+            let table = DhTable::ur(
+                each(&format!("{path}.d_mm"), d_mm)?,
+                finite(format!("{path}.upper_arm_mm"), *upper_arm_mm)?,
+                finite(format!("{path}.forearm_mm"), *forearm_mm)?,
+            );
+            free(Geometry::Ur(table), [0.0; 6], [1.0; 6])
+        }
+        ArmGeometry::OrthoParallel { a1_mm, a2_mm, b_mm, c1_mm, c2_mm, c3_mm, c4_mm, offsets_deg, signs } => {
+            let path = "arm.geometry.ortho_parallel";
+            let length = |name: &str, value: f64| finite(format!("{path}.{name}"), value);
+            let lengths = OrthoLengths {
+                a1: length("a1_mm", *a1_mm)?,
+                a2: length("a2_mm", *a2_mm)?,
+                b: length("b_mm", *b_mm)?,
+                c1: length("c1_mm", *c1_mm)?,
+                c2: length("c2_mm", *c2_mm)?,
+                c3: length("c3_mm", *c3_mm)?,
+                c4: length("c4_mm", *c4_mm)?,
+            };
+            let offsets = each(&format!("{path}.offsets_deg"), offsets_deg)?.map(f64::to_radians);
+            free(Geometry::Ortho(lengths), offsets, each(&format!("{path}.signs"), signs)?)
+        }
+    };
+    let limits = limits("arm.limits", model.limits, &part.limits)?;
+    let model = ArmModel { limits, ..model };
+    let arm = Arm::new(&model).map_err(|source| WorkcellError::Arm { path, source })?;
+    Ok((arm, model))
+}
+
+/// A table in a cell.
+pub(super) struct Table {
+    pub positioner: Positioner,
+    pub print_tilt: [f64; 2],
+    pub tool_angle: f64,
+}
+
+pub(super) fn positioner(part: &PositionerPart) -> Result<Table, WorkcellError> {
+    let model = match &part.geometry {
+        PositionerGeometry::Named(name) => named("positioner.geometry.named", name, &POSITIONERS)?,
+        PositionerGeometry::Axes { tilt_origin_mm, tilt_axis, turn_origin_mm, turn_axis, table_origin_mm } => {
+            let path = |name: &str| format!("positioner.geometry.axes.{name}");
+            direction(&path("tilt_axis"), tilt_axis)?;
+            direction(&path("turn_axis"), turn_axis)?;
+            PositionerModel {
+                tilt_origin: each(&path("tilt_origin_mm"), tilt_origin_mm)?,
+                tilt_axis: *tilt_axis,
+                turn_origin: each(&path("turn_origin_mm"), turn_origin_mm)?,
+                turn_axis: *turn_axis,
+                table_origin: each(&path("table_origin_mm"), table_origin_mm)?,
+                limits: JointLimits::NONE,
+            }
+        }
+    };
+    let limits = limits("positioner.limits", model.limits, &part.limits)?;
+    let base_positioner = frame("positioner.frame", &part.frame)?;
+    let positioner = Positioner::new(&PositionerModel { limits, ..model }, &base_positioner)
+        .map_err(|source| WorkcellError::Positioner { path: "positioner.geometry", source })?;
+    let [min, max] = each("positioner.print_tilt_deg", &part.print_tilt_deg)?;
+    let print_tilt = [min, max].map(f64::to_radians);
+    let within = |tilt: f64| limits.lower[0] <= tilt && tilt <= limits.upper[0];
+    let path = |end: usize| format!("positioner.print_tilt_deg[{end}]");
+    if min > max {
+        return Err(wrong(path(0), min, format!("at most {max}, the greatest tilt")));
+    }
+    for (end, (degrees, tilt)) in [min, max].into_iter().zip(print_tilt).enumerate() {
+        if !within(tilt) {
+            return Err(wrong(path(end), degrees, "within the limits of the tilt"));
+        }
+    }
+    let tool_angle = radians("positioner.tool_angle_deg", part.tool_angle_deg)?;
+    Ok(Table { positioner, print_tilt, tool_angle })
+}
+
+/// The frame of the nozzle on what carries it. Its shape is checked as well.
+pub(super) fn nozzle(model: &NozzleModel) -> Result<Isometry3<f64>, WorkcellError> {
+    let tip = Point3::from(each("nozzle.tip_mm", &model.tip_mm)?);
+    let flow = direction("nozzle.flow", &model.flow)?;
+    let flat = positive("nozzle.tip_flat_mm", model.tip_flat_mm)?;
+    let height = positive("nozzle.cone_height_mm", model.cone_height_mm)?;
+    let block = positive("nozzle.block_diameter_mm", model.block_diameter_mm)?;
+    let top = positive("nozzle.block_top_mm", model.block_top_mm)?;
+    let half_angle = model.cone_half_angle_deg;
+    if !(half_angle > 0.0 && half_angle < 90.0) {
+        return Err(wrong("nozzle.cone_half_angle_deg", half_angle, "above 0 and below 90"));
+    }
+    if flat > height {
+        let must = format!("at most the height of the cone, {height}");
+        return Err(wrong("nozzle.tip_flat_mm", flat, must));
+    }
+    let cone = flat + 2.0 * height * half_angle.to_radians().tan();
+    if block < cone {
+        let must = format!("at least the diameter of the cone where the block begins, {cone}");
+        return Err(wrong("nozzle.block_diameter_mm", block, must));
+    }
+    if top <= height {
+        let must = format!("above the height of the cone, {height}, where the block begins");
+        return Err(wrong("nozzle.block_top_mm", top, must));
+    }
+    Ok(nozzle_frame(&tip, &flow))
+}
+
+pub(super) fn plate(model: &PlateModel) -> Result<(), WorkcellError> {
+    positive("plate.thickness_mm", model.thickness_mm)?;
+    model.diameter_mm.map_or(Ok(()), |diameter| positive("plate.diameter_mm", diameter).map(|_| ()))
+}

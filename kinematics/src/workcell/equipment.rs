@@ -1,0 +1,253 @@
+//! What stands in a workcell: the bodies of its scene, and the frames of part and nozzle.
+
+use super::check::{self, Table, WorkcellError, each, finite, positive};
+use super::model::{Held, MountModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
+use crate::arm::Arm;
+use crate::positioner::Positioner;
+use crate::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use nalgebra::{Isometry3, Point3};
+use std::f64::consts::{PI, TAU};
+
+/// The body of the nozzle's cone in the scene.
+pub const NOZZLE: &str = "nozzle";
+/// The body of the block on top of the cone.
+pub const HOT_END: &str = "hot end";
+/// The body of the plate.
+pub const PLATE: &str = "plate";
+/// The body of the part, which the caller adds.
+pub const PART: &str = "part";
+
+/// Sides of the prism that stands for the cone, which it contains.
+const SIDES: u32 = 12;
+
+/// A plate as wide as this, in millimetres, stands for one whose diameter the print decides, where only checks need one.
+const SOME_PLATE_MM: f64 = 100.0;
+
+/// The checked contents of a workcell, whatever its number of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equipment {
+    model: WorkcellModel,
+    arm: Arm,
+    positioner: Option<Positioner>,
+    links: Vec<Body>,
+    /// Stand and solids.
+    bodies: Vec<Body>,
+    part: (Mount, Isometry3<f64>),
+    nozzle: (Mount, Isometry3<f64>),
+}
+
+impl Equipment {
+    pub(super) fn new(model: WorkcellModel) -> Result<(Self, Option<Table>), WorkcellError> {
+        check::version(model.version)?;
+        let (arm, arm_model) = check::arm(&model.arm)?;
+        let table = model.positioner.as_ref().map(check::positioner).transpose()?;
+        let on_base = |frame| (Mount::Base, frame);
+        let in_hand = |frame| (Mount::Link(6), frame);
+        let [part, nozzle] = [check::frame("part", &model.part)?, check::nozzle(&model.nozzle)?];
+        let (part, nozzle) = match (model.held, &table) {
+            (Held::Part, None) => (in_hand(part), on_base(nozzle)),
+            (Held::Nozzle, None) => (on_base(part), in_hand(nozzle)),
+            (Held::Nozzle, Some(_)) => ((Mount::Table, part), in_hand(nozzle)),
+            (Held::Part, Some(_)) => return Err(WorkcellError::HeldPartOnTable),
+        };
+        check::plate(&model.plate)?;
+        let positioner = table.as_ref().map(|table| table.positioner);
+        let links = links(&arm_model);
+        let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links)))?;
+        for (index, solid) in model.solids.iter().enumerate() {
+            bodies.push(body(&format!("solids[{index}]"), solid, positioner.is_some(), &part, &nozzle)?);
+        }
+        let equipment = Equipment { arm, positioner, links, bodies, part, nozzle, model };
+        equipment.check_names()?;
+        Scene::new(equipment.scene(SOME_PLATE_MM))?;
+        Ok((equipment, table))
+    }
+
+    fn check_names(&self) -> Result<(), WorkcellError> {
+        let wrong = |index: usize, what| {
+            let name = self.model.solids[index].name.clone();
+            WorkcellError::Name { path: format!("solids[{index}].name"), name, what }
+        };
+        let stands = self.bodies.len() - self.model.solids.len();
+        for (index, solid) in self.model.solids.iter().enumerate() {
+            let same = |body: &Body| body.name == solid.name;
+            if solid.name.is_empty() {
+                return Err(wrong(index, "is empty"));
+            }
+            let taken = [NOZZLE, HOT_END, PLATE, PART].contains(&solid.name.as_str())
+                || self.links.iter().chain(&self.bodies[..stands]).any(same);
+            if taken {
+                return Err(wrong(index, "stands for another body of the cell"));
+            }
+            if self.bodies[stands..stands + index].iter().any(same) {
+                return Err(wrong(index, "is there twice"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The numbers that the workcell was made from.
+    pub fn model(&self) -> &WorkcellModel {
+        &self.model
+    }
+
+    /// What a report calls the cell.
+    pub fn name(&self) -> &str {
+        &self.model.name
+    }
+
+    /// The arm, within the limits of the cell.
+    pub fn arm(&self) -> &Arm {
+        &self.arm
+    }
+
+    /// The table, where there is one, within the limits of the cell.
+    pub fn positioner(&self) -> Option<&Positioner> {
+        self.positioner.as_ref()
+    }
+
+    /// What the part is fixed to, and the part frame there.
+    pub fn part_frame(&self) -> (Mount, Isometry3<f64>) {
+        self.part
+    }
+
+    /// What the nozzle is fixed to, and the nozzle frame there: origin at the tip, z up into the nozzle.
+    pub fn nozzle_frame(&self) -> (Mount, Isometry3<f64>) {
+        self.nozzle
+    }
+
+    /// The diameter of the plate, for a print that wants one of `wanted_mm`.
+    pub fn plate_diameter_mm(&self, wanted_mm: f64) -> f64 {
+        self.model.plate.diameter_mm.unwrap_or(wanted_mm)
+    }
+
+    /// The scene without the part: links, stand, solids, [`NOZZLE`], [`HOT_END`] and [`PLATE`], in this order. The plate has
+    /// the diameter of the file, or `wanted_mm` if the file leaves it open. The margin is 0 and nothing is allowed to
+    /// touch; set both as the motion in question needs it.
+    pub fn scene(&self, wanted_mm: f64) -> SceneModel {
+        let nozzle = &self.model.nozzle;
+        let (height, flat) = (nozzle.cone_height_mm, nozzle.tip_flat_mm / 2.0);
+        let wide = flat + height * nozzle.cone_half_angle_deg.to_radians().tan();
+        let cone = Shape::Hull { points: ring(flat, 0.0).chain(ring(wide, height)).collect(), radius: 0.0 };
+        let block = Shape::cylinder(nozzle.block_diameter_mm / 2.0, height, nozzle.block_top_mm);
+        let plate = Shape::cylinder(self.plate_diameter_mm(wanted_mm) / 2.0, -self.model.plate.thickness_mm, 0.0);
+        let body = |name: &str, (mount, mount_body), shape| Body { name: name.into(), mount, mount_body, shape };
+        let mut bodies = self.bodies.clone();
+        bodies.extend([
+            body(NOZZLE, self.nozzle, cone),
+            body(HOT_END, self.nozzle, block),
+            body(PLATE, self.part, plate),
+        ]);
+        SceneModel { links: self.links.clone(), bodies, positioner: self.positioner, ..SceneModel::of(self.arm) }
+    }
+}
+
+/// The corners of a prism around a circle about z.
+fn ring(radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
+    let out = radius / (PI / f64::from(SIDES)).cos();
+    (0..SIDES).map(move |k| {
+        let (sin, cos) = (TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
+        Point3::new(out * cos, out * sin, z)
+    })
+}
+
+/// The radius of an arm's foot.
+fn foot(links: &[Body]) -> f64 {
+    links.first().map_or(0.0, |body| match &body.shape {
+        Shape::Hull { points, .. } => points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max),
+        Shape::Capsule { radius, .. } => *radius,
+        Shape::Mesh { .. } | Shape::Cells { .. } => 0.0,
+    })
+}
+
+fn standing(stand: &StandModel, foot: f64) -> Result<Vec<Body>, WorkcellError> {
+    let body =
+        |name: &str, shape| Body { name: name.into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape };
+    let block = |low: [f64; 3], high: [f64; 3]| Shape::block(low.into(), high.into());
+    match *stand {
+        StandModel::Pedestal { height_mm, radius_mm } => {
+            let height = positive("stand.pedestal.height_mm", height_mm)?;
+            let radius = radius_mm.map_or(Ok(foot), |radius| positive("stand.pedestal.radius_mm", radius))?;
+            Ok(vec![body("pedestal", Shape::cylinder(radius, -height, 0.0))])
+        }
+        StandModel::Beam { height_mm, thickness_mm, length_mm, half_width_mm, pillar_mm } => {
+            let height = positive("stand.beam.height_mm", height_mm)?;
+            let thick = positive("stand.beam.thickness_mm", thickness_mm)?;
+            let behind = positive("stand.beam.length_mm", length_mm)?;
+            let half = half_width_mm.map_or(Ok(foot), |half| positive("stand.beam.half_width_mm", half))?;
+            let along = positive("stand.beam.pillar_mm[0]", pillar_mm[0])?;
+            let across = positive("stand.beam.pillar_mm[1]", pillar_mm[1])?;
+            if thick > height {
+                let must = format!("at most the height of the pillar, {height}");
+                return Err(check::wrong("stand.beam.thickness_mm", thick, must));
+            }
+            Ok(vec![
+                body("beam", block([-behind, -half, -thick], [half, half, 0.0])),
+                body("pillar", block([-behind - along, -across / 2.0, -height], [-behind, across / 2.0, 0.0])),
+            ])
+        }
+    }
+}
+
+fn body(
+    path: &str,
+    solid: &SolidModel,
+    has_table: bool,
+    part: &(Mount, Isometry3<f64>),
+    nozzle: &(Mount, Isometry3<f64>),
+) -> Result<Body, WorkcellError> {
+    let no_place = |what| WorkcellError::Mount { path: format!("{path}.mount"), what };
+    let (mount, mount_frame) = match solid.mount {
+        MountModel::Base => (Mount::Base, Isometry3::identity()),
+        MountModel::Link(link) if (1..=6).contains(&link) => (Mount::Link(link), Isometry3::identity()),
+        MountModel::Link(_) => return Err(no_place("links are numbered from 1 to 6")),
+        MountModel::Flange => (Mount::Link(6), Isometry3::identity()),
+        MountModel::Tilt | MountModel::Table if !has_table => return Err(no_place("the cell has no positioner")),
+        MountModel::Tilt => (Mount::Tilt, Isometry3::identity()),
+        MountModel::Table => (Mount::Table, Isometry3::identity()),
+        MountModel::Part => *part,
+        MountModel::Nozzle => *nozzle,
+    };
+    let mount_body = mount_frame * check::frame(&format!("{path}.frame"), &solid.frame)?;
+    let shape = shape(&format!("{path}.shape"), &solid.shape)?;
+    Ok(Body { name: solid.name.clone(), mount, mount_body, shape })
+}
+
+fn shape(path: &str, shape: &ShapeModel) -> Result<Shape, WorkcellError> {
+    match shape {
+        ShapeModel::Block { min_mm, max_mm } => {
+            let path = format!("{path}.block");
+            let min = each(&format!("{path}.min_mm"), min_mm)?;
+            let max = each(&format!("{path}.max_mm"), max_mm)?;
+            for axis in 0..3 {
+                if min[axis] > max[axis] {
+                    let must = format!("at most max_mm[{axis}], {}", max[axis]);
+                    return Err(check::wrong(format!("{path}.min_mm[{axis}]"), min[axis], must));
+                }
+            }
+            Ok(Shape::block(min.into(), max.into()))
+        }
+        ShapeModel::Cylinder { radius_mm, min_z_mm, max_z_mm } => {
+            let path = format!("{path}.cylinder");
+            let radius = positive(format!("{path}.radius_mm"), *radius_mm)?;
+            let min = finite(format!("{path}.min_z_mm"), *min_z_mm)?;
+            let max = finite(format!("{path}.max_z_mm"), *max_z_mm)?;
+            if min > max {
+                return Err(check::wrong(format!("{path}.min_z_mm"), min, format!("at most max_z_mm, {max}")));
+            }
+            Ok(Shape::cylinder(radius, min, max))
+        }
+        ShapeModel::Capsule { from_mm, to_mm, radius_mm } => {
+            let path = format!("{path}.capsule");
+            let from = each(&format!("{path}.from_mm"), from_mm)?.into();
+            let to = each(&format!("{path}.to_mm"), to_mm)?.into();
+            Ok(Shape::Capsule { from, to, radius: positive(format!("{path}.radius_mm"), *radius_mm)? })
+        }
+        ShapeModel::Hull { points_mm } => {
+            let path = format!("{path}.hull.points_mm");
+            let points = points_mm.iter().enumerate().map(|(k, point)| each(&format!("{path}[{k}]"), point));
+            let points: Result<Vec<[f64; 3]>, WorkcellError> = points.collect();
+            Ok(Shape::Hull { points: points?.into_iter().map(Point3::from).collect(), radius: 0.0 })
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! A workcell as data: an arm, what it holds, the nozzle, a table, a plate, and whatever else stands there.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.5: a UR3 that holds the part under a
+//! fixed nozzle, and an arm with the nozzle over a table that tilts and turns. Here these are two files, and a cell of your
+//! own is a third one: see [`WorkcellModel`], and `docs/formats.md` for the JSON file (cargo feature `serde`).
+//!
+//! [`AnyWorkcell::new`] checks the numbers of a model. What comes out answers all that planners of motions ask of a robot:
+//! [`Workcell`]. There are two kinds, which differ in the number of their joints `N` and of the parameters `F` that a
+//! waypoint leaves free:
+//! * [`SixAxisCell`]: `N = 6`, `F = 1`, the tool angle;
+//! * [`EightAxisCell`]: `N = 8` (the table's tilt and turn come last), `F = 2`, tilt and turn.
+//!
+//! Symbols: `theta` of section 4.3.1 is `free` here, `q` is `joints`. Branches are the slots of [`Branch`](crate::Branch).
+//!
+//! ```
+//! use curvlay_kinematics::nalgebra::{Point3, Vector3};
+//! use curvlay_kinematics::scene::{Mount, Scene};
+//! use curvlay_kinematics::workcell::{
+//!     AnyWorkcell, ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, NozzleModel, PlateModel, VERSION, Workcell,
+//!     WorkcellModel,
+//! };
+//! use curvlay_kinematics::Waypoint;
+//! // A UR5 that holds the part under a nozzle that hangs down.
+//! let model = WorkcellModel {
+//!     version: VERSION,
+//!     name: "UR5 under a nozzle".into(),
+//!     arm: ArmPart { geometry: ArmGeometry::Named("UR5".into()), limits: LimitsModel::default() },
+//!     held: Held::Part,
+//!     part: FrameModel { position_mm: [0.0, 0.0, 45.0], ..FrameModel::default() },
+//!     nozzle: NozzleModel {
+//!         tip_mm: [450.0, 100.0, 300.0],
+//!         flow: [0.0, 0.0, -1.0],
+//!         tip_flat_mm: 1.0,
+//!         cone_half_angle_deg: 45.0,
+//!         cone_height_mm: 8.0,
+//!         block_diameter_mm: 20.0,
+//!         block_top_mm: 60.0,
+//!     },
+//!     plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
+//!     positioner: None,
+//!     stand: None,
+//!     solids: vec![],
+//! };
+//! let AnyWorkcell::Six(cell) = AnyWorkcell::new(model)? else { return Err("it has a table".into()) };
+//! assert_eq!(cell.equipment().part_frame().0, Mount::Link(6));
+//! let scene = Scene::new(cell.equipment().scene(100.0))?;
+//! let waypoint = Waypoint { position: Point3::new(0.0, 0.0, 30.0), axis: Vector3::z_axis() };
+//! let mut free = 0;
+//! cell.solutions(&waypoint, &[0.5], &mut |_branch, joints| {
+//!     free += usize::from(matches!(scene.touching(&cell.scene_posture(&joints)), Ok(None)));
+//! });
+//! assert!(free > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod check;
+mod eight;
+mod equipment;
+mod model;
+mod six;
+
+pub use check::WorkcellError;
+pub use eight::EightAxisCell;
+pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE};
+pub use model::{
+    ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, MountModel, NozzleModel, PlateModel, PositionerGeometry,
+    PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellFileError, WorkcellModel,
+};
+pub use six::SixAxisCell;
+
+use crate::cell::{Cell, Waypoint};
+use crate::limits::JointLimits;
+use crate::program::{ConfData, Target};
+use crate::scene;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+/// The values that a free parameter may take, in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FreeRange {
+    /// An angle: values a whole turn apart are one.
+    Turn,
+    /// From the first to the second, both included.
+    Within(f64, f64),
+}
+
+/// Joints at a waypoint, and `rates[f][j]`: the derivative of joint `j` by free parameter `f`.
+pub type Following<const N: usize, const F: usize> = ([f64; N], [[f64; N]; F]);
+
+/// What planners of motions ask of a robot that stands over or under a part: `N` joints, and `F` parameters that a waypoint
+/// leaves free.
+///
+/// Nothing here allocates but what is said to; all answers depend on the arguments alone. A waypoint, a parameter or a joint
+/// that is not finite has no solution.
+pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
+    /// What stands in the cell: the scene, the frames of part and nozzle.
+    fn equipment(&self) -> &Equipment;
+
+    /// Limits of all joints in this cell; those of the table come last.
+    fn limits(&self) -> &JointLimits<N>;
+
+    /// What the free parameters may be.
+    fn free(&self) -> [FreeRange; F];
+
+    /// Calls `each` with the branch and the joints of every solution at a waypoint, in ascending order of branches. Joints of
+    /// the arm are in `(-pi, pi]`, those of the table in one turn around 0; of their limits, only those of the table are
+    /// looked at.
+    ///
+    /// # Cost
+    /// About a microsecond.
+    fn solutions(&self, waypoint: &Waypoint, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N]));
+
+    /// The solution on one branch with its derivatives; `None` out of reach and at a singularity.
+    fn following(&self, waypoint: &Waypoint, free: &[f64; F], branch: u32) -> Option<Following<N, F>>;
+
+    /// Where the nozzle is on the part, `part_nozzle`, whether the joints are within their limits or not; `None` only where a
+    /// table is beyond its own.
+    fn nozzle_on_part(&self, joints: &[f64; N]) -> Option<Isometry3<f64>>;
+
+    /// The joints nearest to `previous` that reach a waypoint with the free parameters `free` and the tool turned by `turn`
+    /// about the nozzle against what these say; within the limits, whole turns counted. A table stays where `previous` has it,
+    /// not where `free` says: a nozzle that lifts off moves the arm only. As [`Arm::continuing`](crate::Arm::continuing).
+    fn continuing(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, previous: &[f64; N]) -> Option<[f64; N]>;
+
+    /// Where everything is at a posture, in the base; `None` where a table is beyond its limits.
+    fn stance(&self, joints: &[f64; N]) -> Option<Stance>;
+
+    /// The posture as a controller takes it; `None` where a table is beyond its limits.
+    fn controller_pose(&self, joints: &[f64; N]) -> Option<ControllerPose>;
+
+    /// The posture as the scene takes it.
+    fn scene_posture(&self, joints: &[f64; N]) -> scene::Posture;
+
+    /// How far from a singularity the arm is, in mm^3, as [`Arm::manipulability`](crate::Arm::manipulability).
+    fn manipulability(&self, joints: &[f64; N]) -> f64;
+}
+
+/// Where things are at a posture, in the base: for pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stance {
+    /// The frames of the arm, from the base to the flange.
+    pub arm: [Isometry3<f64>; 7],
+    /// What carries the part: flange, table, or the base at the part frame.
+    pub carrier: Isometry3<f64>,
+    /// The part.
+    pub part: Isometry3<f64>,
+    /// The nozzle.
+    pub nozzle: Isometry3<f64>,
+}
+
+/// A posture for controllers that take poses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControllerPose {
+    /// Where the tool is on the part, with z out of the tool as controllers have it, and the configuration data.
+    pub target: Target,
+    /// Tilt and turn of the table, where there is one.
+    pub table: Option<[f64; 2]>,
+    /// The arm's joints.
+    pub joints: [f64; 6],
+}
+
+/// The frame of a nozzle as controllers have it: z out of the tool, with the flow.
+pub fn tool_frame(nozzle: &Isometry3<f64>) -> Isometry3<f64> {
+    let flip = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    nozzle * Isometry3::from_parts(Translation3::identity(), flip)
+}
+
+fn controller_pose(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> ControllerPose {
+    let pose = tool_frame(&cell.nozzle_on_part(joints));
+    ControllerPose { target: Target { pose, conf: ConfData::of(cell.arm(), joints) }, table, joints: *joints }
+}
+
+fn stance(cell: &Cell, joints: &[f64; 6], held: Held) -> Stance {
+    let arm = cell.arm().frames(joints);
+    let in_hand = arm[6] * cell.held();
+    match held {
+        Held::Part => Stance { arm, carrier: arm[6], part: in_hand, nozzle: cell.other() },
+        Held::Nozzle => Stance { arm, carrier: cell.other(), part: cell.other(), nozzle: in_hand },
+    }
+}
+
+/// A workcell of either kind.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there is one of these in a program")]
+pub enum AnyWorkcell {
+    /// An arm alone.
+    Six(SixAxisCell),
+    /// An arm and a table.
+    Eight(EightAxisCell),
+}
+
+impl AnyWorkcell {
+    /// Checks the numbers of a workcell.
+    ///
+    /// # Errors
+    /// [`WorkcellError`] names the field, as in the file.
+    pub fn new(model: WorkcellModel) -> Result<Self, WorkcellError> {
+        let (equipment, table) = Equipment::new(model)?;
+        Ok(match table {
+            None => AnyWorkcell::Six(SixAxisCell::new(equipment)?),
+            Some(table) => AnyWorkcell::Eight(EightAxisCell::new(equipment, &table)?),
+        })
+    }
+
+    /// Reads a workcell from a JSON file, as `docs/formats.md` describes it, and checks it.
+    ///
+    /// # Errors
+    /// [`WorkcellFileError`] names line and column, or the field.
+    #[cfg(feature = "serde")]
+    pub fn from_json(input: impl std::io::Read) -> Result<Self, WorkcellFileError> {
+        Ok(Self::new(WorkcellModel::from_json(input)?)?)
+    }
+
+    /// What stands in the cell.
+    pub fn equipment(&self) -> &Equipment {
+        match self {
+            AnyWorkcell::Six(cell) => cell.equipment(),
+            AnyWorkcell::Eight(cell) => cell.equipment(),
+        }
+    }
+}

@@ -1,0 +1,411 @@
+//! The numbers of a workcell, as they stand in its file.
+//!
+//! Each field has the name that it has in the file, with its unit: lengths in millimetres, angles and speeds of joints in
+//! degrees (as makers print them), accelerations and jerks of joints in rad/s^2 and rad/s^3 (as planners do). Nothing is
+//! checked here; [`AnyWorkcell::new`](super::AnyWorkcell::new) does.
+
+use super::WorkcellError;
+
+/// The version of the format that this crate reads and writes.
+pub const VERSION: u32 = 1;
+
+/// A workcell: an arm, what it holds, the nozzle, a table, a plate, and whatever else stands there.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct WorkcellModel {
+    /// Version of the format: [`VERSION`].
+    pub version: u32,
+    /// What a report calls the cell.
+    pub name: String,
+    /// The arm, which stands in the origin.
+    pub arm: ArmPart,
+    /// What the arm holds.
+    pub held: Held,
+    /// The part: its frame on the flange (if the arm holds it), on the table (if there is one), or else in the base. The
+    /// plate on which the part grows lies at z = 0 of this frame, and z points away from the plate.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub part: FrameModel,
+    /// The nozzle: on the flange, or in the base if the arm holds the part.
+    pub nozzle: NozzleModel,
+    /// The plate on which the part grows.
+    pub plate: PlateModel,
+    /// The table that carries the part, where there is one.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub positioner: Option<PositionerPart>,
+    /// What the arm stands on.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub stand: Option<StandModel>,
+    /// Floor, walls, posts, holders.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub solids: Vec<SolidModel>,
+}
+
+/// What an arm holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Held {
+    /// The part, under a nozzle that stands still.
+    Part,
+    /// The nozzle, over a part that stands still or on a table.
+    Nozzle,
+}
+
+/// An arm and its limits.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ArmPart {
+    /// Its lengths.
+    pub geometry: ArmGeometry,
+    /// What its joints may do in this cell.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub limits: LimitsModel<6>,
+}
+
+/// The lengths of an arm.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum ArmGeometry {
+    /// One of [`robots::ARMS`](crate::robots::ARMS), by its name there.
+    Named(String),
+    /// An arm of the UR type: see [`DhTable::ur`](crate::DhTable::ur).
+    Ur {
+        /// Offsets along the joint axes.
+        d_mm: [f64; 6],
+        /// Length of the upper arm, `a2` of the table; UR prints it negative.
+        upper_arm_mm: f64,
+        /// Length of the forearm, `a3` of the table; UR prints it negative.
+        forearm_mm: f64,
+    },
+    /// An ortho-parallel arm with a spherical wrist: see [`OrthoLengths`](crate::OrthoLengths).
+    OrthoParallel {
+        /// Axis 2 in front of axis 1.
+        a1_mm: f64,
+        /// Wrist centre in front of axis 3; negative on most arms.
+        a2_mm: f64,
+        /// Wrist centre beside axis 1.
+        b_mm: f64,
+        /// Axis 2 above the floor.
+        c1_mm: f64,
+        /// Axis 3 above axis 2.
+        c2_mm: f64,
+        /// Wrist centre above axis 3.
+        c3_mm: f64,
+        /// Flange above the wrist centre.
+        c4_mm: f64,
+        /// See [`ArmModel`](crate::ArmModel).
+        offsets_deg: [f64; 6],
+        /// 1, or -1 where a joint turns the other way.
+        signs: [f64; 6],
+    },
+}
+
+/// Limits of `N` joints. An absent or `null` list leaves what is known of a named robot, or no limit; a `null` in a list is
+/// no limit for that joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        deny_unknown_fields,
+        bound(
+            serialize = "[Option<f64>; N]: serde::Serialize",
+            deserialize = "[Option<f64>; N]: serde::Deserialize<'de>"
+        )
+    )
+)]
+pub struct LimitsModel<const N: usize> {
+    /// Smallest angles.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub min_deg: Option<[Option<f64>; N]>,
+    /// Greatest angles.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_deg: Option<[Option<f64>; N]>,
+    /// Greatest speeds.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_speed_deg_s: Option<[Option<f64>; N]>,
+    /// Greatest accelerations.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_acceleration_rad_s2: Option<[Option<f64>; N]>,
+    /// Greatest jerks.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_jerk_rad_s3: Option<[Option<f64>; N]>,
+}
+
+impl<const N: usize> Default for LimitsModel<N> {
+    /// What is known of the robot.
+    fn default() -> Self {
+        LimitsModel {
+            min_deg: None,
+            max_deg: None,
+            max_speed_deg_s: None,
+            max_acceleration_rad_s2: None,
+            max_jerk_rad_s3: None,
+        }
+    }
+}
+
+/// A pose on what carries it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct FrameModel {
+    /// Its origin.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub position_mm: [f64; 3],
+    /// Roll, pitch and yaw: turns about the fixed x, then y, then z axis of what carries it, as in URDF.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub rpy_deg: [f64; 3],
+}
+
+/// A round nozzle: where it is, and its shape: a flat tip, a cone, a cylindrical block on top of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct NozzleModel {
+    /// The tip, on the flange, or in the base if the arm holds the part.
+    pub tip_mm: [f64; 3],
+    /// The direction in which the material leaves the nozzle, there, of any length.
+    pub flow: [f64; 3],
+    /// Diameter of the flat tip.
+    pub tip_flat_mm: f64,
+    /// The angle between the axis and the side of the cone.
+    pub cone_half_angle_deg: f64,
+    /// Height of the cone.
+    pub cone_height_mm: f64,
+    /// Diameter of the block (the hot end), which begins where the cone ends.
+    pub block_diameter_mm: f64,
+    /// Where the block ends, above the tip.
+    pub block_top_mm: f64,
+}
+
+/// The plate on which the part grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct PlateModel {
+    /// Its thickness, from z = 0 of the part frame downwards.
+    pub thickness_mm: f64,
+    /// Its diameter; `null` or absent: as wide as the print wants it.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub diameter_mm: Option<f64>,
+}
+
+/// A table that tilts and turns, and carries the part.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct PositionerPart {
+    /// Its axes.
+    pub geometry: PositionerGeometry,
+    /// Where it stands in the base of the arm.
+    pub frame: FrameModel,
+    /// What its joints may do in this cell.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub limits: LimitsModel<2>,
+    /// The tilts at which waypoints are printed, from the first to the second; within the limits.
+    pub print_tilt_deg: [f64; 2],
+    /// The angle about the nozzle, if the nozzle does not lie on axis 6: see
+    /// [`EightAxisCell`](super::EightAxisCell).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub tool_angle_deg: f64,
+}
+
+/// The axes of a table, see [`PositionerModel`](crate::PositionerModel).
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum PositionerGeometry {
+    /// One of [`robots::POSITIONERS`](crate::robots::POSITIONERS), by its name there.
+    Named(String),
+    /// By the numbers.
+    Axes {
+        /// A point on the tilt axis.
+        tilt_origin_mm: [f64; 3],
+        /// Direction of the tilt axis, of any length.
+        tilt_axis: [f64; 3],
+        /// A point on the turn axis.
+        turn_origin_mm: [f64; 3],
+        /// Direction of the turn axis, of any length.
+        turn_axis: [f64; 3],
+        /// Origin of the table frame.
+        table_origin_mm: [f64; 3],
+    },
+}
+
+/// What an arm stands on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum StandModel {
+    /// A round pedestal under the foot.
+    Pedestal {
+        /// Its height.
+        height_mm: f64,
+        /// Its radius; absent: that of the arm's foot.
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+        radius_mm: Option<f64>,
+    },
+    /// A beam under the foot, which reaches forward (along x) from a pillar behind the arm.
+    Beam {
+        /// Height of the pillar.
+        height_mm: f64,
+        /// Thickness of the beam.
+        thickness_mm: f64,
+        /// From the arm's axis back to the pillar.
+        length_mm: f64,
+        /// Half the width of the beam, and how far it reaches in front of the arm's axis; absent: the radius of the arm's
+        /// foot.
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+        half_width_mm: Option<f64>,
+        /// The pillar, along the beam and across.
+        pillar_mm: [f64; 2],
+    },
+}
+
+/// A solid body.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct SolidModel {
+    /// Its name, by which answers call it.
+    pub name: String,
+    /// What it is fixed to.
+    pub mount: MountModel,
+    /// Its frame on that.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub frame: FrameModel,
+    /// What it is.
+    pub shape: ShapeModel,
+}
+
+/// What a solid is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum MountModel {
+    /// The base of the arm, which is the world.
+    Base,
+    /// The link behind joint 1 to 6.
+    Link(usize),
+    /// The flange.
+    Flange,
+    /// What the tilt axis of the positioner moves and the turn axis does not.
+    Tilt,
+    /// The table.
+    Table,
+    /// The part frame, wherever that is.
+    Part,
+    /// The nozzle frame, wherever that is: origin at the tip, z up into the nozzle.
+    Nozzle,
+}
+
+/// The shape of a solid, in its frame.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum ShapeModel {
+    /// A box along the axes.
+    Block {
+        /// The corner with the smallest coordinates.
+        min_mm: [f64; 3],
+        /// The corner with the greatest coordinates.
+        max_mm: [f64; 3],
+    },
+    /// A cylinder about z, as a prism of twelve sides that contains it.
+    Cylinder {
+        /// Its radius.
+        radius_mm: f64,
+        /// Its lower end.
+        min_z_mm: f64,
+        /// Its upper end.
+        max_z_mm: f64,
+    },
+    /// All points within a radius of a line.
+    Capsule {
+        /// One end of the line.
+        from_mm: [f64; 3],
+        /// The other.
+        to_mm: [f64; 3],
+        /// The radius.
+        radius_mm: f64,
+    },
+    /// The convex hull of points.
+    Hull {
+        /// One or more.
+        points_mm: Vec<[f64; 3]>,
+    },
+}
+
+/// Why a file is no workcell.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorkcellFileError {
+    /// The file cannot be read or written.
+    #[error("{what}")]
+    Io {
+        /// What the system says.
+        what: String,
+    },
+    /// The file is not JSON, a field is missing, unknown or of another kind.
+    #[error("line {line}, column {column}: {what}")]
+    Json {
+        /// The line, counted from 1.
+        line: usize,
+        /// The column, counted from 1.
+        column: usize,
+        /// What is wrong there.
+        what: String,
+    },
+    /// A value makes no workcell.
+    #[error(transparent)]
+    Workcell(#[from] WorkcellError),
+}
+
+#[cfg(feature = "serde")]
+impl From<serde_json::Error> for WorkcellFileError {
+    fn from(error: serde_json::Error) -> Self {
+        let what = error.to_string();
+        if error.is_io() {
+            return WorkcellFileError::Io { what };
+        }
+        let (line, column) = (error.line(), error.column());
+        // The place is told by the fields.
+        let place = format!(" at line {line} column {column}");
+        let what = what.strip_suffix(&place).map(str::to_owned).unwrap_or(what);
+        WorkcellFileError::Json { line, column, what }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl WorkcellModel {
+    /// Reads a model from a JSON file, as `docs/formats.md` describes it. Its numbers are not checked yet:
+    /// [`AnyWorkcell::from_json`](super::AnyWorkcell::from_json) reads and checks.
+    ///
+    /// # Errors
+    /// [`WorkcellFileError::Io`] and [`WorkcellFileError::Json`], with line and column.
+    pub fn from_json(mut input: impl std::io::Read) -> Result<Self, WorkcellFileError> {
+        let mut text = String::new();
+        input.read_to_string(&mut text).map_err(|error| WorkcellFileError::Io { what: error.to_string() })?;
+        Ok(serde_json::from_str(&text)?)
+    }
+
+    /// Writes the model as JSON. Read again it is the same to the last bit.
+    ///
+    /// # Errors
+    /// [`WorkcellFileError::Io`]; [`WorkcellFileError::Workcell`] names the number that is not finite, which JSON does not
+    /// have, or another value that makes no workcell.
+    pub fn write_json(&self, mut output: impl std::io::Write) -> Result<(), WorkcellFileError> {
+        super::AnyWorkcell::new(self.clone())?;
+        let io = |error: std::io::Error| WorkcellFileError::Io { what: error.to_string() };
+        serde_json::to_writer_pretty(&mut output, self)?;
+        writeln!(output).map_err(io)?;
+        output.flush().map_err(io)
+    }
+}
