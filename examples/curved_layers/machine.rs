@@ -5,6 +5,7 @@ use crate::surfaces::SurfacesRun;
 use crate::{Args, Stage, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::gcode;
 use curvlay_toolpath::nalgebra::Point3;
@@ -36,19 +37,32 @@ pub const VOLUME_SHARE: f64 = 0.02;
 #[derive(Clone, Debug)]
 pub struct Shape {
     pub nozzle: Nozzle,
+    /// Tip flat, half angle in degrees, height of the cone, block.
+    pub numbers: [f64; 4],
     pub text: String,
+}
+
+impl Shape {
+    /// That of a workcell.
+    pub fn of(model: &NozzleModel) -> Result<Self, Failure> {
+        let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } = *model;
+        let numbers = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
+        shape(&numbers.map(|number| number.to_string()).join(",")).map_err(|why| failure(format!("nozzle: {why}")))
+    }
 }
 
 /// A nozzle as four numbers, for clap.
 pub fn shape(text: &str) -> Result<Shape, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Ok([tip, angle, height, block]) = numbers.as_deref() else {
+    let numbers: Result<Vec<f64>, std::num::ParseFloatError> =
+        text.split(',').map(|number| number.trim().parse()).collect();
+    let Ok(Ok(numbers)) = numbers.map(<[f64; 4]>::try_from) else {
         return Err(
             "must be four numbers: tip flat (mm), half angle (degrees), height of the cone, block (mm)".to_owned()
         );
     };
-    let nozzle = Nozzle::new(*tip, angle.to_radians(), *height, *block).map_err(|error| error.to_string())?;
-    Ok(Shape { nozzle, text: text.to_owned() })
+    let [tip, angle, height, block] = numbers;
+    let nozzle = Nozzle::new(tip, angle.to_radians(), height, block).map_err(|error| error.to_string())?;
+    Ok(Shape { nozzle, numbers, text: text.to_owned() })
 }
 
 /// What came of the stage.
@@ -177,13 +191,21 @@ pub fn with_layers<T>(
 }
 
 /// Orients, frees and deposits.
-pub fn run(args: &Args, surfaces: &SurfacesRun, paths: &PathsRun, bars: &Bars) -> Result<MachineRun, Failure> {
+pub fn run(
+    args: &Args,
+    nozzle: &Nozzle,
+    surfaces: &SurfacesRun,
+    paths: &PathsRun,
+    bars: &Bars,
+) -> Result<MachineRun, Failure> {
     let start = Instant::now();
-    with_layers(surfaces, paths, |stack| on_layers(args, surfaces, paths, stack, start, bars))
+    with_layers(surfaces, paths, |stack| on_layers(args, nozzle, surfaces, paths, stack, start, bars))
 }
 
+#[allow(clippy::too_many_arguments)]
 fn on_layers(
     args: &Args,
+    nozzle: &Nozzle,
     surfaces: &SurfacesRun,
     paths: &PathsRun,
     stack: &LayerStack,
@@ -202,12 +224,12 @@ fn on_layers(
     let most_depth = if args.stage >= Stage::Motion { defaults.allowed_depth } else { defaults.most_depth };
     let options =
         GougingOptions { allowed_depth: PLANNED_DEPTH, plate_clearance: PLANNED_CLEARANCE_MM, most_depth, ..defaults };
-    let freed = stack.free(oriented.paths, &args.nozzle.nozzle, &options, &progress);
+    let freed = stack.free(oriented.paths, nozzle, &options, &progress);
     let freed = freed.map_err(failure)?;
     let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
 
     let start = Instant::now();
-    let travels = stack.travels(&freed.paths, &args.nozzle.nozzle, &TravelOptions::default(), &progress);
+    let travels = stack.travels(&freed.paths, nozzle, &TravelOptions::default(), &progress);
     let travels = travels.map_err(failure)?;
     times.travels = start.elapsed();
 

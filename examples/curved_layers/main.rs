@@ -20,11 +20,12 @@ use curvlay_examples::args::{
 use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
+use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::surface::Pattern;
 use field::FieldRun;
 use machine::MachineRun;
-use motion::{Motion, MotionArgs, Print};
+use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use paths::PathsRun;
 use std::fs::File;
 use std::io::BufReader;
@@ -61,9 +62,9 @@ struct Args {
     #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
     filament: f64,
     /// Shape of the nozzle: diameter of its tip flat (mm), half angle of its cone (degrees), height of the cone (mm),
-    /// diameter of the block above it (mm)
-    #[arg(long, value_name = "TIP,ANGLE,HEIGHT,BLOCK", default_value = "1,45,8,20", value_parser = machine::shape)]
-    nozzle: machine::Shape,
+    /// diameter of the block above it (mm) [default: that of the workcell, 1,45,8,20 in those that come along]
+    #[arg(long, value_name = "TIP,ANGLE,HEIGHT,BLOCK", value_parser = machine::shape)]
+    nozzle: Option<machine::Shape>,
     /// Temperature of the nozzle, for the machine file, in degrees Celsius
     #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
     nozzle_celsius: Option<f64>,
@@ -129,13 +130,13 @@ enum Stage {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        args.motion.format()?;
+        let setup = Setup::of(&args)?;
         let folder = args.common.folder("curved_layers")?;
         let bars = Bars::new(args.common.quiet);
         let part = args.mesh.load("jug (made in code)", jug)?;
         part.warning.iter().for_each(warn);
         let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
-        let mut results = work(&args, &part, saved, &bars)?;
+        let mut results = work(&args, setup, &part, saved, &bars)?;
         check_motion(&args, &mut results, &folder, &bars)?;
         bars.finish();
         results.field.findings.iter().for_each(warn);
@@ -146,8 +147,25 @@ fn main() -> ExitCode {
     })
 }
 
+/// What prints.
+struct Setup {
+    cell: AnyWorkcell,
+    format: ProgramFormat,
+    nozzle: machine::Shape,
+}
+
+impl Setup {
+    fn of(args: &Args) -> Result<Self, Failure> {
+        let cell = args.motion.cell(args.nozzle.as_ref())?;
+        let format = args.motion.format(&cell)?;
+        let nozzle = args.nozzle.clone().map_or_else(|| machine::Shape::of(&cell.equipment().model().nozzle), Ok)?;
+        Ok(Setup { cell, format, nozzle })
+    }
+}
+
 /// What came of the stages.
 struct Results {
+    setup: Setup,
     field: FieldRun,
     surfaces: Option<SurfacesRun>,
     paths: Option<PathsRun>,
@@ -159,7 +177,7 @@ impl Results {
     /// What the motion is planned for, once there is a machine file.
     fn print<'a>(&'a self, args: &'a Args) -> Option<Print<'a>> {
         let (surfaces, paths) = (self.surfaces.as_ref()?, self.paths.as_ref()?);
-        let (filament_mm, args, nozzle) = (args.filament, &args.motion, &args.nozzle.nozzle);
+        let (filament_mm, args, nozzle) = (args.filament, &args.motion, &self.setup.nozzle.nozzle);
         Some(Print { args, nozzle, filament_mm, field: &self.field, surfaces, paths, machine: self.machine.as_ref()? })
     }
 
@@ -173,16 +191,19 @@ impl Results {
 }
 
 /// Runs the stages.
-fn work(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
+fn work(args: &Args, setup: Setup, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
     pool(args)?.install(|| {
         let (field, surfaces) = layers(args, part, saved, bars)?;
         let filled = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths);
         let paths = filled.map(|surfaces| paths::run(args, surfaces, bars)).transpose()?;
         let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
-        let machine = filled.map(|(surfaces, paths)| machine::run(args, surfaces, paths, bars)).transpose()?;
-        let mut results = Results { field, surfaces, paths, machine, motion: None };
+        let machine = filled
+            .map(|(surfaces, paths)| machine::run(args, &setup.nozzle.nozzle, surfaces, paths, bars))
+            .transpose()?;
+        let mut results = Results { setup, field, surfaces, paths, machine, motion: None };
         if args.stage >= Stage::Motion {
-            results.motion = results.print(args).map(|print| motion::run(&print, bars)).transpose()?;
+            results.motion =
+                results.print(args).map(|print| motion::run(&print, &results.setup.cell, bars)).transpose()?;
         }
         Ok(results)
     })

@@ -9,7 +9,7 @@
 use super::path::upright;
 use curvlay_examples::args::Failure;
 use curvlay_examples::mesh::{Up, read_mesh};
-use curvlay_examples::motion::{PartInHand, Placed};
+use curvlay_examples::motion::{PartInHand, Studied};
 use curvlay_kinematics::robots;
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, links};
 use curvlay_trajectory::indicator::geometric::{
@@ -301,7 +301,7 @@ fn from_file(file: &Path, up: Up, origin: &Vector3<f64>) -> Result<Obstacle, Fai
 }
 
 fn scene(robot: &PartInHand, obstacle: &Obstacle) -> Result<Scene, Failure> {
-    let cell = robot.cell();
+    let cell = robot.workcell().cell();
     let z = |z: f64| Point3::new(0.0, 0.0, z);
     let head = HEAD.map(|(name, from, to, radius)| Body {
         name: name.into(),
@@ -321,7 +321,7 @@ fn scene(robot: &PartInHand, obstacle: &Obstacle) -> Result<Scene, Failure> {
 
 /// The part as a grid; head and links as capsules, foot and flange as cylinders, against it and each other.
 fn geometric(robot: &PartInHand, obstacle: &Obstacle) -> Result<impl CollisionIndicator<6>, Failure> {
-    let cell = *robot.cell();
+    let cell = *robot.workcell().cell();
     let held = nalgebra::convert::<_, IsometryMatrix3<f64>>(cell.held());
     // Bodies 0 to 6 are the frames of the arm, body 7 is the part.
     let bodies = BodiesFn {
@@ -373,7 +373,7 @@ fn contact<'a>(robot: &'a PartInHand, scene: &'a Scene, middle: [f64; 6]) -> imp
     ContactFn {
         collides: |q: &[f64; 6]| !matches!(scene.touching(&(*q).into()), Ok(None)),
         gap: move |q: &[f64; 6]| {
-            let tip = Point3::from(robot.cell().nozzle_on_part(q).translation.vector);
+            let tip = Point3::from(robot.workcell().cell().nozzle_on_part(q).translation.vector);
             let nearest = surface.iter().map(|at| (tip - at.position).norm_squared()).fold(f64::INFINITY, f64::min);
             let (mut sum, mut weights) = (0.0, 0.0);
             for at in &surface {

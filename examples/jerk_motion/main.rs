@@ -25,9 +25,10 @@ use collisions::{Amount, Study};
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args, warn};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Up;
-use curvlay_examples::motion::{OverTable, PartInHand, Placed, STEP_S, centred};
+use curvlay_examples::motion::{OnCell, STEP_S, Studied, centred, dissertation_cells, near_samples};
 use curvlay_examples::output::OutputFolder;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
+use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
 use curvlay_trajectory::{LadderSearch, PathOptions, PathPiece, TimedPath, Timing, timed_path};
 use path::Path6;
 use planning::{Finer, METHODS, Plan, Planned, plan};
@@ -145,19 +146,19 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
         let defect = timed.defects.first().map_or_else(String::new, |defect| format!(" ({defect})"));
         return Err(Failure::new(format!("no piece of the path can be travelled{defect}")));
     }
+    let (six, eight) = dissertation_cells().map_err(Failure::new)?;
     let cell = args.robots;
     let grid = ([360], LadderSearch::Exact);
     let ur3 = (cell != Cells::Cell8)
-        .then(|| run("ur3", &given, &timed, args, bars, PartInHand::new, grid, Finer::Doubled(7)))
+        .then(|| run("ur3", &given, &timed, args, bars, &six, grid, Finer::Doubled(7)))
         .transpose()?;
     // All of 43,560 samples would take hours.
     let grid = (TABLE_GRID, LadderSearch::CoarseToFine);
-    let finer = Finer::NearEnough(OverTable::near_samples(middle_step(&timed)));
-    let cell8 = (cell != Cells::Ur3)
-        .then(|| run("cell8", &given, &timed, args, bars, OverTable::new, grid, finer))
-        .transpose()?;
+    let finer = Finer::NearEnough(near_samples(&eight, middle_step(&timed)));
+    let cell8 =
+        (cell != Cells::Ur3).then(|| run("cell8", &given, &timed, args, bars, &eight, grid, finer)).transpose()?;
     let study = ur3.as_ref().filter(|_| args.sample_count > 0);
-    let study = study.map(|run| study_collisions(run, &timed, args, bars)).transpose()?;
+    let study = study.map(|run| study_collisions(run, &six, &timed, args, bars)).transpose()?;
     bars.finish();
     let results = Results { path: timed, given: given.0.len(), ur3, cell8, study };
     outputs::write(args, &results, folder, start.elapsed())?;
@@ -166,12 +167,18 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
 }
 
 /// Table 4.1 on the smoothest motion of the UR3.
-fn study_collisions(run: &Run<6>, timed: &TimedPath, args: &Args, bars: &Bars) -> Result<Study, Failure> {
+fn study_collisions(
+    run: &Run<6>,
+    cell: &SixAxisCell,
+    timed: &TimedPath,
+    args: &Args,
+    bars: &Bars,
+) -> Result<Study, Failure> {
     bars.update("collisions", 0, 1);
     let all = waypoints(timed);
     let placed = centred(&all);
     let origin = all[0].0 - placed[0].position;
-    let robot = PartInHand::new(placed)?;
+    let robot = OnCell::new(cell.clone(), placed);
     let trajectories = outputs::smoothest(run).map_or(&[][..], |planned| &planned.trajectories);
     let part = args.part.as_deref().map(|file| (file, args.up));
     let amount = Amount { training: args.training_count as usize, verification: args.sample_count as usize };
@@ -201,27 +208,30 @@ fn stamped((positions, normals): &Path6, feed: Option<f64>) -> Result<TimedPath,
 
 /// All methods on one robot, and the study of noise.
 #[allow(clippy::too_many_arguments)] // all that differs between the two cells
-fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
+fn run<const N: usize, const F: usize, W: Workcell<N, F>>(
     robot: &'static str,
     given: &Path6,
     timed: &TimedPath,
     args: &Args,
     bars: &Bars,
-    cell: impl Fn(Vec<curvlay_trajectory::print::Waypoint>) -> Result<R, E>,
+    cell: &W,
     grid: ([u32; F], LadderSearch),
     finer: Finer<F>,
-) -> Result<Run<N>, Failure> {
+) -> Result<Run<N>, Failure>
+where
+    OnCell<W>: Studied<N, F>,
+{
     // One placing for the whole path, so that its pieces stay where they are to one another.
-    let robots = |timed: &TimedPath| -> Result<(Vec<R>, Vec<Vec<f64>>), Failure> {
-        let whole = cell(centred(&waypoints(timed))).map_err(Failure::new)?;
+    let robots = |timed: &TimedPath| -> (Vec<OnCell<W>>, Vec<Vec<f64>>) {
+        let whole = OnCell::new(cell.clone(), centred(&waypoints(timed)));
         let mut first = 0;
         let parts = timed.pieces.iter().map(|piece| {
             first += piece.waypoints.len();
             whole.part(first - piece.waypoints.len()..first)
         });
-        Ok((parts.collect(), timed.pieces.iter().map(|piece| piece.times.clone()).collect()))
+        (parts.collect(), timed.pieces.iter().map(|piece| piece.times.clone()).collect())
     };
-    let (parts, times) = robots(timed)?;
+    let (parts, times) = robots(timed);
     let (planned, notes) = plan(&parts, &times, &Plan { methods: &METHODS, grid, finer, makers_speeds: false }, bars)?;
     let mut noisy = Vec::new();
     for degrees in NOISE_DEG.into_iter().filter(|_| args.noise_count as usize >= curvlay_trajectory::FEWEST_WAYPOINTS) {
@@ -233,7 +243,7 @@ fn run<const N: usize, const F: usize, R: Placed<N, F>, E: std::error::Error>(
         let times: Vec<f64> = (0..count).map(|k| STEP_S * k as f64).collect();
         let timing = args.feed_mm_s.map_or(Timing::Given(&times), Timing::Feed);
         let timed = timed_path(&disturbed.0, &disturbed.1, timing, &options)?;
-        let (parts, times) = robots(&timed)?;
+        let (parts, times) = robots(&timed);
         let methods = &METHODS[..NOISY_METHODS];
         let (planned, _) = plan(&parts, &times, &Plan { methods, grid, finer, makers_speeds: true }, bars)?;
         noisy.push((degrees, planned));

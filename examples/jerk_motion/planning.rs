@@ -2,8 +2,8 @@
 
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{Placed, inside};
-use curvlay_trajectory::print::path_deviations;
+use curvlay_examples::motion::{Studied, inside};
+use curvlay_trajectory::print::{OnPath, path_deviations};
 use curvlay_trajectory::{
     Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
     Quantity, RunIn, Rung, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder, smooth_globally,
@@ -64,7 +64,7 @@ pub struct Figures {
     pub violations: Vec<Violation>,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
     pub jerk_lower_bound: Option<f64>,
-    /// Of the stretches about breaks, by [`Placed::least_speed`]: every motion needs so many times a speed limit.
+    /// Of the stretches about breaks, by [`Studied::least_speed`]: every motion needs so many times a speed limit.
     pub speed_lower_bound: Option<f64>,
 }
 
@@ -123,7 +123,7 @@ pub enum Finer<const F: usize> {
 
 /// Plans the pieces of a path: for each method one motion a piece; and what there is no motion for, in words. A method
 /// without one on some piece is left out.
-pub fn plan<const N: usize, const F: usize, R: Placed<N, F>>(
+pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
     robots: &[R],
     times: &[Vec<f64>],
     plan: &Plan<'_, F>,
@@ -227,7 +227,7 @@ fn shown(bars: &Bars) -> impl Fn(Progress) -> ControlFlow<()> + Sync {
 }
 
 /// The ladder of four samples and, where it finds no path, of more.
-fn first_ladder<const N: usize, const F: usize, R: Placed<N, F>>(
+fn first_ladder<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -250,7 +250,7 @@ fn first_ladder<const N: usize, const F: usize, R: Placed<N, F>>(
     Ok((ladder, started.elapsed()))
 }
 
-fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
+fn climb<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -265,7 +265,7 @@ fn climb<const N: usize, const F: usize, R: Placed<N, F>>(
 /// The ladder of the first samples without speed limits, where these have called for more samples and it has less jerk
 /// as a spline than `start`: the short way over many samples winds the tool this way and that. Speeds are the filter's
 /// job.
-fn unhurried<const N: usize, const F: usize, R: Placed<N, F>>(
+fn unhurried<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -283,7 +283,7 @@ fn unhurried<const N: usize, const F: usize, R: Placed<N, F>>(
 }
 
 /// The greatest speed, in shares of the limits, that the stretches about the breaks of a motion need, whatever is done.
-fn needed_speed<const N: usize, const F: usize, R: Placed<N, F>>(
+fn needed_speed<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -298,7 +298,7 @@ fn needed_speed<const N: usize, const F: usize, R: Placed<N, F>>(
 }
 
 /// Algorithm 6 on every run that is long enough.
-fn smoothed<const N: usize, const F: usize, R: Placed<N, F>>(
+fn smoothed<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -307,7 +307,7 @@ fn smoothed<const N: usize, const F: usize, R: Placed<N, F>>(
 ) -> Result<Motion<N, F>, Failure> {
     let mut motion = ladder.clone();
     for run in ladder.runs.iter().filter(|run| run.len() >= FEWEST_WAYPOINTS) {
-        let part = robot.part(run.clone());
+        let part = OnPath { robot, waypoints: &robot.path()[run.clone()] };
         let (times, start) = (&times[run.clone()], &ladder.rungs[run.clone()]);
         let filtered = filter_locally(&part, times, start, bounds, &FilterOptions::default(), &shown(bars))?;
         motion.rungs[run.clone()].copy_from_slice(&filtered.rungs);
@@ -335,7 +335,7 @@ fn jerk<const N: usize, const F: usize>(motion: &Motion<N, F>, times: &[f64]) ->
 type Global<const N: usize, const F: usize> = (Motion<N, F>, Vec<Trajectory<N>>, Option<f64>);
 
 /// The global filter on every run that is long enough.
-fn globally<const N: usize, const F: usize, R: Placed<N, F>>(
+fn globally<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -345,7 +345,8 @@ fn globally<const N: usize, const F: usize, R: Placed<N, F>>(
     let (mut motion, mut trajectories, mut lower_bound) = (start.clone(), start.splines(times)?, None);
     for (run, trajectory) in start.runs.iter().zip(&mut trajectories).filter(|(run, _)| run.len() >= FEWEST_WAYPOINTS) {
         let line = Timeline::new(&times[run.clone()], RunIn::default())?;
-        let (part, rungs) = (robot.part(run.clone()), &start.rungs[run.clone()]);
+        let part = OnPath { robot, waypoints: &robot.path()[run.clone()] };
+        let rungs = &start.rungs[run.clone()];
         let found = smooth_globally(&part, &line, rungs, bounds, &GlobalOptions::default(), &shown(bars))?;
         motion.rungs[run.clone()].copy_from_slice(&found.rungs);
         lower_bound = greater(lower_bound, found.peak.map(|peak| peak.lower_bound));
@@ -359,7 +360,7 @@ fn greater(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).reduce(f64::max)
 }
 
-fn measured<const N: usize, const F: usize, R: Placed<N, F>>(
+fn measured<const N: usize, const F: usize, R: Studied<N, F>>(
     method: &'static str,
     robot: &R,
     times: &[f64],

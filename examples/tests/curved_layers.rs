@@ -1,7 +1,7 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_examples::motion::PartInHand;
+use curvlay_examples::motion::{OnCell, dissertation_cells};
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
 use curvlay_toolpath::nalgebra::Point3;
@@ -409,7 +409,7 @@ fn the_nozzle_keeps_on_its_way_between_waypoints() {
     assert!((tolerance.as_f64().unwrap() - 0.25 * figures["layer_height_mm"].as_f64().unwrap()).abs() < 1e-9);
     assert_eq!((&figures["breaks"], &figures["check_findings"]), (&0.into(), &0.into()));
     // Half way from knot to knot, taken straight in the joints: that is not the motion, but near it.
-    let robot = PartInHand::new(Vec::new()).unwrap();
+    let robot = OnCell::new(dissertation_cells().unwrap().0, Vec::new());
     let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
     let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let joints = |line: &[&str]| -> [f64; 6] { std::array::from_fn(|joint| line[joint + 2].parse().unwrap()) };

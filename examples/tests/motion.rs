@@ -1,7 +1,7 @@
 //! The cells of the examples, and what is said of their motions.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_examples::motion::{PartInHand, Placed, STEP_S};
+use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, dissertation_cells};
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_trajectory::print::{PrintRobot, Waypoint, path_deviations};
 use curvlay_trajectory::{Robot, RunIn, Timeline, Trajectory};
@@ -31,7 +31,7 @@ fn motion(robot: &PartInHand, branches: &[u32]) -> Trajectory<6> {
 
 #[test]
 fn how_far_a_nozzle_strays_is_what_a_thousand_looks_find() {
-    let robot = PartInHand::new(line(12)).unwrap();
+    let robot = OnCell::new(dissertation_cells().unwrap().0, line(12));
     let branch = (0..8).find(|&branch| (0..12).all(|k| Robot::posture(&robot, k, &[0.3], branch).is_some())).unwrap();
     let trajectory = motion(&robot, &[branch; 12]);
     let found = path_deviations(&robot, robot.path(), &trajectory, &trajectory.times()[trajectory.waypoints()], 0.0);
@@ -55,7 +55,7 @@ fn how_far_a_nozzle_strays_is_what_a_thousand_looks_find() {
 
 #[test]
 fn an_arm_that_turns_over_between_two_waypoints_strays() {
-    let robot = PartInHand::new(line(12)).unwrap();
+    let robot = OnCell::new(dissertation_cells().unwrap().0, line(12));
     let on: Vec<u32> =
         (0..8).filter(|&branch| (0..12).all(|k| Robot::posture(&robot, k, &[0.3], branch).is_some())).collect();
     let mut branches = [on[0]; 12];

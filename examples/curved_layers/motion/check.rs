@@ -3,12 +3,12 @@
 //! Nothing here knows of the planner. The motions are those of `trajectory.csv`, the path is that of the machine file, and
 //! [`check_motion`] computes splines and extremes by itself.
 
-use super::robots::Printer;
-use super::workcell::Workcell;
+use super::cell::GrowingCell;
 use super::{Print, placed};
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_kinematics::workcell::Workcell;
 use curvlay_toolpath::surface::{GougingOptions, Moment};
 use curvlay_trajectory::check::{
     CheckOptions, CheckedMotion, FindingKind, MotionKind, MotionReport, PathPoint, PrintReport, PrintScene,
@@ -142,8 +142,9 @@ pub fn read<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>>> {
 }
 
 /// Checks the motions that were written, layer by layer, with the part as it is built by then.
-pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
+pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
     print: &Print,
+    cell: &W,
     limits: &PrintLimits<N>,
     motions: &[Written<N>],
     bars: &Bars,
@@ -157,7 +158,7 @@ pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
         max_angle,
         ..CheckOptions::default()
     };
-    let report = print.in_workcell(allowed_depth, bars, |mut cell: Workcell<N, F, R>| {
+    let report = print.in_workcell(cell, allowed_depth, bars, |mut cell| {
         let scene = Executed { print, motions, cell: &cell };
         let path: Vec<Vec<PathPoint>> = motions.iter().map(|motion| scene.path(motion)).collect();
         let mut reports: Vec<MotionReport<N>> = Vec::with_capacity(motions.len());
@@ -182,13 +183,13 @@ pub fn check<const N: usize, const F: usize, R: Printer<N, F>>(
 }
 
 /// What the checker asks of cell and part.
-struct Executed<'a, const N: usize, const F: usize, R> {
+struct Executed<'a, const N: usize, const F: usize, W> {
     print: &'a Print<'a>,
     motions: &'a [Written<N>],
-    cell: &'a Workcell<'a, N, F, R>,
+    cell: &'a GrowingCell<'a, N, F, W>,
 }
 
-impl<const N: usize, const F: usize, R: Printer<N, F>> Executed<'_, N, F, R> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> Executed<'_, N, F, W> {
     /// What a motion is to follow, over what carries the part.
     fn path(&self, motion: &Written<N>) -> Vec<PathPoint> {
         let (LegKind::Print, Some(waypoints)) = (motion.kind, motion.printed()) else { return Vec::new() };
@@ -214,9 +215,9 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> Executed<'_, N, F, R> {
     }
 }
 
-impl<const N: usize, const F: usize, R: Printer<N, F>> PrintScene<N> for Executed<'_, N, F, R> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintScene<N> for Executed<'_, N, F, W> {
     fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
-        self.cell.robot().nozzle(joints)
+        self.cell.nozzle(joints)
     }
 
     /// By the rule of the machine file. Transfers keep the margin from the part, which is looked at in sweeps.

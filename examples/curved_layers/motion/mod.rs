@@ -1,56 +1,67 @@
-//! Stage `motion`: joint trajectories for the whole print, of a UR3 that holds the part under a standing nozzle or
-//! (`--cell8`) of an arm with the nozzle over a table that tilts and turns.
+//! Stage `motion`: joint trajectories for the whole print, in a workcell: a UR3 that holds the part under a standing nozzle,
+//! an arm with the nozzle over a table that tilts and turns (`--cell8`), or what a file says (`--workcell`).
 //!
-//! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. The planning is that of [`curvlay_trajectory::print`]; here are the two cells
-//! (`robots`), what stands in them while the part grows (`workcell`), and the check of what has been written (`check`).
+//! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. The planning is that of [`curvlay_trajectory::print`]; here is what stands in the
+//! cell while the part grows (`cell`), and the check of what has been written (`check`).
 
+mod cell;
 pub mod check;
-pub mod robots;
-mod workcell;
 
 use crate::failure;
 use crate::field::FieldRun;
-use crate::machine::{MachineRun, with_layers};
+use crate::machine::{MachineRun, Shape, with_layers};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
+use cell::{GrowingCell, Job};
 use check::Checked;
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{OverTable, PartInHand};
+use curvlay_examples::motion::{OnCell, TABLE_CELL, UR3_CELL, bounds_of};
+use curvlay_kinematics::JointLimits;
+use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Workcell, WorkcellModel};
 use curvlay_toolpath::surface::{GougingOptions, MoveKind, Nozzle};
 use curvlay_trajectory::Bounds;
-use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintPath, PrintPlan, Waypoint, plan_print};
+use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, Waypoint, plan_print};
 use nalgebra::Vector3;
-use robots::Printer;
 use std::f64::consts::PI;
+use std::fs;
 use std::io::BufRead;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::time::Instant;
-use workcell::{Job, Workcell};
 
 /// How deep the nozzle may be in a layer on a planned motion, as a share of its height: motions are checked with a little more,
 /// at more places.
 const PLANNED_DEPTH: f64 = 0.24;
 
+/// A nozzle with a longer cone than that of the workcell has a block of this height at least, in millimetres.
+const MIN_BLOCK_MM: f64 = 1.0;
+
 /// How far the nozzle may leave its path, as a share of layer height or bead: what gouging allows as well.
 const TOLERANCE_SHARE: f64 = 0.25;
 
 /// Which cell, and what its controller is given.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
-    #[arg(long)]
+    #[arg(long, conflicts_with = "workcell")]
     pub cell8: bool,
-    /// The robot programs of stage motion [default: urscript, with --cell8 rapid]
+    /// Plans the motion in the workcell of a JSON file; docs/formats.md describes it, examples/cells has three
+    #[arg(long, value_name = "FILE")]
+    pub workcell: Option<PathBuf>,
+    /// The robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with a
+    /// table]
     #[arg(long, value_name = "FORMAT")]
     pub program: Option<ProgramFormat>,
-    /// Acceleration of a joint at most, in rad/s2; makers of arms publish none, 10 is what MoveIt assumes then; inf for no limit
-    #[arg(long, value_name = "RAD_S2", default_value_t = 10.0, value_parser = limit, allow_negative_numbers = true)]
-    pub acceleration: f64,
-    /// Jerk of a joint at most, in rad/s3; 100 is what MoveIt assumes; inf for no limit
-    #[arg(long, value_name = "RAD_S3", default_value_t = 100.0, value_parser = limit, allow_negative_numbers = true)]
-    pub jerk: f64,
+    /// Acceleration of a joint at most, in rad/s2; inf for no limit [default: what the workcell says; 10 in those that come
+    /// along: makers of arms publish none, and MoveIt assumes 10 then]
+    #[arg(long, value_name = "RAD_S2", value_parser = limit, allow_negative_numbers = true)]
+    pub acceleration: Option<f64>,
+    /// Jerk of a joint at most, in rad/s3; inf for no limit [default: what the workcell says; 100 in those that come along, as
+    /// MoveIt assumes]
+    #[arg(long, value_name = "RAD_S3", value_parser = limit, allow_negative_numbers = true)]
+    pub jerk: Option<f64>,
     /// Volume that the extruder lays a second at most, in mm3/s; where the plan asks for more, the nozzle goes slower
     #[arg(long, value_name = "MM3_S", default_value_t = f64::INFINITY, value_parser = limit, allow_negative_numbers = true)]
     pub max_flow: f64,
@@ -72,9 +83,9 @@ pub struct MotionArgs {
 /// What a program is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProgramFormat {
-    /// For the UR3: joints 125 times a second
+    /// For arms of Universal Robots without a table: joints 125 times a second
     Urscript,
-    /// With --cell8, for the IRB 1200: targets on the part, with the table's axes
+    /// For ABB arms: targets on the part, with the axes of a table
     Rapid,
     /// The same steps with every digit, for other programs
     Csv,
@@ -83,28 +94,52 @@ pub enum ProgramFormat {
 }
 
 impl MotionArgs {
+    /// The workcell; with another nozzle, if one was asked for.
+    pub fn cell(&self, nozzle: Option<&Shape>) -> Result<AnyWorkcell, Failure> {
+        let named = |error: String| match &self.workcell {
+            Some(file) => failure(format!("{}: {error}", file.display())),
+            None => failure(error),
+        };
+        let text = match &self.workcell {
+            Some(file) => fs::read_to_string(file).map_err(|error| named(format!("cannot be read: {error}")))?,
+            None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
+        };
+        let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;
+        if let Some(Shape { numbers: [tip, angle, height, block], .. }) = nozzle {
+            let shape = &mut model.nozzle;
+            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (*tip, *angle);
+            (shape.cone_height_mm, shape.block_diameter_mm) = (*height, *block);
+            shape.block_top_mm = shape.block_top_mm.max(height + MIN_BLOCK_MM);
+        }
+        AnyWorkcell::new(model).map_err(|error| named(error.to_string()))
+    }
+
     /// The format that is wanted.
-    pub fn format(&self) -> Result<ProgramFormat, Failure> {
-        match (self.program, self.cell8) {
-            (None, false) => Ok(ProgramFormat::Urscript),
-            (None, true) => Ok(ProgramFormat::Rapid),
-            (Some(ProgramFormat::Urscript), true) => Err(failure("--program urscript: not for --cell8, an ABB arm")),
-            (Some(ProgramFormat::Rapid), false) => Err(failure("--program rapid: only with --cell8, not for a UR3")),
-            (Some(format), _) => Ok(format),
+    pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
+        let is_ur = cell.equipment().arm().is_ur();
+        match (self.program, is_ur, cell.equipment().positioner().is_some()) {
+            (None, true, false) => Ok(ProgramFormat::Urscript),
+            (None, true, true) => Ok(ProgramFormat::Csv),
+            (None, false, _) => Ok(ProgramFormat::Rapid),
+            (Some(ProgramFormat::Urscript), false, _) => Err(failure("--program urscript: not for an ABB arm")),
+            (Some(ProgramFormat::Urscript), true, true) => {
+                Err(failure("--program urscript: the controller of a UR moves no table"))
+            }
+            (Some(ProgramFormat::Rapid), true, _) => Err(failure("--program rapid: only for ABB arms, not for a UR")),
+            (Some(format), ..) => Ok(format),
         }
     }
 }
 
-/// What came of the stage, by the cell.
+/// What came of the stage, by the kind of cell.
 pub enum Motion {
-    PartInHand(Box<MotionRun<6, 1, PartInHand>>),
-    OverTable(Box<MotionRun<8, 2, OverTable>>),
+    Six(Box<MotionRun<6, 1, SixAxisCell>>),
+    Eight(Box<MotionRun<8, 2, EightAxisCell>>),
 }
 
 /// The whole print.
-pub struct MotionRun<const N: usize, const F: usize, R> {
-    /// The cell, without waypoints.
-    pub robot: R,
+pub struct MotionRun<const N: usize, const F: usize, W> {
+    pub cell: W,
     pub limits: PrintLimits<N>,
     /// How far things stay apart.
     pub margin_mm: f64,
@@ -119,32 +154,32 @@ impl Motion {
     /// How many faults of a kind there are.
     pub fn count(&self, kind: FaultKind) -> usize {
         match self {
-            Motion::PartInHand(run) => run.plan.count(kind),
-            Motion::OverTable(run) => run.plan.count(kind),
+            Motion::Six(run) => run.plan.count(kind),
+            Motion::Eight(run) => run.plan.count(kind),
         }
     }
 
     /// Whether nothing can be printed.
     pub fn is_empty(&self) -> bool {
         match self {
-            Motion::PartInHand(run) => run.plan.runs.is_empty(),
-            Motion::OverTable(run) => run.plan.runs.is_empty(),
+            Motion::Six(run) => run.plan.runs.is_empty(),
+            Motion::Eight(run) => run.plan.runs.is_empty(),
         }
     }
 
     /// Checks the motions that were written to `trajectory.csv`.
     pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
         match self {
-            Motion::PartInHand(run) => run.check(print, file, bars),
-            Motion::OverTable(run) => run.check(print, file, bars),
+            Motion::Six(run) => run.check(print, file, bars),
+            Motion::Eight(run) => run.check(print, file, bars),
         }
     }
 
     /// How long the motion takes to each waypoint from the one before: path, waypoint, seconds.
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
         match self {
-            Motion::PartInHand(run) => run.plan.steps(),
-            Motion::OverTable(run) => run.plan.steps(),
+            Motion::Six(run) => run.plan.steps(),
+            Motion::Eight(run) => run.plan.steps(),
         }
     }
 
@@ -160,17 +195,17 @@ impl Motion {
         let failed = counted.into_iter().filter(|(count, _)| *count > 0);
         let failed = failed.map(|(count, what)| format!("{count} {what}, see motion-faults.csv"));
         let checked = match self {
-            Motion::PartInHand(run) => run.checked.as_ref().map(Checked::failed_checks),
-            Motion::OverTable(run) => run.checked.as_ref().map(Checked::failed_checks),
+            Motion::Six(run) => run.checked.as_ref().map(Checked::failed_checks),
+            Motion::Eight(run) => run.checked.as_ref().map(Checked::failed_checks),
         };
         failed.chain(checked.into_iter().flatten()).collect()
     }
 }
 
-impl<const N: usize, const F: usize, R: Printer<N, F>> MotionRun<N, F, R> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> MotionRun<N, F, W> {
     fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
         let motions = check::read(file).map_err(failure)?;
-        self.checked = Some(check::check::<N, F, R>(print, &self.limits, &motions, bars)?);
+        self.checked = Some(check::check(print, &self.cell, &self.limits, &motions, bars)?);
         Ok(())
     }
 }
@@ -196,10 +231,13 @@ impl Print<'_> {
         Vector3::new(mean.x, mean.y, 0.0)
     }
 
-    fn limits<const N: usize, const F: usize>(&self, robot: &impl Printer<N, F>) -> PrintLimits<N> {
+    fn limits<const N: usize>(&self, limits: &JointLimits<N>) -> PrintLimits<N> {
         let MotionArgs { acceleration, jerk, max_flow, max_flow_ramp, tolerance, .. } = *self.args;
+        let bounds = bounds_of(limits);
+        let wanted = |limits: [f64; N], wanted: Option<f64>| wanted.map_or(limits, |limit| [limit; N]);
+        let (acceleration, jerk) = (wanted(bounds.acceleration, acceleration), wanted(bounds.jerk, jerk));
         PrintLimits {
-            bounds: Bounds { acceleration: [acceleration; N], jerk: [jerk; N], ..robot.limits() },
+            bounds: Bounds { acceleration, jerk, ..bounds },
             max_flow_mm3_s: max_flow,
             max_flow_ramp_mm3_s2: max_flow_ramp,
             filament_mm2: PI * self.filament_mm * self.filament_mm / 4.0,
@@ -221,13 +259,15 @@ impl Print<'_> {
     }
 
     /// Plans it.
-    fn plan<const N: usize, const F: usize, R: Printer<N, F>>(
+    fn plan<const N: usize, const F: usize, W: Workcell<N, F>>(
         &self,
+        cell: &W,
+        options: &PrintOptions<N, F>,
         bars: &Bars,
-    ) -> Result<MotionRun<N, F, R>, Failure> {
+    ) -> Result<MotionRun<N, F, W>, Failure> {
         let start = Instant::now();
-        let (robot, shift) = (R::empty()?, self.shift());
-        let limits = self.limits(&robot);
+        let (robot, shift) = (OnCell::new(cell.clone(), Vec::new()), self.shift());
+        let limits = self.limits(cell.limits());
         let flows = self.flows();
         let of_path = |path: &curvlay_toolpath::surface::ToolPath| {
             path.waypoints.iter().map(|waypoint| placed(waypoint, &shift)).collect()
@@ -245,22 +285,23 @@ impl Print<'_> {
             bars.update(p.stage, p.done, p.total);
             ControlFlow::Continue(())
         };
-        let plan = self.in_workcell(PLANNED_DEPTH, bars, |cell: Workcell<N, F, R>| {
+        let plan = self.in_workcell(cell, PLANNED_DEPTH, bars, |growing| {
             let took = start.elapsed();
-            let mut plan = plan_print(&robot, cell, &paths, &limits, &R::options(), &progress).map_err(failure)?;
+            let mut plan = plan_print(&robot, growing, &paths, &limits, options, &progress).map_err(failure)?;
             plan.times.runs += took;
             Ok(plan)
         })?;
-        Ok(MotionRun { robot, limits, margin_mm: self.args.margin, plan, shift, checked: None })
+        Ok(MotionRun { cell: cell.clone(), limits, margin_mm: self.args.margin, plan, shift, checked: None })
     }
 
     /// The workcell before anything is built, for as long as `work` takes. The nozzle may be so deep in a layer, as a share of
     /// its height.
-    fn in_workcell<const N: usize, const F: usize, R: Printer<N, F>, T>(
+    fn in_workcell<const N: usize, const F: usize, W: Workcell<N, F>, T>(
         &self,
+        cell: &W,
         allowed_depth: f64,
         bars: &Bars,
-        work: impl FnOnce(Workcell<N, F, R>) -> Result<T, Failure>,
+        work: impl FnOnce(GrowingCell<N, F, W>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let Print { field, surfaces, nozzle, .. } = *self;
         with_layers(surfaces, self.paths, |stack| {
@@ -272,18 +313,22 @@ impl Print<'_> {
             let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
             let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
             let (shift, margin_mm) = (self.shift(), self.args.margin);
-            work(Workcell::new(&Job { field, surfaces, nozzle, contacts: &contacts, shift, margin_mm })?)
+            work(GrowingCell::new(cell, &Job { field, surfaces, contacts: &contacts, shift, margin_mm })?)
         })
     }
 }
 
-/// Plans the whole print on the cell that is wanted.
-pub fn run(print: &Print, bars: &Bars) -> Result<Motion, Failure> {
-    if print.args.cell8 {
-        Ok(Motion::OverTable(Box::new(print.plan(bars)?)))
-    } else {
-        Ok(Motion::PartInHand(Box::new(print.plan(bars)?)))
-    }
+/// Plans the whole print in a cell.
+pub fn run(print: &Print, cell: &AnyWorkcell, bars: &Bars) -> Result<Motion, Failure> {
+    Ok(match cell {
+        AnyWorkcell::Six(cell) => Motion::Six(Box::new(print.plan(cell, &PrintOptions::default(), bars)?)),
+        AnyWorkcell::Eight(cell) => {
+            let (samples, dense_samples, near_samples) = ([5, 4], [25, 72], [7, 18]);
+            let options =
+                PrintOptions { samples, dense_samples, near_samples, doublings: 1, ..PrintOptions::default() };
+            Motion::Eight(Box::new(print.plan(cell, &options, bars)?))
+        }
+    })
 }
 
 /// A limit, for clap.

@@ -1,7 +1,7 @@
 //! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
 
 use super::{pictures, seconds};
-use crate::machine::MachineRun;
+use crate::machine::{MachineRun, Shape};
 use crate::{Args, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
@@ -91,10 +91,10 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     written.map_err(|error| failure(format!("{name}: {error}")))
 }
 
-pub fn summary(args: &Args, run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
+pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
     let (freed, deposition, times) = (&run.freed, &run.deposition, &run.times);
     summary
-        .set("nozzle", args.nozzle.text.as_str())?
+        .set("nozzle", nozzle.text.as_str())?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
         .set_seconds("gouging_s", times.gouging)?

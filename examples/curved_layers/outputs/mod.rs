@@ -28,15 +28,15 @@ pub const TRAJECTORY: &str = "trajectory.csv";
 /// Writes the motion itself, which is checked before all else is written.
 pub fn trajectory(motion: &Motion, folder: &OutputFolder) -> Result<(), Failure> {
     folder.write_with(TRAJECTORY, |out| match motion {
-        Motion::PartInHand(run) => motion::write_csv(run, out),
-        Motion::OverTable(run) => motion::write_csv(run, out),
+        Motion::Six(run) => motion::write_csv(run, out),
+        Motion::Eight(run) => motion::write_csv(run, out),
     })?;
     Ok(())
 }
 
 /// Writes all of it. Programs that would be wrong are left out; then it says why.
 pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<Option<String>, Failure> {
-    let Results { field: run, surfaces, paths, machine, motion } = results;
+    let Results { setup, field: run, surfaces, paths, machine, motion } = results;
     let mut summary = Summary::new();
     let stages = ["Cells and layers", "Surfaces", "Paths", "Nozzle and machine file", "Motion"];
     let mut tables = stages.map(|stage| Table::new([stage, ""]));
@@ -59,24 +59,24 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
 
     if let Some(run) = machine {
         let written = machine::products(args, run, folder)?;
-        machine::summary(args, run, &written, &mut summary)?;
+        machine::summary(&setup.nozzle, run, &written, &mut summary)?;
         machine::rows(run, &written, of_machine);
     }
     if let Some(run) = motion {
         match run {
-            Motion::PartInHand(run) => motion::products(run, folder)?,
-            Motion::OverTable(run) => motion::products(run, folder)?,
+            Motion::Six(run) => motion::products(run, folder)?,
+            Motion::Eight(run) => motion::products(run, folder)?,
         }
-        let written = programs::products(run, &args.motion, folder)?;
+        let written = programs::products(run, setup.format, args.motion.program_steps, folder)?;
         refused = written.refused.clone();
         match run {
-            Motion::PartInHand(run) => motion::summary(run, &mut summary)?,
-            Motion::OverTable(run) => motion::summary(run, &mut summary)?,
+            Motion::Six(run) => motion::summary(run, &mut summary)?,
+            Motion::Eight(run) => motion::summary(run, &mut summary)?,
         }
         programs::summary(&written, &mut summary)?;
         match run {
-            Motion::PartInHand(run) => motion::rows(run, of_motion),
-            Motion::OverTable(run) => motion::rows(run, of_motion),
+            Motion::Six(run) => motion::rows(run, of_motion),
+            Motion::Eight(run) => motion::rows(run, of_motion),
         }
         programs::rows(&written, of_motion);
     }
@@ -100,8 +100,8 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
         report.table("", of_motion);
         refused.iter().for_each(|refused| _ = report.notice(&format!("no programs: {refused}")));
         match motion {
-            Motion::PartInHand(run) => motion::report(surfaces, run, &mut report),
-            Motion::OverTable(run) => motion::report(surfaces, run, &mut report),
+            Motion::Six(run) => motion::report(surfaces, run, &mut report),
+            Motion::Eight(run) => motion::report(surfaces, run, &mut report),
         }
     }
     field::comparison(part, run, &mut report);

@@ -3,7 +3,6 @@
 use super::{Picture, borrowed, pictures, seconds};
 use crate::motion::MotionRun;
 use crate::motion::check::{Checked, Sort};
-use crate::motion::robots::Printer;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
@@ -14,6 +13,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_kinematics::scene::{Body, Mount, Shape};
+use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
 use curvlay_trajectory::check::{JointPeaks, PrintPeak};
 use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
@@ -31,6 +31,9 @@ const PICTURE: [u32; 2] = [520, 480];
 const BONE: f64 = 16.0;
 const PLATE: f64 = 2.0;
 
+/// Diameter of a plate in the base, where the workcell leaves it open.
+const PLATE_MM: f64 = 100.0;
+
 /// What the arm stands on is drawn down to this far below its base, in millimetres, and in this colour.
 const DRAWN_BELOW_MM: f64 = 120.0;
 const STAND: [u8; 3] = [158, 166, 176];
@@ -38,8 +41,8 @@ const STAND: [u8; 3] = [158, 166, 176];
 /// Colours of the plot: motions, transfers.
 const PARTS: [[u8; 3]; 2] = [pictures::EVEN, [217, 120, 30]];
 
-pub fn products<const N: usize, const F: usize, R>(
-    run: &MotionRun<N, F, R>,
+pub fn products<const N: usize, const F: usize, W>(
+    run: &MotionRun<N, F, W>,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
     folder.write_with("layers.csv", |out| write_layers(&run.plan.layers, out))?;
@@ -63,7 +66,7 @@ pub fn products<const N: usize, const F: usize, R>(
 }
 
 /// A line a knot. Times go on from motion to motion; enough digits for jerks.
-pub fn write_csv<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, out: &mut dyn Write) -> io::Result<()> {
     let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}")).collect();
     writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
     let (mut start, mut laid) = (0.0, 0.0);
@@ -105,11 +108,11 @@ fn write_layers(layers: &[LayerPlan], out: &mut dyn Write) -> io::Result<()> {
     })
 }
 
-pub fn summary<const N: usize, const F: usize, R: Printer<N, F>>(
-    run: &MotionRun<N, F, R>,
+pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
+    run: &MotionRun<N, F, W>,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let MotionRun { plan: run, limits, margin_mm, shift, checked: found, .. } = run;
+    let MotionRun { cell, plan: run, limits, margin_mm, shift, checked: found, .. } = run;
     let times = &run.times;
     let worst = run.layers.iter().filter(|layer| layer.runs > 0).map(|layer| layer.factor(PlanTimes::all));
     let limit = |values: [f64; N]| {
@@ -117,7 +120,7 @@ pub fn summary<const N: usize, const F: usize, R: Printer<N, F>>(
         if least.is_finite() { Value::from(least) } else { Value::from("none") }
     };
     summary
-        .set("cell", R::NAME)?
+        .set("cell", cell.equipment().name())?
         .set("part_shift_x_mm", shift.x)?
         .set("part_shift_y_mm", shift.y)?
         .set("limit_acceleration_rad_s2", limit(limits.bounds.acceleration))?
@@ -176,12 +179,12 @@ fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Resul
 }
 
 /// The table on stdout: the plan, and its check.
-pub fn rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, table: &mut Table) {
+pub fn rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table: &mut Table) {
     plan_rows(&run.plan, table);
     check_rows(run, table);
 }
 
-fn check_rows<const N: usize, const F: usize, R>(run: &MotionRun<N, F, R>, table: &mut Table) {
+fn check_rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table: &mut Table) {
     let Some(checked) = &run.checked else { return };
     let report = &checked.report;
     let most = |of: fn(&JointPeaks) -> f64| report.joints.iter().map(of).fold(0.0, f64::max);
@@ -229,9 +232,9 @@ fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut 
         .row(["transfers".to_owned(), format!("{}, {} not found", run.travels.len(), count(FaultKind::NoTransfer))]);
 }
 
-pub fn report<const N: usize, const F: usize, R: Printer<N, F>>(
+pub fn report<const N: usize, const F: usize, W: Workcell<N, F>>(
     surfaces: &SurfacesRun,
-    run: &MotionRun<N, F, R>,
+    run: &MotionRun<N, F, W>,
     report: &mut Report,
 ) {
     let shown = (0..MOMENTS).filter_map(|moment| {
@@ -248,26 +251,27 @@ pub fn report<const N: usize, const F: usize, R: Printer<N, F>>(
     line("motions", motions, |times| times.runs);
     line("transfers", transfers, |times| times.travels);
     report
-        .heading(&format!("The robot: {}", R::NAME))
+        .heading(&format!("The robot: {}", run.cell.equipment().name()))
         .pictures(&borrowed(&pictures))
         .plot("how long one thread plans a layer, by how long the robot moves for it", &plot);
 }
 
 /// The robot in the middle of a run, with the surfaces up to its own.
-fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
+fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     surfaces: &SurfacesRun,
-    run: &MotionRun<N, F, R>,
+    run: &MotionRun<N, F, W>,
     motion: &Run<N, F>,
 ) -> Option<Picture> {
     let joints = motion.trajectory.joints();
-    let stance = run.robot.stance(&joints[joints.len() / 2])?;
+    let stance = run.cell.stance(&joints[joints.len() / 2])?;
     let base_part = stance.part * Isometry3::from(Translation3::new(-run.shift.x, -run.shift.y, 0.0));
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));
     for ends in stance.arm.windows(2) {
         let [a, b] = [0, 1].map(|k: usize| Point3::from(ends[k].translation.vector));
         scene.bar(a, b, BONE, INK);
     }
-    run.robot.scene().bodies.iter().for_each(|body| stand(body, &mut scene));
+    let bodies = run.cell.equipment().scene(PLATE_MM).bodies;
+    bodies.iter().for_each(|body| stand(body, &mut scene));
     let carrier = stance.carrier * Point3::origin();
     let under = stance.part * Point3::new(0.0, 0.0, -PLATE);
     if (under - carrier).norm() > BONE {
@@ -295,6 +299,9 @@ fn moment_of<const N: usize, const F: usize, R: Printer<N, F>>(
 /// Draws a body on which the arm stands, to the millimetre; the floor is farther down.
 fn stand(body: &Body, scene: &mut Scene) {
     let (Mount::Base, Shape::Hull { points, .. }) = (body.mount, &body.shape) else { return };
+    if [NOZZLE, HOT_END].contains(&&body.name[..]) {
+        return;
+    }
     let points = points.iter().map(|point| body.mount_body * point);
     let corner = |p: Point3<f64>| [p.x, p.y, p.z.max(-DRAWN_BELOW_MM)].map(|c| c.round() as i32);
     let mut hull = ConvexHull::new(Depth::default());

@@ -8,10 +8,8 @@
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
-use crate::motion::robots::{Printer, out_of};
-use crate::motion::{Motion, MotionArgs, MotionRun, ProgramFormat};
+use crate::motion::{Motion, MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::{OverTable, PartInHand};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
@@ -20,6 +18,8 @@ use curvlay_kinematics::program::{
     FILAMENT_FULL_SCALE_MM_S, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed,
     Step, UrScriptOptions, WriteError, Zone, write_csv, write_rapid, write_urscript,
 };
+use curvlay_kinematics::scene::Mount;
+use curvlay_kinematics::workcell::{SixAxisCell, Workcell, tool_frame};
 use curvlay_trajectory::Trajectory;
 use curvlay_trajectory::print::{LegKind, Run, Travel};
 use std::io::{BufWriter, Write};
@@ -89,14 +89,19 @@ impl From<OutputError> for Trouble {
 
 /// Writes the programs of a print; none where it has no motion. What the controller refuses is no program, but no reason
 /// to leave the rest out.
-pub fn products(motion: &Motion, args: &MotionArgs, folder: &OutputFolder) -> Result<Programs, Failure> {
-    let (format, most) = (args.format()?, args.program_steps);
+pub fn products(
+    motion: &Motion,
+    format: ProgramFormat,
+    most: Option<u32>,
+    folder: &OutputFolder,
+) -> Result<Programs, Failure> {
     if format == ProgramFormat::None || motion.is_empty() {
         return Ok(Programs::default());
     }
-    let written = match motion {
-        Motion::PartInHand(run) => of_streams(run, format, most, folder),
-        Motion::OverTable(run) => of_targets(run, format, most, folder),
+    let written = match (motion, format) {
+        (Motion::Six(run), ProgramFormat::Urscript | ProgramFormat::Csv) => of_streams(run, format, most, folder),
+        (Motion::Six(run), _) => of_targets(run, format, most, folder),
+        (Motion::Eight(run), _) => of_targets(run, format, most, folder),
     };
     match written {
         Ok(programs) => Ok(programs),
@@ -105,9 +110,9 @@ pub fn products(motion: &Motion, args: &MotionArgs, folder: &OutputFolder) -> Re
     }
 }
 
-/// Programs of joints over time, for the UR3.
+/// Programs of joints over time, for arms of Universal Robots.
 fn of_streams(
-    run: &MotionRun<6, 1, PartInHand>,
+    run: &MotionRun<6, 1, SixAxisCell>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
@@ -116,7 +121,7 @@ fn of_streams(
     let pieces = pieces(run, most, |run, travel| {
         (run.duration() + travel.map_or(0.0, Travel::duration)) / ServoRate::Hz125.seconds()
     });
-    let limits = limits(run.robot.cell().arm());
+    let limits = limits(run.cell.equipment().arm());
     let filament_full_scale_mm_s = fastest_filament(run).max(FILAMENT_FULL_SCALE_MM_S);
     let ending = if format == ProgramFormat::Csv { "csv" } else { "script" };
     let write = |piece: &Piece, name: &str, out: &mut dyn Write| {
@@ -131,18 +136,18 @@ fn of_streams(
     of_pieces(run, &pieces, ending, folder, write)
 }
 
-/// Programs of targets with the axes of the table, for the arm over it.
-fn of_targets(
-    run: &MotionRun<8, 2, OverTable>,
+/// Programs of targets on the part, with the axes of a table.
+fn of_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
+    run: &MotionRun<N, F, W>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
-    let moves = |motion: &Run<8, 2>, travel: Option<&Travel<8>>| {
+    let moves = |motion: &Run<N, F>, travel: Option<&Travel<N>>| {
         let corners = travel.map_or(0, |travel| travel.way.corners().len() + 2 * LIFT_POSTURES as usize);
         (motion.passes.len() + 2 + corners) as f64
     };
-    let limits = limits(run.robot.cell().arm());
+    let limits = limits(run.cell.equipment().arm());
     if format == ProgramFormat::Csv {
         let pieces = pieces(run, u64::from(most.unwrap_or(STREAM_STEPS)), moves);
         let write = |piece: &Piece, _: &str, out: &mut dyn Write| write_csv(targets(run, &piece.runs), &limits, out);
@@ -272,13 +277,16 @@ fn stream<'a, R>(run: &'a MotionRun<6, 1, R>, piece: &Piece) -> impl Iterator<It
 }
 
 /// To each motion by joints, along it by targets on the part, and on by the corners of the transfer.
-fn targets<'a, R: Printer<8, 2>>(run: &'a MotionRun<8, 2, R>, runs: &Range<usize>) -> impl Iterator<Item = Step> + 'a {
-    let by_joints = move |joints: &[f64; 8]| {
-        let place = run.robot.placement(joints)?;
+fn targets<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
+    run: &'a MotionRun<N, F, W>,
+    runs: &Range<usize>,
+) -> impl Iterator<Item = Step> + 'a {
+    let by_joints = move |joints: &[f64; N]| {
+        let place = run.cell.controller_pose(joints)?;
         let goal = Goal::Joints(place.joints);
         Some(Step::Move(Move { goal, table: place.table, speed: Speed::default(), zone: Zone::Stop }))
     };
-    let sampled = move |motion: &Trajectory<8>| {
+    let sampled = move |motion: &Trajectory<N>| {
         let (first, last) = motion.span();
         let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(LIFT_POSTURES)).position;
         (1..=LIFT_POSTURES).map(at).collect::<Vec<_>>()
@@ -288,7 +296,7 @@ fn targets<'a, R: Printer<8, 2>>(run: &'a MotionRun<8, 2, R>, runs: &Range<usize
         let (all, times) = (motion.trajectory.joints(), motion.trajectory.times());
         let along = motion.passes.windows(2).enumerate().filter_map(move |(k, pair)| {
             let [a, b] = [pair[0].0, pair[1].0];
-            let (from, to) = (run.robot.placement(&all[a])?, run.robot.placement(&all[b])?);
+            let (from, to) = (run.cell.controller_pose(&all[a])?, run.cell.controller_pose(&all[b])?);
             let step = times[b] - times[a];
             let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
             let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
@@ -320,13 +328,20 @@ fn limits(arm: &Arm) -> ProgramLimits {
     ProgramLimits { joints, ..ProgramLimits::default() }
 }
 
-fn rapid(run: &MotionRun<8, 2, OverTable>, name: String, most: u32, limits: ProgramLimits) -> RapidOptions {
+fn rapid<const N: usize, const F: usize, W: Workcell<N, F>>(
+    run: &MotionRun<N, F, W>,
+    name: String,
+    most: u32,
+    limits: ProgramLimits,
+) -> RapidOptions {
     let defaults = RapidOptions::default();
-    let (_, nozzle) = run.robot.nozzle_frame();
-    let (_, table_part) = run.robot.part_frame();
-    let tool = RapidTool { name: "nozzle".to_owned(), frame: out_of(&nozzle), ..defaults.tool };
-    let work_object =
-        RapidWorkObject { name: "part".to_owned(), in_hand: false, frame: table_part, unit: Some("STN1".to_owned()) };
+    let equipment = run.cell.equipment();
+    let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
+    let in_hand = |mount| matches!(mount, Mount::Link(_));
+    let tool =
+        RapidTool { name: "nozzle".to_owned(), in_hand: in_hand(held), frame: tool_frame(&nozzle), ..defaults.tool };
+    let unit = equipment.positioner().map(|_| "STN1".to_owned());
+    let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
     RapidOptions { name, tool, work_object, moves_per_module: most, limits, ..defaults }
 }
 

@@ -199,6 +199,11 @@ impl Arm {
         &self.limits
     }
 
+    /// Whether it is of the UR type; otherwise it is ortho-parallel, as ABB's arms are.
+    pub fn is_ur(&self) -> bool {
+        matches!(self.solver, Solver::Ur(_))
+    }
+
     /// The pose of the flange, `base_flange`. Joints that are not finite give a pose that is not finite.
     /// ```
     /// use curvlay_kinematics::{Arm, robots};

@@ -4,28 +4,18 @@
 //! layer, everywhere on a motion. Everything else (links, table, plate, stand, and the part against these) keeps a margin, and
 //! on transfers nozzle and block keep it from part and plate as well.
 
-use super::robots::Printer;
 use crate::failure;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
-use curvlay_kinematics::scene::{Body, Clearance as Distance, Posture, Scene, SceneModel, Shape, Sweep};
-use curvlay_toolpath::surface::{Contact, ContactError, Contacts, Moment, Nozzle, NozzlePart, Obstacle, Pose};
+use curvlay_kinematics::scene::{Body, Clearance as Distance, Scene, SceneModel, Shape, Sweep};
+use curvlay_kinematics::workcell::{HOT_END, NOZZLE, PART, PLATE, Workcell};
+use curvlay_toolpath::surface::{Contact, ContactError, Contacts, Moment, NozzlePart, Obstacle, Pose};
 use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::print::{self, Clearance, PrintCell, Waypoint};
 use curvlay_trajectory::transfer::FreeSpace;
-use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use std::f64::consts::{PI, TAU};
+use nalgebra::{Isometry3, Point3, Translation3, UnitVector3, Vector3};
 use std::sync::Arc;
-
-/// How high the block above the cone reaches, in millimetres from the tip.
-const BLOCK_TOP_MM: f64 = 60.0;
-
-/// What the part stands on.
-pub const PLATE_MM: f64 = 4.0;
-
-/// Sides of the prisms that stand for cone and block; they contain them.
-const SIDES: u32 = 12;
 
 /// How fine sweeps look, in millimetres; and where that proves nothing.
 const RESOLUTION_MM: f64 = 2.0;
@@ -38,16 +28,16 @@ const NEAR_MM: f64 = 30.0;
 /// sweeps leave undecided.
 const CLEARANCES_MM: [f64; Clearance::ALL.len()] = [9.5, 2.5, 2.0 * FINE_MM];
 
-/// Robot, nozzle, plate and the part as far as it is built.
+/// A workcell with the part in it as far as it is built.
 #[derive(Clone)]
-pub struct Workcell<'a, const N: usize, const F: usize, R> {
+pub struct GrowingCell<'a, const N: usize, const F: usize, W> {
     /// The nozzle may touch part and plate: [`Contacts`] judges it.
     printing: Scene,
     /// The same for postures, which keep a distance that motions may use up: [`CLEARANCES_MM`].
     clear: [Scene; CLEARANCES_MM.len()],
     /// Nothing may touch anything. One layer behind while transfers lead to the layer that is printed next.
     moving: Scene,
-    robot: R,
+    cell: &'a W,
     field: &'a FieldRun,
     contacts: &'a Contacts<'a>,
     outline: Outline,
@@ -67,12 +57,11 @@ struct Outline {
     block: [f64; 2],
 }
 
-/// What a workcell is made from, besides the robot.
+/// What grows in a workcell.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
     pub field: &'a FieldRun,
     pub surfaces: &'a SurfacesRun,
-    pub nozzle: &'a Nozzle,
     pub contacts: &'a Contacts<'a>,
     /// Positions in the part, less this, are positions over what carries it.
     pub shift: Vector3<f64>,
@@ -80,58 +69,45 @@ pub struct Job<'a> {
     pub margin_mm: f64,
 }
 
-impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R> {
-    pub fn new(job: &Job<'a>) -> Result<Self, Failure> {
-        let robot = R::empty()?;
-        let Job { field, surfaces, nozzle: shape, contacts, shift, margin_mm } = *job;
-        let grid = &field.solid.grid;
-        let (carrier, part_frame) = robot.part_frame();
-        let (holder, nozzle) = robot.nozzle_frame();
-        let carrier_part = part_frame * Isometry3::translation(-shift.x, -shift.y, 0.0);
-        let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
-        let ring = |radius: f64, z: f64| {
-            let out = radius / (PI / f64::from(SIDES)).cos();
-            (0..SIDES).map(move |k| {
-                let (sin, cos) = (TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
-                Point3::new(out * cos, out * sin, z)
-            })
+impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F, W> {
+    pub fn new(cell: &'a W, job: &Job<'a>) -> Result<Self, Failure> {
+        let Job { field, surfaces, contacts, shift, margin_mm } = *job;
+        let (grid, equipment) = (&field.solid.grid, cell.equipment());
+        let (carrier, part_frame) = equipment.part_frame();
+        let nozzle = equipment.model().nozzle;
+        let outline = Outline {
+            tip_radius: 0.5 * nozzle.tip_flat_mm,
+            block_radius: 0.5 * nozzle.block_diameter_mm,
+            block: [nozzle.cone_height_mm, nozzle.block_top_mm],
         };
-        let height = shape.cone_height();
-        let cone = ring(shape.tip_radius(), 0.0).chain(ring(shape.cone_radius(), height)).collect();
-        let cone = Shape::Hull { points: cone, radius: 0.0 };
-        let block = [height, height.max(BLOCK_TOP_MM) + 1.0];
-        let outline = Outline { tip_radius: shape.tip_radius(), block_radius: shape.block_radius(), block };
-        let hot_end = Shape::cylinder(outline.block_radius, block[0], block[1]);
         let nothing = vec![0; grid.rows().len()];
-        let part = Shape::Cells { dims: grid.dims(), rows: nothing, cell: grid.cell_mm() };
-        let origin = carrier_part * Isometry3::from(nalgebra::Translation3::from(grid.origin().coords));
-        let wide = field.platform_diameter_mm() / 2.0;
-        let plate = Shape::cylinder(wide, -PLATE_MM, 0.0);
-        let mut model = robot.scene();
-        model.bodies.extend([
-            body("nozzle", holder, nozzle, cone),
-            body("hot end", holder, nozzle, hot_end),
-            body("part", carrier, origin, part),
-            body("plate", carrier, part_frame, plate),
-        ]);
+        let origin = Translation3::from(grid.origin() - Vector3::new(shift.x, shift.y, 0.0));
+        let part = Body {
+            name: PART.into(),
+            mount: carrier,
+            mount_body: part_frame * Isometry3::from(origin),
+            shape: Shape::Cells { dims: grid.dims(), rows: nothing, cell: grid.cell_mm() },
+        };
+        let mut model = equipment.scene(field.platform_diameter_mm());
+        model.bodies.push(part);
         let may = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
-        let of_nozzle = ["nozzle", "hot end"];
-        let allowed = of_nozzle.iter().flat_map(|a| ["part", "plate"].map(|b| may(a, b))).collect::<Vec<_>>();
-        let margin = margin_mm;
-        let model = SceneModel { margin, ..model };
+        let allowed = [NOZZLE, HOT_END].iter().flat_map(|a| [PART, PLATE].map(|b| may(a, b))).collect::<Vec<_>>();
+        let model = SceneModel { margin: margin_mm, ..model };
         let with = |more: f64| {
-            let model = SceneModel { margin: margin + more, allowed: allowed.clone(), ..model.clone() };
+            let model = SceneModel { margin: margin_mm + more, allowed: allowed.clone(), ..model.clone() };
             Scene::new(model).map_err(failure)
         };
         let [wide, aloof, close] = CLEARANCES_MM.map(with);
-        let (printing, clear) = (with(0.0)?, [wide?, aloof?, close?]);
+        let (clear, printing) = ([wide?, aloof?, close?], with(0.0)?);
         let moving = Scene::new(model).map_err(failure)?;
         let layers = layers(field, surfaces).into();
-        Ok(Workcell { printing, clear, moving, robot, field, contacts, outline, shift, layers, begun: 0, built: 0 })
+        let (begun, built) = (0, 0);
+        Ok(GrowingCell { printing, clear, moving, cell, field, contacts, outline, shift, layers, begun, built })
     }
 
-    pub fn robot(&self) -> &R {
-        &self.robot
+    /// Where the nozzle is on what carries the part.
+    pub fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
+        self.cell.nozzle_on_part(joints)
     }
 
     /// Positions in the part, less this, are positions over what carries it.
@@ -154,12 +130,23 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
 
     /// What may touch on a cubic piece of a motion while the nozzle prints or leaves its path, in words.
     pub fn touches_printing(&self, control: &[[f64; N]; 4]) -> Option<String> {
-        touches::<N, F, R>(&self.printing, control)
+        self.touches_in(&self.printing, control)
     }
 
     /// The same on a transfer.
     pub fn touches_moving(&self, control: &[[f64; N]; 4]) -> Option<String> {
-        touches::<N, F, R>(&self.moving, control)
+        self.touches_in(&self.moving, control)
+    }
+
+    /// What is not proven apart on a cubic piece of a motion, in words.
+    fn touches_in(&self, scene: &Scene, control: &[[f64; N]; 4]) -> Option<String> {
+        let control = control.map(|joints| self.cell.scene_posture(&joints));
+        let looked = |resolution| match scene.sweep_cubic(&control, resolution) {
+            Ok(Sweep::Free) => None,
+            Ok(Sweep::Near { bodies: [a, b], .. }) => Some(format!("{a} and {b}")),
+            Err(error) => Some(error.to_string()),
+        };
+        looked(RESOLUTION_MM).and_then(|_| looked(FINE_MM))
     }
 
     /// Where the nozzle is deepest in what is built at some moment, or in the plate, if that is deeper than it may be, standing
@@ -195,11 +182,11 @@ impl<'a, const N: usize, const F: usize, R: Printer<N, F>> Workcell<'a, N, F, R>
     }
 }
 
-impl<const N: usize, const F: usize, R: Printer<N, F>> PrintCell<N> for Workcell<'_, N, F, R> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for GrowingCell<'_, N, F, W> {
     fn begin(&mut self, layer: u32) -> Result<(), String> {
         let (rows, until) = self.rows(self.begun, layer);
         for scene in self.clear.iter_mut().chain([&mut self.printing]) {
-            scene.add_cells("part", &rows).map_err(|error| error.to_string())?;
+            scene.add_cells(PART, &rows).map_err(|error| error.to_string())?;
         }
         self.begun = until;
         Ok(())
@@ -207,17 +194,17 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> PrintCell<N> for Workcell
 
     fn build(&mut self, layer: u32) -> Result<(), String> {
         let (rows, until) = self.rows(self.built, layer);
-        self.moving.add_cells("part", &rows).map_err(|error| error.to_string())?;
+        self.moving.add_cells(PART, &rows).map_err(|error| error.to_string())?;
         self.built = until;
         Ok(())
     }
 
     fn keeps(&self, joints: &[f64; N], clearance: Clearance) -> bool {
-        matches!(self.clear[clearance as usize].touching(&R::posture_of(joints)), Ok(None))
+        matches!(self.clear[clearance as usize].touching(&self.cell.scene_posture(joints)), Ok(None))
     }
 
     fn obstacle(&self, joints: &[f64; N]) -> Option<String> {
-        let [a, b] = self.clear[Clearance::Least as usize].touching(&R::posture_of(joints)).ok()??;
+        let [a, b] = self.clear[Clearance::Least as usize].touching(&self.cell.scene_posture(joints)).ok()??;
         Some(format!("{a} and {b}"))
     }
 
@@ -250,25 +237,25 @@ fn layers(field: &FieldRun, surfaces: &SurfacesRun) -> Vec<Vec<u32>> {
     layers
 }
 
-impl<const N: usize, const F: usize, R: Printer<N, F>> FreeSpace<N> for Workcell<'_, N, F, R> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> FreeSpace<N> for GrowingCell<'_, N, F, W> {
     fn free(&self, from: &[f64; N], to: &[f64; N]) -> bool {
-        let [from, to] = [from, to].map(R::posture_of);
+        let [from, to] = [from, to].map(|joints| self.cell.scene_posture(joints));
         matches!(self.moving.is_free(&from, &to, RESOLUTION_MM), Ok(true))
     }
 
     fn posture_free(&self, joints: &[f64; N]) -> bool {
-        matches!(self.moving.touching(&R::posture_of(joints)), Ok(None))
+        matches!(self.moving.touching(&self.cell.scene_posture(joints)), Ok(None))
     }
 }
 
 /// How far a posture is from what the arm must not touch while it prints, in millimetres below zero; the margin is.
-impl<const N: usize, const F: usize, R: Printer<N, F>> CollisionIndicator<N> for Workcell<'_, N, F, R> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> CollisionIndicator<N> for GrowingCell<'_, N, F, W> {
     fn value(&self, joints: &[f64; N]) -> f64 {
         self.gradient(joints).0
     }
 
     fn gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]) {
-        match self.printing.clearance(&R::posture_of(joints), NEAR_MM) {
+        match self.printing.clearance(&self.cell.scene_posture(joints), NEAR_MM) {
             Ok(Some(Distance { nearest, joints, table })) => {
                 let slope = |j: usize| -if j < joints.len() { joints[j] } else { table[j - joints.len()] };
                 (self.printing.margin() - nearest.distance, std::array::from_fn(slope))
@@ -276,15 +263,4 @@ impl<const N: usize, const F: usize, R: Printer<N, F>> CollisionIndicator<N> for
             Ok(None) | Err(_) => (self.printing.margin() - NEAR_MM, [0.0; N]),
         }
     }
-}
-
-/// What is not proven apart on a cubic piece of a motion, in words.
-fn touches<const N: usize, const F: usize, R: Printer<N, F>>(scene: &Scene, control: &[[f64; N]; 4]) -> Option<String> {
-    let control: [Posture; 4] = control.map(|joints| R::posture_of(&joints));
-    let looked = |resolution| match scene.sweep_cubic(&control, resolution) {
-        Ok(Sweep::Free) => None,
-        Ok(Sweep::Near { bodies: [a, b], .. }) => Some(format!("{a} and {b}")),
-        Err(error) => Some(error.to_string()),
-    };
-    looked(RESOLUTION_MM).and_then(|_| looked(FINE_MM))
 }
