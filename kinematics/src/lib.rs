@@ -12,6 +12,7 @@
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
+//! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
 //! * [`stewart`]: Stewart platforms, both ways.
@@ -40,7 +41,10 @@ pub use calibration::{Calibration, CalibrationError, Undetermined, calibrate_tip
 pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, nozzle_frame};
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
-pub use placement::{Placement, PlacementError, ReachOptions, fullest_box, reachable_points};
+pub use placement::{
+    Assessment, BestPlace, BestPosture, PartPlace, PlaceError, Placement, PlacementError, ReachOptions,
+    Representatives, best_place, fullest_box, place_grid, reachable_points, representative_waypoints,
+};
 pub use pose::{PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use progress::Progress;
