@@ -1,7 +1,6 @@
-//! Kinematics of arms and cells for multi-axis additive manufacturing: in closed form, and right at every singularity.
+#![doc = include_str!("../README.md")]
 //!
-//! Lengths in millimetres, angles in radians, seconds. Poses are named by their frames: `base_flange` maps flange
-//! coordinates into the base. Joints are `[f64; 6]`.
+//! # Where to find what
 //!
 //! * [`Arm`]: forward and inverse kinematics of UR arms and ortho-parallel arms with a spherical wrist, all eight
 //!   branches in named slots, Jacobians, the solution that goes on from the last one. [`robots`] holds published
@@ -48,8 +47,3 @@ pub use placement::{
 pub use pose::{PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use progress::Progress;
-
-/// The snippet of the README, compiled and run with the examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;

@@ -74,7 +74,7 @@ pub struct Assessment {
 #[non_exhaustive]
 pub enum PlaceError {
     /// There is no place to choose from.
-    #[error("there is no place to choose from")]
+    #[error("the list of places is empty")]
     NoPlace,
     /// A shift or a turn is infinite or not a number.
     #[error("place {index} has a shift or a turn that is not a finite number")]
@@ -107,7 +107,7 @@ pub enum PlaceError {
         waypoint: usize,
     },
     /// The callback stopped the search.
-    #[error("stopped")]
+    #[error("the search was stopped")]
     Stopped,
 }
 
