@@ -51,7 +51,7 @@ pub enum CalibrationError {
         count: usize,
     },
     /// A pose is not finite, or its quaternion has another length than 1.
-    #[error("pose {index} is no pose: its entries must be finite and its quaternion of length 1")]
+    #[error("pose {index} is invalid: its entries must be finite and its quaternion of length 1")]
     Pose {
         /// Its place in the input.
         index: usize,

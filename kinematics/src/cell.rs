@@ -72,7 +72,7 @@ pub fn nozzle_frame(tip: &Point3<f64>, flow: &UnitVector3<f64>) -> Isometry3<f64
 #[non_exhaustive]
 pub enum CellError {
     /// An entry is not finite, or the quaternion has another length than 1.
-    #[error("the frame `{frame}` is no pose: its entries must be finite and its quaternion of length 1")]
+    #[error("the frame `{frame}` is invalid: its entries must be finite and its quaternion of length 1")]
     Frame {
         /// Its name.
         frame: &'static str,

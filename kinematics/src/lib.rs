@@ -1,7 +1,6 @@
-//! Kinematics of arms and cells for multi-axis additive manufacturing: in closed form, and right at every singularity.
+#![doc = include_str!("../README.md")]
 //!
-//! Lengths in millimetres, angles in radians, seconds. Poses are named by their frames: `base_flange` maps flange
-//! coordinates into the base. Joints are `[f64; 6]`.
+//! # Where to find what
 //!
 //! * [`Arm`]: forward and inverse kinematics of UR arms and ortho-parallel arms with a spherical wrist, all eight
 //!   branches in named slots, Jacobians, the solution that goes on from the last one. [`robots`] holds published
@@ -12,6 +11,7 @@
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
+//! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
 //! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
 //! * [`stewart`]: Stewart platforms, both ways.
@@ -40,12 +40,10 @@ pub use calibration::{Calibration, CalibrationError, Undetermined, calibrate_tip
 pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, nozzle_frame};
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
-pub use placement::{Placement, PlacementError, ReachOptions, fullest_box, reachable_points};
+pub use placement::{
+    Assessment, BestPlace, BestPosture, PartPlace, PlaceError, Placement, PlacementError, ReachOptions,
+    Representatives, best_place, fullest_box, place_grid, reachable_points, representative_waypoints,
+};
 pub use pose::{PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use progress::Progress;
-
-/// The snippet of the README, compiled and run with the examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;

@@ -35,7 +35,7 @@ pub struct JointLimits<const N: usize> {
 #[non_exhaustive]
 pub enum LimitError {
     /// No angle lies within, or a limit is not a number.
-    #[error("joint {} has no angle from {lower} to {upper} rad", joint + 1)]
+    #[error("joint {} has no angle between its limits, {lower} and {upper} rad", joint + 1)]
     Empty {
         /// The joint, counted from 0.
         joint: usize,
@@ -45,7 +45,7 @@ pub enum LimitError {
         upper: f64,
     },
     /// A speed, acceleration or jerk is not above zero.
-    #[error("joint {} cannot move with a greatest {what} of {value}: it must be above 0, or infinite", joint + 1)]
+    #[error("the {what} limit of joint {} is {value}: it must be above 0, or infinite", joint + 1)]
     Still {
         /// The joint, counted from 0.
         joint: usize,

@@ -17,7 +17,9 @@ pub enum PoseError {
         value: f64,
     },
     /// The upper left block does not keep lengths and angles, or it mirrors.
-    #[error("the pose is no rotation: R R^T differs from 1 by {off} (its determinant is {determinant})")]
+    #[error(
+        "the upper left block of the pose is not a rotation: R R^T differs from 1 by {off}, its determinant is {determinant}"
+    )]
     NoRotation {
         /// Largest entry of `R R^T - 1`.
         off: f64,

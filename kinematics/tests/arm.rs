@@ -533,5 +533,5 @@ fn numbers_that_make_no_arm_are_named() {
     (limits.lower[1], limits.upper[1]) = (1.0, -1.0);
     let error = refused(ArmModel { limits, ..robots::UR5 });
     assert_eq!(error, ArmError::Limits(LimitError::Empty { joint: 1, lower: 1.0, upper: -1.0 }));
-    assert_eq!(error.to_string(), "joint 2 has no angle from 1 to -1 rad");
+    assert_eq!(error.to_string(), "joint 2 has no angle between its limits, 1 and -1 rad");
 }

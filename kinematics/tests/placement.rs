@@ -83,7 +83,7 @@ fn random_clouds_have_no_fuller_box() {
 fn the_reach_is_even_within_the_rules_and_always_the_same() {
     let frame = Isometry3::translation(0.0, 0.0, 45.0);
     let arm = arm(&robots::IRB120);
-    let options = ReachOptions { samples: 4000, least_rise: 0.5 };
+    let options = ReachOptions { samples: 4000, min_rise: 0.5 };
     let high = |joints: &[f64; 6], frame: &Isometry3<f64>| {
         assert!(arm.limits().contains(joints));
         frame.translation.vector.z >= 100.0
@@ -96,7 +96,7 @@ fn the_reach_is_even_within_the_rules_and_always_the_same() {
     let fewer = reachable_points(&arm, &frame, &ReachOptions { samples: 1000, ..options }, high).unwrap();
     assert_eq!(points[..fewer.len()], fewer[..]);
     // Joint 1 is spread evenly.
-    let all = ReachOptions { samples: 4000, least_rise: -1.0 };
+    let all = ReachOptions { samples: 4000, min_rise: -1.0 };
     let all = reachable_points(&arm, &frame, &all, |_, _| true).unwrap();
     assert_eq!(all.len(), 4000);
     let left = all.iter().filter(|point| point.y > 0.0).count();
@@ -120,8 +120,8 @@ fn placements_that_cannot_be_are_named() {
     let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
     let any = |_: &[f64; 6], _: &Isometry3<f64>| true;
     assert_eq!(reachable_points(&arm, &nowhere, &ReachOptions::default(), any), Err(PlacementError::Frame));
-    let options = ReachOptions { least_rise: f64::NAN, ..ReachOptions::default() };
-    assert_eq!(reachable_points(&arm, &Isometry3::identity(), &options, any), Err(PlacementError::LeastRise));
+    let options = ReachOptions { min_rise: f64::NAN, ..ReachOptions::default() };
+    assert_eq!(reachable_points(&arm, &Isometry3::identity(), &options, any), Err(PlacementError::MinRise));
 }
 
 /// A flange pose in which the tip touches the mark.

@@ -355,7 +355,7 @@ fn paths_are_checked_pose_by_pose() {
     assert_eq!(quality.legs.len(), 11);
     assert_eq!(quality.legs[3].map(f64::to_bits), table.legs(&path[3]).map(f64::to_bits));
     let least = path.iter().map(|pose| table.singularity(pose)).fold(f64::INFINITY, f64::min);
-    assert!((quality.least_singularity - least).abs() < 1e-15);
+    assert!((quality.min_singularity - least).abs() < 1e-15);
     assert_eq!(table.check_path(&[], 0.0), Err(PathError::Empty));
     let mut high = path.clone();
     high[7].translation.vector.z = 700.0;
@@ -442,7 +442,7 @@ fn the_workspace_is_what_the_legs_reach() {
         lower: Point3::new(-200.0, -200.0, 150.0),
         upper: Point3::new(200.0, 200.0, 550.0),
         cells: [20, 16, 24],
-        least_singularity: 0.05,
+        min_singularity: 0.05,
     };
     let go = |_: Progress| ControlFlow::Continue(());
     let level = [UnitQuaternion::identity()];

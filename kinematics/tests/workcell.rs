@@ -228,10 +228,10 @@ fn a_ur10_reaches_over_its_plate() {
     let scene = cell.equipment().scene(100.0);
     // The plate is as wide as the file says, not as the print wants it.
     let plate = scene.bodies.iter().find(|body| body.name == "plate").unwrap();
-    assert_eq!(plate.shape, Shape::cylinder(150.0, -4.0, 0.0));
-    // What prints may be near the plate and what carries it.
-    let allowed = ["nozzle", "hot end"].iter().flat_map(|a| ["plate", "table"].map(|b| [(*a).into(), b.into()]));
-    let scene = Scene::new(SceneModel { margin: 10.0, allowed: allowed.collect(), ..scene }).unwrap();
+    assert_eq!(plate.shape, Shape::cylinder(150.0, -20.0, 0.0));
+    // What prints may be near the plate.
+    let allowed = ["nozzle", "hot end"].map(|name| [name.into(), "plate".into()]).into();
+    let scene = Scene::new(SceneModel { margin: 10.0, allowed, ..scene }).unwrap();
     for waypoint in waypoints() {
         let mut best = 0.0f64;
         for k in 0..12 {
@@ -383,6 +383,46 @@ fn the_sense_of_joint_6_is_seen() {
         }
     }
     assert!(count > 0);
+}
+
+/// Joint 6 of a UR3 turns without end: it rests at zero.
+#[test]
+fn an_endless_joint_6_rests_at_zero() {
+    let mut ur3 = model(IRB1200);
+    ur3.arm.geometry = ArmGeometry::Named("UR3".into());
+    ur3.positioner.as_mut().unwrap().frame.position_mm = [-300.0, 0.0, -1100.0];
+    let cell = eight(ur3);
+    let waypoint = leaning(0.0, 0.0, 10.0, [0.1, 0.1]);
+    let found = solutions(&cell, &waypoint, &[0.0, 0.0]);
+    assert!(!found.is_empty());
+    for (_, joints) in found {
+        assert!(joints[5].abs() < 1e-12, "{joints:?}");
+        assert_meets(&cell.nozzle_on_part(&joints).unwrap(), &waypoint);
+    }
+}
+
+#[test]
+fn stands_have_the_width_that_they_are_given() {
+    use curvlay_kinematics::workcell::StandModel::{Beam, Pedestal};
+    let bodies = |stand| {
+        let mut model = model(UR3);
+        model.stand = Some(stand);
+        six(model).equipment().scene(100.0).bodies
+    };
+    let found = bodies(Pedestal { height_mm: 500.0, radius_mm: Some(90.0) });
+    assert_eq!(found[0].shape, Shape::cylinder(90.0, -500.0, 0.0));
+    let beam = Beam {
+        height_mm: 500.0,
+        thickness_mm: 30.0,
+        length_mm: 300.0,
+        half_width_mm: Some(50.0),
+        pillar_mm: [80.0, 120.0],
+    };
+    let expected = [
+        fixed("beam", [-300.0, -50.0, -30.0], [50.0, 50.0, 0.0]),
+        fixed("pillar", [-380.0, -60.0, -500.0], [-300.0, 60.0, 0.0]),
+    ];
+    assert_eq!(bodies(beam)[..2], expected);
 }
 
 #[test]

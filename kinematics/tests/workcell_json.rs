@@ -176,6 +176,18 @@ fn numbers_of_a_file_are_named_by_their_field() {
     assert!(matches!(error, WorkcellFileError::Workcell(WorkcellError::Number { .. })));
 }
 
+#[test]
+fn another_version_is_told_before_its_fields() {
+    for from in ["\"name\"", "\"held\""] {
+        let text = FILES[0].replacen("\"version\": 1", "\"version\": 2", 1).replacen(from, "\"new\"", 1);
+        let error = AnyWorkcell::from_json(text.as_bytes()).unwrap_err();
+        assert_eq!(error, WorkcellFileError::Workcell(WorkcellError::Version { found: 2 }));
+    }
+    let same = FILES[0].replacen("\"name\"", "\"new\"", 1);
+    let error = AnyWorkcell::from_json(same.as_bytes()).unwrap_err();
+    assert!(matches!(error, WorkcellFileError::Json { .. }), "{error}");
+}
+
 struct Broken;
 
 impl Read for Broken {

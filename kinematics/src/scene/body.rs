@@ -143,7 +143,9 @@ pub enum SceneError {
         body: String,
     },
     /// The pose of a body on its mount is none.
-    #[error("the pose of body `{body}` is none: finite entries up to 1e6 mm and a quaternion of length 1 are needed")]
+    #[error(
+        "the pose of body `{body}` is invalid: its entries must be finite and at most 1e6 mm, its quaternion of length 1"
+    )]
     Pose {
         /// The body.
         body: String,

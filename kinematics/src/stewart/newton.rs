@@ -26,7 +26,7 @@ pub struct FoundPose {
 #[non_exhaustive]
 pub enum StewartError {
     /// A length is not a positive number, or beyond 1e7 mm.
-    #[error("leg {} is asked to be {length} mm long: it must be above 0 and at most 1e7", leg + 1)]
+    #[error("the length of leg {} is {length} mm: it must be above 0 and at most 1e7", leg + 1)]
     Length {
         /// The leg.
         leg: usize,

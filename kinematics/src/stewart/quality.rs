@@ -16,9 +16,9 @@ pub struct PathQuality {
     /// Lengths of the legs, pose by pose.
     pub legs: Vec<[f64; 6]>,
     /// Least singularity measure of a pose.
-    pub least_singularity: f64,
+    pub min_singularity: f64,
     /// At which pose.
-    pub least_at: usize,
+    pub min_at: usize,
 }
 
 /// Why a platform cannot go along a path. Poses are counted from 0.
@@ -47,7 +47,7 @@ pub enum PathError {
         least: f64,
     },
     /// Between a pose and the one before there is a singular one: the legs lose the platform on the way.
-    #[error("pose {index} lies beyond a singular pose from the one before")]
+    #[error("there is a singular pose between pose {index} and the one before it")]
     OtherSide {
         /// The later pose.
         index: usize,
@@ -64,7 +64,7 @@ pub struct WorkspaceOptions {
     /// Cells along x, y and z; their middles are tried.
     pub cells: [u32; 3],
     /// Poses with a lesser singularity measure do not count.
-    pub least_singularity: f64,
+    pub min_singularity: f64,
 }
 
 /// What of a box the platform reaches.
@@ -144,25 +144,25 @@ impl Stewart {
     ///
     /// # Errors
     /// [`PathError`] with the index of the first pose that cannot be.
-    pub fn check_path(&self, poses: &[Isometry3<f64>], least_singularity: f64) -> Result<PathQuality, PathError> {
+    pub fn check_path(&self, poses: &[Isometry3<f64>], min_singularity: f64) -> Result<PathQuality, PathError> {
         let mut quality =
-            PathQuality { legs: Vec::with_capacity(poses.len()), least_singularity: f64::INFINITY, least_at: 0 };
+            PathQuality { legs: Vec::with_capacity(poses.len()), min_singularity: f64::INFINITY, min_at: 0 };
         let mut side = 0.0;
         for (index, pose) in poses.iter().enumerate() {
             if let Some(fault) = self.fault(pose) {
                 return Err(PathError::Fault { index, fault });
             }
             let measure = self.singularity(pose);
-            if measure < least_singularity {
-                return Err(PathError::Singular { index, measure, least: least_singularity });
+            if measure < min_singularity {
+                return Err(PathError::Singular { index, measure, least: min_singularity });
             }
             let now = self.side(pose);
             if now * side < 0.0 {
                 return Err(PathError::OtherSide { index });
             }
             side = now;
-            if measure < quality.least_singularity {
-                (quality.least_singularity, quality.least_at) = (measure, index);
+            if measure < quality.min_singularity {
+                (quality.min_singularity, quality.min_at) = (measure, index);
             }
             quality.legs.push(self.legs(pose));
         }
@@ -182,7 +182,7 @@ impl Stewart {
         options: &WorkspaceOptions,
         progress: &dyn Fn(Progress) -> ControlFlow<()>,
     ) -> Result<Workspace, WorkspaceError> {
-        let WorkspaceOptions { lower, upper, cells, least_singularity } = *options;
+        let WorkspaceOptions { lower, upper, cells, min_singularity } = *options;
         let size = upper - lower;
         let sound = size.iter().all(|x| x.is_finite() && *x > 0.0) && cells.iter().all(|&n| n > 0);
         if !sound || !lower.coords.iter().all(|x| x.is_finite()) {
@@ -208,7 +208,7 @@ impl Stewart {
                     let point = Point3::from([0, 1, 2].map(|k| lower[k] + step[k] * (f64::from(place[k]) + 0.5)));
                     let stands = |rotation: &UnitQuaternion<f64>| {
                         let pose = Isometry3::from_parts(Translation3::from(point), *rotation);
-                        self.fault(&pose).is_none() && self.singularity(&pose) >= least_singularity
+                        self.fault(&pose).is_none() && self.singularity(&pose) >= min_singularity
                     };
                     if rotations.iter().all(stands) {
                         points.push(point);

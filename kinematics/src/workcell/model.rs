@@ -383,17 +383,29 @@ impl From<serde_json::Error> for WorkcellFileError {
     }
 }
 
+/// A file of any version.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Versioned {
+    version: u32,
+}
+
 #[cfg(feature = "serde")]
 impl WorkcellModel {
     /// Reads a model from a JSON file, as `docs/formats.md` describes it. Its numbers are not checked yet:
     /// [`AnyWorkcell::from_json`](super::AnyWorkcell::from_json) reads and checks.
     ///
     /// # Errors
-    /// [`WorkcellFileError::Io`] and [`WorkcellFileError::Json`], with line and column.
+    /// [`WorkcellFileError::Io`]; [`WorkcellFileError::Json`] with line and column; [`WorkcellError::Version`] where a file of
+    /// another version does not have the fields of this one.
     pub fn from_json(mut input: impl std::io::Read) -> Result<Self, WorkcellFileError> {
         let mut text = String::new();
         input.read_to_string(&mut text).map_err(|error| WorkcellFileError::Io { what: error.to_string() })?;
-        Ok(serde_json::from_str(&text)?)
+        serde_json::from_str(&text).map_err(|error| match serde_json::from_str(&text) {
+            // Another version has other fields; these are not what is wrong then.
+            Ok(Versioned { version }) if version != VERSION => WorkcellError::Version { found: version }.into(),
+            _ => error.into(),
+        })
     }
 
     /// Writes the model as JSON. Read again it is the same to the last bit.

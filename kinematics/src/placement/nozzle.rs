@@ -30,13 +30,13 @@ pub struct ReachOptions {
     pub samples: usize,
     /// A frame counts if its z axis rises at least this steeply: the sine of its angle over the horizon. 0 drops those
     /// that face down; -1 keeps all.
-    pub least_rise: f64,
+    pub min_rise: f64,
 }
 
 impl Default for ReachOptions {
     /// 20,000 samples, frames that do not face down.
     fn default() -> Self {
-        ReachOptions { samples: 20_000, least_rise: 0.0 }
+        ReachOptions { samples: 20_000, min_rise: 0.0 }
     }
 }
 
@@ -45,11 +45,11 @@ impl Default for ReachOptions {
 #[non_exhaustive]
 pub enum PlacementError {
     /// The frame on the flange is not finite, or its quaternion has another length than 1.
-    #[error("the frame on the flange is no pose: its entries must be finite and its quaternion of length 1")]
+    #[error("the frame on the flange is invalid: its entries must be finite and its quaternion of length 1")]
     Frame,
-    /// The least rise is not a number.
-    #[error("the least rise is not a number")]
-    LeastRise,
+    /// The smallest rise is not a number.
+    #[error("`min_rise` is not a number")]
+    MinRise,
     /// A point is not finite.
     #[error("point {index} is not finite")]
     Point {
@@ -74,7 +74,7 @@ pub enum PlacementError {
         length: f64,
     },
     /// The callback stopped the search.
-    #[error("stopped")]
+    #[error("the search was stopped")]
     Stopped,
 }
 
@@ -95,7 +95,7 @@ pub struct Placement {
 /// without such a rule the nozzle ends up there.)
 ///
 /// # Errors
-/// [`PlacementError::Frame`] and [`PlacementError::LeastRise`].
+/// [`PlacementError::Frame`] and [`PlacementError::MinRise`].
 ///
 /// # Cost
 /// A fifth of a microsecond a sample, and the points.
@@ -118,8 +118,8 @@ pub fn reachable_points(
     if parts(flange_frame).is_none() {
         return Err(PlacementError::Frame);
     }
-    if options.least_rise.is_nan() {
-        return Err(PlacementError::LeastRise);
+    if options.min_rise.is_nan() {
+        return Err(PlacementError::MinRise);
     }
     let limits = arm.limits();
     let ranges: [(f64, f64); 6] = std::array::from_fn(|k| {
@@ -133,7 +133,7 @@ pub fn reachable_points(
             lower + (upper - lower) * halton(sample, BASES[k])
         });
         let frame = arm.forward(&joints) * flange_frame;
-        if (frame.rotation * Vector3::z()).z >= options.least_rise && keep(&joints, &frame) {
+        if (frame.rotation * Vector3::z()).z >= options.min_rise && keep(&joints, &frame) {
             points.push(Point3::from(frame.translation.vector));
         }
     }

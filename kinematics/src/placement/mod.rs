@@ -1,0 +1,11 @@
+//! Where things should stand: a fixed nozzle, by what the arm reaches; a part on its carrier, by what a print asks.
+
+mod nozzle;
+mod part;
+mod posture;
+mod sample;
+
+pub use nozzle::{Placement, PlacementError, ReachOptions, fullest_box, reachable_points};
+pub use part::{Assessment, BestPlace, PartPlace, PlaceError, best_place, place_grid};
+pub use posture::BestPosture;
+pub use sample::{Representatives, representative_waypoints};
