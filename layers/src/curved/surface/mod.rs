@@ -40,7 +40,11 @@ pub use vtk::{write_field_vtk, write_surfaces_vtk};
 /// `of` for all numbers below `count`, in their order; with the feature `rayon` by several threads, each of which takes at
 /// least `least_share` of them.
 #[cfg_attr(not(feature = "rayon"), allow(unused_variables))]
-fn in_parallel<R: Send>(count: usize, least_share: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+pub(in crate::curved) fn in_parallel<R: Send>(
+    count: usize,
+    least_share: usize,
+    of: impl Fn(usize) -> R + Send + Sync,
+) -> Vec<R> {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
