@@ -31,6 +31,7 @@ use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use super::mesh::MeshError;
 use super::order::Visit;
 use curve::Loop;
+use nalgebra::Point3;
 pub use spacing::BEAD_WIDTHS;
 use spacing::Spacing;
 use thin::{Curve, thinned};
@@ -105,6 +106,12 @@ impl SurfacePath {
             (true, Some(first), Some(last)) => steps + step(last, first),
             _ => steps,
         }
+    }
+
+    /// The places and widths of its points; of a closed curve the first stands at the end once more.
+    pub fn line(&self) -> (Vec<Point3<f64>>, Vec<f64>) {
+        let closing = self.closed.then(|| self.points.first()).flatten();
+        self.points.iter().chain(closing).map(|point| (point.at.position, point.width)).unzip()
     }
 
     /// The same curve as it is travelled in an order: from another start if it is closed, or backward.
