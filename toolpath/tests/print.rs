@@ -45,7 +45,7 @@ impl Sheets {
 fn paths_of(surface: &LayerSurface, options: &PathOptions) -> LayerPaths {
     let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec()).unwrap();
     let distance = SurfaceDistance::to_boundary(&mesh, &go_on).unwrap();
-    LevelField::new(&distance, 0.0125 * options.bead, &go_on).unwrap().paths(options).unwrap()
+    LevelField::new(&distance, 0.0125 * options.bead, &go_on).unwrap().paths(options, &go_on).unwrap()
 }
 
 #[test]

@@ -22,6 +22,7 @@ use super::surface::{
     ContourError, Even, EvenError, LayerField, Spacing, SpacingError, SurfaceSlices, contour, even, extend,
     measure_spacing,
 };
+use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
 use crate::Progress;
 use nalgebra::{Point3, Vector3};
@@ -112,22 +113,22 @@ pub struct LayerBoundary {
 pub enum LayersError {
     /// The growth did not start.
     #[error(transparent)]
-    Growth(#[from] GrowthError),
+    Growth(GrowthError),
     /// The audit did not start.
     #[error(transparent)]
-    Audit(#[from] AuditError),
+    Audit(AuditError),
     /// The field could not be made.
     #[error(transparent)]
-    Even(#[from] EvenError),
+    Even(EvenError),
     /// No surfaces at this layer height.
     #[error(transparent)]
-    Contour(#[from] ContourError),
+    Contour(ContourError),
     /// The mesh or a surface cannot be trimmed.
     #[error(transparent)]
-    Trim(#[from] TrimError),
+    Trim(TrimError),
     /// The spacing could not be measured.
     #[error(transparent)]
-    Spacing(#[from] SpacingError),
+    Spacing(SpacingError),
     /// The volume is no volume.
     #[error("a part of {volume_mm3} mm3: the volume must be finite and above 0")]
     Volume {
@@ -137,6 +138,29 @@ pub enum LayersError {
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// From the errors of the steps; whichever was cancelled, it is [`LayersError::Cancelled`].
+macro_rules! from_step {
+    ($($error:ident, $variant:ident, $cancelled:pat,)*) => {$(
+        impl From<$error> for LayersError {
+            fn from(error: $error) -> Self {
+                match error {
+                    $cancelled => LayersError::Cancelled,
+                    error => LayersError::$variant(error),
+                }
+            }
+        }
+    )*};
+}
+
+from_step! {
+    GrowthError, Growth, GrowthError::Cancelled,
+    AuditError, Audit, AuditError::Cancelled,
+    EvenError, Even, EvenError::Growth(GrowthError::Cancelled) | EvenError::Audit(AuditError::Cancelled),
+    ContourError, Contour, ContourError::Cancelled,
+    TrimError, Trim, TrimError::Cancelled,
+    SpacingError, Spacing, SpacingError::Cancelled,
 }
 
 impl Workpiece<'_> {
@@ -246,14 +270,14 @@ impl Workpiece<'_> {
         begin("contour", progress)?;
         let extended = extend(field, &self.cells);
         let levels = extended.levels(self.cell_mm, height_mm)?;
-        let untrimmed = contour(&extended, &levels, self.cell_mm, self.origin)?;
+        let untrimmed = contour(&extended, &levels, self.cell_mm, self.origin, progress)?;
         begin("trim", progress)?;
-        let trimmed = |k: usize| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles);
-        let sheets: Vec<TrimmedSheet> =
-            super::surface::in_parallel(untrimmed.len(), 1, trimmed).into_iter().collect::<Result<_, _>>()?;
-        let missed_mm3 = self.volume_in(missed, &trimmer)?;
+        let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
+        let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
+        let sheets = trimmed.into_iter().collect::<Result<Vec<TrimmedSheet>, _>>()?;
+        let missed_mm3 = self.volume_in(missed, &trimmer, progress)?;
         begin("spacing", progress)?;
-        let spacing = measure_spacing(&slices(&sheets), height_mm)?;
+        let spacing = measure_spacing(&slices(&sheets), height_mm, progress)?;
         let min = MIN_THICKNESS * height_mm;
         let thickness =
             |(sheet, raw): (&TrimmedSheet, &Vec<f64>)| uniform_thickness(&sheet.vertices, &sheet.triangles, raw, min);
@@ -263,7 +287,12 @@ impl Workpiece<'_> {
     }
 
     /// Volume of the part in these cells.
-    fn volume_in(&self, cells: &[u32], trimmer: &Trimmer) -> Result<f64, TrimError> {
+    fn volume_in(
+        &self,
+        cells: &[u32],
+        trimmer: &Trimmer,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<f64, TrimError> {
         let mut cells: Vec<[u32; 3]> = cells.iter().map(|&cell| self.cells.position(cell)).collect();
         cells.sort_unstable_by_key(|&[x, y, z]| [z, y, x]);
         let mut area = 0.0;
@@ -275,7 +304,7 @@ impl Workpiece<'_> {
                 let points: Vec<Point3<f64>> = level.iter().flat_map(square).map(|[x, y]| corner(x, y)).collect();
                 let two = |k: u32| [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|corner| 4 * k + corner));
                 let triangles: Vec<[u32; 3]> = (0..level.len() as u32).flat_map(two).collect();
-                area += trimmer.trim(&points, &triangles)?.area();
+                area += trimmer.trim(&points, &triangles, progress)?.area();
             }
         }
         Ok(area * self.cell_mm / f64::from(CUTS))

@@ -128,7 +128,7 @@ pub enum FillError {
     Levels(LevelSetError),
     /// It has no paths.
     #[error(transparent)]
-    Paths(#[from] PathError),
+    Paths(PathError),
     /// The paths cannot be judged.
     #[error(transparent)]
     Statistics(StatisticsError),
@@ -146,6 +146,12 @@ impl From<DistanceError> for FillError {
 impl From<LevelSetError> for FillError {
     fn from(error: LevelSetError) -> Self {
         if error == LevelSetError::Cancelled { FillError::Cancelled } else { FillError::Levels(error) }
+    }
+}
+
+impl From<PathError> for FillError {
+    fn from(error: PathError) -> Self {
+        if error == PathError::Cancelled { FillError::Cancelled } else { FillError::Paths(error) }
     }
 }
 
@@ -169,10 +175,16 @@ pub enum FillLayersError {
     },
     /// The curves cannot be ordered.
     #[error(transparent)]
-    Order(#[from] OrderError),
+    Order(OrderError),
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<OrderError> for FillLayersError {
+    fn from(error: OrderError) -> Self {
+        if error == OrderError::Cancelled { FillLayersError::Cancelled } else { FillLayersError::Order(error) }
+    }
 }
 
 /// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
@@ -217,7 +229,7 @@ pub fn fill_layer(
     let field = LevelField::new(&distance, TOLERANCE * options.bead, &report("curves"))?;
     let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
         mark("curves", 0)?;
-        let paths = field.paths(options)?;
+        let paths = field.paths(options, &report("curves"))?;
         mark("curves", 1)?;
         // What not even the narrowest bead could cover counts as unfillable.
         let least_width_mm = BEAD_WIDTHS[0] * options.bead;
@@ -296,14 +308,12 @@ pub fn fill_layers(
     };
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
     let mut layers = filled.into_iter().collect::<Result<Vec<_>, _>>()?;
-    if progress(Progress { stage: "order", done: 0, total: 0 }).is_break() {
-        return Err(FillLayersError::Cancelled);
-    }
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     fn curve(bead: &Bead) -> TravelCurve<'_> {
         TravelCurve { points: &bead.points, closed: bead.closed }
     }
-    let order = order_curves(&found.iter().map(|beads| beads.iter().map(curve).collect()).collect::<Vec<_>>())?;
+    let order =
+        order_curves(&found.iter().map(|beads| beads.iter().map(curve).collect()).collect::<Vec<_>>(), progress)?;
     for (layer, visits) in layers.iter_mut().zip(&order.layers) {
         if let Some(FilledLayer { paths: LayerPaths { paths, .. }, .. }) = layer {
             *paths = visits.iter().map(|visit| paths[visit.curve as usize].travelled(visit)).collect();

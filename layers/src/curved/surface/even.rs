@@ -69,7 +69,7 @@ pub enum EvenError {
     #[error(transparent)]
     Audit(#[from] AuditError),
     /// The order that was given fails the audit itself.
-    #[error("the order does not pass the audit: {0}")]
+    #[error("the order fails the audit: {0}")]
     Order(Box<AuditReport>),
 }
 
