@@ -8,6 +8,11 @@ use curvlay_layers::curved::surface::{ExtendedField, LayerField, contour, extend
 use curvlay_voxel::VoxelGrid;
 use nalgebra::{Point3, Vector3};
 use std::hint::black_box;
+use std::ops::ControlFlow;
+
+fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
 
 /// The six tetrahedra around the diagonal of a cube, by its corners (bits x, y, z).
 const TETRAHEDRA: [[usize; 4]; 6] =
@@ -62,7 +67,7 @@ fn contouring(c: &mut Criterion) {
         let extended = extend(&field, &cells);
         let levels = extended.levels(1.0, 1.0).expect("a height");
 
-        let surfaces = contour(&extended, &levels, 1.0, Point3::origin()).expect("a place");
+        let surfaces = contour(&extended, &levels, 1.0, Point3::origin(), &go).expect("a place");
         // Both cover the ball alike: compared by the area of what lies in it.
         let within = |[a, b, c]: [Vector3<f64>; 3]| {
             let inside = ((a + b + c) / 3.0 - centre.coords).norm() < middle;
@@ -78,7 +83,7 @@ fn contouring(c: &mut Criterion) {
         group.throughput(Throughput::Elements(cells.count() as u64));
         group.bench_function(BenchmarkId::new("extend", side), |b| b.iter(|| extend(black_box(&field), &cells)));
         group.bench_function(BenchmarkId::new("contour", side), |b| {
-            b.iter(|| contour(black_box(&extended), &levels, 1.0, Point3::origin()).expect("a place"));
+            b.iter(|| contour(black_box(&extended), &levels, 1.0, Point3::origin(), &go).expect("a place"));
         });
         group.bench_function(BenchmarkId::new("baseline_marching_tetrahedra", side), |b| {
             b.iter(|| {
@@ -88,7 +93,7 @@ fn contouring(c: &mut Criterion) {
         });
         let slices: Vec<_> = surfaces.iter().map(|s| (&s.points[..], &s.triangles[..])).collect();
         group.bench_function(BenchmarkId::new("spacing", side), |b| {
-            b.iter(|| measure_spacing(black_box(&slices), 1.0).expect("sound"));
+            b.iter(|| measure_spacing(black_box(&slices), 1.0, &go).expect("sound"));
         });
     }
     group.finish();

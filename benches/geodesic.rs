@@ -236,7 +236,7 @@ fn bench_paths(c: &mut Criterion) {
     let paths = |pattern: Pattern| {
         let mut options = PathOptions::default();
         (options.bead, options.pattern) = (BEAD, pattern);
-        field.paths(&options).expect("a sound bead")
+        field.paths(&options, &|_| ControlFlow::Continue(())).expect("a sound bead")
     };
     let (spirals, rings) = (paths(Pattern::Spirals), paths(Pattern::Rings));
     let length = |of: &LayerPaths| of.paths.iter().map(SurfacePath::length).sum::<f64>();

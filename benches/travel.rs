@@ -79,13 +79,13 @@ fn order(c: &mut Criterion) {
             .map(|layer| layer.iter().map(|(points, closed)| TravelCurve { points, closed: *closed }).collect())
             .collect();
         let name = format!("{layers}_layers_of_{curves}");
-        let found = order_curves(&lines).expect("finite");
+        let found = order_curves(&lines, &|_| ControlFlow::Continue(())).expect("finite");
         let (ours, given, nearest) = (found.travel_mm, found.given_mm, nearest_next(&part));
         assert!(ours <= given && ours <= nearest, "{ours} {given} {nearest}");
         eprintln!("{name}: {ours:.0} mm between curves; nearest next {nearest:.0} mm, as given {given:.0} mm");
         group.throughput(Throughput::Elements((layers * curves) as u64));
         group.bench_with_input(BenchmarkId::new("order_curves", &name), &lines, |b, lines| {
-            b.iter(|| order_curves(black_box(lines)));
+            b.iter(|| order_curves(black_box(lines), &|_| ControlFlow::Continue(())));
         });
         group.bench_with_input(BenchmarkId::new("baseline_nearest_next", &name), &part, |b, part| {
             b.iter(|| nearest_next(black_box(part)));

@@ -10,6 +10,11 @@ use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 use parry3d_f64::transformation::intersect_meshes;
 use std::f64::consts::TAU;
 use std::hint::black_box;
+use std::ops::ControlFlow;
+
+fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
 
 type Mesh = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
@@ -90,13 +95,13 @@ fn trimming(c: &mut Criterion) {
     for cells in [30, 100] {
         let sheet = sheet(cells);
         let parry_below = parry_mesh(&below(cells));
-        let ours = trimmer.trim(&sheet.0, &sheet.1).expect("a sheet").area();
+        let ours = trimmer.trim(&sheet.0, &sheet.1, &go).expect("a sheet").area();
         let theirs = parry_area(&parry_trim(&parry_solid, &parry_below));
         assert!((ours - theirs).abs() < 1e-6 * ours, "{ours} {theirs}");
         let triangles = sheet.1.len();
         group.throughput(Throughput::Elements(triangles as u64));
         group.bench_function(BenchmarkId::new("trim", triangles), |b| {
-            b.iter(|| trimmer.trim(black_box(&sheet.0), &sheet.1).expect("a sheet"));
+            b.iter(|| trimmer.trim(black_box(&sheet.0), &sheet.1, &go).expect("a sheet"));
         });
         group.bench_function(BenchmarkId::new("baseline_parry_intersect", triangles), |b| {
             b.iter(|| parry_trim(black_box(&parry_solid), &parry_below));

@@ -1,23 +1,34 @@
 //! Stage `field`: cells, growth, audit. A field that an earlier run has saved takes the place of the growth.
 
-use crate::{Args, failure};
-use curvlay_examples::args::{Failure, Part, Prevention as PreventionArg, Strategy};
+use crate::failure;
+use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
+use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, GrowthOptions, GrowthStatistics, LayerQuality, MissedCell, MissedReason, Neighbours,
-    Platform, Prevention, Rules, UnbuildOptions, audit, grow, layer_quality, peel, unbuild,
+    AuditReport, Cells, Growth, LayerQuality, LayeredPart, Neighbours, Platform, Rules, Strategy, Workpiece, audit,
+    best_growth, layer_quality,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
+use nalgebra::Point3;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// How many cells a part gets unless the user says.
-const DEFAULT_CELLS: u64 = 100_000;
-
 /// From this share of the surface on thin walls are worth a word: sharp edges alone make up some tenths of a percent.
 const NOTABLE_SHARE: f64 = 0.01;
+
+/// What cells the part gets, and how their order is found.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldOptions {
+    pub resolution: Resolution,
+    /// Depth inside the hull from which a cell counts as shadowed, in cells.
+    pub eps: f64,
+    pub platform_diameter_mm: f64,
+    /// None for the best one.
+    pub strategy: Option<Strategy>,
+}
 
 /// What came of the stage.
 pub struct FieldRun {
@@ -26,7 +37,6 @@ pub struct FieldRun {
     pub thin: ThinFeatures,
     pub solid: Voxelisation,
     pub platform: Platform,
-    pub rules: Rules,
     pub growth: Growth,
     /// The strategy that the order is by.
     pub strategy: &'static str,
@@ -51,7 +61,7 @@ pub struct Times {
     pub inspect: Duration,
     pub voxelise: Duration,
     pub peel: Duration,
-    /// Peeling included.
+    /// Peeling included, and a second strategy if it was tried.
     pub grow: Duration,
     pub audit: Duration,
     /// All of these.
@@ -59,134 +69,107 @@ pub struct Times {
 }
 
 /// Runs `work` and says how long it took.
-pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     (work(), start.elapsed())
 }
 
-/// Runs the stage by one strategy, or with a field that was `saved`.
+/// Makes the cells and their order, and with options for them the surfaces; of a field that was `saved` if there is one.
 pub fn run(
-    args: &Args,
+    options: &FieldOptions,
+    surfaces: Option<&SurfaceOptions>,
     part: &Part,
-    strategy: Strategy,
-    saved: Option<&SavedField>,
+    saved: Option<SavedField>,
     bars: &Bars,
-) -> Result<FieldRun, Failure> {
-    let start = Instant::now();
+) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
+    let of_part = |error: &dyn std::fmt::Display| failure(format!("{}: {error}", part.name));
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
-    let mesh = mesh.map_err(|error| failure(format!("{}: {error}", part.name)))?;
-
-    let wanted = Resolution::Count(args.voxel.voxels.unwrap_or(DEFAULT_CELLS));
-    let resolution = saved.map(|saved| saved.cell_mm).or(args.voxel.cell).map_or(wanted, Resolution::Cell);
-    let options = VoxelOptions { resolution, ..VoxelOptions::default() };
+    let mesh = mesh.map_err(|error| of_part(&error))?;
+    let resolution = saved.as_ref().map_or(options.resolution, |saved| Resolution::Cell(saved.cell_mm));
+    let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) = timed(|| {
-        voxelise(vertices, triangles, &options, &|p| {
+        voxelise(vertices, triangles, &voxel_options, &|p| {
             bars.update(p.stage, p.done, p.total);
             ControlFlow::Continue(())
         })
     });
-    let solid = solid.map_err(|error| failure(format!("{}: {error}", part.name)))?;
-
+    let solid = solid.map_err(|error| of_part(&error))?;
     let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
-    let thin = thin.map_err(|error| failure(format!("{}: {error}", part.name)))?;
+    let thin = thin.map_err(|error| of_part(&error))?;
 
+    let cells = Cells::new(solid.grid.dims(), solid.grid.rows()).map_err(failure)?;
+    if saved.as_ref().is_some_and(|saved| saved.field.dims() != cells.dims() || saved.rows != cells.rows()) {
+        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
+    }
+    let (cell_mm, platform_mm) = (solid.grid.cell_mm(), options.platform_diameter_mm);
+    let platform = Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
+        of_part(&format!(
+            "the part and a platform of {platform_mm} mm are too large for cells of {cell_mm} mm: take larger cells, or \
+             check --unit"
+        ))
+    })?;
+    let shifted: Vec<Point3<f64>> = vertices.iter().map(|vertex| vertex + solid.shift).collect();
+    let workpiece = Workpiece {
+        vertices: &shifted,
+        triangles,
+        cells,
+        cell_mm,
+        origin: solid.grid.origin(),
+        platform: &platform,
+        rules: Rules { eps: options.eps, ..Rules::default() },
+        volume_mm3: mesh.volume_mm3(),
+    };
+    let clock = StageClock::default();
     let progress = |p: curvlay_layers::Progress| {
+        clock.note(p.stage, p.done);
         bars.update(p.stage, p.done, p.total);
         ControlFlow::Continue(())
     };
-    let cells = Cells::new(solid.grid.dims(), solid.grid.rows()).map_err(failure)?;
-    if saved.is_some_and(|saved| saved.field.dims() != cells.dims() || saved.rows != cells.rows()) {
-        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
-    }
-    let rules = Rules { eps: args.grow.eps, ..Rules::default() };
-    let radius = args.grow.platform_diameter_mm / 2.0 / solid.grid.cell_mm();
-    let platform = Platform::under(&cells, radius).map_err(|_| {
-        failure(format!(
-            "{}: the part and a platform of {} mm are too large for cells of {} mm: take larger cells, or check --unit",
-            part.name,
-            args.grow.platform_diameter_mm,
-            solid.grid.cell_mm()
-        ))
-    })?;
-    let grower = Grower { args, cells: &cells, platform: &platform, rules: &rules, progress: &progress };
-    let (grown, grow_time) = timed(|| match saved {
-        Some(saved) => Ok(Grown { growth: taken_up(&cells, saved), by: "saved", peel: Duration::ZERO }),
-        None => grower.grow(strategy),
-    });
-    let Grown { growth, by, peel: peel_time } = grown?;
-    let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
-    let (audit, audit_time) = timed(|| audit(&cells, &platform, &rules, &growth.order, &missed, &progress));
-    let audit = audit.map_err(failure)?;
-    let times = Times {
-        inspect: inspect_time + thin_time,
-        voxelise: voxelise_time,
-        peel: peel_time,
-        grow: grow_time,
-        audit: audit_time,
-        total: start.elapsed(),
+    let audited = |growth: &Growth| {
+        clock.note("audit", 0);
+        audit(&cells, &platform, &workpiece.rules, &growth.order, &growth.missed_cells(), &progress).map_err(failure)
     };
+    let layers_failed = |error| surfaces::failed(error, part);
+    clock.note("grow", 0);
+    let (growth, strategy, audit, made) = if let Some(saved) = saved {
+        let growth = saved.growth().map_err(failure)?;
+        let audit = audited(&growth)?;
+        let of_field = |options: &SurfaceOptions| {
+            let height_mm = options.height_mm.unwrap_or(cell_mm);
+            workpiece.surfaces(&saved.field, &growth.missed_cells(), height_mm, &progress).map_err(layers_failed)
+        };
+        let layers = surfaces.map(of_field).transpose()?;
+        let made = layers.map(|layers| Made { layers, field: saved.field, method: "saved".to_owned(), waits: 0 });
+        (growth, "saved", audit, made)
+    } else if let Some(surfaces) = surfaces {
+        let height_mm = surfaces.height_mm.unwrap_or(cell_mm);
+        let LayeredPart { strategy, growth, audit, even, surfaces: layers } =
+            workpiece.layers(options.strategy, height_mm, &progress).map_err(layers_failed)?;
+        let made = Made { layers, method: surfaces::method_name(even.method), field: even.field, waits: even.jumps };
+        (growth, strategy.name(), audit, Some(made))
+    } else {
+        let rules = &workpiece.rules;
+        let grown = match options.strategy {
+            Some(strategy) => strategy.grow(&cells, &platform, rules, &progress).map(|growth| (strategy, growth)),
+            None => best_growth(&cells, &platform, rules, &progress),
+        };
+        let (strategy, growth) = grown.map_err(failure)?;
+        let audit = audited(&growth)?;
+        (growth, strategy.name(), audit, None)
+    };
+    clock.stop();
+    let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &growth, part, &clock);
+    let surfaces = made.zip(surfaces).map(finish).transpose()?;
+    let [peel, grow, audit_time] =
+        [&["peel"][..], &["grow", "peel"], &["audit"]].map(|stages| clock.on_the_clock(stages));
+    let inspect_time = inspect_time + thin_time;
+    let total = inspect_time + voxelise_time + grow + audit_time;
+    let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
     let findings = findings(&mesh, &thin, &solid);
-    Ok(FieldRun { mesh, thin, solid, platform, rules, growth, strategy: by, audit, quality, times, findings })
-}
-
-/// The order that a saved field stands for.
-fn taken_up(cells: &Cells, saved: &SavedField) -> Growth {
-    let without = cells.iter().filter(|&cell| saved.field.value(cell).is_none());
-    let missed = without.map(|cell| MissedCell { cell, reason: MissedReason::SupportMissed }).collect();
-    Growth { order: saved.field.rounded(), missed, statistics: GrowthStatistics::default() }
-}
-
-/// Grows by any strategy.
-struct Grower<'a> {
-    args: &'a Args,
-    cells: &'a Cells<'a>,
-    platform: &'a Platform,
-    rules: &'a Rules,
-    progress: &'a (dyn Fn(curvlay_layers::Progress) -> ControlFlow<()> + Sync),
-}
-
-/// An order, the strategy that it is by, and how long peeling took.
-struct Grown {
-    growth: Growth,
-    by: &'static str,
-    peel: Duration,
-}
-
-impl Grower<'_> {
-    fn grow(&self, strategy: Strategy) -> Result<Grown, Failure> {
-        let Grower { cells, platform, rules, progress, .. } = *self;
-        match strategy {
-            Strategy::Greedy => self.with("greedy", Prevention::None),
-            Strategy::Best | Strategy::Incremental => self.with("incremental", Prevention::Incremental),
-            Strategy::Adaptive => self.with("adaptive", Prevention::Adaptive),
-            Strategy::Governed => {
-                let (field, peel) = timed(|| peel(cells, platform, rules, progress));
-                let options = GrowthOptions { prevention: governed_prevention(self.args), ..GrowthOptions::default() };
-                let growth = grow(cells, platform, rules, &options, Some(&field.map_err(failure)?), progress);
-                Ok(Grown { growth: growth.map_err(failure)?, by: "governed", peel })
-            }
-            Strategy::Unbuild => {
-                let growth = unbuild(cells, platform, rules, &UnbuildOptions::default(), progress);
-                Ok(Grown { growth: growth.map_err(failure)?, by: "unbuild", peel: Duration::ZERO })
-            }
-        }
-    }
-
-    fn with(&self, by: &'static str, prevention: Prevention) -> Result<Grown, Failure> {
-        let options = GrowthOptions { prevention, ..GrowthOptions::default() };
-        let growth = grow(self.cells, self.platform, self.rules, &options, None, self.progress);
-        Ok(Grown { growth: growth.map_err(failure)?, by, peel: Duration::ZERO })
-    }
-}
-
-/// How the governed strategy keeps cells from being shadowed.
-fn governed_prevention(args: &Args) -> Prevention {
-    match args.grow.prevention {
-        PreventionArg::Incremental => Prevention::Incremental,
-        PreventionArg::Adaptive => Prevention::Adaptive,
-    }
+    let field = FieldRun { mesh, thin, solid, platform, growth, strategy, audit, quality, times, findings };
+    Ok((field, surfaces))
 }
 
 /// What is wrong with the mesh and what became of it.

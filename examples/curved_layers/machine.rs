@@ -1,31 +1,16 @@
 //! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
 
-use crate::paths::{Layer, PathsRun};
+use crate::failure;
+use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Stage, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::clock::StageClock;
 use curvlay_kinematics::workcell::NozzleModel;
-use curvlay_layers::curved::trim::TrimmedSheet;
-use curvlay_toolpath::gcode;
-use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    BuiltLayer, Deposition, DepositionOptions, Freed, GougingOptions, LayerCurve, LayerStack, MoveKind, Nozzle,
-    OrientOptions, ToolPath, TravelOptions, Travels, Turns, deposit_along,
-};
+use curvlay_toolpath::surface::{LayerStack, Nozzle, OrientOptions, PrintOptions, PrintPlan, ToolPath};
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
-
-/// Layers thinner than this share of their height are taken for as thick: beads of no height are none.
-const LEAST_HEIGHT: f64 = 0.02;
-
-/// How deep the nozzle may be in a layer at waypoints, as a share of its height: a little less than the quarter that it may
-/// be anywhere, since a machine leaves the straight way between two waypoints.
-const PLANNED_DEPTH: f64 = 0.2;
-
-/// How far it keeps over the plate there, in millimetres, for the same reason.
-const PLANNED_CLEARANCE_MM: f64 = 0.1;
+use std::ops::{ControlFlow, Deref, DerefMut};
+use std::time::Duration;
 
 /// Share of the waypoints that may gouge, listed, before a run counts as failed; and of the paths that may be left out.
 pub const GOUGING_SHARE: f64 = 1e-3;
@@ -67,17 +52,11 @@ pub fn shape(text: &str) -> Result<Shape, String> {
 
 /// What came of the stage.
 pub struct MachineRun {
-    /// Turns between neighbours when every nozzle points away from the closest point below.
-    pub raw: Turns,
-    /// The paths with the directions that they are printed with.
-    pub freed: Freed,
-    /// How the nozzle gets from path to path.
-    pub travels: Travels,
-    pub deposition: Deposition,
+    plan: PrintPlan,
     /// Area that beads cover by the thickness of the layer there.
     pub covered_mm3: f64,
-    /// The longest path, with the directions before and after.
-    pub example: Option<[ToolPath; 2]>,
+    /// The longest path as the closest points have it, unfiltered, to compare with.
+    pub unfiltered: Option<ToolPath>,
     pub times: Times,
 }
 
@@ -88,7 +67,20 @@ pub struct Times {
     pub orientation: Duration,
     pub gouging: Duration,
     pub travels: Duration,
-    pub deposition: Duration,
+}
+
+impl Deref for MachineRun {
+    type Target = PrintPlan;
+
+    fn deref(&self) -> &PrintPlan {
+        &self.plan
+    }
+}
+
+impl DerefMut for MachineRun {
+    fn deref_mut(&mut self) -> &mut PrintPlan {
+        &mut self.plan
+    }
 }
 
 impl MachineRun {
@@ -123,46 +115,10 @@ impl MachineRun {
         failed
     }
 
-    /// Takes over how long a robot takes: for a path, to a waypoint from the one before, so many seconds.
-    pub fn retime(&mut self, steps: impl IntoIterator<Item = (usize, usize, f64)>) {
-        let mut seconds: Vec<Vec<Option<f64>>> =
-            self.freed.paths.iter().map(|path| vec![None; path.waypoints.len()]).collect();
-        for (path, waypoint, step) in steps {
-            seconds[path][waypoint] = Some(step);
-        }
-        let Deposition { moves, print_s, total_s, .. } = &mut self.deposition;
-        for step in moves.iter_mut().filter(|step| step.kind == MoveKind::Print) {
-            let Some(seconds) = seconds[step.path][step.waypoint].filter(|_| step.seconds > 0.0) else { continue };
-            *print_s += seconds - step.seconds;
-            *total_s += seconds - step.seconds;
-            step.feed *= step.seconds / seconds;
-            step.seconds = seconds;
-        }
+    /// The path with the most waypoints.
+    pub fn longest(&self) -> Option<&ToolPath> {
+        self.freed.paths.iter().max_by_key(|path| path.waypoints.len())
     }
-
-    /// The moves of the machine file.
-    pub fn moves(&self) -> impl Iterator<Item = gcode::Move> {
-        self.deposition.moves.iter().map(|plan| {
-            let (tip, direction, feed_mm_s) = (plan.tip, plan.direction, plan.feed);
-            match plan.kind {
-                MoveKind::Retract => gcode::Move::Retract { filament_mm: -plan.filament, feed_mm_s },
-                MoveKind::Prime => gcode::Move::Prime { filament_mm: plan.filament, feed_mm_s },
-                MoveKind::Print => gcode::Move::Print { tip, direction, filament_mm: plan.filament, feed_mm_s },
-                _ => gcode::Move::Travel { tip, direction, feed_mm_s },
-            }
-        })
-    }
-}
-
-/// The points and widths of the curves of a layer.
-type Curves = Vec<(Vec<Point3<f64>>, Vec<f64>, bool)>;
-
-fn curves(layer: &Layer) -> Curves {
-    let of = |path: &curvlay_toolpath::surface::SurfacePath| {
-        let (points, widths) = path.points.iter().map(|point| (point.at.position, point.width)).unzip();
-        (points, widths, path.closed)
-    };
-    layer.paths.paths.iter().map(of).collect()
 }
 
 /// Does some work with the layers as they are built: surfaces with their thickness, and the curves on them.
@@ -171,126 +127,39 @@ pub fn with_layers<T>(
     paths: &PathsRun,
     work: impl FnOnce(&LayerStack) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let thickness = even_thicknesses(surfaces);
-    let curves: Vec<Curves> = paths.layers.iter().map(|layer| layer.as_ref().map(curves).unwrap_or_default()).collect();
-    let borrowed: Vec<Vec<LayerCurve>> = curves
-        .iter()
-        .map(|curves| {
-            curves.iter().map(|(points, widths, closed)| LayerCurve { points, widths, closed: *closed }).collect()
-        })
-        .collect();
-    let layers: Vec<BuiltLayer> = (surfaces.sheets.iter().zip(&thickness).zip(&borrowed))
-        .map(|((sheet, spacing), curves)| BuiltLayer {
-            vertices: &sheet.vertices,
-            triangles: &sheet.triangles,
-            spacing,
-            curves,
-        })
-        .collect();
-    work(&LayerStack::new(&layers).map_err(failure)?)
+    work(&paths.filled.stack(&surfaces.surfaces()).map_err(failure)?)
 }
 
-/// Orients, frees and deposits.
+/// Orients, frees and deposits; to compare with, the directions of the longest path without any filter.
 pub fn run(
-    args: &Args,
     nozzle: &Nozzle,
+    options: &PrintOptions,
+    compare: bool,
     surfaces: &SurfacesRun,
     paths: &PathsRun,
     bars: &Bars,
 ) -> Result<MachineRun, Failure> {
-    let start = Instant::now();
-    with_layers(surfaces, paths, |stack| on_layers(args, nozzle, surfaces, paths, stack, start, bars))
-}
-
-#[allow(clippy::too_many_arguments)]
-fn on_layers(
-    args: &Args,
-    nozzle: &Nozzle,
-    surfaces: &SurfacesRun,
-    paths: &PathsRun,
-    stack: &LayerStack,
-    start: Instant,
-    bars: &Bars,
-) -> Result<MachineRun, Failure> {
+    let clock = StageClock::default();
     let progress = |p: curvlay_toolpath::Progress| {
+        clock.note(p.stage, p.done);
         bars.update(p.stage, p.done, p.total);
         ControlFlow::Continue(())
     };
-    let oriented = stack.orient(&OrientOptions::default(), &progress).map_err(failure)?;
-    let raw = oriented.before;
-    let before_gouging = Instant::now();
-    let defaults = GougingOptions::default();
-    // A robot's motion gouges nowhere: what it cannot print so is left out.
-    let most_depth = if args.stage >= Stage::Motion { defaults.allowed_depth } else { defaults.most_depth };
-    let options =
-        GougingOptions { allowed_depth: PLANNED_DEPTH, plate_clearance: PLANNED_CLEARANCE_MM, most_depth, ..defaults };
-    let freed = stack.free(oriented.paths, nozzle, &options, &progress);
-    let freed = freed.map_err(failure)?;
-    let mut times = Times { gouging: before_gouging.elapsed(), orientation: start.elapsed(), ..Times::default() };
-
-    let start = Instant::now();
-    let travels = stack.travels(&freed.paths, nozzle, &TravelOptions::default(), &progress);
-    let travels = travels.map_err(failure)?;
-    times.travels = start.elapsed();
-
-    let start = Instant::now();
-    let options = DepositionOptions { filament_diameter: args.filament, ..DepositionOptions::default() };
-    let deposition = deposit_along(&freed.paths, &travels.ways, &options).map_err(failure)?;
-    times.deposition = start.elapsed();
-
-    // What the closest points say, unfiltered, for the picture of one path.
-    let unfiltered = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..OrientOptions::default() };
-    let unfiltered = stack.orient(&unfiltered, &progress).map_err(failure)?;
-    let longest = freed.paths.iter().max_by_key(|path| path.waypoints.len());
-    let example = longest.and_then(|path| {
+    clock.note("orient", 0);
+    let layers = surfaces.surfaces();
+    let plan = paths.filled.plan(&layers, nozzle, options, &progress).map_err(failure)?;
+    clock.stop();
+    let gouging = clock.on_the_clock(&["gouging", "built"]);
+    let orientation = gouging + clock.on_the_clock(&["orient", "share"]);
+    let times = Times { orientation, gouging, travels: clock.on_the_clock(&["travel"]) };
+    let covered_mm3 = paths.filled.covered_mm3(&layers);
+    let mut run = MachineRun { plan, covered_mm3, unfiltered: None, times };
+    if let Some(longest) = run.longest().filter(|_| compare) {
+        let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
+        let unfiltered = with_layers(surfaces, paths, |stack| stack.orient(&options, &progress).map_err(failure))?;
         // Paths may have been cut.
-        let of_curve = |other: &&ToolPath| (other.layer, other.curve) == (path.layer, path.curve);
-        Some([unfiltered.paths.iter().find(of_curve)?.clone(), path.clone()])
-    });
-
-    let covered = |(layer, (sheet, thickness)): (&Option<Layer>, (&_, &Vec<f64>))| {
-        layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * volume(sheet, thickness))
-    };
-    let thickness = even_thicknesses(surfaces);
-    let covered_mm3 = paths.layers.iter().zip(surfaces.sheets.iter().zip(&thickness)).map(covered).sum();
-    Ok(MachineRun { raw, freed, travels, deposition, covered_mm3, example, times })
-}
-
-/// The thickness of each triangle of each layer, as beads have it.
-fn even_thicknesses(surfaces: &SurfacesRun) -> Vec<Vec<f64>> {
-    let least = LEAST_HEIGHT * surfaces.height_mm;
-    let sheets = surfaces.sheets.iter().zip(&surfaces.spacing.thickness_mm);
-    sheets.map(|(sheet, thickness)| even_thickness(sheet, thickness, least)).collect()
-}
-
-/// The thickness of each triangle as the mean over those around its corners, by area. Where layers bend, rays from
-/// neighbouring triangles end up to twice as far away; beads cannot jump like that.
-fn even_thickness(sheet: &TrimmedSheet, thickness: &[f64], least: f64) -> Vec<f64> {
-    let mut sums = vec![[0.0; 2]; sheet.vertices.len()];
-    for (corners, thickness) in sheet.triangles.iter().zip(thickness) {
-        let area = area(sheet, corners);
-        for &corner in corners {
-            let [volume, around] = &mut sums[corner as usize];
-            *volume += area * thickness;
-            *around += area;
-        }
+        let of_curve = |other: &ToolPath| (other.layer, other.curve) == (longest.layer, longest.curve);
+        run.unfiltered = unfiltered.paths.into_iter().find(of_curve);
     }
-    let even = |(corners, &thickness): (&[u32; 3], &f64)| {
-        let mean = |corner: u32| {
-            let [volume, around] = sums[corner as usize];
-            if around > 0.0 { volume / around } else { thickness }
-        };
-        (corners.iter().map(|&corner| mean(corner)).sum::<f64>() / 3.0).max(least)
-    };
-    sheet.triangles.iter().zip(thickness).map(even).collect()
-}
-
-/// Area by thickness.
-fn volume(sheet: &TrimmedSheet, thickness: &[f64]) -> f64 {
-    sheet.triangles.iter().zip(thickness).map(|(corners, thickness)| area(sheet, corners) * thickness).sum()
-}
-
-fn area(sheet: &TrimmedSheet, corners: &[u32; 3]) -> f64 {
-    let [a, b, c]: [Point3<f64>; 3] = corners.map(|corner| sheet.vertices[corner as usize]);
-    (b - a).cross(&(c - a)).norm() / 2.0
+    Ok(run)
 }

@@ -15,15 +15,18 @@ mod surfaces;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{
-    Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, from_zero, run_with_args, warn,
+    Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Prevention as PreventionArg, Strategy as StrategyArg,
+    VoxelArgs, above_zero, from_zero, run_with_args, warn,
 };
 use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::surface::Pattern;
-use field::FieldRun;
+use curvlay_layers::curved::{Prevention, Strategy};
+use curvlay_toolpath::surface::{GougingOptions, PathOptions, Pattern, PrintOptions};
+use curvlay_voxel::Resolution;
+use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use paths::PathsRun;
@@ -31,7 +34,10 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use surfaces::SurfacesRun;
+use surfaces::{SurfaceOptions, SurfacesRun};
+
+/// How many cells a part gets unless the user says.
+const DEFAULT_CELLS: u64 = 100_000;
 
 /// Curved layers for a part, after Dai (2020), chapter 3: needs no support, cannot collide, and is audited.
 #[derive(Parser, Clone, Debug)]
@@ -74,6 +80,9 @@ struct Args {
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
     #[arg(long)]
     rotary: bool,
+    /// Makes what the report compares with: surfaces of plain hop counts, directions of the nozzle without any filter
+    #[arg(long)]
+    compare: bool,
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell"])]
     resume: Option<PathBuf>,
@@ -81,6 +90,47 @@ struct Args {
     motion: MotionArgs,
     #[command(flatten)]
     common: Common,
+}
+
+/// The arguments as the stages take them.
+impl Args {
+    fn field_options(&self) -> FieldOptions {
+        let wanted = Resolution::Count(self.voxel.voxels.unwrap_or(DEFAULT_CELLS));
+        let prevention = match self.grow.prevention {
+            PreventionArg::Incremental => Prevention::Incremental,
+            PreventionArg::Adaptive => Prevention::Adaptive,
+        };
+        let strategy = match self.grow.strategy {
+            StrategyArg::Best => None,
+            StrategyArg::Greedy => Some(Strategy::Greedy),
+            StrategyArg::Incremental => Some(Strategy::Incremental),
+            StrategyArg::Adaptive => Some(Strategy::Adaptive),
+            StrategyArg::Governed => Some(Strategy::Governed(prevention)),
+            StrategyArg::Unbuild => Some(Strategy::Unbuild),
+        };
+        let GrowArgs { eps, platform_diameter_mm, .. } = self.grow;
+        let resolution = self.voxel.cell.map_or(wanted, Resolution::Cell);
+        FieldOptions { resolution, eps, platform_diameter_mm, strategy }
+    }
+
+    fn surface_options(&self) -> SurfaceOptions {
+        SurfaceOptions { height_mm: self.layer_height, compare: self.compare }
+    }
+
+    fn path_options(&self, height_mm: f64) -> PathOptions {
+        let (bead, pattern) = (self.bead.unwrap_or(height_mm), self.pattern.of_surface());
+        PathOptions { bead, pattern, least_gap: self.least_gap, ..PathOptions::default() }
+    }
+
+    fn print_options(&self) -> PrintOptions {
+        let mut options = PrintOptions::default();
+        options.deposition.filament_diameter = self.filament;
+        // A robot's motion gouges nowhere: what it cannot print so is left out.
+        if self.stage >= Stage::Motion {
+            options.gouging.most_depth = GougingOptions::default().allowed_depth;
+        }
+        options
+    }
 }
 
 /// How layers are filled.
@@ -100,15 +150,6 @@ impl Fill {
             Fill::Spirals => Pattern::Spirals,
             Fill::Rings => Pattern::Rings,
             Fill::Zigzag => Pattern::Zigzag,
-        }
-    }
-
-    /// As it is typed.
-    fn name(self) -> &'static str {
-        match self {
-            Fill::Spirals => "spirals",
-            Fill::Rings => "rings",
-            Fill::Zigzag => "zigzag",
         }
     }
 }
@@ -193,14 +234,16 @@ impl Results {
 /// Runs the stages.
 fn work(args: &Args, setup: Setup, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
     pool(args)?.install(|| {
-        let (field, surfaces) = layers(args, part, saved, bars)?;
+        let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
+        let (field, surfaces) = field::run(&args.field_options(), surfaces.as_ref(), part, saved, bars)?;
         let filled = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths);
-        let paths = filled.map(|surfaces| paths::run(args, surfaces, bars)).transpose()?;
+        let paths =
+            filled.map(|surfaces| paths::run(&args.path_options(surfaces.height_mm), surfaces, bars)).transpose()?;
         let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
-        let machine = filled
-            .map(|(surfaces, paths)| machine::run(args, &setup.nozzle.nozzle, surfaces, paths, bars))
-            .transpose()?;
-        let mut results = Results { setup, field, surfaces, paths, machine, motion: None };
+        let machine = filled.map(|(surfaces, paths)| {
+            machine::run(&setup.nozzle.nozzle, &args.print_options(), args.compare, surfaces, paths, bars)
+        });
+        let mut results = Results { setup, field, surfaces, machine: machine.transpose()?, paths, motion: None };
         if args.stage >= Stage::Motion {
             results.motion =
                 results.print(args).map(|print| motion::run(&print, &results.setup.cell, bars)).transpose()?;
@@ -218,7 +261,7 @@ fn check_motion(args: &Args, results: &mut Results, folder: &OutputFolder, bars:
         pool(args)?.install(|| motion.check(&print, BufReader::new(file), bars))?;
     }
     if let Some(machine) = &mut results.machine {
-        machine.retime(motion.steps());
+        machine.deposition.retime(motion.steps());
     }
     results.motion = Some(motion);
     Ok(())
@@ -226,38 +269,6 @@ fn check_motion(args: &Args, results: &mut Results, folder: &OutputFolder, bars:
 
 fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)
-}
-
-/// The order of the cells and its surfaces.
-type Layers = (FieldRun, Option<SurfacesRun>);
-
-/// How much less of the part an un-built order has to lose to be taken: it waits more, so its layers are less even.
-const WORTH: f64 = 0.01;
-
-/// Layers by the best strategy for the part, by the one that was asked for, or with a saved field.
-fn layers(args: &Args, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Layers, Failure> {
-    let by = |strategy: Strategy, saved: Option<SavedField>| -> Result<Layers, Failure> {
-        let run = field::run(args, part, strategy, saved.as_ref(), bars)?;
-        let wanted = args.stage >= Stage::Surfaces;
-        let surfaces = wanted.then(|| surfaces::run(args, part, &run, saved, bars)).transpose()?;
-        Ok((run, surfaces))
-    };
-    if saved.is_some() || args.grow.strategy != Strategy::Best {
-        return by(args.grow.strategy, saved);
-    }
-    let incremental = by(Strategy::Incremental, None)?;
-    if incremental.0.growth.missed.is_empty() {
-        return Ok(incremental);
-    }
-    let unbuilt = by(Strategy::Unbuild, None)?;
-    let volume = incremental.0.mesh.volume_mm3();
-    // What is missed, and what the layers leave bare of the rest, or lay twice.
-    let lost = |run: &SurfacesRun| run.missed_mm3 + (volume - run.missed_mm3 - run.spacing.volume_mm3).abs();
-    let is_better = match (&incremental.1, &unbuilt.1) {
-        (Some(incremental), Some(unbuilt)) => lost(unbuilt) + WORTH * volume < lost(incremental),
-        _ => unbuilt.0.growth.missed.len() < incremental.0.growth.missed.len(),
-    };
-    Ok(if is_better { unbuilt } else { incremental })
 }
 
 /// A temperature, for clap.

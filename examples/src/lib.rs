@@ -4,6 +4,7 @@
 
 pub mod args;
 pub mod bars;
+pub mod clock;
 pub mod mesh;
 pub mod motion;
 pub mod output;

@@ -138,6 +138,7 @@ fn surfaces_end_on_the_mesh_and_fill_it() {
     assert!(figure("boundary_error_mm") <= 1e-6 && figure("boundary_at_missed_mm") == 0.0);
     assert!((figure("layer_volume_mm3") / figure("volume_mm3") - 1.0).abs() < 0.03, "{}", figure("layer_volume_mm3"));
     assert!((figure("spacing_mean_mm") - 1.5).abs() < 0.05 && figure("squeezed_share") == 0.0);
+    assert!(figures["plain_spacing_mean_mm"].is_null());
     let read = |folder: &str, name: &str| fs::read_to_string(Path::new(folder).join(name)).unwrap();
     let obj = read(&first, "layers.obj");
     let count = |start: &str| obj.lines().filter(|line| line.starts_with(start)).count();
@@ -177,11 +178,13 @@ fn a_curve_fills_each_layer() {
     ];
     fs::write(&mesh, boxes(&bars)).unwrap();
     let out = scratch.path("out");
-    let output = run(&["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--quiet", "--out", &out]);
+    let output = run(&["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--compare", "--quiet", "--out", &out]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = summary(&out);
     let figure = |key: &str| figures[key].as_f64().unwrap();
     assert_eq!((figure("bead_mm"), figure("curves"), figure("regions")), (0.5, 4.0, 4.0));
+    // Level layers are as even as hop counts.
+    assert!((figure("plain_spacing_mean_mm") - 1.0).abs() < 1e-9 && figure("plain_spacing_std_mm") < 1e-9);
     assert_eq!((figure("jumps"), figure("self_crossings")), (3.0, 0.0));
     assert!(figure("jump_mm") <= figure("unordered_jump_mm") && figure("blocked_travels") < 0.5);
     // 250 mm2 a layer.
@@ -192,6 +195,7 @@ fn a_curve_fills_each_layer() {
     assert_eq!((count("g layer_"), count("l ")), (4, 4));
     let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 20 + 3 + 1 + 3 + 1);
+    assert!(report.contains("away from the closest point") && report.contains("hop counts grey"));
 
     // The machine file holds what the figures say, and can be read back.
     assert_eq!((figure("gouging_before"), figure("gouging_waypoints")), (0.0, 0.0));

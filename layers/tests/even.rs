@@ -52,7 +52,7 @@ fn solid() -> impl Strategy<Value = Vec<u64>> {
 fn spacing(field: &LayerField, cells: &Cells) -> Spacing {
     let extended = extend(field, cells);
     let levels = extended.levels(1.0, 1.0).unwrap();
-    let mut surfaces = contour(&extended, &levels, 1.0, Point3::origin()).unwrap();
+    let mut surfaces = contour(&extended, &levels, 1.0, Point3::origin(), &go).unwrap();
     for surface in &mut surfaces {
         let Surface { points, triangles, .. } = surface;
         triangles.retain(|t| {
@@ -61,7 +61,7 @@ fn spacing(field: &LayerField, cells: &Cells) -> Spacing {
         });
     }
     let slices: Vec<SurfaceSlices> = surfaces.iter().map(|s| (&s.points[..], &s.triangles[..])).collect();
-    measure_spacing(&slices, 1.0).unwrap()
+    measure_spacing(&slices, 1.0, &go).unwrap()
 }
 
 proptest! {
@@ -154,11 +154,11 @@ fn fronts_that_wait_fill_the_part() {
     let triangles: Vec<_> = (0..sides).flat_map(next).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let trimmer = Trimmer::new(&points, &triangles).unwrap();
     let extended = extend(&even.field, &cells);
-    let surfaces = contour(&extended, &extended.levels(1.0, 1.0).unwrap(), 1.0, Point3::origin()).unwrap();
-    let trimmed = surfaces.iter().map(|surface| trimmer.trim(&surface.points, &surface.triangles).unwrap());
+    let surfaces = contour(&extended, &extended.levels(1.0, 1.0).unwrap(), 1.0, Point3::origin(), &go).unwrap();
+    let trimmed = surfaces.iter().map(|surface| trimmer.trim(&surface.points, &surface.triangles, &go).unwrap());
     let sheets: Vec<_> = trimmed.collect();
     let slices: Vec<SurfaceSlices> = sheets.iter().map(|s| (&s.vertices[..], &s.triangles[..])).collect();
-    let spacing = measure_spacing(&slices, 1.0).unwrap();
+    let spacing = measure_spacing(&slices, 1.0, &go).unwrap();
     let wedge = std::f64::consts::TAU / f64::from(sides);
     let volume = f64::from(sides) * wedge.sin() / 2.0 * (outer * outer - inner * inner) * 6.0;
     let filled = spacing.volume_mm3 / volume;

@@ -9,6 +9,7 @@ use curvlay_layers::curved::{Cells, CellsError};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use std::io::{self, BufReader, Read};
+use std::ops::ControlFlow;
 
 fn saved(dims: [u32; 3], values: &[Option<f64>], solid_as_well: u32) -> Option<SavedField> {
     let words = dims[0].div_ceil(64) as usize;
@@ -141,7 +142,7 @@ fn vtk_files_count_what_they_hold() {
     let level = |z: f64| [[0.0, 0.0, z], [4.0, 0.0, z], [0.0, 4.0, z]].map(Point3::from);
     let (low, high) = (level(0.5), level(1.5));
     let surfaces = [(&low[..], &[[0, 1, 2]][..]), (&high[..], &[[0, 1, 2]][..])];
-    let spacing = measure_spacing(&surfaces, 1.0).unwrap();
+    let spacing = measure_spacing(&surfaces, 1.0, &|_| ControlFlow::Continue(())).unwrap();
     let mut file = Vec::new();
     write_surfaces_vtk(&mut file, &surfaces, Some(&spacing)).unwrap();
     let text = String::from_utf8(file).unwrap();

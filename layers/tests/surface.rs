@@ -9,6 +9,12 @@ use curvlay_layers::curved::{Cells, LayerOrder};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
 
 /// The least height of a triangle that is let through, in millimetres.
 const LEAST_HEIGHT_MM: f64 = 1e-6;
@@ -30,7 +36,7 @@ fn field_of(cells: &Cells, of: impl Fn(Point3<f64>) -> f64) -> LayerField {
 }
 
 fn surfaces_of(cells: &Cells, field: &LayerField, levels: &[f64]) -> Vec<Surface> {
-    contour(&extend(field, cells), levels, 1.0, Point3::origin()).unwrap()
+    contour(&extend(field, cells), levels, 1.0, Point3::origin(), &go).unwrap()
 }
 
 fn slices(surfaces: &[Surface]) -> Vec<SurfaceSlices<'_>> {
@@ -127,7 +133,7 @@ fn spacing_is_slow(dims: [u32; 3], values: &[Option<f64>]) -> Result<(), TestCas
     let surfaces = surfaces_of(&cells, &field, &[0.5, 1.25, 2.0]);
     // Not the distance of the levels: two of them would often be as far apart as a wait may be, but for rounding.
     let height = 0.74;
-    let spacing = measure_spacing(&slices(&surfaces), height).unwrap();
+    let spacing = measure_spacing(&slices(&surfaces), height, &go).unwrap();
     let mut volume = 0.0;
     for (i, surface) in surfaces.iter().enumerate() {
         let fast = spacing.values_mm[i].iter().zip(&spacing.thickness_mm[i]);
@@ -238,7 +244,7 @@ fn a_leaning_plane_is_met_exactly_and_faces_the_growth() {
             assert!(![a, b, c].iter().all(|p| within(&p)) || (b - a).cross(&(c - a)).normalize().dot(&slope) > 0.999);
         }
     }
-    let spacing = measure_spacing(&slices(&surfaces), 1.0).unwrap();
+    let spacing = measure_spacing(&slices(&surfaces), 1.0, &go).unwrap();
     assert!((spacing.mean_mm - 1.0).abs() < 1e-3 && spacing.std_mm < 0.01, "{} {}", spacing.mean_mm, spacing.std_mm);
     assert!(spacing.p05_mm > 0.98 && spacing.p95_mm < 1.02);
     assert!(spacing.squeezed_share <= 0.0);
@@ -255,7 +261,7 @@ fn what_is_between_surfaces_is_shared_out_where_a_layer_is_missing_too() {
         Surface { value: z, points, triangles }
     };
     let surfaces = [strip(0.5, 4), strip(1.3, 2), strip(2.2, 4), strip(3.2, 1), strip(5.0, 4)];
-    let spacing = measure_spacing(&slices(&surfaces), 1.0).unwrap();
+    let spacing = measure_spacing(&slices(&surfaces), 1.0, &go).unwrap();
     let of_layer = |i: usize| spacing.thickness_mm[i].iter().step_by(2).copied().collect::<Vec<_>>();
     let near = |a: Vec<f64>, b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
     assert!(near(of_layer(0), &[0.9, 0.9, 1.35, 1.35]), "{:?}", of_layer(0));
@@ -371,7 +377,7 @@ fn at_a_wait_surfaces_go_on_to_the_face_and_none_is_squeezed() {
     let extended = extend(&field, &cells);
     assert_eq!(extended.jumps(), 16);
     let levels = extended.levels(1.0, 0.8).unwrap();
-    let surfaces = contour(&extended, &levels, 1.0, Point3::origin()).unwrap();
+    let surfaces = contour(&extended, &levels, 1.0, Point3::origin(), &go).unwrap();
     let inside = |p: &Point3<f64>| p.x > 0.5 && p.x < 3.5 && p.y > 0.5 && p.y < 3.5;
     let mut heights: Vec<f64> = surfaces
         .iter()
@@ -421,12 +427,12 @@ fn bits_of(cells: &Cells, field: &LayerField, levels: &[f64]) -> Vec<u64> {
     let [nx, ny, nz] = cells.dims().map(|side| -2..side as i32 + 2);
     let places = nz.flat_map(|z| ny.clone().map(move |y| (y, z))).flat_map(|(y, z)| nx.clone().map(move |x| [x, y, z]));
     let mut bits: Vec<u64> = places.map(|place| extended.value(place).map_or(u64::MAX, f64::to_bits)).collect();
-    let surfaces = contour(&extended, levels, 0.7, Point3::new(0.1, -0.2, 0.3)).unwrap();
+    let surfaces = contour(&extended, levels, 0.7, Point3::new(0.1, -0.2, 0.3), &go).unwrap();
     for surface in &surfaces {
         bits.extend(surface.points.iter().flat_map(|p| p.iter()).map(|c| c.to_bits()));
         bits.extend(surface.triangles.iter().flatten().map(|&v| u64::from(v)));
     }
-    let spacing = measure_spacing(&slices(&surfaces), 0.7).unwrap();
+    let spacing = measure_spacing(&slices(&surfaces), 0.7, &go).unwrap();
     bits.extend(spacing.values_mm.iter().flatten().map(|value| value.map_or(u64::MAX, f64::to_bits)));
     bits.extend(spacing.thickness_mm.iter().flatten().chain(&spacing.histogram_mm2).map(|value| value.to_bits()));
     let sums = [spacing.mean_mm, spacing.std_mm, spacing.area_mm2, spacing.squeezed_share, spacing.volume_mm3];
@@ -470,7 +476,7 @@ fn levels_stand_for_slabs_from_the_plate_to_the_skin() {
     assert!(matches!(field.levels(0.5, 5.1), Err(ContourError::TooThick { .. })));
     assert!(matches!(field.levels(0.0, 1.0), Err(ContourError::Placement { .. })));
     let nowhere = Point3::new(f64::NAN, 0.0, 0.0);
-    assert!(matches!(contour(&field, &levels, 1.0, nowhere), Err(ContourError::Placement { .. })));
+    assert!(matches!(contour(&field, &levels, 1.0, nowhere, &go), Err(ContourError::Placement { .. })));
 }
 
 #[test]
@@ -493,17 +499,17 @@ fn unsound_fields_are_refused() {
 fn unsound_surfaces_are_refused_and_none_have_no_spacing() {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
     let triangles = [[0, 1, 2]];
-    assert_eq!(measure_spacing(&[], 0.0).unwrap_err(), SpacingError::Height { height_mm: 0.0 });
-    let error = measure_spacing(&[(&points, &[[0, 1, 3]])], 1.0).unwrap_err();
+    assert_eq!(measure_spacing(&[], 0.0, &go).unwrap_err(), SpacingError::Height { height_mm: 0.0 });
+    let error = measure_spacing(&[(&points, &[[0, 1, 3]])], 1.0, &go).unwrap_err();
     assert_eq!(error, SpacingError::NoPoint { surface: 0, triangle: 0, point: 3, points: 3 });
     let mut broken = points;
     broken[1].y = f64::NAN;
-    let error = measure_spacing(&[(&points, &triangles), (&broken, &triangles)], 1.0).unwrap_err();
+    let error = measure_spacing(&[(&points, &triangles), (&broken, &triangles)], 1.0, &go).unwrap_err();
     assert_eq!(error, SpacingError::NotFinite { surface: 1, point: 1 });
-    let none = measure_spacing(&[], 1.0).unwrap();
+    let none = measure_spacing(&[], 1.0, &go).unwrap();
     assert_eq!((none.mean_mm, none.area_mm2, none.squeezed_share), (0.0, 0.0, 0.0));
     // One alone has no neighbour, but it has a volume; one without area counts for nothing.
-    let alone = measure_spacing(&[(&points, &[[0, 1, 2], [0, 1, 1]])], 2.0).unwrap();
+    let alone = measure_spacing(&[(&points, &[[0, 1, 2], [0, 1, 1]])], 2.0, &go).unwrap();
     assert_eq!(alone.values_mm, [[None, None]]);
     assert_eq!((alone.area_mm2, alone.measured_mm2, alone.volume_mm3), (0.5, 0.0, 1.0));
 }
@@ -513,7 +519,7 @@ fn squeezed_area_is_told_whichever_surface_comes_near() {
     let level = |z: f64| [[0.0, 0.0, z], [4.0, 0.0, z], [0.0, 4.0, z]].map(Point3::from);
     let points = [level(0.0), level(1.0), level(0.2)]; // the third comes near the first
     let surfaces: Vec<SurfaceSlices> = points.iter().map(|points| (&points[..], &[[0, 1, 2]][..])).collect();
-    let spacing = measure_spacing(&surfaces, 1.0).unwrap();
+    let spacing = measure_spacing(&surfaces, 1.0, &go).unwrap();
     assert!((spacing.squeezed_share - 2.0 / 3.0).abs() < 1e-12);
 }
 
@@ -551,4 +557,25 @@ fn no_area_is_lost_at_a_wait() {
     leaning(area_a_cell(|p| p.z + waits(p.x > p.z, 5.3)), "an overhanging step");
     leaning(area_a_cell(|p| p.z + waits(p.x + p.z > 20.0, 5.3)), "a step that leans back");
     near(area_a_cell(|p| p.z + 2.2 * ((p.x * 7.0 + p.y * 3.0).floor() % 3.0)), "columns");
+}
+
+#[test]
+fn contouring_and_measuring_can_be_cancelled() {
+    let rows = [1; 4];
+    let cells = Cells::new([1, 1, 4], &rows).unwrap();
+    let field = extend(&field_of(&cells, |p| p.z), &cells);
+    for asked in 0..3 {
+        let calls = AtomicUsize::new(0);
+        let stop = |p: curvlay_layers::Progress| {
+            assert!(p.total == 3 && p.done <= 3 && ["contour", "spacing"].contains(&p.stage));
+            let is_last = calls.fetch_add(1, Ordering::Relaxed) == asked;
+            if is_last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let levels = [0.5, 1.5, 2.5];
+        let cancelled = contour(&field, &levels, 1.0, Point3::origin(), &stop).unwrap_err();
+        assert_eq!(cancelled, ContourError::Cancelled);
+        let surfaces = contour(&field, &levels, 1.0, Point3::origin(), &go).unwrap();
+        calls.store(0, Ordering::Relaxed);
+        assert_eq!(measure_spacing(&slices(&surfaces), 1.0, &stop).unwrap_err(), SpacingError::Cancelled);
+    }
 }

@@ -141,7 +141,7 @@ fn a_plate_takes_its_own_volume() {
     let mesh = SurfaceMesh::new(vertices.clone(), triangles.clone()).unwrap();
     let distance = to_boundary(&mesh);
     let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
-    let filled = field.paths(&PathOptions { bead: 0.9, ..PathOptions::default() }).unwrap();
+    let filled = field.paths(&PathOptions { bead: 0.9, ..PathOptions::default() }, &go_on).unwrap();
     let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = filled
         .paths
         .iter()

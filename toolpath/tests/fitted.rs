@@ -15,7 +15,7 @@ use rand::RngExt;
 fn filled(distance: &SurfaceDistance, bead: f64, fitted: bool) -> LayerPaths {
     let mut options = PathOptions::default();
     (options.bead, options.fitted) = (bead, fitted);
-    LevelField::new(distance, 0.005, &go_on).unwrap().paths(&options).unwrap()
+    LevelField::new(distance, 0.005, &go_on).unwrap().paths(&options, &go_on).unwrap()
 }
 
 fn statistics(mesh: &SurfaceMesh, filled: &LayerPaths) -> PathStatistics {
@@ -178,7 +178,8 @@ fn gaps_are_filled_from_the_least_on() {
     let mesh = corridors(&[true; 16], 5, 0.5);
     let distance = to_boundary(&mesh);
     let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
-    let with = |least_gap: f64| field.paths(&PathOptions { bead: 0.6, least_gap, ..PathOptions::default() }).unwrap();
+    let with =
+        |least_gap: f64| field.paths(&PathOptions { bead: 0.6, least_gap, ..PathOptions::default() }, &go_on).unwrap();
     let [every, large, none] = [0.0, 1.0, 100.0].map(with);
     assert!(every.paths.len() > large.paths.len() && large.paths.len() >= none.paths.len());
     // The spirals are the same, and so are the single beads that stay.
@@ -194,7 +195,7 @@ fn gaps_are_filled_from_the_least_on() {
     let distance = to_boundary(&dot);
     let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
     let options = PathOptions { bead: 1.0, least_gap: 100.0, ..PathOptions::default() };
-    assert_eq!(field.paths(&options).unwrap().paths.len(), 1);
+    assert_eq!(field.paths(&options, &go_on).unwrap().paths.len(), 1);
 }
 
 #[test]

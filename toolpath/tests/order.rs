@@ -3,19 +3,22 @@
 
 mod common;
 
-use common::rng;
+use common::{go_on, rng};
+use curvlay_toolpath::Progress;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
     OrderError, PathPoint, SurfacePath, SurfacePoint, TravelCurve, TravelOrder, Visit, order_curves,
 };
 use proptest::prelude::*;
 use rand::RngExt;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 type Curve = (Vec<Point3<f64>>, bool);
 
 fn order<'a>(layers: &'a [Vec<Curve>]) -> Result<TravelOrder, OrderError> {
     let curve = |(points, closed): &'a Curve| TravelCurve { points, closed: *closed };
-    order_curves(&layers.iter().map(|curves| curves.iter().map(curve).collect()).collect::<Vec<_>>())
+    order_curves(&layers.iter().map(|curves| curves.iter().map(curve).collect()).collect::<Vec<_>>(), &go_on)
 }
 
 /// Where a visit begins and ends.
@@ -183,5 +186,37 @@ fn what_cannot_be_used_is_named() {
         let curve = (vec![Point3::origin(), Point3::new(0.0, bad, 0.0)], false);
         let error = OrderError::BadPoint { layer: 0, curve: 1, point: 1 };
         assert_eq!(order(&[vec![good.clone(), curve]]), Err(error));
+    }
+}
+
+#[test]
+fn the_search_can_be_cancelled() {
+    // Few curves, and many: a layer of lines here and there.
+    let mut rng = rng(3);
+    let mut lines = |count: usize| -> Vec<Curve> {
+        let mut at = || Point3::new(rng.random_range(0.0..50.0), rng.random_range(0.0..50.0), 0.0);
+        (0..count).map(|_| (vec![at(), at()], false)).collect()
+    };
+    let layers = [lines(5), lines(60), lines(4)];
+    let curves: Vec<Vec<TravelCurve>> = layers
+        .iter()
+        .map(|lines| lines.iter().map(|(points, closed)| TravelCurve { points, closed: *closed }).collect())
+        .collect();
+    let calls = AtomicUsize::new(0);
+    let count = |p: Progress| {
+        assert!(p.stage == "order" && p.total == 3 && p.done <= 3);
+        calls.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    order_curves(&curves, &count).unwrap();
+    let all = calls.into_inner();
+    assert!(all > 6, "{all}");
+    for asked in 0..all {
+        let calls = AtomicUsize::new(0);
+        let stop = |_| match calls.fetch_add(1, Ordering::Relaxed) == asked {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        assert_eq!(order_curves(&curves, &stop).unwrap_err(), OrderError::Cancelled, "{asked} of {all}");
     }
 }

@@ -6,6 +6,7 @@
 mod common;
 
 use common::{compact, go_on, grid, random_barycentric, rng, rough, to_boundary};
+use curvlay_toolpath::Progress;
 use curvlay_toolpath::nalgebra::{Point2, Point3, Vector2};
 use curvlay_toolpath::surface::{
     LayerPaths, LevelField, PathError, PathOptions, Pattern, Sources, SurfaceDistance, SurfaceMesh, SurfacePath,
@@ -13,13 +14,15 @@ use curvlay_toolpath::surface::{
 };
 use proptest::prelude::*;
 use rand::RngExt;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const TOLERANCE: f64 = 0.005;
 
 fn filled(distance: &SurfaceDistance, bead: f64, pattern: Pattern) -> LayerPaths {
     let mut options = PathOptions::default();
     (options.bead, options.pattern, options.fitted) = (bead, pattern, false);
-    LevelField::new(distance, TOLERANCE, &go_on).unwrap().paths(&options).unwrap()
+    LevelField::new(distance, TOLERANCE, &go_on).unwrap().paths(&options, &go_on).unwrap()
 }
 
 fn spirals(distance: &SurfaceDistance, bead: f64) -> LayerPaths {
@@ -302,19 +305,19 @@ fn what_cannot_be_done_says_why() {
     let mesh = plate(4, 1.0, |_, _| false);
     let distance = to_boundary(&mesh);
     let field = LevelField::new(&distance, TOLERANCE, &go_on).unwrap();
-    let with = |bead: f64| field.paths(&PathOptions { bead, ..PathOptions::default() });
+    let with = |bead: f64| field.paths(&PathOptions { bead, ..PathOptions::default() }, &go_on);
     for bead in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(with(bead), Err(PathError::Bead { .. })));
     }
     for gap in [-1.0, f64::NAN, f64::INFINITY] {
-        let told = field.paths(&PathOptions { least_gap: gap, ..PathOptions::default() });
+        let told = field.paths(&PathOptions { least_gap: gap, ..PathOptions::default() }, &go_on);
         assert!(matches!(told, Err(PathError::Gap { .. })));
     }
     assert!(matches!(with(1e-300), Err(PathError::BeadTooSmall { .. })));
     assert!(with(1e300).unwrap().paths.is_empty());
     let from_corner = SurfaceDistance::to(&mesh, Sources { vertices: &[0], ..Sources::default() }, &go_on).unwrap();
     let field = LevelField::new(&from_corner, TOLERANCE, &go_on).unwrap();
-    assert_eq!(field.paths(&PathOptions::default()), Err(PathError::NotToBoundary));
+    assert_eq!(field.paths(&PathOptions::default(), &go_on), Err(PathError::NotToBoundary));
 }
 
 #[test]
@@ -407,4 +410,31 @@ fn no_line_crosses_all_rings_of_a_chain() {
     let got = spirals(&distance, 0.3694476777114137);
     assert_eq!((got.paths.len(), got.regions), (1, 1));
     is_sound(&distance, &got.paths, 0.3694476777114137);
+}
+
+#[test]
+fn paths_can_be_cancelled_at_every_report() {
+    let mesh = grid(6, 1, 0.2, |i, j| (i, j) == (2, 3), |p| Point3::new(p.x, p.y, 0.1 * p.x * p.y));
+    let distance = to_boundary(&mesh);
+    let field = LevelField::new(&distance, TOLERANCE, &go_on).unwrap();
+    for pattern in [Pattern::Spirals, Pattern::Rings, Pattern::Zigzag] {
+        let options = PathOptions { bead: 0.4, pattern, ..PathOptions::default() };
+        let calls = AtomicUsize::new(0);
+        let count = |p: Progress| {
+            assert!(p.stage == "paths" && p.done <= p.total);
+            calls.fetch_add(1, Ordering::Relaxed);
+            ControlFlow::Continue(())
+        };
+        field.paths(&options, &count).unwrap();
+        let all = calls.into_inner();
+        assert!(all > 5, "{all}");
+        for asked in 0..all {
+            let calls = AtomicUsize::new(0);
+            let stop = |_| match calls.fetch_add(1, Ordering::Relaxed) == asked {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            };
+            assert_eq!(field.paths(&options, &stop), Err(PathError::Cancelled), "{pattern:?} {asked}");
+        }
+    }
 }

@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 0.005;
 
 fn zigzag(distance: &SurfaceDistance, bead: f64) -> LayerPaths {
     let options = PathOptions { bead, pattern: Pattern::Zigzag, ..PathOptions::default() };
-    LevelField::new(distance, TOLERANCE, &go_on).unwrap().paths(&options).unwrap()
+    LevelField::new(distance, TOLERANCE, &go_on).unwrap().paths(&options, &go_on).unwrap()
 }
 
 fn plate(n: usize, side: f64, hole: impl Fn(usize, usize) -> bool) -> SurfaceMesh {

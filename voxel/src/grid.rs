@@ -37,7 +37,7 @@ pub enum GridError {
         limit: u64,
     },
     /// The bits are within the limits, but the machine does not have the memory.
-    #[error("no {bytes} bytes of memory could be had for a grid of {dims:?} cells; choose larger cells")]
+    #[error("out of memory: a grid of {dims:?} cells needs {bytes} bytes; choose larger cells")]
     NoMemory {
         /// Cells along x, y and z.
         dims: [u32; 3],
@@ -45,7 +45,7 @@ pub enum GridError {
         bytes: u64,
     },
     /// The number of words does not fit the dimensions.
-    #[error("{words} words of bits where {expected} belong")]
+    #[error("the bit rows have {words} words, expected {expected}")]
     Words {
         /// Words that were given.
         words: usize,
@@ -67,7 +67,7 @@ pub enum GridError {
         dims: [u32; 3],
     },
     /// The edge of a cell is not a positive finite length.
-    #[error("a cell of {cell_mm} mm is no cell: the edge must be positive and finite")]
+    #[error("a cell size of {cell_mm} mm: it must be positive and finite")]
     CellSize {
         /// The edge that was asked for.
         cell_mm: f64,

@@ -40,7 +40,7 @@ impl Default for ImplicitOptions {
 #[non_exhaustive]
 pub enum ImplicitError {
     /// The box is not one: a corner is not finite or below 1e100, or the low one is not below the high one.
-    #[error("no box from {low:?} to {high:?}: the corners must be finite, and the first below the second")]
+    #[error("an invalid box from {low:?} to {high:?}: the corners must be finite, and the first below the second")]
     Bounds {
         /// Low corner.
         low: [f64; 3],
@@ -48,13 +48,13 @@ pub enum ImplicitError {
         high: [f64; 3],
     },
     /// The number of samples is zero, or more than 64.
-    #[error("{samples} samples along an axis of a cell; 1 to 64 are possible")]
+    #[error("{samples} samples along an axis of a cell: it must be 1 to 64")]
     Samples {
         /// The number that was asked for.
         samples: u32,
     },
     /// The Lipschitz bound is not a positive finite number.
-    #[error("{bound} is no Lipschitz bound: it must be positive and finite")]
+    #[error("a Lipschitz bound of {bound}: it must be positive and finite")]
     Lipschitz {
         /// The bound that was given.
         bound: f64,
@@ -68,9 +68,9 @@ pub enum ImplicitError {
     /// The grid cannot be made.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// The progress callback stopped the work.
-    #[error("stopped")]
-    Stopped,
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// Layers of cells between two looks at the progress callback.
@@ -138,7 +138,7 @@ impl VoxelGrid {
         for z in (0..dims[2]).step_by(SLAB as usize) {
             let done = Progress { stage: "sample", done: u64::from(z), total: u64::from(dims[2]) };
             if progress(done).is_break() {
-                return Err(ImplicitError::Stopped);
+                return Err(ImplicitError::Cancelled);
             }
             sampler.fill([0, 0, z], [dims[0], dims[1], (z + SLAB).min(dims[2])], dims[1], &mut cells)?;
         }

@@ -146,7 +146,7 @@ impl Search<'_, '_> {
     fn count(&mut self, size: f64, place: [f64; 2]) -> Result<Option<f64>, VoxelError> {
         let go_on = self.solid.go_on("voxelise");
         let (done, all) = (self.trials as u64, (SIZES + 2 * PLACES.len()) as u64);
-        go_on(done, all).ok_or(VoxelError::Stopped)?;
+        go_on(done, all).ok_or(VoxelError::Cancelled)?;
         // Trials tell of nothing but their number, and listen.
         let trial = match self.solid.trial(size, place, &|_, _| go_on(done, all)) {
             Err(refused @ VoxelError::Grid(_)) => {

@@ -35,10 +35,10 @@ pub enum TextGridError {
         source: io::Error,
     },
     /// There is nothing but empty lines.
-    #[error("the text holds no grid")]
+    #[error("the text contains no grid")]
     Empty,
     /// Something else than `0`, `1` or `-`.
-    #[error("line {line}, column {column}: {character:?} is none of `0`, `1` and `-`")]
+    #[error("line {line}, column {column}: unexpected character {character:?}: expected `0`, `1` or `-`")]
     Character {
         /// The line.
         line: usize,
@@ -90,7 +90,7 @@ pub enum TextGridError {
         column: usize,
     },
     /// There is a platform, but no `1`.
-    #[error("there is no object: not one `1` beside the platform")]
+    #[error("there is no object: no `1` beside the platform")]
     NoObject,
     /// More cells along an axis than a grid may have, or more in all.
     #[error("line {line}: the grid is larger than {} cells along an axis, or than fits", VoxelGrid::MAX_SIDE)]

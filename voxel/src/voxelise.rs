@@ -107,7 +107,7 @@ pub enum VoxelError {
         dropped: usize,
     },
     /// A coordinate is not a number, not finite, or beyond any use.
-    #[error("vertex {vertex} at {position:?} is no place: coordinates must be finite and below 1e100 mm")]
+    #[error("vertex {vertex} has an invalid coordinate: {position:?}; coordinates must be finite and below 1e100 mm")]
     BadVertex {
         /// Index of the vertex.
         vertex: usize,
@@ -125,7 +125,7 @@ pub enum VoxelError {
         vertices: usize,
     },
     /// No cells were asked for.
-    #[error("zero cells were asked for; ask for one at least")]
+    #[error("the wanted number of cells is 0: it must be at least 1")]
     NoCount,
     /// The grid cannot be made.
     #[error(transparent)]
@@ -136,9 +136,9 @@ pub enum VoxelError {
         /// Edge of a cell.
         cell_mm: f64,
     },
-    /// The progress callback stopped the work.
-    #[error("stopped")]
-    Stopped,
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// Largest absolute coordinate: squares and cubes of it, and of its ratio to the smallest, stay finite.
@@ -342,7 +342,7 @@ impl<'a> Solid<'a> {
             // Rows count, not triangles, so that a stop is heard within milliseconds.
             if painted > 1 << 16 || done % 4096 == 0 {
                 painted = 0;
-                go_on(done as u64 / 2, total).ok_or(VoxelError::Stopped)?;
+                go_on(done as u64 / 2, total).ok_or(VoxelError::Cancelled)?;
             }
             let corners = triangle.map(|corner| self.points[corner as usize]);
             painted += painter.paint(&corners, &mut cells, &mut walls)?;
@@ -351,7 +351,7 @@ impl<'a> Solid<'a> {
         let capped = if self.surface.caps.is_empty() { None } else { Some(self.capped(&lattice, &cells, &walls)?) };
         let filled = |done: u64, of: u64| go_on(total / 2 + done * (total - total / 2) / of.max(1), total);
         let inside = interior::fill(&mut cells, &walls, capped.as_ref(), &lattice, &mut self.surface, &filled);
-        Ok(Trial { lattice, cells, surface_cells, inside: inside.ok_or(VoxelError::Stopped)? })
+        Ok(Trial { lattice, cells, surface_cells, inside: inside.ok_or(VoxelError::Cancelled)? })
     }
 
     /// What the surface and its caps touch together.

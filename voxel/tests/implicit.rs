@@ -105,6 +105,6 @@ fn bad_input_is_named() {
     assert_eq!(hole, Err(ImplicitError::NotANumber { at: [3.25, 0.25, 0.25] }));
     let options = ImplicitOptions::default();
     let stopped = VoxelGrid::from_implicit(bounds(4.0), &options, ball, &|_| ControlFlow::Break(()));
-    assert_eq!(stopped, Err(ImplicitError::Stopped));
+    assert_eq!(stopped, Err(ImplicitError::Cancelled));
     assert!(grid(ImplicitOptions::default(), 4.0, |_| f64::INFINITY).unwrap().is_empty());
 }

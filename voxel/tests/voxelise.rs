@@ -251,7 +251,7 @@ fn work_can_be_stopped_at_any_call() {
                 }
             };
             match voxelise(&ball.vertices, &ball.triangles, &options, &stop) {
-                Err(VoxelError::Stopped) => assert_eq!(calls.into_inner(), after + 1),
+                Err(VoxelError::Cancelled) => assert_eq!(calls.into_inner(), after + 1),
                 other => assert!(other.is_ok() && calls.into_inner() <= after),
             }
         }

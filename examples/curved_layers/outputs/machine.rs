@@ -83,7 +83,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     let mut written = Ok(Written::default());
     folder
         .write_with(name, |out| {
-            written = write_gcode(run.moves(), options, out);
+            written = write_gcode(&run.deposition.moves, options, out);
             // What is wrong is told below, in words.
             written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
         })
@@ -98,8 +98,8 @@ pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mu
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
         .set_seconds("gouging_s", times.gouging)?
-        .set("raw_mean_turn_deg", run.raw.mean.to_degrees())?
-        .set("raw_max_turn_deg", run.raw.largest.to_degrees())?
+        .set("raw_mean_turn_deg", run.before.mean.to_degrees())?
+        .set("raw_max_turn_deg", run.before.largest.to_degrees())?
         .set("mean_turn_deg", freed.turns.mean.to_degrees())?
         .set("max_turn_deg", freed.turns.largest.to_degrees())?
         .set("sharp_orientation_turns", freed.sharp.len())?
@@ -134,7 +134,7 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
     };
     table
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
-        .row(["turns, raw".to_owned(), turns(&run.raw)])
+        .row(["turns, raw".to_owned(), turns(&run.before)])
         .row(["turns".to_owned(), turns(&freed.turns)])
         .row(["gouging".to_owned(), gouging_row(freed)])
         .row(["tilted".to_owned(), format!("{}, by at most {:.1} degrees", freed.tilted, freed.max_tilt.to_degrees())])
@@ -177,7 +177,7 @@ fn travels(run: &MachineRun) -> String {
 
 pub fn report(run: &MachineRun, report: &mut Report) {
     run.failed_checks().iter().for_each(|check| _ = report.notice(check));
-    let Some([raw, printed]) = &run.example else { return };
+    let Some(printed) = run.longest() else { return };
     let turns = |path: &ToolPath| -> Vec<[f64; 2]> {
         let pairs = path.waypoints.windows(2);
         pairs.map(|pair| [pair[1].arc, pair[0].direction.angle(&pair[1].direction).to_degrees()]).collect()
@@ -187,12 +187,14 @@ pub fn report(run: &MachineRun, report: &mut Report) {
     };
     let plot = |y: &str, of: &dyn Fn(&ToolPath) -> Vec<[f64; 2]>| {
         let mut plot = Plot::new("along the path, mm", y);
-        plot.line("away from the closest point", pictures::PLAIN, of(raw));
+        if let Some(unfiltered) = &run.unfiltered {
+            plot.line("away from the closest point", pictures::PLAIN, of(unfiltered));
+        }
         plot.line("as printed", pictures::EVEN, of(printed));
         plot
     };
     report
         .heading("How the nozzle stands along one path")
-        .plot(&format!("layer {}, turn from waypoint to waypoint", raw.layer + 1), &plot("degrees", &turns))
-        .plot(&format!("layer {}, lean from the vertical", raw.layer + 1), &plot("degrees", &tilts));
+        .plot(&format!("layer {}, turn from waypoint to waypoint", printed.layer + 1), &plot("degrees", &turns))
+        .plot(&format!("layer {}, lean from the vertical", printed.layer + 1), &plot("degrees", &tilts));
 }

@@ -53,7 +53,7 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     }
     if let Some(run) = paths {
         paths::products(run, folder)?;
-        paths::summary(run, &mut summary)?;
+        paths::summary(args, run, &mut summary)?;
         paths::rows(run, of_paths);
     }
 

@@ -1,9 +1,10 @@
 //! Of the paths: their lines as OBJ, figures and pictures.
 
 use super::{Picture, borrowed, pictures, seconds};
-use crate::paths::PathsRun;
+use crate::Args;
+use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
-use curvlay_examples::args::Failure;
+use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -19,9 +20,9 @@ pub fn products(run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
 fn write_obj(run: &PathsRun, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# tool paths, in millimetres, beads of {} mm; a group a layer, a line a curve", run.bead_mm)?;
     let mut first = 1;
-    for (number, layer) in (1..).zip(&run.layers) {
+    for (number, layer) in (1..).zip(&run.filled.layers) {
         writeln!(out, "g layer_{number}")?;
-        for curve in layer.iter().flat_map(|layer| layer.curves()) {
+        for curve in layer.iter().flat_map(curves) {
             for point in &curve {
                 writeln!(out, "v {:.6} {:.6} {:.6}", point.x, point.y, point.z)?;
             }
@@ -34,11 +35,11 @@ fn write_obj(run: &PathsRun, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
-    let (totals, times) = (&run.totals, &run.times);
+pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
+    let (filled, totals, times) = (&run.filled, &run.totals, &run.times);
     summary
         .set("bead_mm", run.bead_mm)?
-        .set("pattern", run.pattern)?
+        .set("pattern", typed_name(args.pattern))?
         .set("least_gap", run.least_gap)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
@@ -47,8 +48,8 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
         .set("curves", totals.curves)?
         .set("regions", totals.regions)?
         .set("jumps", totals.jumps)?
-        .set("jump_mm", totals.jump_mm)?
-        .set("unordered_jump_mm", totals.unordered_jump_mm)?
+        .set("jump_mm", filled.travel_mm)?
+        .set("unordered_jump_mm", filled.given_mm)?
         .set_seconds("order_s", times.order)?
         .set("path_mm", totals.path_mm)?
         .set("covered_fraction", totals.covered_fraction)?
@@ -56,10 +57,10 @@ pub fn summary(run: &PathsRun, summary: &mut Summary) -> Result<(), Failure> {
         .set("spill_fraction", totals.spill_fraction)?
         .set("unfillable_fraction", totals.unfillable_fraction)?
         .set("filled_fraction", totals.filled_fraction)?
-        .set("largest_gap_mm", totals.largest_gap_mm)?
+        .set("largest_gap_mm", totals.max_gap_mm)?
         .set("sharp_turns", totals.sharp_turns)?
         .set("self_crossings", totals.self_crossings)?
-        .set("layers_with_even_beads", totals.even_layers)?;
+        .set("layers_with_even_beads", totals.uniform_layers)?;
     Ok(())
 }
 
@@ -72,14 +73,14 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row(["length".to_owned(), format!("{:.1} m", totals.path_mm / 1000.0)])
         .row([
             "jumps".to_owned(),
-            format!("{}, {:.1} mm in all; {:.1} mm as found", totals.jumps, totals.jump_mm, totals.unordered_jump_mm),
+            format!("{}, {:.1} mm in all; {:.1} mm as found", totals.jumps, run.filled.travel_mm, run.filled.given_mm),
         ])
         .row(["covered".to_owned(), share(totals.covered_fraction)])
         .row(["covered twice".to_owned(), share(totals.overlap_fraction)])
         .row(["past the boundary".to_owned(), share(totals.spill_fraction)])
         .row(["no bead fits".to_owned(), share(totals.unfillable_fraction)])
         .row(["covered of the rest".to_owned(), share(totals.filled_fraction)])
-        .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.largest_gap_mm)])
+        .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.max_gap_mm)])
         .row(["sharp turns".to_owned(), totals.sharp_turns.to_string()])
         .row(["crossings".to_owned(), totals.self_crossings.to_string()])
         .row([

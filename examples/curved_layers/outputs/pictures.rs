@@ -2,7 +2,7 @@
 
 use super::Picture;
 use crate::field::FieldRun;
-use crate::paths::PathsRun;
+use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::render::{Camera, Image, Scene, layer_colour, ramp};
 use curvlay_layers::curved::surface::Spacing;
@@ -76,12 +76,12 @@ fn draw(field: &FieldRun, run: &SurfacesRun, which: std::ops::Range<usize>) -> V
 
 /// The curves of one surface, seen along its mean normal.
 pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Picture> {
-    let (sheet, layer) = (surfaces.sheets.get(at)?, run.layers.get(at)?.as_ref()?);
+    let (sheet, layer) = (surfaces.sheets.get(at)?, run.filled.layers.get(at)?.as_ref()?);
     let mut scene = Scene::new(facing(sheet));
     scene.mesh(&sheet.vertices, &sheet.triangles, PLAIN);
     // Lifted off the surface, so that it does not hide half of them.
     let lift = scene.camera().toward() * (0.5 * run.bead_mm);
-    for curve in layer.curves() {
+    for curve in curves(layer) {
         let steps = curve.len().max(2) - 1;
         for (step, ends) in curve.windows(2).enumerate() {
             let colour = ramp(step as f64 / steps as f64);
@@ -134,7 +134,7 @@ fn facing(sheet: &TrimmedSheet) -> Camera {
     Camera::from_direction(sum.normalize() + Vector3::new(0.1, -0.25, 0.1))
 }
 
-/// Area by spacing, for the field of hop counts (grey) and for the even one (green), as Dai 2020, Fig. 3.18.
+/// Area by spacing, for the field of hop counts (grey) if there is one and for the even one (green), as Dai 2020, Fig. 3.18.
 pub fn histogram(run: &SurfacesRun) -> Picture {
     let [width, height] = HISTOGRAM;
     let mut image = Image::new(width, height, [255; 3]);
@@ -143,14 +143,16 @@ pub fn histogram(run: &SurfacesRun) -> Picture {
         let all: f64 = spacing.histogram_mm2.iter().sum();
         spacing.histogram_mm2.iter().map(|area| if all > 0.0 { area / all } else { 0.0 }).collect()
     };
-    let shares = [(share(&run.plain_spacing), PLAIN), (share(&run.spacing), EVEN)];
+    let shares: Vec<_> =
+        run.plain_spacing.iter().map(|plain| (share(plain), PLAIN)).chain([(share(&run.spacing), EVEN)]).collect();
     let highest = shares.iter().flat_map(|(shares, _)| shares).copied().fold(f64::MIN_POSITIVE, f64::max);
     let bars = run.spacing.histogram_mm2.len().max(1) as u32;
     let wide = (width - 2 * left) / bars;
+    let count = shares.len() as u32;
     for (which, (shares, colour)) in (0..).zip(&shares) {
         for (bar, share) in (0..).zip(shares) {
             let tall = (share / highest * f64::from(foot - 20)).round() as u32;
-            image.fill([left + bar * wide + which * wide / 2, foot - tall], [wide.div_ceil(2), tall], *colour);
+            image.fill([left + bar * wide + which * wide / count, foot - tall], [wide.div_ceil(count), tall], *colour);
         }
     }
     image.fill([left, foot], [bars * wide, 2], INK);
@@ -161,5 +163,9 @@ pub fn histogram(run: &SurfacesRun) -> Picture {
         let written = Image::text_size(&text)[0];
         image.write([at.saturating_sub(written / 2).min(width.saturating_sub(written)), foot + 10], &text, INK);
     }
-    ("spacing in mm by area: hop counts grey, even layers green".to_owned(), image.to_png())
+    let caption = match run.plain_spacing {
+        Some(_) => "spacing in mm by area: hop counts grey, uniform layers green",
+        None => "spacing in mm by area",
+    };
+    (caption.to_owned(), image.to_png())
 }

@@ -61,21 +61,25 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("spacing_std_mm", spacing.std_mm)?
         .set("spacing_p05_mm", spacing.p05_mm)?
         .set("spacing_p95_mm", spacing.p95_mm)?
-        .set("plain_spacing_mean_mm", run.plain_spacing.mean_mm)?
-        .set("plain_spacing_std_mm", run.plain_spacing.std_mm)?
         .set("squeezed_share", spacing.squeezed_share)?;
+    if let Some(plain) = &run.plain_spacing {
+        summary.set("plain_spacing_mean_mm", plain.mean_mm)?.set("plain_spacing_std_mm", plain.std_mm)?;
+    }
     Ok(())
 }
 
 pub fn rows(run: &SurfacesRun, table: &mut Table) {
-    let (spacing, plain, boundary, times) = (&run.spacing, &run.plain_spacing, &run.boundary, &run.times);
+    let (spacing, boundary, times) = (&run.spacing, &run.boundary, &run.times);
     let spread = |std: f64, mean: f64| format!("{mean:.4} mm, deviation {std:.4} mm");
     table
         .row(["surfaces".to_owned(), format!("{}, {} triangles", run.sheets.len(), run.triangles())])
         .row(["layer height".to_owned(), format!("{:.4} mm", run.height_mm)])
         .row(["even layers by".to_owned(), format!("{}; {} waits", run.method, run.waits)])
-        .row(["spacing".to_owned(), spread(spacing.std_mm, spacing.mean_mm)])
-        .row(["spacing, hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)])
+        .row(["spacing".to_owned(), spread(spacing.std_mm, spacing.mean_mm)]);
+    if let Some(plain) = &run.plain_spacing {
+        table.row(["spacing, hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)]);
+    }
+    table
         .row(["off the mesh".to_owned(), format!("{:.1e} mm at most", boundary.error_mm)])
         .row([
             "ends inside".to_owned(),

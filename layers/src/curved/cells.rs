@@ -20,7 +20,7 @@ pub enum CellsError {
         dims: [u32; 3],
     },
     /// The number of words does not fit the dimensions.
-    #[error("{words} words of bits where {expected} belong")]
+    #[error("the bit rows have {words} words, expected {expected}")]
     Words {
         /// Words that were given.
         words: usize,

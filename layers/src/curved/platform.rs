@@ -23,7 +23,7 @@ pub enum PlatformError {
     #[error("the platform has no area on the lattice")]
     NoArea,
     /// A coordinate is not a number, or not below 2^15 half cells.
-    #[error("{value} cells is no place for a platform (at most {} cells from the corner of the grid)", Platform::REACH / 2)]
+    #[error("an invalid platform coordinate of {value} cells: at most {} cells from the corner of the grid", Platform::REACH / 2)]
     OutOfReach {
         /// The coordinate, in cells.
         value: f64,

@@ -5,8 +5,14 @@ use curvlay_layers::curved::trim::{BoundaryKind, MIN_ALTITUDE_MM, TrimmedSheet, 
 use curvlay_layers::nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 pub type P = Point3<f64>;
+
+/// Never cancels.
+pub fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
 
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -40,7 +46,7 @@ impl Mesh {
 }
 
 pub fn trim(mesh: &Mesh, sheet: &Mesh) -> TrimmedSheet {
-    mesh.trimmer().trim(&sheet.vertices, &sheet.triangles).unwrap()
+    mesh.trimmer().trim(&sheet.vertices, &sheet.triangles, &go).unwrap()
 }
 
 /// Equal but for rounding.

@@ -137,7 +137,7 @@ proptest! {
         let mut sheet = field(4.0, 4, |_, _| 0.0);
         sheet.vertices.iter_mut().zip(&heights).for_each(|(p, h)| *p = P::new(p.x + 2.0, p.y + 2.0, f64::from(*h)));
         if let Ok(trimmer) = Trimmer::new(&vertices, &triangles) {
-            let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles).unwrap();
+            let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
             check(&sheet, &trimmed);
         }
     }

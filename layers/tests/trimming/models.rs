@@ -63,14 +63,14 @@ fn every_closed_model() {
             let flat = field(70.0, 90, |_, _| z);
             let bowl = field(70.0, 90, |x, y| z - 5.0 + (x * x + y * y) / 200.0);
             for sheet in [&flat, &bowl] {
-                let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles).unwrap();
+                let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
                 check(sheet, &trimmed);
                 assert!(trimmed.border_mm + trimmed.hole_mm <= 0.0, "{name}");
                 triangles += trimmed.triangles.len();
                 error = error.max(trimmed.error_mm);
                 slivers += trimmed.slivers;
             }
-            let area = trimmer.trim(&flat.vertices, &flat.triangles).unwrap().area();
+            let area = trimmer.trim(&flat.vertices, &flat.triangles, &go).unwrap().area();
             let expected = section_area(&mesh, z + 1e-9);
             assert!((area - expected).abs() < 1e-6 * (1.0 + expected), "{name} at {z}: {area} for {expected}");
         }
@@ -88,7 +88,7 @@ fn bad_models_that_load() {
         for layer in 0..8 {
             let z = 0.1 * scale * (f64::from(layer) + 0.37);
             let sheet = field(1.5 * scale, 61, |x, y| z + 0.1 * (x * x + y * y) / scale);
-            let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles).unwrap();
+            let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
             check_inside(&mesh, &sheet, &trimmed);
             println!("  {} triangles, {} slivers, {:e}", trimmed.triangles.len(), trimmed.slivers, trimmed.error_mm);
         }
@@ -103,7 +103,7 @@ fn a_model_with_a_hole() {
     let (mut hole_mm, mut off_mm) = (0.0, 0.0);
     for layer in 0..20 {
         let sheet = field(40.0, 80, |x, y| 1.3 + 2.0 * f64::from(layer) + 0.001 * (x * x + y * y));
-        let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles).unwrap();
+        let trimmed = trimmer.trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
         check(&sheet, &trimmed);
         hole_mm += trimmed.hole_mm;
         // Wrong by more than rounding only where one half passes through a triangle of the sheet.

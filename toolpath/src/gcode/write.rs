@@ -95,7 +95,7 @@ const UNIT: f64 = 1e-6;
 /// Writes a file of G-code.
 ///
 /// # Arguments
-/// * `moves`: in order; the first that goes anywhere, and the first after [`Move::Home`], is a [`Move::Travel`].
+/// * `moves`: in order, or what becomes one, like the [moves of a plan](crate::surface::Deposition::moves); the first that goes anywhere, and the first after [`Move::Home`], is a [`Move::Travel`].
 ///
 /// Read back by [`GcodeReader`](super::GcodeReader), positions are within 1e-4 mm, directions within 1e-6 rad, the sum of
 /// filament within 1e-5 mm at any place, feeds within 1e-5 mm/s. With [`Dialect::Rotary`] a move may come back in several
@@ -125,7 +125,7 @@ const UNIT: f64 = 1e-6;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_gcode(
-    moves: impl IntoIterator<Item = Move>,
+    moves: impl IntoIterator<Item = impl Into<Move>>,
     options: &WriteOptions<'_>,
     out: impl Write,
 ) -> Result<Written, WriteError> {
@@ -142,7 +142,7 @@ pub fn write_gcode(
         written: Written::default(),
     };
     writer.head()?;
-    for (index, item) in Retracting::new(moves.into_iter(), options.retraction) {
+    for (index, item) in Retracting::new(moves.into_iter().map(Into::into), options.retraction) {
         writer.written.moves = index + 1;
         writer.write(index, &item)?;
         if writer.text.0.len() > CHUNK {

@@ -16,7 +16,9 @@
 
 use super::orientation::{JOINED, ToolPath, Waypoint, angle};
 use super::travel::Pose;
+use crate::gcode;
 use nalgebra::{Point3, UnitVector3};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Tips slower than this, in millimetres a second, stand still: machine files have no lower speed.
@@ -101,6 +103,19 @@ pub struct Move {
     pub seconds: f64,
 }
 
+impl From<&Move> for gcode::Move {
+    /// The move of the machine file.
+    fn from(step: &Move) -> Self {
+        let &Move { tip, direction, filament, feed: feed_mm_s, .. } = step;
+        match step.kind {
+            MoveKind::Retract => gcode::Move::Retract { filament_mm: -filament, feed_mm_s },
+            MoveKind::Prime => gcode::Move::Prime { filament_mm: filament, feed_mm_s },
+            MoveKind::Print => gcode::Move::Print { tip, direction, filament_mm: filament, feed_mm_s },
+            MoveKind::Travel => gcode::Move::Travel { tip, direction, feed_mm_s },
+        }
+    }
+}
+
 /// A plan of moves and its sums.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deposition {
@@ -124,6 +139,89 @@ pub struct Deposition {
     pub even_flow_mm: f64,
     /// Length of all beads, in millimetres.
     pub bead_mm: f64,
+}
+
+/// How a path is laid at the planned feed: times and filament since it began, at each of its waypoints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathSchedule {
+    times: Vec<f64>,
+    filament: Vec<f64>,
+}
+
+impl PathSchedule {
+    /// When each waypoint is passed, in seconds; the first one at 0.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Filament that is laid by a time, in millimetres: evenly between two waypoints, none before the first, all after the last.
+    pub fn filament(&self, time: f64) -> f64 {
+        let Some(last) = self.times.len().checked_sub(1).filter(|&last| last > 0) else { return 0.0 };
+        let after = self.times.partition_point(|known| *known <= time).clamp(1, last);
+        let [a, b] = [self.times[after - 1], self.times[after]];
+        let share = if b > a { ((time - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
+        self.filament[after - 1] + (self.filament[after] - self.filament[after - 1]) * share
+    }
+}
+
+impl Deposition {
+    /// The schedule of each path. `O(n)` for `n` moves.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+    /// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
+    /// let direction = Vector3::z_axis();
+    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false };
+    /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0), at(30.0)] };
+    /// let plan = deposit(&[path], &DepositionOptions::default())?;
+    /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
+    /// assert_eq!(schedule.times(), [0.0, 0.5, 1.5]);
+    /// assert!((schedule.filament(1.0) - plan.filament_mm * 2.0 / 3.0).abs() < 1e-12);
+    /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
+    /// ```
+    pub fn schedules(&self) -> Vec<PathSchedule> {
+        let start = PathSchedule { times: vec![0.0], filament: vec![0.0] };
+        let mut schedules = vec![start; self.of_path.len()];
+        for step in self.moves.iter().filter(|step| step.kind == MoveKind::Print) {
+            let Some(PathSchedule { times, filament }) = schedules.get_mut(step.path) else { continue };
+            times.push(times[times.len() - 1] + step.seconds);
+            filament.push(filament[filament.len() - 1] + step.filament);
+        }
+        schedules
+    }
+
+    /// Takes over how long a machine takes: each item is a path, a waypoint of it, and the seconds to it from the one before.
+    /// Beads to other waypoints keep their time, as do those whose item is not above 0 and finite. Feeds and sums follow.
+    ///
+    /// # Cost
+    /// `O((n + k) log k)` for `n` moves and `k` items. If a waypoint comes twice the last item counts.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+    /// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
+    /// let direction = Vector3::z_axis();
+    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false };
+    /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
+    /// let mut plan = deposit(&[path], &DepositionOptions::default())?;
+    /// plan.retime([(0, 1, 2.0)]);
+    /// assert_eq!((plan.print_s, plan.moves.last().map(|step| step.feed)), (2.0, Some(5.0)));
+    /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
+    /// ```
+    pub fn retime(&mut self, steps: impl IntoIterator<Item = (usize, usize, f64)>) {
+        let seconds: BTreeMap<(usize, usize), f64> =
+            steps.into_iter().map(|(path, waypoint, seconds)| ((path, waypoint), seconds)).collect();
+        for step in self.moves.iter_mut().filter(|step| step.kind == MoveKind::Print && step.seconds > 0.0) {
+            let given =
+                seconds.get(&(step.path, step.waypoint)).filter(|seconds| **seconds > 0.0 && seconds.is_finite());
+            let Some(&seconds) = given else { continue };
+            self.print_s += seconds - step.seconds;
+            self.total_s += seconds - step.seconds;
+            step.feed *= step.seconds / seconds;
+            step.seconds = seconds;
+        }
+    }
 }
 
 /// Why there is no plan.

@@ -12,8 +12,12 @@
 //!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] tells how deep a nozzle is in what is built, at any pose and
 //!   moment of the print.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
+//!
+//! All of this in two calls: [`fill_layers`] fills the surfaces of a part and orders their curves, [`FilledLayers::plan`] plans the
+//! moves of the whole print.
 
 mod deposition;
+mod fill;
 mod geodesic;
 mod gouging;
 mod level_set;
@@ -22,12 +26,18 @@ mod order;
 mod orientation;
 mod parallel;
 mod paths;
+mod print;
 mod stack;
 mod statistics;
 mod travel;
 mod union;
 
-pub use deposition::{Deposition, DepositionError, DepositionOptions, Move, MoveKind, deposit, deposit_along};
+pub use deposition::{
+    Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
+};
+pub use fill::{
+    FillError, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, fill_layer, fill_layers,
+};
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use gouging::{
     Contact, ContactError, Contacts, Freed, Gouge, GougingError, GougingOptions, LeftOut, Moment, Nozzle, NozzleError,
@@ -40,6 +50,7 @@ pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath,
 pub use paths::{
     BEAD_WIDTHS, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
 };
+pub use print::{PrintError, PrintOptions, PrintPlan};
 pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,

@@ -26,7 +26,7 @@
 use super::gouging::{GougingError, Nozzle, Obstacle, Scene, Stand};
 use super::orientation::{JOINED, ToolPath, Waypoint, along, angle};
 use super::parallel;
-use super::stack::LayerStack;
+use super::stack::{Built, LayerStack};
 use crate::Progress;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -207,7 +207,7 @@ impl LayerStack<'_> {
     pub(super) fn boxes(&self) -> Vec<[Point3<f64>; 2]> {
         let mut low = Point3::from([f64::INFINITY; 3]);
         let mut high = -low;
-        let grown = |layer: &super::BuiltLayer| {
+        let grown = |layer: &Built| {
             let half = layer.spacing.iter().copied().fold(0.0, f64::max) / 2.0;
             for p in layer.triangles.iter().flatten().map(|&v| layer.vertices[v as usize]) {
                 low = low.inf(&(p - Vector3::repeat(half)));

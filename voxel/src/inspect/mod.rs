@@ -55,7 +55,7 @@ pub enum InspectError {
         vertices: usize,
     },
     /// A corner of a triangle is not finite, or farther than [`MAX_COORDINATE`] from the origin.
-    #[error("triangle {triangle} has a corner (vertex {vertex}) at {position:?}, which is no place")]
+    #[error("triangle {triangle}: vertex {vertex} has an invalid coordinate: {position:?}")]
     Coordinate {
         /// Number of the triangle.
         triangle: usize,

@@ -198,7 +198,7 @@ pub enum AuditError {
         len: u32,
     },
     /// The callback asked to stop.
-    #[error("the audit was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 

@@ -124,6 +124,13 @@ pub struct Growth {
     pub statistics: GrowthStatistics,
 }
 
+impl Growth {
+    /// The numbers of the missed cells, rising: what [`audit`](super::audit()) and [`even`](super::surface::even()) take.
+    pub fn missed_cells(&self) -> Vec<u32> {
+        self.missed.iter().map(|missed| missed.cell).collect()
+    }
+}
+
 /// Why nothing could be grown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

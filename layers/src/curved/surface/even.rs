@@ -69,7 +69,7 @@ pub enum EvenError {
     #[error(transparent)]
     Audit(#[from] AuditError),
     /// The order that was given fails the audit itself.
-    #[error("the order does not pass the audit: {0}")]
+    #[error("the order fails the audit: {0}")]
     Order(Box<AuditReport>),
 }
 
@@ -78,7 +78,7 @@ pub enum EvenError {
 /// # Arguments
 /// * `order`: passes the audit with `missed`.
 /// * `missed`: the cells of the solid that are in no layer. They get no value.
-/// * `progress`: called with the stages `even` and `audit`; may cancel.
+/// * `progress`: called with the stages `even` and `audit even`; may cancel.
 ///
 /// # Errors
 /// [`EvenError`].
@@ -111,6 +111,7 @@ pub fn even(
     missed: &[u32],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Even, EvenError> {
+    let auditing = |p: Progress| progress(Progress { stage: "audit even", ..p });
     let plain = plain_field(cells, order)?;
     let rows = rows_of(cells, order);
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
@@ -135,13 +136,13 @@ pub fn even(
         let mut attempts: Vec<Attempt> = [level?, turning?].into_iter().flatten().collect();
         attempts.sort_by(|a, b| a.unevenness.total_cmp(&b.unevenness));
         for Attempt { field, method, jumps, .. } in attempts {
-            let audit = audit(cells, platform, rules, &field.rounded(), missed, progress)?;
+            let audit = audit(cells, platform, rules, &field.rounded(), missed, &auditing)?;
             if audit.is_ok() {
                 return Ok(Even { field, method, audit, jumps });
             }
         }
     }
-    let audit = audit(cells, platform, rules, &plain.rounded(), missed, progress)?;
+    let audit = audit(cells, platform, rules, &plain.rounded(), missed, &auditing)?;
     let jumps = Lattice::of(&plain).jumps();
     if audit.is_ok() {
         Ok(Even { field: plain, method: EvenMethod::Plain, audit, jumps })

@@ -30,7 +30,7 @@ pub enum FieldError {
         cells: usize,
     },
     /// A value below the plate or without end.
-    #[error("cell {cell} has the value {value}: it must be finite and not below 0, or not a number for none")]
+    #[error("cell {cell} has the value {value}: it must be finite and at least 0, or NaN for none")]
     Value {
         /// The cell.
         cell: u32,

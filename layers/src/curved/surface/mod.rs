@@ -17,6 +17,10 @@
 //! Where their values are [`APART`] as well, such a face is cut: a surface goes on to it from either side, and none runs across,
 //! so that surfaces are not squeezed into one cell.
 
+use crate::Progress;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
 mod contour;
 mod even;
 mod extend;
@@ -40,7 +44,11 @@ pub use vtk::{write_field_vtk, write_surfaces_vtk};
 /// `of` for all numbers below `count`, in their order; with the feature `rayon` by several threads, each of which takes at
 /// least `least_share` of them.
 #[cfg_attr(not(feature = "rayon"), allow(unused_variables))]
-fn in_parallel<R: Send>(count: usize, least_share: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+pub(in crate::curved) fn in_parallel<R: Send>(
+    count: usize,
+    least_share: usize,
+    of: impl Fn(usize) -> R + Send + Sync,
+) -> Vec<R> {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -48,4 +56,33 @@ fn in_parallel<R: Send>(count: usize, least_share: usize, of: impl Fn(usize) -> 
     }
     #[cfg(not(feature = "rayon"))]
     (0..count).map(of).collect()
+}
+
+/// What takes reports and says whether to go on.
+pub(in crate::curved) type Report<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);
+
+/// The same in stage `stage`, with a report after each; `None` if cancelled. `of` is handed what reports how far all of them
+/// have come, to ask in between whether to go on.
+pub(in crate::curved) fn in_parallel_watched<R: Send>(
+    count: usize,
+    stage: &'static str,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    of: impl Fn(usize, Report) -> R + Send + Sync,
+) -> Option<Vec<R>> {
+    let (done, cancelled) = (AtomicU64::new(0), AtomicBool::new(false));
+    let report = |add: u64| {
+        let done = done.fetch_add(add, Ordering::Relaxed) + add;
+        let go_on =
+            !cancelled.load(Ordering::Relaxed) && progress(Progress { stage, done, total: count as u64 }).is_continue();
+        cancelled.fetch_or(!go_on, Ordering::Relaxed);
+        if go_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    };
+    let one = |k: usize| {
+        if cancelled.load(Ordering::Relaxed) {
+            return None;
+        }
+        let result = of(k, &|_| report(0));
+        report(1).is_continue().then_some(result)
+    };
+    in_parallel(count, 1, one).into_iter().collect()
 }

@@ -15,9 +15,11 @@
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
-use super::in_parallel;
 use super::tree::Tree;
+use super::{Report, in_parallel_watched};
+use crate::Progress;
 use nalgebra::Point3;
+use std::ops::ControlFlow;
 
 /// How far a neighbour may be, in layer heights. Spacing of hop counts goes up to twice its mean where a front
 /// sweeps round a corner; a ray that goes farther has left the part, and finds another branch of it.
@@ -95,13 +97,16 @@ pub enum SpacingError {
         points: usize,
     },
     /// A point has no place.
-    #[error("point {point} of surface {surface} is not finite")]
+    #[error("point {point} of surface {surface} has a coordinate that is not finite")]
     NotFinite {
         /// The surface, from 0.
         surface: usize,
         /// The point, from 0.
         point: usize,
     },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// What the rays of a triangle found.
@@ -119,6 +124,7 @@ struct Found {
 /// * `surfaces`: points in millimetres and triangles of each, counter-clockwise seen from where the growth goes.
 ///   Triangles without area count for nothing.
 /// * `height_mm`: the layer height, for what is in reach and what is squeezed.
+/// * `progress`: called with the stage `spacing` after each surface; may cancel.
 ///
 /// # Errors
 /// [`SpacingError`].
@@ -133,13 +139,17 @@ struct Found {
 /// let level = |z| [[0.0, 0.0, z], [4.0, 0.0, z], [0.0, 4.0, z]].map(Point3::from);
 /// let points = [level(0.5), level(1.5), level(2.4)];
 /// let surfaces: Vec<_> = points.iter().map(|points| (&points[..], &[[0, 1, 2]][..])).collect();
-/// let spacing = measure_spacing(&surfaces, 1.0)?;
+/// let spacing = measure_spacing(&surfaces, 1.0, &|_| std::ops::ControlFlow::Continue(()))?;
 /// let values: Vec<f64> = spacing.values_mm.iter().flatten().flatten().copied().collect();
 /// assert!(values.iter().zip([1.0, 0.95, 0.9]).all(|(a, b)| (a - b).abs() < 1e-12));
 /// assert!((spacing.mean_mm - 0.95).abs() < 1e-12);
 /// # Ok::<(), curvlay_layers::curved::surface::SpacingError>(())
 /// ```
-pub fn measure_spacing(surfaces: &[SurfaceSlices], height_mm: f64) -> Result<Spacing, SpacingError> {
+pub fn measure_spacing(
+    surfaces: &[SurfaceSlices],
+    height_mm: f64,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Spacing, SpacingError> {
     if !(height_mm > 0.0 && height_mm.is_finite()) {
         return Err(SpacingError::Height { height_mm });
     }
@@ -154,13 +164,14 @@ pub fn measure_spacing(surfaces: &[SurfaceSlices], height_mm: f64) -> Result<Spa
         }
     }
     let tree = Tree::new(surfaces);
-    let of_surface = |surface: usize| -> Vec<Found> {
+    let of_surface = |surface: usize, _: Report| -> Vec<Found> {
         let (points, triangles) = surfaces[surface];
         let has = [surface > 0, surface + 1 < surfaces.len()];
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         triangles.iter().map(|t| found(&tree, surface as u32, has, corners(t), height_mm)).collect()
     };
-    Ok(summed_up(&in_parallel(surfaces.len(), 1, of_surface), height_mm))
+    let found = in_parallel_watched(surfaces.len(), "spacing", progress, of_surface).ok_or(SpacingError::Cancelled)?;
+    Ok(summed_up(&found, height_mm))
 }
 
 /// `has` says whether there is a surface before, and one after.

@@ -15,7 +15,7 @@
 //! ```
 
 use super::field::{FieldError, LayerField};
-use crate::curved::{Cells, CellsError};
+use crate::curved::{Cells, CellsError, Growth, GrowthStatistics, MissedCell, MissedReason};
 use nalgebra::Point3;
 use std::io::{self, BufRead, Write};
 
@@ -124,6 +124,17 @@ impl SavedField {
     /// [`CellsError`] if `rows` have been changed so that they do not fit the field.
     pub fn cells(&self) -> Result<Cells<'_>, CellsError> {
         Cells::new(self.field.dims(), &self.rows)
+    }
+
+    /// The order that the field stands for. Cells without a value are missed; why, the file does not say.
+    ///
+    /// # Errors
+    /// [`CellsError`] if `rows` have been changed so that they do not fit the field.
+    pub fn growth(&self) -> Result<Growth, CellsError> {
+        let cells = self.cells()?;
+        let without = cells.iter().filter(|&cell| self.field.value(cell).is_none());
+        let missed = without.map(|cell| MissedCell { cell, reason: MissedReason::SupportMissed }).collect();
+        Ok(Growth { order: self.field.rounded(), missed, statistics: GrowthStatistics::default() })
     }
 
     /// Whether the field was made for the mesh with this [stamp](mesh_stamp).

@@ -11,6 +11,7 @@ use super::pieces::Pieces;
 use super::solid::Solid;
 use super::surface::{altitude, next, previous};
 use super::winding::Dipoles;
+use super::{TrimError, Watch};
 use nalgebra::{Point3, Vector3};
 
 /// What stands for the infinitely small step of the sheet where numbers are computed and not counted, mm: its parts in
@@ -40,10 +41,15 @@ struct Halves<'a> {
 }
 
 /// Cuts pieces where the winding number is one half, and says which are inside.
-pub(super) fn split_at_half(pieces: &mut Pieces, solid: &Solid, dipoles: &Dipoles) -> Vec<bool> {
+pub(super) fn split_at_half(
+    pieces: &mut Pieces,
+    solid: &Solid,
+    dipoles: &Dipoles,
+    watch: Watch,
+) -> Result<Vec<bool>, TrimError> {
     let count = 3 * pieces.corners.len();
     let mut halves = Halves { pieces, solid, dipoles, excess: vec![f64::NAN; count] };
-    halves.measure();
+    halves.measure(watch)?;
     let mut points = Vec::new();
     let mut split = vec![NONE; count];
     for half in 0..count as u32 {
@@ -61,7 +67,7 @@ pub(super) fn split_at_half(pieces: &mut Pieces, solid: &Solid, dipoles: &Dipole
     points.splice(0..0, std::mem::take(&mut pieces.points));
     *pieces = parts;
     pieces.points = points;
-    keep
+    Ok(keep)
 }
 
 impl Halves<'_> {
@@ -91,10 +97,11 @@ impl Halves<'_> {
     }
 
     /// Finds the number of each corner.
-    fn measure(&mut self) {
+    fn measure(&mut self, watch: Watch) -> Result<(), TrimError> {
         let mut fan = Vec::new();
         let mut numbers = Vec::new();
         for half in 0..self.excess.len() as u32 {
+            watch(half as usize / 3, self.excess.len() / 3)?;
             if self.excess[half as usize].is_nan() {
                 self.fan(half, &mut fan);
                 self.measure_fan(&fan, &mut numbers);
@@ -103,6 +110,7 @@ impl Halves<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     /// The numbers around one vertex.

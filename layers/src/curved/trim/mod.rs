@@ -30,11 +30,13 @@ mod solid;
 mod surface;
 mod winding;
 
+use crate::Progress;
 use nalgebra::Point3;
 use pieces::Pieces;
 use sheet::Sheet;
 use solid::Solid;
 use std::fmt;
+use std::ops::ControlFlow;
 use surface::Surface;
 
 /// Coordinates may not exceed this, in mm: a thousand kilometres. Far beyond it the exact signs would overflow.
@@ -43,6 +45,12 @@ pub const MAX_COORDINATE: f64 = 1e9;
 /// A triangle with an altitude below this is a sliver, in mm: far below what a machine resolves, far above the rounding
 /// of coordinates.
 pub const MIN_ALTITUDE_MM: f64 = 1e-6;
+
+/// Triangles from one report to the next: a few milliseconds, and for a mesh with holes some tenths of a second.
+const TRIANGLES_PER_REPORT: usize = 512;
+
+/// What asks whether to go on: so many triangles of so many are done.
+type Watch<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
 
 /// A solid, ready to trim any number of sheets.
 ///
@@ -59,7 +67,7 @@ pub const MIN_ALTITUDE_MM: f64 = 1e-6;
 /// // A cube of 10 mm and a slanted sheet that reaches outside on all sides.
 /// let trimmer = Trimmer::new(&cube, &faces)?;
 /// let sheet = [[-5.0, -5.0, 2.0], [15.0, -5.0, 2.0], [15.0, 15.0, 6.0], [-5.0, 15.0, 6.0]].map(Point3::from);
-/// let trimmed = trimmer.trim(&sheet, &[[0, 1, 2], [0, 2, 3]])?;
+/// let trimmed = trimmer.trim(&sheet, &[[0, 1, 2], [0, 2, 3]], &|_| std::ops::ControlFlow::Continue(()))?;
 ///
 /// let slope = 1.04_f64.sqrt();
 /// assert!((trimmed.area() - 100.0 * slope).abs() < 1e-9);
@@ -102,6 +110,7 @@ impl Trimmer {
     /// # Arguments
     /// * `vertices`: mm.
     /// * `triangles`: an oriented manifold with boundary. It may touch the mesh, in any way.
+    /// * `progress`: called with the stage `trim` and the triangles that are done, for a mesh with holes a second time; may cancel.
     ///
     /// # Returns
     /// An oriented manifold with boundary that runs as the sheet does; empty if the sheet does not reach inside. The
@@ -109,17 +118,28 @@ impl Trimmer {
     ///
     /// # Errors
     /// [`TrimError::BadCorner`], [`TrimError::BadCoordinate`], [`TrimError::RepeatedCorner`],
-    /// [`TrimError::NotManifold`]; [`TrimError::Tangled`] for a solid that passes through itself beyond measure.
+    /// [`TrimError::NotManifold`], [`TrimError::Cancelled`]; [`TrimError::Tangled`] for a solid that passes through itself beyond measure.
     ///
     /// # Cost
     /// For `s` triangles of the sheet and `m` of the mesh some `O(s log m)`, and for each that is cut the square
     /// of its number of segments. A mesh with holes takes far longer: a winding number for each vertex.
-    pub fn trim(&self, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<TrimmedSheet, TrimError> {
+    pub fn trim(
+        &self,
+        vertices: &[Point3<f64>],
+        triangles: &[[u32; 3]],
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<TrimmedSheet, TrimError> {
+        let watch = |done: usize, total: usize| match done % TRIANGLES_PER_REPORT {
+            0 if progress(Progress { stage: "trim", done: done as u64, total: total as u64 }).is_break() => {
+                Err(TrimError::Cancelled)
+            }
+            _ => Ok(()),
+        };
         let sheet = Sheet::new(vertices, triangles)?;
-        let mut pieces = Pieces::cut(&sheet, &self.solid)?;
+        let mut pieces = Pieces::cut(&sheet, &self.solid, &watch)?;
         let keep: Vec<bool> = match &self.solid.holes {
             None => pieces.numbers(&self.solid).into_iter().map(|number| number != 0).collect(),
-            Some(dipoles) => holes::split_at_half(&mut pieces, &self.solid, dipoles),
+            Some(dipoles) => holes::split_at_half(&mut pieces, &self.solid, dipoles, &watch)?,
         };
         let mut surface = Surface::of(&pieces, &keep);
         slivers::remove_slivers(&mut surface, &self.solid);
@@ -218,7 +238,7 @@ pub enum TrimError {
         vertices: usize,
     },
     /// A coordinate that is not finite or beyond [`MAX_COORDINATE`].
-    #[error("vertex {vertex} of the {input} has a coordinate that is not a number within +-1e9 mm")]
+    #[error("vertex {vertex} of the {input} has an invalid coordinate: it must be finite and within +-1e9 mm")]
     BadCoordinate {
         /// Of which input.
         input: Input,
@@ -234,7 +254,7 @@ pub enum TrimError {
         most: usize,
     },
     /// A triangle of the sheet with twice the same corner.
-    #[error("triangle {triangle} of the sheet has twice the same corner")]
+    #[error("triangle {triangle} of the sheet repeats a corner")]
     RepeatedCorner {
         /// The triangle.
         triangle: usize,
@@ -256,6 +276,9 @@ pub enum TrimError {
         /// The triangle.
         triangle: usize,
     },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// As many triangles or vertices as there may be: their half-edges and cuts are numbered by 32 bits.

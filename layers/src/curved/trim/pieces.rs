@@ -4,11 +4,11 @@
 //! that the pieces of neighbours fit. A triangle of the sheet is cut along its segments as a [`Patch`]. Numbers of
 //! pieces follow from one of each connected part of the sheet, by the rises of the edges between them.
 
-use super::TrimError;
 use super::crossing::{End, meet, pierce};
 use super::patch::{NEAR, NONE, Patch, SIDE};
 use super::sheet::Sheet;
 use super::solid::Solid;
+use super::{TrimError, Watch};
 use crate::curved::boxes::Bounds;
 use nalgebra::Point3;
 
@@ -55,7 +55,7 @@ struct Cuts {
 }
 
 impl Pieces {
-    pub(super) fn cut(sheet: &Sheet, solid: &Solid) -> Result<Pieces, TrimError> {
+    pub(super) fn cut(sheet: &Sheet, solid: &Solid, watch: Watch) -> Result<Pieces, TrimError> {
         let segments = segments(sheet, solid);
         let mut pieces = Pieces { points: sheet.points.to_vec(), ..Pieces::default() };
         let cuts = Cuts::new(sheet, solid, &segments, &mut pieces.points);
@@ -63,6 +63,7 @@ impl Pieces {
         let mut cutter = Cutter::default();
         let mut groups = segments.chunk_by(|a, b| a.sheet == b.sheet).peekable();
         for triangle in 0..sheet.triangles.len() {
+            watch(triangle, sheet.triangles.len())?;
             match groups.next_if(|group| group[0].sheet as usize == triangle) {
                 Some(group) => cutter.cut(&mut pieces, &mut halves, sheet, solid, &cuts, group)?,
                 None => pieces.take_whole(&mut halves, sheet, &cuts, triangle),

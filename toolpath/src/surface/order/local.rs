@@ -3,7 +3,7 @@
 //! Turning a part of the order round turns its curves round as well, so the ways inside of it stay as long as they were.
 //! That makes each try a matter of four distances.
 
-use super::{TravelCurve, Way, gap, length};
+use super::{OrderError, TravelCurve, Watch, Way, gap, length};
 use nalgebra::Point3;
 
 /// Curves that are moved elsewhere together.
@@ -15,19 +15,22 @@ const LEAST_GAIN: f64 = 1e-12;
 /// Steps of the search at most: some seconds. On layers of up to a thousand curves it ends by itself.
 const MOST_STEPS: usize = 1 << 30;
 
+/// Steps from one report to the next: some milliseconds.
+const STEPS_PER_REPORT: usize = 1 << 20;
+
 /// A short order from one place to another; the better of what nearest neighbours and the order given lead to.
 pub(super) fn order(
     choice: &[Vec<Way>],
     curves: &[TravelCurve],
     from: Option<Point3<f64>>,
     to: Option<Point3<f64>>,
-) -> Vec<Way> {
-    let given = choice.iter().map(|ways| ways[0]).collect();
-    let [near, given] = [nearest(choice, from), given].map(|mut order| {
-        improve(&mut order, curves, from, to);
-        order
-    });
-    if length(&given, from, to) < length(&near, from, to) { given } else { near }
+    watch: Watch,
+) -> Result<Vec<Way>, OrderError> {
+    let mut given: Vec<Way> = choice.iter().map(|ways| ways[0]).collect();
+    let mut near = nearest(choice, from);
+    improve(&mut near, curves, from, to, watch)?;
+    improve(&mut given, curves, from, to, watch)?;
+    Ok(if length(&given, from, to) < length(&near, from, to) { given } else { near })
 }
 
 /// Always on to the nearest start.
@@ -59,10 +62,12 @@ pub(super) fn improve(
     curves: &[TravelCurve],
     from: Option<Point3<f64>>,
     to: Option<Point3<f64>>,
-) {
-    let mut search = Search { order, curves, from, to, least: 0.0, steps: 0 };
+    watch: Watch,
+) -> Result<(), OrderError> {
+    let mut search = Search { order, curves, from, to, least: 0.0, steps: 0, next_report: 0, watch };
     search.least = LEAST_GAIN * length(search.order, from, to);
-    while search.steps < MOST_STEPS && (search.turn() | search.shift()) {}
+    while search.steps < MOST_STEPS && (search.turn()? | search.shift()?) {}
+    Ok(())
 }
 
 struct Search<'a> {
@@ -72,6 +77,9 @@ struct Search<'a> {
     to: Option<Point3<f64>>,
     least: f64,
     steps: usize,
+    /// Steps at which to ask whether to go on.
+    next_report: usize,
+    watch: Watch<'a>,
 }
 
 impl Search<'_> {
@@ -92,7 +100,7 @@ impl Search<'_> {
     }
 
     /// 2-opt, one curve alone included; whether anything was gained.
-    fn turn(&mut self) -> bool {
+    fn turn(&mut self) -> Result<bool, OrderError> {
         let mut gained = false;
         for i in 0..self.order.len() {
             for j in i..self.order.len() {
@@ -104,13 +112,23 @@ impl Search<'_> {
                     gained = true;
                 }
             }
-            self.steps += self.order.len();
+            self.count(self.order.len())?;
         }
-        gained
+        Ok(gained)
+    }
+
+    /// Counts steps, and asks now and then whether to go on.
+    fn count(&mut self, steps: usize) -> Result<(), OrderError> {
+        self.steps += steps;
+        if self.steps < self.next_report {
+            return Ok(());
+        }
+        self.next_report = self.steps + STEPS_PER_REPORT;
+        (self.watch)()
     }
 
     /// Or-opt: up to [`MOVED`] curves between two others, either way round; whether anything was gained.
-    fn shift(&mut self) -> bool {
+    fn shift(&mut self) -> Result<bool, OrderError> {
         let mut gained = false;
         let count = self.order.len();
         for size in 1..=MOVED.min(count.saturating_sub(1)) {
@@ -131,7 +149,7 @@ impl Search<'_> {
                         }
                     }
                 }
-                self.steps += count;
+                self.count(count)?;
                 let Some((_, k, turned)) = best else {
                     continue;
                 };
@@ -146,6 +164,6 @@ impl Search<'_> {
                 gained = true;
             }
         }
-        gained
+        Ok(gained)
     }
 }

@@ -17,7 +17,9 @@
 mod exact;
 mod local;
 
+use crate::Progress;
 use nalgebra::Point3;
+use std::ops::ControlFlow;
 
 /// Starts that are tried first on a closed curve, evenly by number of points.
 const STARTS: usize = 8;
@@ -84,7 +86,13 @@ pub enum OrderError {
         /// The layer, from 0.
         layer: usize,
     },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
+
+/// What asks whether to go on.
+type Watch<'a> = &'a dyn Fn() -> Result<(), OrderError>;
 
 /// One way to travel a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,6 +151,7 @@ fn total(layers: &[Vec<Way>]) -> f64 {
 ///
 /// # Arguments
 /// * `layers`: the curves of each layer in the order given; layers without curves are passed over.
+/// * `progress`: called with the stage `order` and the layers done; may cancel.
 ///
 /// # Returns
 /// For each layer every curve once. The sum of the straight ways is the least there is if all curves are open and no
@@ -163,22 +172,30 @@ fn total(layers: &[Vec<Way>]) -> f64 {
 /// let line = |y: f64| [Point3::new(0.0, y, 0.0), Point3::new(9.0, y, 0.0)];
 /// let lines = [line(0.0), line(2.0), line(1.0)];
 /// let curves: Vec<_> = lines.iter().map(|points| TravelCurve { points, closed: false }).collect();
-/// let order = order_curves(&[curves])?;
+/// let order = order_curves(&[curves], &|_| std::ops::ControlFlow::Continue(()))?;
 /// assert!((order.given_mm - (85_f64.sqrt() + 82_f64.sqrt())).abs() < 1e-12);
 /// // To and fro.
 /// assert_eq!(order.travel_mm, 2.0);
 /// assert_eq!(order.layers[0][1], Visit { curve: 2, start: 1, reversed: true });
 /// # Ok::<(), curvlay_toolpath::surface::OrderError>(())
 /// ```
-pub fn order_curves(layers: &[Vec<TravelCurve>]) -> Result<TravelOrder, OrderError> {
+pub fn order_curves(
+    layers: &[Vec<TravelCurve>],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<TravelOrder, OrderError> {
+    let watch = |done: usize| match progress(Progress { stage: "order", done: done as u64, total: layers.len() as u64 })
+    {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(OrderError::Cancelled),
+    };
     layers.iter().enumerate().try_for_each(|(layer, curves)| check(layer, curves))?;
     let each = |curves: &Vec<TravelCurve>| -> Vec<Vec<Way>> {
         (0..).zip(curves).map(|(number, curve)| ways(curve, number)).collect()
     };
     let choices: Vec<Vec<Vec<Way>>> = layers.iter().map(each).collect();
     let given: Vec<Vec<Way>> = choices.iter().map(|layer| layer.iter().map(|ways| ways[0]).collect()).collect();
-    let mut found = forward(&choices, layers);
-    polish(&mut found, &choices, layers);
+    let mut found = forward(&choices, layers, &watch)?;
+    polish(&mut found, &choices, layers, &|| watch(layers.len()))?;
     let given_mm = total(&given);
     let best = if total(&found) < given_mm { found } else { given };
     let travel_mm = total(&best);
@@ -187,17 +204,22 @@ pub fn order_curves(layers: &[Vec<TravelCurve>]) -> Result<TravelOrder, OrderErr
 }
 
 /// Layer by layer, keeping the best for each end of a layer as long as layers are small.
-fn forward(choices: &[Vec<Vec<Way>>], layers: &[Vec<TravelCurve>]) -> Vec<Vec<Way>> {
+fn forward(
+    choices: &[Vec<Vec<Way>>],
+    layers: &[Vec<TravelCurve>],
+    watch: &dyn Fn(usize) -> Result<(), OrderError>,
+) -> Result<Vec<Vec<Way>>, OrderError> {
     // For each layer its orders, each with the one of the layer before that it goes on from.
     let mut orders: Vec<Vec<(Vec<Way>, Option<usize>)>> = Vec::new();
     // Where the layers so far may end, and how long the way there is.
     let mut ends: Vec<(f64, Option<Point3<f64>>)> = vec![(0.0, None)];
-    for (choice, curves) in choices.iter().zip(layers) {
+    for (done, (choice, curves)) in choices.iter().zip(layers).enumerate() {
+        watch(done)?;
         let found: Vec<(f64, Vec<Way>, usize)> = if exact::fits(choice) {
             exact::orders(choice, &ends)
         } else {
             let from = (0..ends.len()).fold(0, |best, k| if ends[k].0 < ends[best].0 { k } else { best });
-            let order = local::order(choice, curves, ends[from].1, None);
+            let order = local::order(choice, curves, ends[from].1, None, &|| watch(done))?;
             vec![(ends[from].0 + length(&order, ends[from].1, None), order, from)]
         };
         if choice.is_empty() {
@@ -217,26 +239,33 @@ fn forward(choices: &[Vec<Vec<Way>>], layers: &[Vec<TravelCurve>]) -> Vec<Vec<Wa
         best.push(order);
     }
     best.reverse();
-    best
+    Ok(best)
 }
 
 /// Each layer again, between its neighbours as they are.
-fn polish(layers: &mut [Vec<Way>], choices: &[Vec<Vec<Way>>], curves: &[Vec<TravelCurve>]) {
+fn polish(
+    layers: &mut [Vec<Way>],
+    choices: &[Vec<Vec<Way>>],
+    curves: &[Vec<TravelCurve>],
+    watch: Watch,
+) -> Result<(), OrderError> {
     for _ in 0..ROUNDS {
         let before = total(layers);
         for k in (0..layers.len()).filter(|&k| !choices[k].is_empty()) {
+            watch()?;
             let from = layers[..k].iter().rev().find_map(|layer| layer.last()).map(|way| way.end);
             let to = layers[k + 1..].iter().find_map(|layer| layer.first()).map(|way| way.start);
             if !exact::fits(&choices[k]) {
-                local::improve(&mut layers[k], &curves[k], from, to);
+                local::improve(&mut layers[k], &curves[k], from, to, watch)?;
             }
             turn_rings(&mut layers[k], &curves[k], from, to);
         }
         // Nothing but rounding left to gain.
         if total(layers) >= before * (1.0 - 1e-9) {
-            return;
+            break;
         }
     }
+    Ok(())
 }
 
 /// Starts each closed curve where the detour between its neighbours is least.

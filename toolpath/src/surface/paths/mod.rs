@@ -30,15 +30,25 @@ mod zigzag;
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use super::mesh::MeshError;
 use super::order::Visit;
+use crate::Progress;
 use curve::Loop;
+use nalgebra::Point3;
 pub use spacing::BEAD_WIDTHS;
 use spacing::Spacing;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 use thin::{Curve, thinned};
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.
 const MOST_LEVELS: usize = 100_000;
 /// Points of a path nearer together than this share of a bead are thinned out.
 const THIN: f64 = 0.02;
+
+/// Steps from level sets to paths, for reports of progress.
+const STEPS: u64 = 5;
+
+/// What asks whether to go on.
+type Watch<'a> = &'a dyn Fn() -> Result<(), PathError>;
 
 /// How a region is filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -105,6 +115,12 @@ impl SurfacePath {
             (true, Some(first), Some(last)) => steps + step(last, first),
             _ => steps,
         }
+    }
+
+    /// The places and widths of its points; of a closed curve the first stands at the end once more.
+    pub fn line(&self) -> (Vec<Point3<f64>>, Vec<f64>) {
+        let closing = self.closed.then(|| self.points.first()).flatten();
+        self.points.iter().chain(closing).map(|point| (point.at.position, point.width)).unzip()
     }
 
     /// The same curve as it is travelled in an order: from another start if it is closed, or backward.
@@ -195,6 +211,9 @@ pub enum PathError {
     /// The level sets cannot be made.
     #[error(transparent)]
     Levels(#[from] LevelSetError),
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 impl LevelField<'_> {
@@ -208,6 +227,9 @@ impl LevelField<'_> {
     /// the number of paths with `regions`. Those shorter than about three beads are left out there: a single bead takes their place.
     /// [`Pattern::Zigzag`] has rows instead, a bead apart by geodesic distance, and more than one curve where holes and bays
     /// part them.
+    ///
+    /// # Arguments
+    /// * `progress`: called with the stage `paths`, for each curve and between five steps; may cancel.
     ///
     /// # Errors
     /// [`PathError`].
@@ -225,13 +247,26 @@ impl LevelField<'_> {
     /// let square = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?;
     /// let distance = SurfaceDistance::to_boundary(&square, &|_| ControlFlow::Continue(()))?;
     /// let field = LevelField::new(&distance, 0.01, &|_| ControlFlow::Continue(()))?;
-    /// let filled = field.paths(&PathOptions { bead: 1.0, ..PathOptions::default() })?;
+    /// let filled = field.paths(&PathOptions { bead: 1.0, ..PathOptions::default() }, &|_| ControlFlow::Continue(()))?;
     /// assert_eq!((filled.paths.len(), filled.regions), (1, 1));
     /// // As long as 256 mm^2 need, but for gaps along the diagonals.
     /// assert!((filled.paths[0].length() - 256.0).abs() < 8.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn paths(&self, options: &PathOptions) -> Result<LayerPaths, PathError> {
+    pub fn paths(
+        &self,
+        options: &PathOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayerPaths, PathError> {
+        let done = AtomicU64::new(0);
+        let watch = || match progress(Progress { stage: "paths", done: done.load(Ordering::Relaxed), total: STEPS }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PathError::Cancelled),
+        };
+        let step = || {
+            done.fetch_add(1, Ordering::Relaxed);
+            watch()
+        };
         let bead = options.bead;
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
@@ -243,6 +278,7 @@ impl LevelField<'_> {
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
         let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted);
         let sets = self.sets(&spacing);
+        step()?;
         if sets.rings.iter().any(|ring| !ring.closed) {
             return Err(PathError::NotToBoundary);
         }
@@ -256,7 +292,7 @@ impl LevelField<'_> {
         let mut curves = match options.pattern {
             Pattern::Spirals => {
                 let rings = spirals::Rings { mesh, sets: &sets, spacing: &spacing, loops: &loops, bead };
-                let curves = spirals::connect(&rings, &chains).curves(mesh, &loops).into_iter();
+                let curves = spirals::connect(&rings, &chains, &watch)?.curves(mesh, &loops).into_iter();
                 let curve = |(points, region)| Curve { points, closed: false, region, least: THIN * bead };
                 curves.map(curve).collect::<Vec<_>>()
             }
@@ -278,11 +314,14 @@ impl LevelField<'_> {
             }
         };
         curves.sort_by_key(|curve| curve.region);
-        thinned(mesh, &mut curves, bead);
+        step()?;
+        thinned(mesh, &mut curves, bead, &watch)?;
+        step()?;
         let mut widths: Vec<Vec<f64>> = match fitted {
-            true => widths::fitted(mesh, &spacing, &curves, bead),
+            true => widths::fitted(mesh, &spacing, &curves, bead, &watch)?,
             false => curves.iter().map(|curve| vec![bead; curve.points.len()]).collect(),
         };
+        step()?;
         let singles = match options.pattern {
             // Rows keep off the boundary: what a ring along it would cover is theirs.
             Pattern::Zigzag => {
@@ -290,10 +329,11 @@ impl LevelField<'_> {
                 let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
                 let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
                 let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
-                narrow::single_beads(self, &spacing, [bead, gap], &rims, &widths)
+                narrow::single_beads(self, &spacing, [bead, gap], &rims, &widths, &watch)?
             }
-            _ => narrow::single_beads(self, &spacing, [bead, gap], &curves, &widths),
+            _ => narrow::single_beads(self, &spacing, [bead, gap], &curves, &widths, &watch)?,
         };
+        step()?;
         for (points, width) in singles {
             curves.push(Curve { points, closed: false, region: found.regions as u32, least: 0.0 });
             widths.push(width);

@@ -10,6 +10,7 @@ use super::crossing::cross;
 use super::spacing::Spacing;
 use super::stretches::{Stretches, nearest};
 use super::thin::Curve;
+use super::{PathError, Watch};
 use crate::surface::level_set::{Around, LevelField, SurfacePoint};
 use crate::surface::mesh::previous;
 use std::cmp::Reverse;
@@ -50,7 +51,8 @@ pub(super) fn single_beads(
     [bead, gap]: [f64; 2],
     curves: &[Curve],
     widths: &[Vec<f64>],
-) -> Vec<Single> {
+    watch: Watch,
+) -> Result<Vec<Single>, PathError> {
     let beside = Beside { curves, widths, stretches: Stretches::of(curves, 4.0 / 3.0 * LOOK * bead) };
     let least = spacing.least_single();
     let (shallow, most) = match spacing.fits() {
@@ -75,6 +77,7 @@ pub(super) fn single_beads(
         if !open[v as usize] {
             continue;
         }
+        watch()?;
         let part = graph.part(v, &open);
         let way = graph.longest(&part, &open);
         let covered = graph.reach(&way, |v| open[v as usize], |length, _| length, BRANCH * bead);
@@ -95,7 +98,7 @@ pub(super) fn single_beads(
             found.push(points);
         }
     }
-    singles
+    Ok(singles)
 }
 
 /// What is left of points if those near the one before go; the first and the last stay.

@@ -32,6 +32,7 @@ use super::curve::{Loop, locate};
 use super::plan::{End, Plan, Side};
 use super::spacing::Spacing;
 use super::thin::SAME;
+use super::{PathError, Watch};
 use crate::surface::level_set::{LevelSets, SurfacePoint};
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Point3;
@@ -81,14 +82,15 @@ pub(super) struct Rings<'a> {
 }
 
 /// Spirals for all chains.
-pub(super) fn connect(rings: &Rings, chains: &[Chain]) -> Plan {
+pub(super) fn connect(rings: &Rings, chains: &[Chain], watch: Watch) -> Result<Plan, PathError> {
     let taken = vec![Vec::new(); rings.sets.bands.len()];
     let mut weaver = Weaver { rings, plan: Plan::new(rings.loops.len()), taken };
     // Children first: they have less choice.
     for chain in chains.iter().rev() {
+        watch()?;
         weaver.join(&chain.rings, &chain.parents, chain);
     }
-    weaver.plan
+    Ok(weaver.plan)
 }
 
 /// A ring and the place of the line on it.

@@ -9,6 +9,7 @@
 
 use super::crossing::{cross, normal};
 use super::stretches::Stretches;
+use super::{PathError, Watch};
 use crate::surface::level_set::SurfacePoint;
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Vector3;
@@ -37,22 +38,24 @@ impl Curve {
 }
 
 /// For each curve the points that are kept; the first and the last are.
-pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64) {
+pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64, watch: Watch) -> Result<(), PathError> {
     curves.iter_mut().for_each(|curve| drop_near(&mut curve.points, SAME * bead, |_| true));
     let stretches = Stretches::of(curves, CELL * bead);
-    let kept: Vec<Vec<SurfacePoint>> = (0_u32..)
+    let kept = (0_u32..)
         .zip(curves.iter())
         .map(|(number, curve)| {
+            watch()?;
             let mut points = curve.points.clone();
             drop_near(&mut points, curve.least, |[before, from, to]| {
                 !turns_back(curve, [before, from, to])
                     && !folds(mesh, &curve.points[from..=to])
                     && !meets(&stretches, mesh, curves, number, from, to)
             });
-            points
+            Ok(points)
         })
-        .collect();
+        .collect::<Result<Vec<Vec<SurfacePoint>>, PathError>>()?;
     curves.iter_mut().zip(kept).for_each(|(curve, points)| curve.points = points);
+    Ok(())
 }
 
 /// Leaves out points nearer than `least` to the one kept before, if a chord past them is `clear`: given the point kept
@@ -139,12 +142,12 @@ mod tests {
         let bulge = curve(&[[0.0, 0.0], [1.0, 0.0], [1.01, 0.015], [1.02, 0.0], [2.0, 0.0]]);
         let tip = curve(&[[1.01, -1.0], [1.01, 0.01]]);
         let mut both = [bulge, tip];
-        thinned(&mesh, &mut both, 1.0);
+        thinned(&mesh, &mut both, 1.0, &|| Ok(())).unwrap();
         assert_eq!(both[0].points.len(), 5);
         // Without the tip it goes.
         let [bulge, _] = both;
         let mut alone = [bulge];
-        thinned(&mesh, &mut alone, 1.0);
+        thinned(&mesh, &mut alone, 1.0, &|| Ok(())).unwrap();
         assert_eq!(alone[0].points.len(), 4);
     }
 }

@@ -9,6 +9,7 @@ use super::crossing::normal;
 use super::spacing::{BEAD_WIDTHS, Spacing};
 use super::stretches::Stretches;
 use super::thin::Curve;
+use super::{PathError, Watch};
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::{Point3, Vector3};
 
@@ -22,7 +23,13 @@ const SAME_CURVE: f64 = 2.0;
 const BOUNDARY: u32 = u32::MAX;
 
 /// Widths at the points of curves.
-pub(super) fn fitted(mesh: &SurfaceMesh, spacing: &Spacing, curves: &[Curve], bead: f64) -> Vec<Vec<f64>> {
+pub(super) fn fitted(
+    mesh: &SurfaceMesh,
+    spacing: &Spacing,
+    curves: &[Curve],
+    bead: f64,
+    watch: Watch,
+) -> Result<Vec<Vec<f64>>, PathError> {
     let levels: Vec<Vec<(f64, bool)>> =
         curves.iter().map(|curve| curve.points.iter().map(|at| spacing.width(at)).collect()).collect();
     let mut stretches = Stretches::of(curves, 4.0 / 3.0 * LOOK * bead);
@@ -36,7 +43,11 @@ pub(super) fn fitted(mesh: &SurfaceMesh, spacing: &Spacing, curves: &[Curve], be
         (_, true) => room.width(number, k),
         (width, false) => width,
     };
-    (0..curves.len()).map(|number| (0..curves[number].points.len()).map(|k| width(number, k)).collect()).collect()
+    let of_curve = |number: usize| {
+        watch()?;
+        Ok((0..curves[number].points.len()).map(|k| width(number, k)).collect())
+    };
+    (0..curves.len()).map(of_curve).collect()
 }
 
 fn ends_of(mesh: &SurfaceMesh, h: u32) -> [Point3<f64>; 2] {

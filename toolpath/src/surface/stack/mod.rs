@@ -156,10 +156,19 @@ pub enum StackError {
     },
 }
 
+/// A layer with its curves.
+#[derive(Debug)]
+pub(super) struct Built<'a> {
+    pub vertices: &'a [Point3<f64>],
+    pub triangles: &'a [[u32; 3]],
+    pub spacing: &'a [f64],
+    pub curves: Vec<LayerCurve<'a>>,
+}
+
 /// The layers of a part in build order, ready for questions about what is built by now.
 #[derive(Debug)]
 pub struct LayerStack<'a> {
-    pub(super) layers: &'a [BuiltLayer<'a>],
+    pub(super) layers: Vec<Built<'a>>,
     pub(super) tree: Tree,
     /// By layer.
     pub(super) keys: Keys,
@@ -199,13 +208,34 @@ impl<'a> LayerStack<'a> {
     /// # Ok::<(), StackError>(())
     /// ```
     pub fn new(layers: &'a [BuiltLayer<'a>]) -> Result<Self, StackError> {
+        let built = |&BuiltLayer { vertices, triangles, spacing, curves }: &BuiltLayer<'a>| Built {
+            vertices,
+            triangles,
+            spacing,
+            curves: curves.to_vec(),
+        };
+        LayerStack::of(layers.iter().map(built).collect())
+    }
+
+    /// The same of layers with curves that stand beside them.
+    pub(super) fn with_curves(layers: Vec<(BuiltLayer<'a>, Vec<LayerCurve<'a>>)>) -> Result<Self, StackError> {
+        let built = |(BuiltLayer { vertices, triangles, spacing, .. }, curves): (BuiltLayer<'a>, _)| Built {
+            vertices,
+            triangles,
+            spacing,
+            curves,
+        };
+        LayerStack::of(layers.into_iter().map(built).collect())
+    }
+
+    fn of(layers: Vec<Built<'a>>) -> Result<Self, StackError> {
         let triangles = layers.iter().map(|layer| layer.triangles.len()).sum();
         if triangles > MOST {
             return Err(StackError::TooLarge { triangles });
         }
         layers.iter().enumerate().try_for_each(|(number, layer)| check(number, layer))?;
         let silent = |_| ControlFlow::Continue(());
-        let prepared = parallel::map(layers, "layers", &silent, prepare).unwrap_or_default();
+        let prepared = parallel::map(&layers, "layers", &silent, prepare).unwrap_or_default();
         let (mut all, mut rims) = (Vec::with_capacity(triangles), Vec::new());
         let mut normals = Vec::with_capacity(layers.len());
         for (layer, of_layer) in prepared.into_iter().enumerate() {
@@ -251,7 +281,7 @@ struct Prepared {
 }
 
 /// The triangles of a layer that have an area, with what is at their corners.
-fn prepare(number: usize, layer: &BuiltLayer) -> Prepared {
+fn prepare(number: usize, layer: &Built) -> Prepared {
     let normals = normals(layer);
     let at_boundary = rims::Rims::new(layer.vertices.len(), layer.triangles);
     let (mut triangles, mut rims) = (Vec::with_capacity(layer.triangles.len()), Vec::new());
@@ -270,7 +300,7 @@ fn prepare(number: usize, layer: &BuiltLayer) -> Prepared {
 }
 
 /// The normal of each vertex, weighted by area; zero where triangles cancel.
-fn normals(layer: &BuiltLayer) -> Vec<Vector3<f64>> {
+fn normals(layer: &Built) -> Vec<Vector3<f64>> {
     let mut normals = vec![Vector3::zeros(); layer.vertices.len()];
     for corners in layer.triangles {
         let [a, b, c] = corners.map(|v| layer.vertices[v as usize]);
@@ -284,7 +314,7 @@ fn sound(p: &Point3<f64>) -> bool {
     p.iter().all(|c| c.abs() <= LARGEST)
 }
 
-fn check(number: usize, layer: &BuiltLayer) -> Result<(), StackError> {
+fn check(number: usize, layer: &Built) -> Result<(), StackError> {
     if let Some(vertex) = layer.vertices.iter().position(|p| !sound(p)) {
         return Err(StackError::BadVertex { layer: number, vertex });
     }

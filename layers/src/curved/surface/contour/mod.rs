@@ -20,10 +20,12 @@
 mod cube;
 
 use super::extend::ExtendedField;
-use super::in_parallel;
+use super::{Report, in_parallel_watched};
+use crate::Progress;
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 /// Nearest that a vertex comes to a face of its cube, in cells. Vertices of different cubes are twice as far apart
 /// then, which keeps triangles from having no height; a larger margin would move surfaces that lie in the planes of
@@ -75,13 +77,16 @@ pub enum ContourError {
         cell_mm: f64,
     },
     /// The layers are thicker than the part.
-    #[error("a layer height of {height_mm} mm is more than the part has, {part_mm} mm along its growth")]
+    #[error("a layer height of {height_mm} mm is more than the height of the part along its growth, {part_mm} mm")]
     TooThick {
         /// The layer height.
         height_mm: f64,
         /// How far the part grows.
         part_mm: f64,
     },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 impl ExtendedField {
@@ -127,13 +132,14 @@ fn check_cell(cell_mm: f64, origin: Point3<f64>) -> Result<(), ContourError> {
 /// # Arguments
 /// * `levels`: values in layers, as [`ExtendedField::levels`] gives them; in any order.
 /// * `cell_mm`, `origin`: the edge of a cell and the low corner of the grid, in millimetres.
+/// * `progress`: called with the stage `contour` after each surface; may cancel.
 ///
 /// # Returns
 /// A surface for each level, in the order of the levels; some may be empty. Each is a 2-manifold with boundary, its
 /// normals point along the growth, and no height of a triangle is less than a thousandth of a cell.
 ///
 /// # Errors
-/// [`ContourError::Placement`].
+/// [`ContourError::Placement`], [`ContourError::Cancelled`].
 ///
 /// # Cost
 /// `O(n)` for `n` cells, and less than a microsecond for each triangle. With the feature `rayon` the levels are
@@ -144,7 +150,8 @@ fn check_cell(cell_mm: f64, origin: Point3<f64>) -> Result<(), ContourError> {
 /// use curvlay_layers::curved::{Cells, surface::{LayerField, contour, extend}};
 /// let cells = Cells::new([1, 1, 2], &[1, 1])?;
 /// let field = extend(&LayerField::new(&cells, vec![0.5, 1.5], 1.0)?, &cells);
-/// let surfaces = contour(&field, &[1.0], 2.0, [0.0, 0.0, 0.0].into())?;
+/// let silent = |_| std::ops::ControlFlow::Continue(());
+/// let surfaces = contour(&field, &[1.0], 2.0, [0.0, 0.0, 0.0].into(), &silent)?;
 /// assert!(surfaces[0].points.iter().all(|p| (p.z - 2.0).abs() < 1e-12));
 /// assert_eq!(surfaces[0].triangles.len(), 2 * 5 * 5); // the cell, and two rings around it
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -154,12 +161,13 @@ pub fn contour(
     levels: &[f64],
     cell_mm: f64,
     origin: Point3<f64>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Surface>, ContourError> {
     check_cell(cell_mm, origin)?;
     let crossings = crossings(field, levels);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
-    let one = |k: usize| Contour::new(field, levels[k]).run(&crossings[k], cell_mm, low);
-    Ok(in_parallel(levels.len(), 1, one))
+    let one = |k: usize, _: Report| Contour::new(field, levels[k]).run(&crossings[k], cell_mm, low);
+    in_parallel_watched(levels.len(), "contour", progress, one).ok_or(ContourError::Cancelled)
 }
 
 /// A place where a surface crosses the lattice: twice [`place_of`] an edge, and 1 more for the half at the upper end

@@ -1,0 +1,49 @@
+//! From a mesh to a machine file with the crates alone: cells, curved layers, tool paths, moves.
+//!
+//! ```sh
+//! cargo run --release --example mesh_to_gcode -- part.stl part.gcode   # without arguments: a jug made in code
+//! ```
+
+use curvlay_examples::{mesh::read_mesh, shapes::jug};
+use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
+use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
+use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
+use std::{env, fs::File, ops::ControlFlow::Continue};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut args = env::args().skip(1);
+    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?;
+    let out = args.next().unwrap_or_else(|| "mesh_to_gcode.gcode".to_owned());
+
+    // The cells of the part. They stand on the plate z = 0, and the mesh is moved there.
+    let options = VoxelOptions { resolution: Resolution::Count(10_000), ..VoxelOptions::default() };
+    let solid = voxelise(&mesh.vertices, &mesh.triangles, &options, &|_| Continue(()))?;
+    let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+    let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
+    let cell_mm = solid.grid.cell_mm();
+
+    // Layers as high as a cell, on a plate of 127.5 mm or as large as the part.
+    let part = Workpiece {
+        vertices: &vertices,
+        triangles: &mesh.triangles,
+        cells,
+        cell_mm,
+        origin: solid.grid.origin(),
+        platform: &Platform::under(&cells, 63.75 / cell_mm)?,
+        rules: Rules::default(),
+        volume_mm3: inspect(&vertices, &mesh.triangles)?.volume_mm3(),
+    };
+    let layered = part.layers(None, cell_mm, &|_| Continue(()))?;
+    let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
+
+    // Beads as wide as a layer is high, and the moves that lay them.
+    let options = PathOptions { bead: cell_mm, ..PathOptions::default() };
+    let filled = fill_layers(&surfaces, &options, &|_| Continue(()))?;
+    let plan = filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &|_| Continue(()))?;
+    let written = write_gcode(&plan.deposition.moves, &WriteOptions::default(), File::create(&out)?)?;
+
+    println!("{out}: {} layers, {} moves, {:.0} min", surfaces.len(), written.moves, plan.deposition.total_s / 60.0);
+    println!("{} cells missed, {} waypoints gouge", layered.growth.missed.len(), plan.freed.left.len());
+    Ok(())
+}

@@ -1,0 +1,393 @@
+//! The layers of a part: order of the cells, field of uniform layers, surfaces that end on its skin, in one call.
+//!
+//! Dai 2020, sections 3.4 and 3.6.3: growth, its audit, [`even`](super::surface::even()), [`extend`], [`contour`], trimming, spacing.
+//!
+//! # The best strategy
+//! Without a strategy the part is grown incrementally. If that misses cells, all is done once more with un-building. What a
+//! result *loses* of the volume is what lies in missed cells, and what the layers leave bare of the rest or cover twice. The
+//! un-built result wins if it loses less by more than [`WORTH`] of the volume: its fronts wait more, so its layers are less
+//! uniform.
+//!
+//! # Volume of missed cells
+//! Many missed cells are at the skin, so their cubes are more than the part. They are cut by level sheets, [`CUTS`] in a cell,
+//! trimmed to the mesh: area times distance is the volume, exactly for cells inside.
+
+use super::audit::{AuditError, AuditReport, audit};
+use super::cells::Cells;
+use super::growth::{Growth, GrowthError};
+use super::platform::Platform;
+use super::rules::Rules;
+use super::strategy::Strategy;
+use super::surface::{
+    ContourError, Even, EvenError, LayerField, Spacing, SpacingError, SurfaceSlices, contour, even, extend,
+    measure_spacing,
+};
+use super::surface::{Report, in_parallel_watched};
+use super::trim::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
+use crate::Progress;
+use nalgebra::{Point3, Vector3};
+use std::collections::HashSet;
+use std::ops::ControlFlow;
+
+/// How much less of the volume an un-built order has to lose to be taken. With 0 single cells decide for layers that are less
+/// uniform; with more than a few hundredths branches stay missed.
+pub const WORTH: f64 = 0.01;
+
+/// Level sheets in a missed cell. One misjudges cells that the skin cuts by up to half, more than four cost time for digits.
+const CUTS: u32 = 4;
+
+/// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
+const MIN_THICKNESS: f64 = 0.02;
+
+/// A part to be layered: its mesh, the cells made of it, and what it stands on.
+#[derive(Clone, Copy, Debug)]
+pub struct Workpiece<'a> {
+    /// Vertices of the mesh in millimetres, in the frame of the cells: the plate is the plane z = 0.
+    pub vertices: &'a [Point3<f64>],
+    /// Triangles of the mesh.
+    pub triangles: &'a [[u32; 3]],
+    /// The cells that the mesh touches or encloses.
+    pub cells: Cells<'a>,
+    /// Edge of a cell in millimetres.
+    pub cell_mm: f64,
+    /// Low corner of the grid in millimetres.
+    pub origin: Point3<f64>,
+    /// What it is built on.
+    pub platform: &'a Platform,
+    /// What supports a cell, and from which depth on it cannot be reached.
+    pub rules: Rules,
+    /// Volume of the part in cubic millimetres, by which the best strategy is chosen.
+    pub volume_mm3: f64,
+}
+
+/// A part in layers.
+#[derive(Clone, Debug)]
+pub struct LayeredPart {
+    /// The strategy that the order is by.
+    pub strategy: Strategy,
+    /// The order of the cells, and the cells that are missed.
+    pub growth: Growth,
+    /// The audit of that order.
+    pub audit: AuditReport,
+    /// The field of uniform layers.
+    pub even: Even,
+    /// Its surfaces.
+    pub surfaces: LayerSurfaces,
+}
+
+/// The surfaces of a part's layers, first to last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerSurfaces {
+    /// Distance of the surfaces along the growth, in millimetres.
+    pub height_mm: f64,
+    /// The surfaces, trimmed to the mesh; some may be empty.
+    pub sheets: Vec<TrimmedSheet>,
+    /// How far apart they lie.
+    pub spacing: Spacing,
+    /// For each surface, for each triangle: how thick a bead is there, in millimetres. The [thickness of the
+    /// layer](Spacing::thickness_mm) as the mean over the triangles around its corners, by area: beads cannot jump where layers
+    /// bend. At least a fiftieth of the layer height.
+    pub thickness_mm: Vec<Vec<f64>>,
+    /// Where they end.
+    pub boundary: LayerBoundary,
+    /// Volume of the part that lies in missed cells.
+    pub missed_mm3: f64,
+}
+
+/// Where the surfaces of a part end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerBoundary {
+    /// Greatest distance to the mesh of what ends on it, in millimetres.
+    pub error_mm: f64,
+    /// Length of the boundary beside missed cells.
+    pub at_missed_mm: f64,
+    /// Length inside the part, where one side of it had to wait for the other.
+    pub at_waits_mm: f64,
+    /// Length across holes of the mesh.
+    pub at_holes_mm: f64,
+}
+
+/// Why there are no layers.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LayersError {
+    /// The growth did not start.
+    #[error(transparent)]
+    Growth(GrowthError),
+    /// The audit did not start.
+    #[error(transparent)]
+    Audit(AuditError),
+    /// The field could not be made.
+    #[error(transparent)]
+    Even(EvenError),
+    /// No surfaces at this layer height.
+    #[error(transparent)]
+    Contour(ContourError),
+    /// The mesh or a surface cannot be trimmed.
+    #[error(transparent)]
+    Trim(TrimError),
+    /// The spacing could not be measured.
+    #[error(transparent)]
+    Spacing(SpacingError),
+    /// The volume is no volume.
+    #[error("a part of {volume_mm3} mm3: the volume must be finite and above 0")]
+    Volume {
+        /// What was given.
+        volume_mm3: f64,
+    },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// From the errors of the steps; whichever was cancelled, it is [`LayersError::Cancelled`].
+macro_rules! from_step {
+    ($($error:ident, $variant:ident, $cancelled:pat,)*) => {$(
+        impl From<$error> for LayersError {
+            fn from(error: $error) -> Self {
+                match error {
+                    $cancelled => LayersError::Cancelled,
+                    error => LayersError::$variant(error),
+                }
+            }
+        }
+    )*};
+}
+
+from_step! {
+    GrowthError, Growth, GrowthError::Cancelled,
+    AuditError, Audit, AuditError::Cancelled,
+    EvenError, Even, EvenError::Growth(GrowthError::Cancelled) | EvenError::Audit(AuditError::Cancelled),
+    ContourError, Contour, ContourError::Cancelled,
+    TrimError, Trim, TrimError::Cancelled,
+    SpacingError, Spacing, SpacingError::Cancelled,
+}
+
+impl Workpiece<'_> {
+    /// Layers the part.
+    ///
+    /// # Arguments
+    /// * `strategy`: how the order is grown; `None` for the best one ([module](self)).
+    /// * `height_mm`: layer height, at least a fifth of a cell.
+    /// * `progress`: called with the stages `grow` (`peel`), `audit`, `even`, `contour`, `trim` and `spacing`, each of which begins
+    ///   with nothing done; may cancel.
+    ///
+    /// # Errors
+    /// [`LayersError`]. Cells that cannot be built are no error: they are listed in the growth.
+    ///
+    /// # Cost
+    /// Some seconds for 100,000 cells, twice that where the best strategy has to be found among two. The same input gives the same
+    /// layers on any number of threads.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+    /// use curvlay_layers::nalgebra::Point3;
+    /// use std::ops::ControlFlow;
+    /// // A block of 4 x 4 x 3 mm, cells of 1 mm.
+    /// let corner = |k: u32| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { [4.0, 4.0, 3.0][axis] } else { 0.0 });
+    /// let vertices: Vec<_> = (0..8).map(|k| Point3::from(corner(k))).collect();
+    /// let triangles = [
+    ///     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+    ///     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+    /// ];
+    /// let rows = [0b1111; 12];
+    /// let cells = Cells::new([4, 4, 3], &rows)?;
+    /// let platform = Platform::under(&cells, 10.0)?;
+    /// let (cell_mm, origin, rules) = (1.0, Point3::origin(), Rules::default());
+    /// let part = Workpiece {
+    ///     vertices: &vertices, triangles: &triangles, cells, cell_mm, origin, platform: &platform, rules, volume_mm3: 48.0,
+    /// };
+    /// let layered = part.layers(None, 0.75, &|_| ControlFlow::Continue(()))?;
+    /// assert!(layered.growth.missed.is_empty() && layered.audit.is_ok());
+    /// assert_eq!(layered.surfaces.sheets.len(), 4);
+    /// assert!((layered.surfaces.spacing.volume_mm3 - 48.0).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn layers(
+        &self,
+        strategy: Option<Strategy>,
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayeredPart, LayersError> {
+        let volume_mm3 = self.volume_mm3;
+        if !(volume_mm3 > 0.0 && volume_mm3.is_finite()) {
+            return Err(LayersError::Volume { volume_mm3 });
+        }
+        let by = |strategy| self.layers_by(strategy, height_mm, progress);
+        if let Some(strategy) = strategy {
+            return by(strategy);
+        }
+        let incremental = by(Strategy::Incremental)?;
+        if incremental.growth.missed.is_empty() {
+            return Ok(incremental);
+        }
+        let unbuilt = by(Strategy::Unbuild)?;
+        let [lost, lost_unbuilt] = [&incremental, &unbuilt].map(|layered| layered.surfaces.lost_mm3(volume_mm3));
+        Ok(if lost_unbuilt + WORTH * volume_mm3 < lost { unbuilt } else { incremental })
+    }
+
+    fn layers_by(
+        &self,
+        strategy: Strategy,
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayeredPart, LayersError> {
+        let Workpiece { cells, platform, rules, .. } = self;
+        begin("grow", progress)?;
+        let growth = strategy.grow(cells, platform, rules, progress)?;
+        let missed = growth.missed_cells();
+        begin("audit", progress)?;
+        let audit = audit(cells, platform, rules, &growth.order, &missed, progress)?;
+        begin("even", progress)?;
+        let even = even(cells, platform, rules, &growth.order, &missed, progress)?;
+        let surfaces = self.surfaces(&even.field, &missed, height_mm, progress)?;
+        Ok(LayeredPart { strategy, growth, audit, even, surfaces })
+    }
+
+    /// The surfaces of a field, trimmed to the mesh and measured.
+    ///
+    /// # Arguments
+    /// * `field`: of these cells; [`even`](super::surface::even()) or a saved one.
+    /// * `missed`: cells without a value.
+    /// * `height_mm`: layer height, at least a fifth of a cell.
+    /// * `progress`: called with the stages `contour`, `trim` and `spacing`; may cancel.
+    ///
+    /// # Errors
+    /// [`LayersError`].
+    ///
+    /// # Cost
+    /// One to three seconds for 100,000 cells.
+    pub fn surfaces(
+        &self,
+        field: &LayerField,
+        missed: &[u32],
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayerSurfaces, LayersError> {
+        begin("trim", progress)?;
+        let trimmer = Trimmer::new(self.vertices, self.triangles)?;
+        begin("contour", progress)?;
+        let extended = extend(field, &self.cells);
+        let levels = extended.levels(self.cell_mm, height_mm)?;
+        let untrimmed = contour(&extended, &levels, self.cell_mm, self.origin, progress)?;
+        begin("trim", progress)?;
+        let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
+        let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
+        let sheets = trimmed.into_iter().collect::<Result<Vec<TrimmedSheet>, _>>()?;
+        let missed_mm3 = self.volume_in(missed, &trimmer, progress)?;
+        begin("spacing", progress)?;
+        let spacing = measure_spacing(&slices(&sheets), height_mm, progress)?;
+        let min = MIN_THICKNESS * height_mm;
+        let thickness =
+            |(sheet, raw): (&TrimmedSheet, &Vec<f64>)| uniform_thickness(&sheet.vertices, &sheet.triangles, raw, min);
+        let thickness_mm = sheets.iter().zip(&spacing.thickness_mm).map(thickness).collect();
+        let boundary = self.boundary(&sheets, missed);
+        Ok(LayerSurfaces { height_mm, sheets, spacing, thickness_mm, boundary, missed_mm3 })
+    }
+
+    /// Volume of the part in these cells.
+    fn volume_in(
+        &self,
+        cells: &[u32],
+        trimmer: &Trimmer,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<f64, TrimError> {
+        let mut cells: Vec<[u32; 3]> = cells.iter().map(|&cell| self.cells.position(cell)).collect();
+        cells.sort_unstable_by_key(|&[x, y, z]| [z, y, x]);
+        let mut area = 0.0;
+        for level in cells.chunk_by(|a, b| a[2] == b[2]) {
+            for cut in 0..CUTS {
+                let z = f64::from(level[0][2]) + (f64::from(cut) + 0.5) / f64::from(CUTS);
+                let corner = |x: u32, y: u32| self.origin + Vector3::new(f64::from(x), f64::from(y), z) * self.cell_mm;
+                let square = |&[x, y, _]: &[u32; 3]| [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
+                let points: Vec<Point3<f64>> = level.iter().flat_map(square).map(|[x, y]| corner(x, y)).collect();
+                let two = |k: u32| [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|corner| 4 * k + corner));
+                let triangles: Vec<[u32; 3]> = (0..level.len() as u32).flat_map(two).collect();
+                area += trimmer.trim(&points, &triangles, progress)?.area();
+            }
+        }
+        Ok(area * self.cell_mm / f64::from(CUTS))
+    }
+
+    /// Adds up where sheets end.
+    fn boundary(&self, sheets: &[TrimmedSheet], missed: &[u32]) -> LayerBoundary {
+        let missed: HashSet<[i64; 3]> = missed.iter().map(|&cell| self.cells.position(cell).map(i64::from)).collect();
+        let next_to_missed = |p: Point3<f64>| {
+            let place = (p - self.origin) / self.cell_mm;
+            let around = |d: f64| [0, 1, 2].map(|axis| (place[axis] + d).floor() as i64);
+            let (low, high) = (around(-1.0), around(1.0));
+            !missed.is_empty()
+                && (low[0]..=high[0])
+                    .any(|x| (low[1]..=high[1]).any(|y| (low[2]..=high[2]).any(|z| missed.contains(&[x, y, z]))))
+        };
+        let mut boundary = LayerBoundary::default();
+        for sheet in sheets {
+            boundary.error_mm = boundary.error_mm.max(sheet.error_mm);
+            boundary.at_holes_mm += sheet.hole_mm;
+            for edge in sheet.boundary.iter().filter(|edge| edge.kind == BoundaryKind::Border) {
+                let [a, b] = edge.ends.map(|end| sheet.vertices[end as usize]);
+                let length = (b - a).norm();
+                if next_to_missed(nalgebra::center(&a, &b)) {
+                    boundary.at_missed_mm += length;
+                } else {
+                    boundary.at_waits_mm += length;
+                }
+            }
+        }
+        boundary
+    }
+}
+
+/// Reports the beginning of a stage.
+fn begin(stage: &'static str, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), LayersError> {
+    match progress(Progress { stage, done: 0, total: 0 }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(LayersError::Cancelled),
+    }
+}
+
+fn slices(sheets: &[TrimmedSheet]) -> Vec<SurfaceSlices<'_>> {
+    sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect()
+}
+
+impl LayerSurfaces {
+    /// The surfaces as plain slices.
+    pub fn slices(&self) -> Vec<SurfaceSlices<'_>> {
+        slices(&self.sheets)
+    }
+
+    /// Points, triangles and thickness of each surface, first to last: all that planning its tool paths takes.
+    pub fn iter(&self) -> impl Iterator<Item = (&[Point3<f64>], &[[u32; 3]], &[f64])> {
+        let each = self.sheets.iter().zip(&self.thickness_mm);
+        each.map(|(sheet, thickness)| (&sheet.vertices[..], &sheet.triangles[..], &thickness[..]))
+    }
+
+    /// Volume that the layers leave bare or cover twice, missed cells included, of a part of this volume.
+    pub fn lost_mm3(&self, volume_mm3: f64) -> f64 {
+        self.missed_mm3 + (volume_mm3 - self.missed_mm3 - self.spacing.volume_mm3).abs()
+    }
+}
+
+/// The thickness of each triangle as the mean over those around its corners, by area, and at least `min`.
+///
+/// Where layers bend, rays from neighbouring triangles end up to twice as far away ([`Spacing::thickness_mm`]); beads cannot
+/// jump like that.
+fn uniform_thickness(vertices: &[Point3<f64>], triangles: &[[u32; 3]], thickness: &[f64], min: f64) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; vertices.len()];
+    for (corners, thickness) in triangles.iter().zip(thickness) {
+        let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
+        let area = (b - a).cross(&(c - a)).norm() / 2.0;
+        for &corner in corners {
+            let [volume, around] = &mut sums[corner as usize];
+            *volume += area * thickness;
+            *around += area;
+        }
+    }
+    let mean = |corner: u32, own: f64| {
+        let [volume, around] = sums[corner as usize];
+        if around > 0.0 { volume / around } else { own }
+    };
+    let each = triangles.iter().zip(thickness);
+    each.map(|(corners, &own)| (corners.iter().map(|&corner| mean(corner, own)).sum::<f64>() / 3.0).max(min)).collect()
+}

@@ -1,0 +1,398 @@
+//! All layers of a part filled with beads: curves, figures that judge them, and the order in which they are printed.
+//!
+//! Dai 2020, sections 3.5.1 (curves), 3.6.3 (coverage). For each surface: the exact distance to its boundary, its level sets,
+//! curves along them, and figures of these curves that know nothing of how they were made. Where fitted beads cross each other by
+//! these figures, the surface is filled once more with uniform ones, which are laid along plain level sets. At last the curves
+//! of all layers are put in an order with short ways between them ([`order_curves`]).
+
+use super::geodesic::{DistanceError, SurfaceDistance};
+use super::level_set::{LevelField, LevelSetError};
+use super::mesh::{MeshError, SurfaceMesh};
+use super::order::{OrderError, TravelCurve, order_curves};
+use super::parallel;
+use super::paths::{BEAD_WIDTHS, LayerPaths, PathError, PathOptions, Pattern};
+use super::stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
+use super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
+use crate::Progress;
+use nalgebra::Point3;
+use std::ops::ControlFlow;
+
+/// How far level sets may be off, in beads. Less takes longer and moves curves by less than a machine resolves; with more
+/// the outermost bead spills over the boundary.
+const TOLERANCE: f64 = 0.0125;
+
+/// The surface of a layer and how thick the layer is.
+#[derive(Clone, Copy, Debug)]
+pub struct LayerSurface<'a> {
+    /// Points in millimetres: the surface runs through the middle of the layer.
+    pub vertices: &'a [Point3<f64>],
+    /// Triangles, counter-clockwise seen from where the growth goes. None where nothing is left of a layer.
+    pub triangles: &'a [[u32; 3]],
+    /// Thickness of the layer at each triangle, in millimetres.
+    pub thickness: &'a [f64],
+}
+
+impl<'a> From<(&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64])> for LayerSurface<'a> {
+    /// Vertices, triangles, thickness.
+    fn from((vertices, triangles, thickness): (&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64])) -> Self {
+        LayerSurface { vertices, triangles, thickness }
+    }
+}
+
+impl LayerSurface<'_> {
+    /// Area by thickness, in cubic millimetres.
+    fn volume(&self) -> f64 {
+        let of = |(corners, thickness): (&[u32; 3], &f64)| {
+            let [a, b, c] = corners.map(|corner| self.vertices[corner as usize]);
+            (b - a).cross(&(c - a)).norm() / 2.0 * thickness
+        };
+        self.triangles.iter().zip(self.thickness).map(of).sum()
+    }
+}
+
+/// The paths of one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilledLayer {
+    /// Its curves; as part of [`FilledLayers`] in the order in which they are printed.
+    pub paths: LayerPaths,
+    /// What their beads cover.
+    pub statistics: PathStatistics,
+    /// Whether uniform beads took the place of fitted ones, which crossed.
+    pub uniform: bool,
+}
+
+/// The paths of all surfaces of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilledLayers {
+    /// In the order of the surfaces; none for a surface without triangles.
+    pub layers: Vec<Option<FilledLayer>>,
+    /// Straight ways from curve to curve and from layer to layer, in millimetres.
+    pub travel_mm: f64,
+    /// The same in the order in which the curves were found.
+    pub given_mm: f64,
+    /// For each layer points and widths of its curves.
+    beads: Vec<Vec<Bead>>,
+}
+
+/// A curve as a stack of layers takes it.
+#[derive(Clone, Debug, PartialEq)]
+struct Bead {
+    points: Vec<Point3<f64>>,
+    widths: Vec<f64>,
+    closed: bool,
+}
+
+/// Figures of all layers. Fractions are of the area of all surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FillTotals {
+    /// Connected regions that a bead fits into.
+    pub regions: usize,
+    /// Curves.
+    pub curves: usize,
+    /// Ways from curve to curve, from layer to layer included.
+    pub jumps: usize,
+    /// Length of all curves.
+    pub path_mm: f64,
+    /// Share under a bead.
+    pub covered_fraction: f64,
+    /// Share under two beads.
+    pub overlap_fraction: f64,
+    /// Beads past the boundary.
+    pub spill_fraction: f64,
+    /// Share that no admissible bead covers without reaching over the boundary.
+    pub unfillable_fraction: f64,
+    /// Covered share of the rest.
+    pub filled_fraction: f64,
+    /// Width of the largest gap.
+    pub max_gap_mm: f64,
+    /// Sharp turns of all curves.
+    pub sharp_turns: usize,
+    /// Places where curves cross.
+    pub self_crossings: usize,
+    /// Layers with uniform beads, since fitted ones crossed.
+    pub uniform_layers: usize,
+}
+
+/// Why a surface is not filled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FillError {
+    /// The surface is no oriented manifold with boundary.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// It has no distance to its boundary.
+    #[error(transparent)]
+    Distance(DistanceError),
+    /// It has no level sets.
+    #[error(transparent)]
+    Levels(LevelSetError),
+    /// It has no paths.
+    #[error(transparent)]
+    Paths(PathError),
+    /// The paths cannot be judged.
+    #[error(transparent)]
+    Statistics(StatisticsError),
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<DistanceError> for FillError {
+    fn from(error: DistanceError) -> Self {
+        if error == DistanceError::Cancelled { FillError::Cancelled } else { FillError::Distance(error) }
+    }
+}
+
+impl From<LevelSetError> for FillError {
+    fn from(error: LevelSetError) -> Self {
+        if error == LevelSetError::Cancelled { FillError::Cancelled } else { FillError::Levels(error) }
+    }
+}
+
+impl From<PathError> for FillError {
+    fn from(error: PathError) -> Self {
+        if error == PathError::Cancelled { FillError::Cancelled } else { FillError::Paths(error) }
+    }
+}
+
+impl From<StatisticsError> for FillError {
+    fn from(error: StatisticsError) -> Self {
+        if error == StatisticsError::Cancelled { FillError::Cancelled } else { FillError::Statistics(error) }
+    }
+}
+
+/// Why the layers of a part are not filled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FillLayersError {
+    /// A surface cannot be filled.
+    #[error("layer {layer}: {error}")]
+    Layer {
+        /// The layer, from 0.
+        layer: usize,
+        /// Why.
+        error: FillError,
+    },
+    /// The curves cannot be ordered.
+    #[error(transparent)]
+    Order(OrderError),
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<OrderError> for FillLayersError {
+    fn from(error: OrderError) -> Self {
+        if error == OrderError::Cancelled { FillLayersError::Cancelled } else { FillLayersError::Order(error) }
+    }
+}
+
+/// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
+///
+/// # Arguments
+/// * `surface`: with at least one triangle; its thickness is not used.
+/// * `progress`: called with the stages `distance`, `curves` and `coverage`, from 0 on; may cancel.
+///
+/// # Errors
+/// [`FillError`].
+///
+/// # Cost
+/// Some tenths of a second for a surface of 10,000 triangles; twice that where beads cross.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::surface::{LayerSurface, PathOptions, fill_layer};
+/// use std::ops::ControlFlow;
+/// let vertices = [[0.0, 0.0], [16.0, 0.0], [16.0, 8.0], [0.0, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
+/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2] };
+/// let filled = fill_layer(&surface, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// assert_eq!((filled.paths.paths.len(), filled.uniform), (1, false));
+/// assert!(filled.statistics.covered_fraction > 0.97);
+/// # Ok::<(), curvlay_toolpath::surface::FillError>(())
+/// ```
+pub fn fill_layer(
+    surface: &LayerSurface,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayer, FillError> {
+    let report = |stage: &'static str| move |p: Progress| progress(Progress { stage, ..p });
+    // Each stage from nothing done to all of it, so that a caller can tell them apart.
+    let mark = |stage: &'static str, done: u64| match progress(Progress { stage, done, total: 1 }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(FillError::Cancelled),
+    };
+    let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
+    mark("distance", 0)?;
+    let distance = SurfaceDistance::to_boundary(&mesh, &report("distance"))?;
+    mark("distance", 1)?;
+    let field = LevelField::new(&distance, TOLERANCE * options.bead, &report("curves"))?;
+    let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
+        mark("curves", 0)?;
+        let paths = field.paths(options, &report("curves"))?;
+        mark("curves", 1)?;
+        // What not even the narrowest bead could cover counts as unfillable.
+        let least_width_mm = BEAD_WIDTHS[0] * options.bead;
+        let statistics = statistics(&mesh, &paths, least_width_mm, &report("coverage"))?;
+        mark("coverage", 1)?;
+        Ok(FilledLayer { paths, statistics, uniform })
+    };
+    // The figures know nothing of how the curves were made; what they find fault with is made anew.
+    match filled(options, false) {
+        Err(FillError::Cancelled) => Err(FillError::Cancelled),
+        Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
+        // There is nothing more uniform than uniform beads, and rows are.
+        as_asked if !options.fitted || options.pattern == Pattern::Zigzag => as_asked,
+        fitted => match filled(&PathOptions { fitted: false, ..*options }, true) {
+            Err(error) if error != FillError::Cancelled => fitted,
+            uniform => uniform,
+        },
+    }
+}
+
+fn statistics(
+    mesh: &SurfaceMesh,
+    paths: &LayerPaths,
+    least_width_mm: f64,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<PathStatistics, StatisticsError> {
+    let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = paths.paths.iter().map(|path| path.line()).collect();
+    let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
+    let options = StatisticsOptions { least_width_mm, ..StatisticsOptions::default() };
+    path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)
+}
+
+/// Fills all surfaces of a part ([`fill_layer`]) and orders their curves.
+///
+/// # Arguments
+/// * `surfaces`: in build order; those without triangles stay empty.
+/// * `progress`: called with the stage `fill` after each surface, in between with the stages of [`fill_layer`] from
+///   the threads that do them, and with `order`; may cancel.
+///
+/// # Errors
+/// [`FillLayersError`], of the first surface that cannot be filled.
+///
+/// # Cost
+/// That of [`fill_layer`] for each surface and of [`order_curves`]. With the feature `rayon` surfaces are shared out among
+/// threads; the result is the same.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
+/// use std::ops::ControlFlow;
+/// // Two layers of a block, 0.8 mm thick.
+/// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
+/// let vertices = [level(0.4), level(1.2)];
+/// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2],
+/// });
+/// let silent = |_| ControlFlow::Continue(());
+/// let filled = fill_layers(&surfaces, &PathOptions::default(), &silent)?;
+/// assert_eq!((filled.totals().curves, filled.totals().jumps), (2, 1));
+/// let plan = filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &silent)?;
+/// assert!((plan.deposition.extruded_mm3 / filled.covered_mm3(&surfaces) - 1.0).abs() < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fill_layers(
+    surfaces: &[LayerSurface],
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayers, FillLayersError> {
+    let fill = |layer: usize, surface: &LayerSurface| {
+        let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
+        filled.map_err(|error| match error {
+            FillError::Cancelled => FillLayersError::Cancelled,
+            error => FillLayersError::Layer { layer, error },
+        })
+    };
+    let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
+    let mut layers = filled.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
+    fn curve(bead: &Bead) -> TravelCurve<'_> {
+        TravelCurve { points: &bead.points, closed: bead.closed }
+    }
+    let order =
+        order_curves(&found.iter().map(|beads| beads.iter().map(curve).collect()).collect::<Vec<_>>(), progress)?;
+    for (layer, visits) in layers.iter_mut().zip(&order.layers) {
+        if let Some(FilledLayer { paths: LayerPaths { paths, .. }, .. }) = layer {
+            *paths = visits.iter().map(|visit| paths[visit.curve as usize].travelled(visit)).collect();
+        }
+    }
+    let beads = layers.iter().map(beads).collect();
+    Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+}
+
+fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
+    let bead = |path: &super::SurfacePath| {
+        let (points, widths) = path.points.iter().map(|point| (point.at.position, point.width)).unzip();
+        Bead { points, widths, closed: path.closed }
+    };
+    layer.iter().flat_map(|layer| &layer.paths.paths).map(bead).collect()
+}
+
+impl FilledLayers {
+    /// The surfaces with their curves as what is built, layer by layer.
+    ///
+    /// # Arguments
+    /// * `surfaces`: those that were filled.
+    ///
+    /// # Errors
+    /// [`StackError`], e.g. for a thickness that is not above 0.
+    ///
+    /// # Cost
+    /// That of [`LayerStack::new`].
+    pub fn stack<'a>(&'a self, surfaces: &[LayerSurface<'a>]) -> Result<LayerStack<'a>, StackError> {
+        let curve = |bead: &'a Bead| LayerCurve { points: &bead.points, widths: &bead.widths, closed: bead.closed };
+        let no_curves: &[LayerCurve] = &[];
+        let layer = |(surface, beads): (&LayerSurface<'a>, &'a Vec<Bead>)| {
+            let LayerSurface { vertices, triangles, thickness } = *surface;
+            let built = BuiltLayer { vertices, triangles, spacing: thickness, curves: no_curves };
+            (built, beads.iter().map(curve).collect())
+        };
+        LayerStack::with_curves(surfaces.iter().zip(&self.beads).map(layer).collect())
+    }
+
+    /// Volume of what beads cover, in cubic millimetres: covered area by the thickness of the layer.
+    ///
+    /// # Arguments
+    /// * `surfaces`: those that were filled.
+    pub fn covered_mm3(&self, surfaces: &[LayerSurface]) -> f64 {
+        let covered = |(layer, surface): (&Option<FilledLayer>, &LayerSurface)| {
+            layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * surface.volume())
+        };
+        self.layers.iter().zip(surfaces).map(covered).sum()
+    }
+
+    /// Figures of all layers.
+    pub fn totals(&self) -> FillTotals {
+        let mut totals = FillTotals::default();
+        let mut area = 0.0;
+        for FilledLayer { paths, statistics, uniform } in self.layers.iter().flatten() {
+            totals.uniform_layers += usize::from(*uniform);
+            area += statistics.area_mm2;
+            totals.regions += paths.regions;
+            totals.curves += statistics.curves;
+            totals.path_mm += statistics.path_mm;
+            totals.covered_fraction += statistics.covered_fraction * statistics.area_mm2;
+            totals.overlap_fraction += statistics.overlap_fraction * statistics.area_mm2;
+            totals.spill_fraction += statistics.spill_fraction * statistics.area_mm2;
+            let unfillable = statistics.unfillable_fraction * statistics.area_mm2;
+            totals.unfillable_fraction += unfillable;
+            totals.filled_fraction += statistics.filled_fraction * (statistics.area_mm2 - unfillable);
+            // A closed sheet without beads has no largest gap.
+            let gap = statistics.largest_gap.map_or(0.0, |gap| 2.0 * gap.radius_mm);
+            totals.max_gap_mm = totals.max_gap_mm.max(if gap.is_finite() { gap } else { 0.0 });
+            totals.sharp_turns += statistics.sharp_turns;
+            totals.self_crossings += statistics.self_crossings;
+        }
+        totals.jumps = totals.curves.saturating_sub(1);
+        if area > 0.0 {
+            let fillable = area - totals.unfillable_fraction;
+            totals.filled_fraction = if fillable > 0.0 { totals.filled_fraction / fillable } else { 1.0 };
+            let of_all = [&mut totals.covered_fraction, &mut totals.overlap_fraction, &mut totals.spill_fraction];
+            of_all.into_iter().chain([&mut totals.unfillable_fraction]).for_each(|share| *share /= area);
+        }
+        totals
+    }
+}
