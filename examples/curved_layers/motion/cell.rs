@@ -14,7 +14,7 @@ use curvlay_toolpath::surface::{Contact, ContactError, Contacts, Moment, NozzleP
 use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::print::{self, Clearance, PrintCell, Waypoint};
 use curvlay_trajectory::transfer::FreeSpace;
-use nalgebra::{Isometry3, Point3, Translation3, UnitVector3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitVector3};
 use std::sync::Arc;
 
 /// How fine sweeps look, in millimetres; and where that proves nothing.
@@ -26,7 +26,7 @@ const NEAR_MM: f64 = 30.0;
 
 /// How much farther than the margin things stay apart at waypoints, in millimetres, by [`Clearance`]. The least is twice what fine
 /// sweeps leave undecided.
-const CLEARANCES_MM: [f64; Clearance::ALL.len()] = [9.5, 2.5, 2.0 * FINE_MM];
+pub const CLEARANCES_MM: [f64; Clearance::ALL.len()] = [9.5, 2.5, 2.0 * FINE_MM];
 
 /// A workcell with the part in it as far as it is built.
 #[derive(Clone)]
@@ -41,7 +41,7 @@ pub struct GrowingCell<'a, const N: usize, const F: usize, W> {
     field: &'a FieldRun,
     contacts: &'a Contacts<'a>,
     outline: Outline,
-    shift: Vector3<f64>,
+    frame_part: Isometry3<f64>,
     /// Cells by the surface at which they are built, from 0.
     layers: Arc<[Vec<u32>]>,
     /// Surfaces that are there while one is printed, that one included, and behind transfers.
@@ -63,15 +63,15 @@ pub struct Job<'a> {
     pub field: &'a FieldRun,
     pub surfaces: &'a SurfacesRun,
     pub contacts: &'a Contacts<'a>,
-    /// Positions in the part, less this, are positions over what carries it.
-    pub shift: Vector3<f64>,
+    /// Maps the part to the frame of what carries it.
+    pub frame_part: Isometry3<f64>,
     /// How far things stay apart.
     pub margin_mm: f64,
 }
 
 impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F, W> {
     pub fn new(cell: &'a W, job: &Job<'a>) -> Result<Self, Failure> {
-        let Job { field, surfaces, contacts, shift, margin_mm } = *job;
+        let Job { field, surfaces, contacts, frame_part, margin_mm } = *job;
         let (grid, equipment) = (&field.solid.grid, cell.equipment());
         let (carrier, part_frame) = equipment.part_frame();
         let nozzle = equipment.model().nozzle;
@@ -81,17 +81,15 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F
             block: [nozzle.cone_height_mm, nozzle.block_top_mm],
         };
         let nothing = vec![0; grid.rows().len()];
-        let origin = Translation3::from(grid.origin() - Vector3::new(shift.x, shift.y, 0.0));
         let part = Body {
             name: PART.into(),
             mount: carrier,
-            mount_body: part_frame * Isometry3::from(origin),
+            mount_body: part_frame * frame_part * Translation3::from(grid.origin().coords),
             shape: Shape::Cells { dims: grid.dims(), rows: nothing, cell: grid.cell_mm() },
         };
         let mut model = equipment.scene(field.platform_diameter_mm());
         model.bodies.push(part);
-        let may = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
-        let allowed = [NOZZLE, HOT_END].iter().flat_map(|a| [PART, PLATE].map(|b| may(a, b))).collect::<Vec<_>>();
+        let allowed = of_nozzle(&[PART, PLATE]);
         let model = SceneModel { margin: margin_mm, ..model };
         let with = |more: f64| {
             let model = SceneModel { margin: margin_mm + more, allowed: allowed.clone(), ..model.clone() };
@@ -102,7 +100,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F
         let moving = Scene::new(model).map_err(failure)?;
         let layers = layers(field, surfaces).into();
         let (begun, built) = (0, 0);
-        Ok(GrowingCell { printing, clear, moving, cell, field, contacts, outline, shift, layers, begun, built })
+        Ok(GrowingCell { printing, clear, moving, cell, field, contacts, outline, frame_part, layers, begun, built })
     }
 
     /// Where the nozzle is on what carries the part.
@@ -110,9 +108,15 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F
         self.cell.nozzle_on_part(joints)
     }
 
-    /// Positions in the part, less this, are positions over what carries it.
-    pub fn shift(&self) -> &Vector3<f64> {
-        &self.shift
+    /// Maps the part to the frame of what carries it.
+    pub fn frame_part(&self) -> &Isometry3<f64> {
+        &self.frame_part
+    }
+
+    /// Where a nozzle over what carries the part is in the part.
+    fn in_part(&self, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Pose {
+        let tip = self.frame_part.inverse_transform_point(tip);
+        Pose { tip, direction: self.frame_part.inverse_transform_unit_vector(axis) }
     }
 
     /// Cells of the surfaces from one up to another, and how many surfaces there are then.
@@ -160,7 +164,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F
         tip: &Point3<f64>,
         axis: &UnitVector3<f64>,
     ) -> Result<Option<Contact>, ContactError> {
-        let of_layers = self.contacts.deepest(moment, &Pose { tip: tip + self.shift, direction: *axis })?;
+        let of_layers = self.contacts.deepest(moment, &self.in_part(tip, axis))?;
         let all = of_layers.into_iter().chain(self.below_plate(tip, axis));
         Ok(all.max_by(|a, b| a.depth.total_cmp(&b.depth)))
     }
@@ -177,7 +181,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingCell<'a, N, F
         ];
         let depths = edges.map(|(part, height, radius)| (part, radius * lean - tip.z - axis.z * height));
         let (part, depth) = depths.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let point = tip + self.shift;
+        let point = self.frame_part.inverse_transform_point(tip);
         (depth > 0.0).then_some(Contact { obstacle: Obstacle::Plate, depth, height: 0.0, part, point })
     }
 }
@@ -217,10 +221,16 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for Growing
             print::Moment::At { path, waypoint } => Moment::At { path, waypoint },
             print::Moment::After { path } => Moment::After { path },
         };
-        let pose = Pose { tip: nozzle.position + self.shift, direction: nozzle.axis };
+        let pose = self.in_part(&nozzle.position, &nozzle.axis);
         let above_plate = self.below_plate(&nozzle.position, &nozzle.axis).is_none();
         !(above_plate && self.contacts.is_free(moment, &pose).unwrap_or(false))
     }
+}
+
+/// Pairs of the nozzle, cone and block, with each of these.
+pub fn of_nozzle(others: &[&str]) -> Vec<[String; 2]> {
+    let pairs = |a: &str| others.iter().map(|b| [a.to_owned(), (*b).to_owned()]).collect::<Vec<_>>();
+    [NOZZLE, HOT_END].into_iter().flat_map(pairs).collect()
 }
 
 /// The cells that each surface is the middle of. What comes after the last surface goes with it.

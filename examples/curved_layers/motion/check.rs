@@ -144,7 +144,7 @@ pub fn read<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>>> {
 /// Checks the motions that were written, layer by layer, with the part as it is built by then.
 pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
     print: &Print,
-    cell: &W,
+    (cell, frame_part): (&W, &Isometry3<f64>),
     limits: &PrintLimits<N>,
     motions: &[Written<N>],
     bars: &Bars,
@@ -158,7 +158,7 @@ pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
         max_angle,
         ..CheckOptions::default()
     };
-    let report = print.in_workcell(cell, allowed_depth, bars, |mut cell| {
+    let report = print.in_workcell((cell, frame_part), allowed_depth, bars, |mut cell| {
         let scene = Executed { print, motions, cell: &cell };
         let path: Vec<Vec<PathPoint>> = motions.iter().map(|motion| scene.path(motion)).collect();
         let mut reports: Vec<MotionReport<N>> = Vec::with_capacity(motions.len());
@@ -195,7 +195,8 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Executed<'_, N, F, W> {
         let (LegKind::Print, Some(waypoints)) = (motion.kind, motion.printed()) else { return Vec::new() };
         let mut passed = motion.waypoints.iter().copied().peekable();
         let point = |waypoint: usize| {
-            let placed = placed(&self.print.machine.freed.paths[motion.path].waypoints[waypoint], self.cell.shift());
+            let placed =
+                placed(&self.print.machine.freed.paths[motion.path].waypoints[waypoint], self.cell.frame_part());
             let passed_s = passed.next_if(|(passed, _)| *passed == waypoint).map(|(_, time)| time);
             PathPoint { tip: placed.position, axis: placed.axis, passed_s }
         };

@@ -6,6 +6,7 @@
 
 mod cell;
 pub mod check;
+mod place;
 
 use crate::failure;
 use crate::field::FieldRun;
@@ -23,7 +24,7 @@ use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Work
 use curvlay_toolpath::surface::{GougingOptions, MoveKind, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, Waypoint, plan_print};
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, UnitVector3};
 use std::f64::consts::PI;
 use std::fs;
 use std::io::BufRead;
@@ -144,8 +145,8 @@ pub struct MotionRun<const N: usize, const F: usize, W> {
     /// How far things stay apart.
     pub margin_mm: f64,
     pub plan: PrintPlan<N, F>,
-    /// Positions in the part, less this, are positions over what carries it.
-    pub shift: Vector3<f64>,
+    /// Maps the part to the frame of what carries it.
+    pub frame_part: Isometry3<f64>,
     /// What the check of the written motions found.
     pub checked: Option<Checked<N>>,
 }
@@ -205,7 +206,7 @@ impl Motion {
 impl<const N: usize, const F: usize, W: Workcell<N, F>> MotionRun<N, F, W> {
     fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
         let motions = check::read(file).map_err(failure)?;
-        self.checked = Some(check::check(print, &self.cell, &self.limits, &motions, bars)?);
+        self.checked = Some(check::check(print, (&self.cell, &self.frame_part), &self.limits, &motions, bars)?);
         Ok(())
     }
 }
@@ -224,13 +225,6 @@ pub struct Print<'a> {
 }
 
 impl Print<'_> {
-    /// The part in the middle of what carries it; the plate stays where it is: z = 0 stands on it.
-    fn shift(&self) -> Vector3<f64> {
-        let tips = || self.machine.freed.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip);
-        let mean = tips().map(|tip| tip.coords).sum::<Vector3<f64>>() / tips().count().max(1) as f64;
-        Vector3::new(mean.x, mean.y, 0.0)
-    }
-
     fn limits<const N: usize>(&self, limits: &JointLimits<N>) -> PrintLimits<N> {
         let MotionArgs { acceleration, jerk, max_flow, max_flow_ramp, tolerance, .. } = *self.args;
         let bounds = bounds_of(limits);
@@ -266,11 +260,12 @@ impl Print<'_> {
         bars: &Bars,
     ) -> Result<MotionRun<N, F, W>, Failure> {
         let start = Instant::now();
-        let (robot, shift) = (OnCell::new(cell.clone(), Vec::new()), self.shift());
+        let robot = OnCell::new(cell.clone(), Vec::new());
+        let frame_part = self.place(cell, options, bars)?;
         let limits = self.limits(cell.limits());
         let flows = self.flows();
         let of_path = |path: &curvlay_toolpath::surface::ToolPath| {
-            path.waypoints.iter().map(|waypoint| placed(waypoint, &shift)).collect()
+            path.waypoints.iter().map(|waypoint| placed(waypoint, &frame_part)).collect()
         };
         let waypoints: Vec<Vec<Waypoint>> = self.machine.freed.paths.iter().map(of_path).collect();
         let paths: Vec<PrintPath> = (self.machine.freed.paths.iter().zip(&waypoints).zip(&flows))
@@ -285,20 +280,20 @@ impl Print<'_> {
             bars.update(p.stage, p.done, p.total);
             ControlFlow::Continue(())
         };
-        let plan = self.in_workcell(cell, PLANNED_DEPTH, bars, |growing| {
+        let plan = self.in_workcell((cell, &frame_part), PLANNED_DEPTH, bars, |growing| {
             let took = start.elapsed();
             let mut plan = plan_print(&robot, growing, &paths, &limits, options, &progress).map_err(failure)?;
             plan.times.runs += took;
             Ok(plan)
         })?;
-        Ok(MotionRun { cell: cell.clone(), limits, margin_mm: self.args.margin, plan, shift, checked: None })
+        Ok(MotionRun { cell: cell.clone(), limits, margin_mm: self.args.margin, plan, frame_part, checked: None })
     }
 
     /// The workcell before anything is built, for as long as `work` takes. The nozzle may be so deep in a layer, as a share of
     /// its height.
     fn in_workcell<const N: usize, const F: usize, W: Workcell<N, F>, T>(
         &self,
-        cell: &W,
+        (cell, frame_part): (&W, &Isometry3<f64>),
         allowed_depth: f64,
         bars: &Bars,
         work: impl FnOnce(GrowingCell<N, F, W>) -> Result<T, Failure>,
@@ -312,8 +307,8 @@ impl Print<'_> {
             // The workcell knows the plate.
             let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
             let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
-            let (shift, margin_mm) = (self.shift(), self.args.margin);
-            work(GrowingCell::new(cell, &Job { field, surfaces, contacts: &contacts, shift, margin_mm })?)
+            let (frame_part, margin_mm) = (*frame_part, self.args.margin);
+            work(GrowingCell::new(cell, &Job { field, surfaces, contacts: &contacts, frame_part, margin_mm })?)
         })
     }
 }
@@ -340,6 +335,7 @@ fn limit(text: &str) -> Result<f64, String> {
 }
 
 /// A waypoint over what carries the part.
-fn placed(waypoint: &curvlay_toolpath::surface::Waypoint, shift: &Vector3<f64>) -> Waypoint {
-    Waypoint { position: waypoint.tip - shift, axis: waypoint.direction }
+fn placed(waypoint: &curvlay_toolpath::surface::Waypoint, frame_part: &Isometry3<f64>) -> Waypoint {
+    let axis = UnitVector3::new_unchecked(frame_part.rotation * waypoint.direction.into_inner());
+    Waypoint { position: frame_part * waypoint.tip, axis }
 }

@@ -16,7 +16,7 @@ use curvlay_kinematics::scene::{Body, Mount, Shape};
 use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
 use curvlay_trajectory::check::{JointPeaks, PrintPeak};
 use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
 use std::io::{self, Write};
 use std::time::Duration;
@@ -112,7 +112,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
     run: &MotionRun<N, F, W>,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let MotionRun { cell, plan: run, limits, margin_mm, shift, checked: found, .. } = run;
+    let MotionRun { cell, plan: run, limits, margin_mm, frame_part, checked: found, .. } = run;
     let times = &run.times;
     let worst = run.layers.iter().filter(|layer| layer.runs > 0).map(|layer| layer.factor(PlanTimes::all));
     let limit = |values: [f64; N]| {
@@ -121,8 +121,9 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
     };
     summary
         .set("cell", cell.equipment().name())?
-        .set("part_shift_x_mm", shift.x)?
-        .set("part_shift_y_mm", shift.y)?
+        .set("part_shift_x_mm", -frame_part.translation.x)?
+        .set("part_shift_y_mm", -frame_part.translation.y)?
+        .set("part_turn_deg", frame_part.rotation.scaled_axis().z.to_degrees())?
         .set("limit_acceleration_rad_s2", limit(limits.bounds.acceleration))?
         .set("limit_jerk_rad_s3", limit(limits.bounds.jerk))?
         .set("limit_flow_mm3_s", limit([limits.max_flow_mm3_s; N]))?
@@ -264,7 +265,7 @@ fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> Option<Picture> {
     let joints = motion.trajectory.joints();
     let stance = run.cell.stance(&joints[joints.len() / 2])?;
-    let base_part = stance.part * Isometry3::from(Translation3::new(-run.shift.x, -run.shift.y, 0.0));
+    let base_part = stance.part * run.frame_part;
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));
     for ends in stance.arm.windows(2) {
         let [a, b] = [0, 1].map(|k: usize| Point3::from(ends[k].translation.vector));
