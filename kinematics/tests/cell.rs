@@ -8,6 +8,7 @@ use common::{arm, differ, miss};
 use curvlay_kinematics::nalgebra::{
     Isometry3, Matrix4, Point3, Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3,
 };
+use curvlay_kinematics::scene::Mount;
 use curvlay_kinematics::{
     ArmModel, Cell, CellError, JointLimits, PoseError, Positioner, PositionerError, PositionerModel, TableCell,
     Waypoint, nozzle_frame, pose_from_matrix, robots,
@@ -193,6 +194,21 @@ fn the_wrist_stays_when_the_table_tilts_with_the_waypoint() {
     }
     assert!(cell.at(&[7.0, 0.0]).is_none());
     assert_eq!(cell.rates(&[7.0, 0.0], &[0.1; 6]), None);
+}
+
+#[test]
+fn part_and_nozzle_are_where_they_are_fixed() {
+    let [part, nozzle] = [Isometry3::translation(1.0, 2.0, 3.0), Isometry3::translation(4.0, 5.0, 6.0)];
+    let over = Cell::nozzle_in_hand(arm(&robots::UR3), nozzle, part).unwrap();
+    assert_eq!((over.part_frame(), over.nozzle_frame()), ((Mount::Base, part), (Mount::Link(6), nozzle)));
+    let over = TableCell::nozzle_in_hand(arm(&robots::UR3), nozzle, positioner(), part).unwrap();
+    assert_eq!((over.part_frame(), over.nozzle_frame()), ((Mount::Table, part), (Mount::Link(6), nozzle)));
+    let under = TableCell::part_in_hand(arm(&robots::UR3), part, positioner(), nozzle).unwrap();
+    assert_eq!((under.part_frame(), under.nozzle_frame()), ((Mount::Link(6), part), (Mount::Table, nozzle)));
+    // With the table somewhere, what it carries is in the base.
+    let at = under.at(&[0.3, 0.4]).unwrap();
+    let base_nozzle = positioner().forward(&[0.3, 0.4]) * nozzle;
+    assert_eq!((at.part_frame(), at.nozzle_frame()), ((Mount::Link(6), part), (Mount::Base, base_nozzle)));
 }
 
 #[test]
