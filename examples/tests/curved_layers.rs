@@ -514,6 +514,39 @@ fn without_limits_of_jerk_none_is_kept() {
     assert_eq!((&figures["check_findings"], &figures["without_transfer"]), (&0.into(), &0.into()));
 }
 
+/// A cell that is none of the two that come along: a UR10 with a leaning nozzle in its hand over a plate that stands still, read
+/// from its file. The plate is so far away that the arm does not reach all of a part in the middle: it is put elsewhere.
+#[test]
+fn an_arm_of_a_file_prints_over_a_plate_that_stands_still() {
+    let scratch = Scratch::new("workcell");
+    let cell = include_str!("../cells/ur10.json");
+    let far = cell.replace("[750, 0, 0]", "[1230, 0, 0]").replace("\"diameter_mm\": 300", "\"diameter_mm\": 500");
+    assert_ne!(cell, far);
+    let printed = |name: &str, text: &str| {
+        let file = scratch.path(&format!("{name}.json"));
+        fs::write(&file, text).unwrap();
+        let out = scratch.path(name);
+        let args = ["--cell", "2", "--stage", "motion", "--workcell", &file];
+        let figures = block([8.0, 6.0, 4.0], &out, &args);
+        documented(&out);
+        assert_eq!(figures["cell"], "UR10 with the nozzle in its hand over a fixed plate");
+        assert_eq!((&figures["unreachable_waypoints"], &figures["blocked_waypoints"]), (&0.into(), &0.into()));
+        assert_eq!((&figures["check_findings"], &figures["without_transfer"]), (&0.into(), &0.into()));
+        let script = fs::read(Path::new(&out).join("print_001.script")).unwrap();
+        assert!(UrScriptReader::new(&script[..]).all(|step| step.is_ok()));
+        ["part_shift_x_mm", "part_shift_y_mm", "part_turn_deg"].map(|key| figures[key].as_f64().unwrap())
+    };
+    let [x, y, turn] = printed("near", cell);
+    assert!(x.abs() < 5.0 && y.abs() < 5.0 && turn.abs() < 1e-12, "in the middle: {x} {y} {turn}");
+    let [x, _, turn] = printed("far", &far);
+    assert!(x > 20.0 || turn.abs() > 1.0, "nearer to the arm, or turned: {x} {turn}");
+    // A field that cannot be is named with the file.
+    let file = scratch.path("bad.json");
+    fs::write(&file, cell.replace("\"cone_height_mm\": 8", "\"cone_height_mm\": -8")).unwrap();
+    let (status, line) = status_and_line(&run(&["--workcell", &file, "--out", &scratch.path("bad")]));
+    assert!(status == 1 && line.contains("bad.json") && line.contains("nozzle.cone_height_mm"), "{status} {line}");
+}
+
 /// Bug: the whole tower was in the scene from the first layer on, so that what holds the nozzle had no place beside it.
 #[test]
 fn what_is_printed_later_is_in_nobodys_way() {
@@ -551,7 +584,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 21] = [
+    let cases: [(&[&str], i32, &str); 24] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -567,8 +600,11 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--tolerance", "0"], 2, "--tolerance"),
         (&["--margin", "-1"], 2, "--margin"),
         (&["--max-flow", "0"], 2, "--max-flow"),
-        (&["--program", "rapid"], 1, "--cell8"),
+        (&["--program", "rapid"], 1, "only for ABB arms"),
         (&["--program", "urscript", "--cell8"], 1, "ABB"),
+        (&["--cell8", "--workcell", "x.json"], 2, "--workcell"),
+        (&["--workcell", "no-such-cell.json"], 1, "no-such-cell.json"),
+        (&["--workcell", &scratch.path("file")], 1, "line 1, column 1"),
         (&["--mesh", "no-such-file.stl"], 1, "no-such-file.stl"),
         (&["--mesh", &scratch.path("")], 1, "not a file"),
         (&["--cell", "0.0001"], 1, "grid"),
