@@ -71,7 +71,10 @@ fn every_fault_is_told_with_its_place() {
         assert!(check(&error), "{text:?} gave {error:?}");
     }
     assert!(matches!(read("---\n"), Err(TextGridError::NoObject)));
-    assert_eq!(read("11\n1x\n").unwrap_err().to_string(), "line 2, column 2: unexpected character 'x': expected `0`, `1` or `-`");
+    assert_eq!(
+        read("11\n1x\n").unwrap_err().to_string(),
+        "line 2, column 2: unexpected character 'x': expected `0`, `1` or `-`"
+    );
 }
 
 #[test]
