@@ -25,7 +25,7 @@ fn rows_of(dims: [u32; 3], solid: impl Fn([u32; 3]) -> bool) -> Vec<u64> {
 
 fn grown(cells: &Cells, platform: &Platform) -> (Growth, Vec<u32>) {
     let growth = grow(cells, platform, &Rules::default(), &GrowthOptions::default(), None, &go).unwrap();
-    let missed = growth.missed.iter().map(|missed| missed.cell).collect();
+    let missed = growth.missed_cells();
     (growth, missed)
 }
 
