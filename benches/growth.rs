@@ -77,7 +77,7 @@ fn growth(c: &mut Criterion) {
                 unbuild(black_box(&cells), &platform, &rules, &UnbuildOptions::default(), &go).expect("no bad input")
             });
         });
-        let missed: Vec<u32> = greedy.missed.iter().map(|missed| missed.cell).collect();
+        let missed = greedy.missed_cells();
         group.bench_function(BenchmarkId::new("audit", side), |b| {
             b.iter(|| audit(&cells, &platform, &rules, black_box(&greedy.order), &missed, &go).expect("no bad input"));
         });

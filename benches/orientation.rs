@@ -73,7 +73,7 @@ fn go_on(_: curvlay_toolpath::Progress) -> ControlFlow<()> {
 }
 
 fn earlier() -> GougingOptions {
-    GougingOptions { own_layer: false, most_depth: f64::INFINITY, ..GougingOptions::default() }
+    GougingOptions { own_layer: false, max_depth: f64::INFINITY, ..GougingOptions::default() }
 }
 
 fn orient(stack: &LayerStack) -> Oriented {
@@ -83,8 +83,8 @@ fn orient(stack: &LayerStack) -> Oriented {
 /// Where the nozzle gouges: no tilt is allowed, so each such waypoint is listed.
 fn gouging(stack: &LayerStack, paths: &[ToolPath]) -> Vec<[usize; 2]> {
     let options = GougingOptions { max_tilt: 0.0, ..earlier() };
-    let freed = stack.free(paths.to_vec(), &Nozzle::default(), &options, &go_on).expect("sound");
-    freed.left.iter().map(|gouge| [gouge.path, gouge.waypoint]).collect()
+    let resolved = stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), &options, &go_on).expect("sound");
+    resolved.left.iter().map(|gouge| [gouge.path, gouge.waypoint]).collect()
 }
 
 /// Points of all sheets, layer by layer.
@@ -179,16 +179,18 @@ fn orientation(c: &mut Criterion) {
         let stack = LayerStack::new(layers).expect("sound");
         let oriented = orient(&stack);
         let free = |paths: &[ToolPath]| {
-            stack.free(paths.to_vec(), &Nozzle::default(), &GougingOptions::default(), &go_on).expect("sound")
+            stack
+                .resolve_gouging(paths.to_vec(), &Nozzle::default(), &GougingOptions::default(), &go_on)
+                .expect("sound")
         };
-        let (count, freed) = (oriented.after.steps, free(&oriented.paths));
+        let (count, resolved) = (oriented.after.steps, free(&oriented.paths));
         eprintln!(
             "large: {} triangles, {count} steps, {} gouge, {} left, turns {:?} to {:?}",
             stack.triangles(),
-            freed.gouging_before,
-            freed.left.len(),
+            resolved.gouging_before,
+            resolved.left.len(),
             oriented.before,
-            freed.turns
+            resolved.turns
         );
         group.throughput(Throughput::Elements(count as u64));
         group.bench_function(BenchmarkId::new("stack", "large"), |b| b.iter(|| LayerStack::new(black_box(layers))));

@@ -44,6 +44,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let written = write_gcode(&plan.deposition.moves, &WriteOptions::default(), File::create(&out)?)?;
 
     println!("{out}: {} layers, {} moves, {:.0} min", surfaces.len(), written.moves, plan.deposition.total_s / 60.0);
-    println!("{} cells missed, {} waypoints gouge", layered.growth.missed.len(), plan.freed.left.len());
+    println!("{} cells missed, {} waypoints gouge", layered.growth.missed.len(), plan.resolved.left.len());
     Ok(())
 }

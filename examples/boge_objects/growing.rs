@@ -221,7 +221,7 @@ fn grown(drawn: &TextGrid, platform: &Platform, rules: &Rules, way: Way) -> Resu
         }
         Way::Unbuild => unbuild(&cells, platform, rules, &UnbuildOptions::default(), &go)?,
     };
-    let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
+    let missed = growth.missed_cells();
     let audit = audit(&cells, platform, rules, &growth.order, &missed, &go)?;
     Ok(Run { growth, audit })
 }

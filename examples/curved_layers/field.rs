@@ -144,9 +144,10 @@ pub fn run(
         (growth, "saved", audit, made)
     } else if let Some(surfaces) = surfaces {
         let height_mm = surfaces.height_mm.unwrap_or(cell_mm);
-        let LayeredPart { strategy, growth, audit, even, surfaces: layers } =
+        let LayeredPart { strategy, growth, audit, uniform, surfaces: layers } =
             workpiece.layers(options.strategy, height_mm, &progress).map_err(layers_failed)?;
-        let made = Made { layers, method: surfaces::method_name(even.method), field: even.field, waits: even.jumps };
+        let made =
+            Made { layers, method: surfaces::method_name(uniform.method), field: uniform.field, waits: uniform.jumps };
         (growth, strategy.name(), audit, Some(made))
     } else {
         let rules = &workpiece.rules;
@@ -162,7 +163,7 @@ pub fn run(
     let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &growth, part, &clock);
     let surfaces = made.zip(surfaces).map(finish).transpose()?;
     let [peel, grow, audit_time] =
-        [&["peel"][..], &["grow", "peel"], &["audit"]].map(|stages| clock.on_the_clock(stages));
+        [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"]].map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
     let total = inspect_time + voxelise_time + grow + audit_time;
     let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };

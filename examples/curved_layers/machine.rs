@@ -7,9 +7,11 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_kinematics::workcell::NozzleModel;
-use curvlay_toolpath::surface::{LayerStack, Nozzle, OrientOptions, PrintOptions, PrintPlan, ToolPath};
+use curvlay_toolpath::surface::{
+    Deposition, LayerStack, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, ToolPath, Travels, Turns,
+};
 use std::f64::consts::PI;
-use std::ops::{ControlFlow, Deref, DerefMut};
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// Share of the waypoints that may gouge, listed, before a run counts as failed; and of the paths that may be left out.
@@ -52,7 +54,13 @@ pub fn shape(text: &str) -> Result<Shape, String> {
 
 /// What came of the stage.
 pub struct MachineRun {
-    plan: PrintPlan,
+    /// Turns between neighbours when every nozzle points away from the closest point below.
+    pub before: Turns,
+    /// The paths with the directions that they are printed with.
+    pub freed: ResolvedPaths,
+    /// How the nozzle gets from path to path.
+    pub travels: Travels,
+    pub deposition: Deposition,
     /// Area that beads cover by the thickness of the layer there.
     pub covered_mm3: f64,
     /// The longest path as the closest points have it, unfiltered, to compare with.
@@ -67,20 +75,6 @@ pub struct Times {
     pub orientation: Duration,
     pub gouging: Duration,
     pub travels: Duration,
-}
-
-impl Deref for MachineRun {
-    type Target = PrintPlan;
-
-    fn deref(&self) -> &PrintPlan {
-        &self.plan
-    }
-}
-
-impl DerefMut for MachineRun {
-    fn deref_mut(&mut self) -> &mut PrintPlan {
-        &mut self.plan
-    }
 }
 
 impl MachineRun {
@@ -147,13 +141,14 @@ pub fn run(
     };
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
-    let plan = paths.filled.plan(&layers, nozzle, options, &progress).map_err(failure)?;
+    let PrintPlan { before, resolved: freed, travels, deposition } =
+        paths.filled.plan(&layers, nozzle, options, &progress).map_err(failure)?;
     clock.stop();
     let gouging = clock.on_the_clock(&["gouging", "built"]);
     let orientation = gouging + clock.on_the_clock(&["orient", "share"]);
     let times = Times { orientation, gouging, travels: clock.on_the_clock(&["travel"]) };
     let covered_mm3 = paths.filled.covered_mm3(&layers);
-    let mut run = MachineRun { plan, covered_mm3, unfiltered: None, times };
+    let mut run = MachineRun { before, freed, travels, deposition, covered_mm3, unfiltered: None, times };
     if let Some(longest) = run.longest().filter(|_| compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
         let unfiltered = with_layers(surfaces, paths, |stack| stack.orient(&options, &progress).map_err(failure))?;

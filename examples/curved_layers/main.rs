@@ -119,7 +119,7 @@ impl Args {
 
     fn path_options(&self, height_mm: f64) -> PathOptions {
         let (bead, pattern) = (self.bead.unwrap_or(height_mm), self.pattern.of_surface());
-        PathOptions { bead, pattern, least_gap: self.least_gap, ..PathOptions::default() }
+        PathOptions { bead, pattern, min_gap: self.least_gap, ..PathOptions::default() }
     }
 
     fn print_options(&self) -> PrintOptions {
@@ -127,7 +127,7 @@ impl Args {
         options.deposition.filament_diameter = self.filament;
         // A robot's motion gouges nowhere: what it cannot print so is left out.
         if self.stage >= Stage::Motion {
-            options.gouging.most_depth = GougingOptions::default().allowed_depth;
+            options.gouging.max_depth = GougingOptions::default().allowed_depth;
         }
         options
     }
@@ -159,7 +159,7 @@ impl Fill {
 enum Stage {
     /// The growing field: which cell belongs to which layer.
     Field,
-    /// The working surfaces: even layers, contoured and trimmed to the mesh.
+    /// The working surfaces: uniform layers, contoured and trimmed to the mesh.
     Surfaces,
     /// Tool paths: continuous curves that fill the surfaces.
     Paths,

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 pub struct PathsRun {
     pub bead_mm: f64,
     /// Smaller gaps between curves stay, in squares of a bead.
-    pub least_gap: f64,
+    pub min_gap: f64,
     pub filled: FilledLayers,
     pub totals: FillTotals,
     pub times: Times,
@@ -58,6 +58,6 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };
-    let PathOptions { bead: bead_mm, least_gap, .. } = *options;
-    Ok(PathsRun { bead_mm, least_gap, totals: filled.totals(), filled, times })
+    let PathOptions { bead: bead_mm, min_gap, .. } = *options;
+    Ok(PathsRun { bead_mm, min_gap, totals: filled.totals(), filled, times })
 }

@@ -3,7 +3,7 @@
 use crate::failure;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
-use curvlay_layers::curved::surface::{EvenMethod, LayerField, SavedField, Spacing, mesh_stamp, plain_field};
+use curvlay_layers::curved::surface::{LayerField, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field};
 use curvlay_layers::curved::{Growth, LayerSurfaces, LayersError, Workpiece};
 use curvlay_toolpath::surface::LayerSurface;
 use std::fs::File;
@@ -103,8 +103,8 @@ pub fn finish(
         Ok(plain.map_err(|error| failed(error, part))?.spacing)
     };
     let plain_spacing = options.compare.then(plain_spacing).transpose()?;
-    let [even, contour, trim, spacing] =
-        [&["even", "audit even"][..], &["contour"], &["trim"], &["spacing"]].map(|stages| clock.on_the_clock(stages));
+    let [even, contour, trim, spacing] = [&["uniform", "audit uniform"][..], &["contour"], &["trim"], &["spacing"]]
+        .map(|stages| clock.on_the_clock(stages));
     let saved = SavedField {
         field: made.field.clone(),
         rows: workpiece.cells.rows().to_vec(),
@@ -125,9 +125,9 @@ pub fn failed(error: LayersError, part: &Part) -> Failure {
 }
 
 /// How a field was made even, in words.
-pub fn method_name(method: EvenMethod) -> String {
+pub fn method_name(method: UniformMethod) -> String {
     match method {
-        EvenMethod::Clock { lag, stays_level } => {
+        UniformMethod::Clock { lag, stays_level } => {
             format!("clock, lead {lag} layers, {}", if stays_level { "level fronts stay level" } else { "fronts turn" })
         }
         _ => "plain".to_owned(),

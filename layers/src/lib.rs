@@ -4,7 +4,8 @@
 //! finds curved layers that need no support and that a nozzle of any size reaches without a collision, and it
 //! audits any such order from first principles.
 //!
-//! * [`curved`]: growing fields after Dai et al. (2018), their audit and their quality.
+//! * [`curved`]: growing fields after Dai et al. (2018), their audit and their quality, and the surfaces of their layers. All of it in
+//!   one call: [`curved::Workpiece::layers`].
 //! * [`planar`]: plane layers after Boge (2019): what a printer misses that cannot turn the part.
 //!
 //! Sets of cells come in as plain bits ([`curved::Cells`]), so any voxeliser will do.

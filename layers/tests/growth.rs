@@ -84,7 +84,7 @@ proptest! {
         let options = GrowthOptions { prevention, candidates, ..GrowthOptions::default() };
         let field = governed.then(|| peel(&cells, &part.platform, &rules, &go).unwrap());
         let growth = grow(&cells, &part.platform, &rules, &options, field.as_ref(), &go).unwrap();
-        let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
+        let missed = growth.missed_cells();
         let report = audit(&cells, &part.platform, &rules, &growth.order, &missed, &go).unwrap();
         prop_assert!(report.is_ok(), "{:?}", report.faults);
         prop_assert_eq!(growth.order.cells().len() + missed.len(), cells.count());
@@ -223,7 +223,7 @@ fn a_reach_left_over_from_a_what_if_is_lowered() {
     let part = Part { dims: [20, 6, 20], rows: rows.clone(), platform: Platform::under(&cells, 64.0).unwrap() };
     for prevention in [Prevention::None, Prevention::Incremental, Prevention::Adaptive] {
         let growth = part.grow(&Rules::default(), prevention);
-        let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
+        let missed = growth.missed_cells();
         let report = audit(&cells, &part.platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
         assert!(report.is_ok() && (prevention == Prevention::None || missed.is_empty()), "{prevention:?} {report}");
     }

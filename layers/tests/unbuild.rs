@@ -31,7 +31,7 @@ impl Part {
     }
 
     fn audit(&self, rules: &Rules, growth: &Growth) {
-        let missed: Vec<u32> = growth.missed.iter().map(|missed| missed.cell).collect();
+        let missed = growth.missed_cells();
         let report = audit(&self.cells(), &self.platform, rules, &growth.order, &missed, &go).unwrap();
         assert!(report.is_ok(), "{report}");
     }

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{go, random_rows};
-use curvlay_layers::curved::surface::{ContourError, LayerField, SavedField, contour, even, extend};
+use curvlay_layers::curved::surface::{ContourError, LayerField, SavedField, contour, extend, uniform_field};
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
     Cells, Growth, GrowthError, GrowthOptions, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
@@ -140,7 +140,7 @@ fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> (Growth, LayerFie
     let (cells, rules) = (solid.cells(), Rules::default());
     let growth = strategy.grow(&cells, &solid.platform, &rules, &go).unwrap();
     let missed = growth.missed_cells();
-    let field = even(&cells, &solid.platform, &rules, &growth.order, &missed, &go).unwrap().field;
+    let field = uniform_field(&cells, &solid.platform, &rules, &growth.order, &missed, &go).unwrap().field;
     let extended = extend(&field, &cells);
     let levels = extended.levels(CELL, height).unwrap();
     let surfaces = contour(&extended, &levels, CELL, Point3::origin(), &go).unwrap();
@@ -171,7 +171,7 @@ fn the_best_of_two_loses_less() {
         taken[if whole { 0 } else { 1 + usize::from(unbuild_wins) }] += 1;
         let (growth, field, lost) = if unbuild_wins { unbuilt } else { incremental };
         let bits = |field: &LayerField| field.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        assert!(layered.growth == growth && bits(&layered.even.field) == bits(&field), "{seed}");
+        assert!(layered.growth == growth && bits(&layered.uniform.field) == bits(&field), "{seed}");
         assert_eq!(layered.strategy, if unbuild_wins { Strategy::Unbuild } else { Strategy::Incremental });
         assert!(layered.audit.is_ok());
         assert!((layered.surfaces.lost_mm3(volume) - lost).abs() < 1e-9 * volume, "{seed}");
@@ -272,7 +272,7 @@ fn missed_cells_have_a_volume_and_a_border() {
 fn a_saved_field_stands_for_its_order() {
     let solid = random(7);
     let layered = solid.workpiece().layers(Some(Strategy::Greedy), 0.6, &go).unwrap();
-    let field = layered.even.field.clone();
+    let field = layered.uniform.field.clone();
     let rounded = field.rounded();
     let saved = SavedField { field, rows: solid.rows.clone(), cell_mm: CELL, origin: Point3::origin(), mesh: 0 };
     let growth = saved.growth().unwrap();
@@ -299,7 +299,7 @@ fn errors_name_the_cause() {
     let none = Workpiece { cells: Cells::new([4, 4, 3], &nothing).unwrap(), ..part };
     assert!(matches!(none.layers(None, 0.5, &go).unwrap_err(), LayersError::Growth(GrowthError::NoCell)));
 
-    for stage in ["grow", "audit", "even", "contour", "trim", "spacing"] {
+    for stage in ["grow", "audit", "uniform", "contour", "trim", "spacing"] {
         let stop = |p: curvlay_layers::Progress| match p.stage == stage {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

@@ -1,4 +1,4 @@
-//! How deep nozzles are at any pose and moment: beside `free`, a slow twin, closed forms, and what is refused.
+//! How deep nozzles are at any pose and moment: beside `resolve_gouging`, a slow twin, closed forms, and what is refused.
 //!
 //! The slow twin prints the samples once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on all their sheets against the nozzle.
@@ -14,8 +14,8 @@ use common::{go_on, rng};
 use creases::{H, PIECE, last_touched, rows, sheets_by_triangle, slow_depth};
 use curvlay_toolpath::nalgebra::{Point3, Unit, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_toolpath::surface::{
-    Contact, ContactError, Contacts, Freed, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, Obstacle,
-    OrientOptions, Pose, ToolPath,
+    Contact, ContactError, Contacts, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, Obstacle, OrientOptions,
+    Pose, ResolvedPaths, ToolPath,
 };
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 fn no_plate() -> GougingOptions {
-    GougingOptions { plate: false, most_depth: f64::INFINITY, ..GougingOptions::default() }
+    GougingOptions { plate: false, max_depth: f64::INFINITY, ..GougingOptions::default() }
 }
 
 fn with_contacts<T>(
@@ -45,12 +45,12 @@ fn direction(rng: &mut impl RngExt, lean: f64) -> UnitVector3<f64> {
     Unit::new_normalize(Vector3::new(lean.sin() * around.cos(), lean.sin() * around.sin(), lean.cos()))
 }
 
-/// Holds all waypoints of freed paths against what is listed as left.
-fn agrees(contacts: &Contacts, freed: &Freed) {
-    for (path, of_path) in freed.paths.iter().enumerate() {
+/// Holds all waypoints of resolved paths against what is listed as left.
+fn agrees(contacts: &Contacts, resolved: &ResolvedPaths) {
+    for (path, of_path) in resolved.paths.iter().enumerate() {
         for (waypoint, w) in of_path.waypoints.iter().enumerate() {
             let (moment, pose) = (Moment::At { path, waypoint }, Pose { tip: w.tip, direction: w.direction });
-            let left = freed.left.iter().find(|gouge| (gouge.path, gouge.waypoint) == (path, waypoint));
+            let left = resolved.left.iter().find(|gouge| (gouge.path, gouge.waypoint) == (path, waypoint));
             let found = contacts.deepest(moment, &pose).unwrap();
             assert_eq!(found.map(|c| (c.obstacle, c.depth, c.part)), left.map(|g| (g.obstacle, g.depth, g.part)));
             assert_eq!(contacts.is_free(moment, &pose).unwrap(), left.is_none());
@@ -88,11 +88,11 @@ fn it_agrees_with_free_at_each_waypoint() {
         }
         let options = GougingOptions { max_turn: 30_f64.to_radians(), own_layer: seed != 2, ..no_plate() };
         with_stack(&layers, |stack| {
-            let freed = stack.free(paths.clone(), &Nozzle::default(), &options, &go_on).unwrap();
-            agrees(&stack.contacts(&freed.paths, &Nozzle::default(), &options, &go_on).unwrap(), &freed);
-            left += freed.left.len();
-            added += freed.added;
-            changed += freed.laid_first.len() + freed.reversed.len();
+            let resolved = stack.resolve_gouging(paths.clone(), &Nozzle::default(), &options, &go_on).unwrap();
+            agrees(&stack.contacts(&resolved.paths, &Nozzle::default(), &options, &go_on).unwrap(), &resolved);
+            left += resolved.left.len();
+            added += resolved.added;
+            changed += resolved.laid_first.len() + resolved.reversed.len();
         });
     }
     assert!([left, added, changed].iter().all(|&n| n > 0), "{left} {added} {changed}");
@@ -417,12 +417,12 @@ fn on_a_real_path_it_agrees_with_orient_and_free() {
         let (nozzle, options) =
             (Nozzle::default(), GougingOptions { max_turn: 2_f64.to_radians(), ..GougingOptions::default() });
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let freed = stack.free(oriented.paths, &nozzle, &options, &go_on).unwrap();
-        assert!(freed.gouging_before > 20 && freed.left.is_empty());
-        let contacts = stack.contacts(&freed.paths, &nozzle, &options, &go_on).unwrap();
-        agrees(&contacts, &freed);
+        let resolved = stack.resolve_gouging(oriented.paths, &nozzle, &options, &go_on).unwrap();
+        assert!(resolved.gouging_before > 20 && resolved.left.is_empty());
+        let contacts = stack.contacts(&resolved.paths, &nozzle, &options, &go_on).unwrap();
+        agrees(&contacts, &resolved);
         // Between waypoints it is hardly deeper than at them.
-        for (waypoint, pair) in freed.paths[0].waypoints.windows(2).enumerate() {
+        for (waypoint, pair) in resolved.paths[0].waypoints.windows(2).enumerate() {
             let [from, to] = [0, 1].map(|k| Pose { tip: pair[k].tip, direction: pair[k].direction });
             let found = contacts.deepest_along(Moment::At { path: 0, waypoint }, &from, &to, 0.05).unwrap();
             assert!(found.is_none_or(|(_, c)| c.depth < 0.25 * H + 0.05), "{waypoint}: {found:?}");

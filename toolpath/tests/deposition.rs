@@ -38,8 +38,7 @@ fn sections_that_change_make_the_exact_volume() {
 
 #[test]
 fn the_flow_is_constant_within_the_limits() {
-    let options =
-        DepositionOptions { flow_mm3_s: 10.0, least_feed: 5.0, most_feed: 50.0, ..DepositionOptions::default() };
+    let options = DepositionOptions { flow_mm3_s: 10.0, min_feed: 5.0, max_feed: 50.0, ..DepositionOptions::default() };
     // 0.5 mm^2: 20 mm/s. 0.1 mm^2: 100 mm/s, too fast. 4 mm^2: 2.5 mm/s, too slow.
     for (width, height, feed) in [(1.0, 0.5, 20.0), (0.5, 0.2, 50.0), (2.0, 2.0, 5.0)] {
         let path = path_of(vec![waypoint(0.0, 0.0, width, height), waypoint(3.0, 0.0, width, height)]);
@@ -85,7 +84,7 @@ fn between_paths_it_retracts_hops_and_primes() {
     assert_eq!(kinds(&plan), [Travel, Travel, Print, Travel, Print]);
     assert!((plan.moves[3].seconds - 0.5).abs() < 1e-9 && plan.moves[3].feed >= options.travel_feed);
     // The same within a path, with a bead around the tip and without any.
-    for (arc, feed) in [(2.3, 0.3 * 0.64 / (PI / 4.0 * 1.75 * 1.75) / 0.5), (2.0, options.most_feed)] {
+    for (arc, feed) in [(2.3, 0.3 * 0.64 / (PI / 4.0 * 1.75 * 1.75) / 0.5), (2.0, options.max_feed)] {
         let mut turning = one.clone();
         turning.waypoints.push(Waypoint { direction: Vector3::x_axis(), arc, ..turning.waypoints[1] });
         let plan = deposit(&[turning], &options).unwrap();
@@ -115,9 +114,9 @@ proptest! {
         let (mut tip, mut direction) = (plan.moves[0].tip, plan.moves[0].direction);
         for m in &plan.moves {
             let (length, turn) = ((m.tip - tip).norm(), m.direction.angle(&direction));
-            prop_assert!(turn <= options.most_turn_rate * m.seconds + 1e-6);
+            prop_assert!(turn <= options.max_turn_rate * m.seconds + 1e-6);
             if m.kind == MoveKind::Print {
-                prop_assert!(length <= options.most_feed * m.seconds + 1e-9);
+                prop_assert!(length <= options.max_feed * m.seconds + 1e-9);
             }
             if m.kind == MoveKind::Travel {
                 prop_assert!(length <= options.travel_feed * m.seconds + 1e-9);
@@ -175,8 +174,8 @@ fn options_and_paths_that_cannot_be_used_are_named() {
         let error = deposit(std::slice::from_ref(&good), &options).unwrap_err();
         assert!(matches!(error, DepositionError::Option { option, .. } if option == name), "{error}");
     }
-    let feeds = DepositionOptions { least_feed: 9.0, most_feed: 3.0, ..default };
-    let error = DepositionError::Feeds { least: 9.0, most: 3.0 };
+    let feeds = DepositionOptions { min_feed: 9.0, max_feed: 3.0, ..default };
+    let error = DepositionError::Feeds { min: 9.0, max: 3.0 };
     assert_eq!(deposit(std::slice::from_ref(&good), &feeds), Err(error));
     let one = path_of(good.waypoints[..1].to_vec());
     let error = DepositionError::FewWaypoints { path: 1, waypoints: 1 };

@@ -179,7 +179,7 @@ fn gaps_are_filled_from_the_least_on() {
     let distance = to_boundary(&mesh);
     let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
     let with =
-        |least_gap: f64| field.paths(&PathOptions { bead: 0.6, least_gap, ..PathOptions::default() }, &go_on).unwrap();
+        |min_gap: f64| field.paths(&PathOptions { bead: 0.6, min_gap, ..PathOptions::default() }, &go_on).unwrap();
     let [every, large, none] = [0.0, 1.0, 100.0].map(with);
     assert!(every.paths.len() > large.paths.len() && large.paths.len() >= none.paths.len());
     // The spirals are the same, and so are the single beads that stay.
@@ -194,7 +194,7 @@ fn gaps_are_filled_from_the_least_on() {
     let dot = grid(1, 3, 0.0, |_, _| false, |p| Point3::new(p.x, p.y, 0.0));
     let distance = to_boundary(&dot);
     let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
-    let options = PathOptions { bead: 1.0, least_gap: 100.0, ..PathOptions::default() };
+    let options = PathOptions { bead: 1.0, min_gap: 100.0, ..PathOptions::default() };
     assert_eq!(field.paths(&options, &go_on).unwrap().paths.len(), 1);
 }
 

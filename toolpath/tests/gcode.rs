@@ -278,7 +278,7 @@ fn retractions_are_put_between() {
     let bead = |x: f64| print([x, 0.0, 0.0], up, 0.1, 10.0);
     let go = |x: f64| travel([x, 0.0, 0.0], up, 10.0);
     let kinds = |moves: &[Move]| -> String {
-        let retraction = Some(Retraction { filament_mm: 0.8, feed_mm_s: 25.0, least_travel_mm: 2.0 });
+        let retraction = Some(Retraction { filament_mm: 0.8, feed_mm_s: 25.0, min_travel_mm: 2.0 });
         let file = written(moves, &WriteOptions { retraction, ..BARE() }).unwrap();
         let kind = |item: &Move| match item {
             Move::Travel { .. } => 't',

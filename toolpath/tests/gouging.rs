@@ -1,4 +1,4 @@
-//! Nozzles freed by the least tilt: closed forms, slow twins, and what is refused.
+//! Nozzles resolved by the least tilt: closed forms, slow twins, and what is refused.
 //!
 //! The slow twin knows nothing of trees, bounds and caps: it looks at a dense raster of points on every sheet of every
 //! triangle.
@@ -16,8 +16,8 @@ use common::go_on;
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::{
-    Freed, GougingError, GougingOptions, LayerStack, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions,
-    Pose, ToolPath, Waypoint,
+    GougingError, GougingOptions, LayerStack, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, Pose,
+    ResolvedPaths, ToolPath, Waypoint,
 };
 use layers::{Layer, path, with_stack};
 use nozzle::{inside, to_profile};
@@ -25,14 +25,14 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::ControlFlow;
 
-fn free_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> Freed {
-    with_stack(layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
+    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
 }
 
 /// Nothing but earlier layers, nothing left out, and no smoothing for paths of two waypoints.
 fn alone() -> GougingOptions {
     let default = GougingOptions::default();
-    GougingOptions { max_turn: PI, own_layer: false, plate: false, most_depth: f64::INFINITY, ..default }
+    GougingOptions { max_turn: PI, own_layer: false, plate: false, max_depth: f64::INFINITY, ..default }
 }
 
 /// Frees a nozzle at one place, given twice.
@@ -41,12 +41,12 @@ fn at(
     tip: Point3<f64>,
     direction: Vector3<f64>,
     options: &GougingOptions,
-) -> (Freed, UnitVector3<f64>) {
+) -> (ResolvedPaths, UnitVector3<f64>) {
     let all: Vec<Layer> = layers.iter().cloned().chain([nowhere()]).collect();
-    let freed = free_with(&all, &[path(layers.len() as u32, &[(tip, direction), (tip, direction)])], options);
-    let [one, other] = [0, 1].map(|k| freed.paths[0].waypoints[k].direction);
+    let resolved = resolved_with(&all, &[path(layers.len() as u32, &[(tip, direction), (tip, direction)])], options);
+    let [one, other] = [0, 1].map(|k| resolved.paths[0].waypoints[k].direction);
     assert_eq!(one, other);
-    (freed, one)
+    (resolved, one)
 }
 
 proptest! {
@@ -93,9 +93,9 @@ fn a_nozzle_that_gouges_a_quarter_of_the_way_goes_round() {
     with_stack(&layers, |stack| {
         let before = gouging(&paths, stack);
         assert!(before.contains(&0.25) && !before.iter().any(|share| [0.0, 0.5, 1.0].contains(share)), "{before:?}");
-        let freed = stack.free(paths.to_vec(), &nozzle, &alone(), &go_on).unwrap();
-        assert!(freed.added > 0 && freed.left.is_empty());
-        assert_eq!(gouging(&freed.paths, stack), Vec::<f64>::new());
+        let resolved = stack.resolve_gouging(paths.to_vec(), &nozzle, &alone(), &go_on).unwrap();
+        assert!(resolved.added > 0 && resolved.left.is_empty());
+        assert_eq!(gouging(&resolved.paths, stack), Vec::<f64>::new());
     });
 }
 
@@ -113,17 +113,19 @@ fn over_a_level_layer_nothing_gouges() {
         level(k).with(&(0..8).flat_map(row).collect::<Vec<_>>(), 0.8)
     };
     let layers = [zigzag(0), zigzag(1), zigzag(2)];
-    let (paths, freed) = with_stack(&layers, |stack| {
+    let (paths, resolved) = with_stack(&layers, |stack| {
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let freed = stack.free(oriented.paths.clone(), &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap();
-        (oriented.paths, freed)
+        let resolved = stack
+            .resolve_gouging(oriented.paths.clone(), &Nozzle::default(), &GougingOptions::default(), &go_on)
+            .unwrap();
+        (oriented.paths, resolved)
     });
-    assert_eq!((freed.gouging_before, freed.tilted, freed.left.len(), freed.added), (0, 0, 0, 0));
-    assert_eq!(freed.paths, paths);
+    assert_eq!((resolved.gouging_before, resolved.tilted, resolved.left.len(), resolved.added), (0, 0, 0, 0));
+    assert_eq!(resolved.paths, paths);
     // With the tip in the middle of the layer, beads beside the nozzle are in the way of its tip.
     let sunk = with_stack(&layers, |stack| {
         let oriented = stack.orient(&OrientOptions { lift: 0.0, ..OrientOptions::default() }, &go_on).unwrap();
-        stack.free(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap()
+        stack.resolve_gouging(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap()
     });
     assert!(sunk.gouging_before > 0);
 }
@@ -142,27 +144,27 @@ fn in_front_of_a_wall_it_leans_away_by_the_closed_form() {
         (distance / f64::hypot(radius, height)).acos() - (height / radius).atan()
     };
     for distance in [1.5, 3.0, 6.0, 9.0] {
-        let (freed, direction) = at(&[wall()], Point3::new(distance, 0.0, 0.0), Vector3::z(), &alone());
-        assert_eq!((freed.gouging_before, freed.left.len(), freed.tilted), (2, 0, 2));
+        let (resolved, direction) = at(&[wall()], Point3::new(distance, 0.0, 0.0), Vector3::z(), &alone());
+        assert_eq!((resolved.gouging_before, resolved.left.len(), resolved.tilted), (2, 0, 2));
         let tilt = direction.angle(&Vector3::z());
         let (least, most) = (lean(distance - H / 4.0, 0.0), lean(distance - H / 4.0, PIECE));
         assert!(tilt >= least - 2e-3 && tilt <= most + 1e-6, "{distance}: {least} {tilt} {most}");
         // Sideways it may be off as far as the slack lets it.
         assert!(direction.x > 0.0 && direction.y.abs() < 0.06, "{direction:?}");
-        assert!((freed.max_tilt - tilt).abs() < 1e-9);
+        assert!((resolved.max_tilt - tilt).abs() < 1e-9);
     }
     // Beyond the block it may stand upright.
-    let (freed, _) = at(&[wall()], Point3::new(10.0 + H / 4.0 + 1e-6, 0.0, 0.0), Vector3::z(), &alone());
-    assert_eq!(freed.gouging_before, 0);
+    let (resolved, _) = at(&[wall()], Point3::new(10.0 + H / 4.0 + 1e-6, 0.0, 0.0), Vector3::z(), &alone());
+    assert_eq!(resolved.gouging_before, 0);
 }
 
 #[test]
 fn a_later_layer_is_not_in_the_way() {
     let tip = Point3::new(3.0, 0.0, 0.0);
     let paths = [path(0, &[(tip, Vector3::z()), (tip, Vector3::z())])];
-    assert_eq!(free_with(&[nowhere(), wall()], &paths, &alone()).gouging_before, 0);
+    assert_eq!(resolved_with(&[nowhere(), wall()], &paths, &alone()).gouging_before, 0);
     let paths = [path(1, &[(tip, Vector3::z()), (tip, Vector3::z())])];
-    assert_eq!(free_with(&[wall(), nowhere()], &paths, &alone()).gouging_before, 2);
+    assert_eq!(resolved_with(&[wall(), nowhere()], &paths, &alone()).gouging_before, 2);
 }
 
 #[test]
@@ -170,8 +172,8 @@ fn above_the_plate_it_leans_no_farther_than_the_plate_lets_it() {
     let options = GougingOptions { plate: true, ..alone() };
     let lying = Vector3::new(1.0, 0.0, 0.2);
     for (height, expected) in [(1.0, 0.8_f64.atan() + (1.0 / 164_f64.sqrt()).asin()), (0.2, 0.4_f64.asin())] {
-        let (freed, direction) = at(&[], Point3::new(0.0, 0.0, height), lying, &options);
-        assert_eq!((freed.gouging_before, freed.left.len()), (2, 0));
+        let (resolved, direction) = at(&[], Point3::new(0.0, 0.0, height), lying, &options);
+        assert_eq!((resolved.gouging_before, resolved.left.len()), (2, 0));
         assert!((direction.angle(&Vector3::z()) - expected).abs() < 1e-6, "{height}: {direction:?}");
         assert!(direction.y.abs() < 1e-9 && direction.x > 0.0);
     }
@@ -181,27 +183,30 @@ fn above_the_plate_it_leans_no_farther_than_the_plate_lets_it() {
     assert!((lean(1.3, &aloof) - lean(1.0, &options)).abs() < 1e-9 && lean(1.3, &options) > lean(1.0, &options) + 0.01);
     assert!((lean(0.4, &aloof) - lean(0.2, &options)).abs() < 1e-9);
     // Below the plate there is no way out.
-    let (freed, _) = at(&[], Point3::new(0.0, 0.0, -0.3), Vector3::z(), &options);
-    assert_eq!((freed.left.len(), freed.left[0].obstacle), (2, Obstacle::Plate));
-    assert!((freed.left[0].depth - 0.3).abs() < 1e-12);
+    let (resolved, _) = at(&[], Point3::new(0.0, 0.0, -0.3), Vector3::z(), &options);
+    assert_eq!((resolved.left.len(), resolved.left[0].obstacle), (2, Obstacle::Plate));
+    assert!((resolved.left[0].depth - 0.3).abs() < 1e-12);
 }
 
 #[test]
 fn a_wide_groove_leaves_it_upright_and_a_narrow_one_no_way_out() {
     let tip = Point3::new(0.0, 0.0, 0.0);
     // The block's edge is at 51.3 degrees from the tip.
-    let (freed, direction) = at(&[groove(0.95, 2.0)], tip, Vector3::z(), &alone());
-    assert_eq!((freed.gouging_before, direction), (0, Vector3::z_axis()));
-    let (freed, _) = at(&[groove(0.3, 2.0)], tip, Vector3::z(), &alone());
-    assert_eq!(freed.left.len(), 2);
-    assert_eq!((freed.left[0].path, freed.left[0].waypoint, freed.left[0].obstacle), (0, 0, Obstacle::Layer(0)));
-    let depth = slow_depth(&sheets(&[groove(0.3, 2.0)], 0.1), tip, &freed.paths[0].waypoints[0].direction);
-    assert!((freed.left[0].depth - depth).abs() < 0.05, "{} {depth}", freed.left[0].depth);
+    let (resolved, direction) = at(&[groove(0.95, 2.0)], tip, Vector3::z(), &alone());
+    assert_eq!((resolved.gouging_before, direction), (0, Vector3::z_axis()));
+    let (resolved, _) = at(&[groove(0.3, 2.0)], tip, Vector3::z(), &alone());
+    assert_eq!(resolved.left.len(), 2);
+    assert_eq!(
+        (resolved.left[0].path, resolved.left[0].waypoint, resolved.left[0].obstacle),
+        (0, 0, Obstacle::Layer(0))
+    );
+    let depth = slow_depth(&sheets(&[groove(0.3, 2.0)], 0.1), tip, &resolved.paths[0].waypoints[0].direction);
+    assert!((resolved.left[0].depth - depth).abs() < 0.05, "{} {depth}", resolved.left[0].depth);
     // In a groove that leans, it leans along.
     let by = Isometry3::rotation(Vector3::y() * 0.6);
-    let (freed, direction) = at(&[groove(0.95, 2.0).moved(&by)], tip, Vector3::z(), &alone());
-    assert_eq!(freed.left.len(), 0);
-    assert!(freed.gouging_before == 2 && direction.x > 0.0 && direction.angle(&Vector3::z()) < 0.6);
+    let (resolved, direction) = at(&[groove(0.95, 2.0).moved(&by)], tip, Vector3::z(), &alone());
+    assert_eq!(resolved.left.len(), 0);
+    assert!(resolved.gouging_before == 2 && direction.x > 0.0 && direction.angle(&Vector3::z()) < 0.6);
 }
 
 /// Beads along a narrow groove of one layer: high on one side, high on the other, and along its bottom.
@@ -226,7 +231,7 @@ fn lines_in_a_groove() -> (Layer, ToolPath) {
 fn from_its_end_a_path_finds_room_that_it_takes_away_from_its_start() {
     let (layer, lines) = lines_in_a_groove();
     let options = GougingOptions { cut: false, own_layer: true, ..alone() };
-    let forward = free_with(
+    let forward = resolved_with(
         std::slice::from_ref(&layer),
         std::slice::from_ref(&lines),
         &GougingOptions { reverse: false, ..options },
@@ -236,9 +241,9 @@ fn from_its_end_a_path_finds_room_that_it_takes_away_from_its_start() {
     assert!(forward.left.iter().all(|gouge| gouge.own_layer && gouge.obstacle == Obstacle::Layer(0)));
     assert!(forward.left.iter().all(|gouge| gouge.waypoint >= 62));
     // From the other end the bottom comes first, and is free.
-    let freed = free_with(std::slice::from_ref(&layer), std::slice::from_ref(&lines), &options);
-    assert_eq!((freed.left.len(), &freed.reversed[..]), (0, &[0][..]));
-    let (from, to) = (&lines.waypoints, &freed.paths[0].waypoints);
+    let resolved = resolved_with(std::slice::from_ref(&layer), std::slice::from_ref(&lines), &options);
+    assert_eq!((resolved.left.len(), &resolved.reversed[..]), (0, &[0][..]));
+    let (from, to) = (&lines.waypoints, &resolved.paths[0].waypoints);
     let length = from.last().unwrap().arc;
     for (w, v) in from.iter().zip(to.iter().rev()) {
         assert!(w.tip == v.tip && (v.arc - (length - w.arc)).abs() < 1e-9);
@@ -248,9 +253,9 @@ fn from_its_end_a_path_finds_room_that_it_takes_away_from_its_start() {
 #[test]
 fn earlier_layers_close_in_whatever_the_own_one_does() {
     let tip = Point3::origin();
-    let (freed, _) = at(&[groove(0.3, 2.0)], tip, Vector3::z(), &GougingOptions { own_layer: true, ..alone() });
-    assert!(freed.left.len() == 2 && freed.left.iter().all(|gouge| !gouge.own_layer));
-    assert!(freed.left.iter().all(|gouge| gouge.part == NozzlePart::Cone), "{:?}", freed.left);
+    let (resolved, _) = at(&[groove(0.3, 2.0)], tip, Vector3::z(), &GougingOptions { own_layer: true, ..alone() });
+    assert!(resolved.left.len() == 2 && resolved.left.iter().all(|gouge| !gouge.own_layer));
+    assert!(resolved.left.iter().all(|gouge| gouge.part == NozzlePart::Cone), "{:?}", resolved.left);
 }
 
 #[test]
@@ -258,12 +263,12 @@ fn what_only_smooths_a_turn_is_taken_out_where_it_gouges() {
     let up = Point3::new(0.0, 0.0, 200.0);
     let mut dip = path(1, &[(up, Vector3::z()), (Point3::origin(), Vector3::z()), (up, Vector3::z())]);
     let layers = [groove(0.3, 2.0), nowhere()];
-    let sample = free_with(&layers, std::slice::from_ref(&dip), &alone());
+    let sample = resolved_with(&layers, std::slice::from_ref(&dip), &alone());
     assert_eq!((sample.left.len(), sample.left[0].waypoint, sample.taken_out), (1, 1, 0));
     dip.waypoints[1].added = true;
-    let freed = free_with(&layers, &[dip], &alone());
-    assert_eq!((freed.gouging_before, freed.left.len(), freed.taken_out, freed.added), (1, 0, 1, 0));
-    assert_eq!(freed.paths[0].waypoints.len(), 2);
+    let resolved = resolved_with(&layers, &[dip], &alone());
+    assert_eq!((resolved.gouging_before, resolved.left.len(), resolved.taken_out, resolved.added), (1, 0, 1, 0));
+    assert_eq!(resolved.paths[0].waypoints.len(), 2);
 }
 
 #[test]
@@ -284,19 +289,19 @@ proptest! {
         let (layer, tips) = hills(seed);
         let raster = sheets(std::slice::from_ref(&layer), 0.08);
         for tip in tips {
-            let (freed, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &alone());
+            let (resolved, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &alone());
             let depth = slow_depth(&raster, tip, &direction);
-            match freed.left.first() {
+            match resolved.left.first() {
                 None => prop_assert!(depth <= 0.25 * H + PIECE + 1e-9, "{depth}"),
                 // A raster of 0.08 mm is at most 0.05 mm from the worst point.
                 Some(left) => prop_assert!(left.depth >= depth - PIECE && left.depth <= depth + 0.06, "{left:?} {depth}"),
             }
             let upright = slow_depth(&raster, tip, &Vector3::z_axis());
             if upright > 0.25 * H + PIECE {
-                prop_assert!(freed.gouging_before == 2);
+                prop_assert!(resolved.gouging_before == 2);
             }
             if upright < 0.25 * H - 0.06 {
-                prop_assert!(freed.gouging_before == 0 && direction == Vector3::z_axis());
+                prop_assert!(resolved.gouging_before == 0 && direction == Vector3::z_axis());
             }
         }
     }
@@ -308,11 +313,11 @@ proptest! {
         let spread = 0.18;
         let raster = sheets(std::slice::from_ref(&layer), 0.3);
         for tip in tips.into_iter().take(2) {
-            let (freed, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &GougingOptions { max_tilt: 1.3, ..alone() });
-            if freed.gouging_before == 0 {
+            let (resolved, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &GougingOptions { max_tilt: 1.3, ..alone() });
+            if resolved.gouging_before == 0 {
                 continue;
             }
-            let least = if freed.left.is_empty() { direction.angle(&Vector3::z()) } else { 1.3 };
+            let least = if resolved.left.is_empty() { direction.angle(&Vector3::z()) } else { 1.3 };
             for k in 0..400 {
                 // Spread evenly over the cap of directions with less tilt: a sunflower.
                 let share = (f64::from(k) + 0.5) / 400.0;
@@ -368,22 +373,22 @@ fn past_a_wall() -> Vec<Layer> {
     vec![plain, wall, floor]
 }
 
-fn along_the_wall(options: &GougingOptions) -> (Vec<ToolPath>, Freed) {
+fn along_the_wall(options: &GougingOptions) -> (Vec<ToolPath>, ResolvedPaths) {
     with_stack(&past_a_wall(), |stack| {
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let freed = stack.free(oriented.paths.clone(), &Nozzle::default(), options, &go_on).unwrap();
-        (oriented.paths, freed)
+        let resolved = stack.resolve_gouging(oriented.paths.clone(), &Nozzle::default(), options, &go_on).unwrap();
+        (oriented.paths, resolved)
     })
 }
 
 #[test]
 fn tilts_are_ramped_along_the_path() {
-    let (before, freed) = along_the_wall(&GougingOptions::default());
-    assert!(freed.gouging_before > 20 && freed.left.is_empty() && freed.sharp.is_empty(), "{freed:?}");
-    assert!(freed.tilted > freed.gouging_before);
-    assert!(freed.turns.largest <= 10_f64.to_radians() + 1e-8);
+    let (before, resolved) = along_the_wall(&GougingOptions::default());
+    assert!(resolved.gouging_before > 20 && resolved.left.is_empty() && resolved.sharp.is_empty(), "{resolved:?}");
+    assert!(resolved.tilted > resolved.gouging_before);
+    assert!(resolved.turns.largest <= 10_f64.to_radians() + 1e-8);
     // Tips stay, far from the wall directions too, and everything is still free.
-    let waypoints = &freed.paths[0].waypoints;
+    let waypoints = &resolved.paths[0].waypoints;
     for w in &before[0].waypoints {
         assert!(waypoints.iter().any(|v| v.tip == w.tip));
     }
@@ -396,13 +401,13 @@ fn tilts_are_ramped_along_the_path() {
     let (_, gentle) = along_the_wall(&GougingOptions { max_turn: 2_f64.to_radians(), ..GougingOptions::default() });
     assert!(gentle.turns.largest <= 2_f64.to_radians() + 1e-8 && gentle.left.is_empty(), "{:?}", gentle.turns);
     // Of the waypoints given: points put between count as tilted, too.
-    let ramp = |freed: &Freed| {
+    let ramp = |resolved: &ResolvedPaths| {
         let is_tilted = |w: &&Waypoint| {
-            freed.paths[0].waypoints.iter().any(|v| v.tip == w.tip && v.direction.angle(&w.direction) > 1e-9)
+            resolved.paths[0].waypoints.iter().any(|v| v.tip == w.tip && v.direction.angle(&w.direction) > 1e-9)
         };
         before[0].waypoints.iter().filter(is_tilted).count()
     };
-    assert!(ramp(&gentle) > ramp(&freed), "{} {}", ramp(&gentle), ramp(&freed));
+    assert!(ramp(&gentle) > ramp(&resolved), "{} {}", ramp(&gentle), ramp(&resolved));
 }
 
 #[test]
@@ -435,15 +440,17 @@ fn nozzles_that_cannot_be_are_named() {
 fn paths_and_options_that_cannot_be_used_are_named() {
     let layers = [nowhere(), nowhere()];
     let error = |paths: &[ToolPath], options: &GougingOptions| {
-        with_stack(&layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap_err())
+        with_stack(&layers, |stack| {
+            stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap_err()
+        })
     };
     let default = GougingOptions::default();
     let good = path(1, &[(Point3::origin(), Vector3::z()), (Point3::new(1.0, 0.0, 0.0), Vector3::z())]);
     for (name, options) in [
         ("allowed_depth", GougingOptions { allowed_depth: 0.6, ..default }),
         ("allowed_depth", GougingOptions { allowed_depth: f64::NAN, ..default }),
-        ("most_depth", GougingOptions { most_depth: 0.2, ..default }),
-        ("most_depth", GougingOptions { most_depth: f64::NAN, ..default }),
+        ("max_depth", GougingOptions { max_depth: 0.2, ..default }),
+        ("max_depth", GougingOptions { max_depth: f64::NAN, ..default }),
         ("max_tilt", GougingOptions { max_tilt: 4.0, ..default }),
         ("max_turn", GougingOptions { max_turn: 0.0, ..default }),
         ("plate_clearance", GougingOptions { plate_clearance: -0.1, ..default }),
@@ -465,7 +472,9 @@ fn paths_and_options_that_cannot_be_used_are_named() {
     zero.waypoints[0].direction = UnitVector3::new_unchecked(Vector3::zeros());
     assert_eq!(error(&[zero], &default), GougingError::BadWaypoint { path: 0, waypoint: 0 });
     let cancelled = with_stack(&layers, |stack| {
-        stack.free(vec![good.clone()], &Nozzle::default(), &default, &|_| ControlFlow::Break(())).unwrap_err()
+        stack
+            .resolve_gouging(vec![good.clone()], &Nozzle::default(), &default, &|_| ControlFlow::Break(()))
+            .unwrap_err()
     });
     assert_eq!(cancelled, GougingError::Cancelled);
 }

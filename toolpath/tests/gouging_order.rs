@@ -14,19 +14,19 @@ use common::go_on;
 use creases::{H, PIECE, groove, groove_of, last_touched, nowhere, rows, slow_depth};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::surface::{
-    Freed, GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ToolPath, TravelOptions, Waypoint,
+    GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ResolvedPaths, ToolPath, TravelOptions, Waypoint,
 };
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-fn free_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> Freed {
-    with_stack(layers, |stack| stack.free(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
+    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
 }
 
 /// No smoothing, nothing left out.
 fn rough_turns() -> GougingOptions {
-    GougingOptions { max_turn: PI, plate: false, most_depth: f64::INFINITY, ..GougingOptions::default() }
+    GougingOptions { max_turn: PI, plate: false, max_depth: f64::INFINITY, ..GougingOptions::default() }
 }
 
 /// A narrow groove of one layer. Along its front half both sides are laid before the bottom, along its back half after it; so
@@ -57,20 +57,23 @@ fn at_the_bottom(waypoints: &[Waypoint]) -> bool {
 fn what_beads_of_the_layer_close_in_is_laid_first() {
     let (layer, lines) = groove_with_lines();
     let (layers, paths) = (std::slice::from_ref(&layer), std::slice::from_ref(&lines));
-    let whole = free_with(layers, paths, &GougingOptions { cut: false, ..rough_turns() });
+    let whole = resolved_with(layers, paths, &GougingOptions { cut: false, ..rough_turns() });
     assert!(whole.left.len() > 10 && whole.left.iter().all(|gouge| gouge.own_layer), "{:?}", whole.left.len());
     assert!(whole.laid_first.is_empty() && whole.paths.len() == 1);
-    let freed = free_with(layers, paths, &rough_turns());
-    assert_eq!((freed.left.len(), &freed.laid_first[..], freed.gouging_before), (0, &[0][..], whole.gouging_before));
+    let resolved = resolved_with(layers, paths, &rough_turns());
+    assert_eq!(
+        (resolved.left.len(), &resolved.laid_first[..], resolved.gouging_before),
+        (0, &[0][..], whole.gouging_before)
+    );
     // One piece of the bottom, then what comes before it and what comes behind.
-    assert_eq!(freed.paths.len(), 3);
-    assert!(at_the_bottom(&freed.paths[0].waypoints) && freed.paths[0].waypoints.len() > 10);
-    assert_eq!(printed(&freed.paths), printed(paths));
-    assert_eq!(replayed(layers, &freed), []);
+    assert_eq!(resolved.paths.len(), 3);
+    assert!(at_the_bottom(&resolved.paths[0].waypoints) && resolved.paths[0].waypoints.len() > 10);
+    assert_eq!(printed(&resolved.paths), printed(paths));
+    assert_eq!(replayed(layers, &resolved), []);
     // What comes of it does not depend on the number of threads.
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| free_with(layers, paths, &rough_turns()))
+        pool.install(|| resolved_with(layers, paths, &rough_turns()))
     };
     assert_eq!(on(1), on(4));
 }
@@ -79,9 +82,9 @@ fn what_beads_of_the_layer_close_in_is_laid_first() {
 fn what_earlier_layers_close_in_stays_where_it_is() {
     let tip = |y: f64| (Point3::new(0.0, y, 0.0), Vector3::z());
     let lines = path(1, &[tip(-1.0), tip(0.0), tip(1.0)]);
-    let freed = free_with(&[groove(0.3, 2.0), nowhere()], std::slice::from_ref(&lines), &rough_turns());
-    assert_eq!((freed.left.len(), freed.paths.len(), freed.laid_first.len()), (3, 1, 0));
-    assert_eq!(printed(&freed.paths), printed(&[lines]));
+    let resolved = resolved_with(&[groove(0.3, 2.0), nowhere()], std::slice::from_ref(&lines), &rough_turns());
+    assert_eq!((resolved.left.len(), resolved.paths.len(), resolved.laid_first.len()), (3, 1, 0));
+    assert_eq!(printed(&resolved.paths), printed(&[lines]));
 }
 
 /// A path that comes down into a groove that is too narrow, goes along it, and up again.
@@ -95,22 +98,26 @@ fn dip() -> (Vec<Layer>, ToolPath) {
 #[test]
 fn what_would_run_into_the_part_is_left_out_and_listed() {
     let (layers, dip) = dip();
-    let never = free_with(&layers, std::slice::from_ref(&dip), &rough_turns());
+    let never = resolved_with(&layers, std::slice::from_ref(&dip), &rough_turns());
     let [one, other] = never.left[..] else { panic!("{:?}", never.left) };
     assert!((one.waypoint, other.waypoint) == (3, 4) && one.depth.min(other.depth) > H, "{:?}", never.left);
     let deepest = if one.depth > other.depth { one } else { other };
-    let freed = free_with(&layers, std::slice::from_ref(&dip), &GougingOptions { most_depth: 1.0, ..rough_turns() });
-    assert_eq!((freed.left.len(), freed.gouging_before, freed.paths.len()), (0, 2, 2));
+    let resolved =
+        resolved_with(&layers, std::slice::from_ref(&dip), &GougingOptions { max_depth: 1.0, ..rough_turns() });
+    assert_eq!((resolved.left.len(), resolved.gouging_before, resolved.paths.len()), (0, 2, 2));
     let arcs = [2, 5].map(|k: usize| dip.waypoints[k].arc);
     let (tip, depth, part) = (dip.waypoints[deepest.waypoint].tip, deepest.depth, NozzlePart::Cone);
-    assert_eq!(freed.left_out, [LeftOut { layer: 1, curve: 0, arcs, tip, obstacle: Obstacle::Layer(0), depth, part }]);
+    assert_eq!(
+        resolved.left_out,
+        [LeftOut { layer: 1, curve: 0, arcs, tip, obstacle: Obstacle::Layer(0), depth, part }]
+    );
     // The rest is as it was.
-    assert_eq!(freed.paths[0].waypoints, dip.waypoints[..3]);
-    assert_eq!(freed.paths[1].waypoints, dip.waypoints[5..]);
+    assert_eq!(resolved.paths[0].waypoints, dip.waypoints[..3]);
+    assert_eq!(resolved.paths[1].waypoints, dip.waypoints[5..]);
     // A little deeper than a layer may be allowed, and is then listed as before.
     let deep = 1.01 * deepest.depth / H;
-    let freed = free_with(&layers, &[dip], &GougingOptions { most_depth: deep, ..rough_turns() });
-    assert_eq!((freed.left, freed.left_out.len()), (never.left, 0));
+    let resolved = resolved_with(&layers, &[dip], &GougingOptions { max_depth: deep, ..rough_turns() });
+    assert_eq!((resolved.left, resolved.left_out.len()), (never.left, 0));
 }
 
 #[test]
@@ -118,10 +125,10 @@ fn a_path_may_be_left_out_whole() {
     let (layers, dip) = dip();
     let bottom = ToolPath { waypoints: dip.waypoints[3..5].to_vec(), ..dip.clone() };
     let paths = [bottom.clone(), ToolPath { curve: 1, ..dip.clone() }];
-    let freed = free_with(&layers, &paths, &GougingOptions { most_depth: 1.0, ..rough_turns() });
-    assert_eq!((freed.paths.len(), freed.left_out.len(), freed.left.len()), (2, 2, 0));
-    assert!(freed.paths.iter().all(|path| path.curve == 1));
-    let alone = free_with(&layers, &[bottom], &GougingOptions { most_depth: 1.0, ..rough_turns() });
+    let resolved = resolved_with(&layers, &paths, &GougingOptions { max_depth: 1.0, ..rough_turns() });
+    assert_eq!((resolved.paths.len(), resolved.left_out.len(), resolved.left.len()), (2, 2, 0));
+    assert!(resolved.paths.iter().all(|path| path.curve == 1));
+    let alone = resolved_with(&layers, &[bottom], &GougingOptions { max_depth: 1.0, ..rough_turns() });
     assert_eq!((alone.paths.len(), alone.left_out.len(), alone.turns.steps), (0, 1, 0));
 }
 
@@ -137,14 +144,14 @@ fn what_is_left_out_blocks_no_travel() {
         let at = |y: f64| (Point3::new(x, y, 0.8), Vector3::z());
         ToolPath { curve, ..path(1, &[at(2.5), at(3.5)]) }
     };
-    let blocked = |most_depth: f64| {
+    let blocked = |max_depth: f64| {
         with_stack(&layers, |stack| {
-            let options = GougingOptions { most_depth, ..rough_turns() };
+            let options = GougingOptions { max_depth, ..rough_turns() };
             let paths = vec![line(0, 60.0), line(1, 3.0), line(2, 70.0)];
-            let freed = stack.free(paths, &Nozzle::default(), &options, &go_on).unwrap();
+            let resolved = stack.resolve_gouging(paths, &Nozzle::default(), &options, &go_on).unwrap();
             // Not high enough to leave the shaft.
             let options = TravelOptions { max_lift: 20.0, ..TravelOptions::default() };
-            stack.travels(&freed.paths, &Nozzle::default(), &options, &go_on).unwrap().blocked.len()
+            stack.travels(&resolved.paths, &Nozzle::default(), &options, &go_on).unwrap().blocked.len()
         })
     };
     assert_eq!((blocked(f64::INFINITY), blocked(1.0)), (2, 0));
@@ -163,14 +170,14 @@ fn printed(paths: &[ToolPath]) -> Vec<[[u64; 3]; 2]> {
 }
 
 /// The waypoints that are too deep in beads of the first and only layer laid before, and not listed.
-fn replayed(layers: &[Layer], freed: &Freed) -> Vec<(usize, usize, f64)> {
+fn replayed(layers: &[Layer], resolved: &ResolvedPaths) -> Vec<(usize, usize, f64)> {
     let layer = &layers[0];
-    let last = last_touched(layer, &freed.paths);
+    let last = last_touched(layer, &resolved.paths);
     // Points of each triangle on all sheets, but for a strip along the boundary: pieces of the search that are half in it may
     // not count.
     let points: Vec<Vec<Point3<f64>>> = creases::sheets_by_triangle(layer, 0.12, 0.25 * H + 2.0 * PIECE);
     let (mut deep, mut number) = (Vec::new(), 0);
-    for (k, path) in freed.paths.iter().enumerate() {
+    for (k, path) in resolved.paths.iter().enumerate() {
         let mut before = number;
         for (waypoint, w) in path.waypoints.iter().enumerate() {
             if !w.added {
@@ -180,7 +187,7 @@ fn replayed(layers: &[Layer], freed: &Freed) -> Vec<(usize, usize, f64)> {
             let there = (0..last.len()).filter(|&t| last[t].is_some_and(|last| last < before));
             let there: Vec<Point3<f64>> = there.flat_map(|t| points[t].iter().copied()).collect();
             let depth = slow_depth(&there, w.tip, &w.direction);
-            let listed = freed.left.iter().any(|gouge| (gouge.path, gouge.waypoint) == (k, waypoint));
+            let listed = resolved.left.iter().any(|gouge| (gouge.path, gouge.waypoint) == (k, waypoint));
             if depth > 0.25 * H + PIECE && !listed {
                 deep.push((k, waypoint, depth));
             }
@@ -193,14 +200,14 @@ fn replayed(layers: &[Layer], freed: &Freed) -> Vec<(usize, usize, f64)> {
 fn prints_clear(seed: u64) -> Result<(), TestCaseError> {
     let (layer, paths) = rows(seed);
     let layers = std::slice::from_ref(&layer);
-    let whole = free_with(layers, &paths, &GougingOptions { cut: false, ..rough_turns() });
-    let freed = free_with(layers, &paths, &rough_turns());
-    prop_assert!(freed.left.len() <= whole.left.len());
-    prop_assert_eq!(freed.laid_first.is_empty(), freed.left.len() == whole.left.len());
+    let whole = resolved_with(layers, &paths, &GougingOptions { cut: false, ..rough_turns() });
+    let resolved = resolved_with(layers, &paths, &rough_turns());
+    prop_assert!(resolved.left.len() <= whole.left.len());
+    prop_assert_eq!(resolved.laid_first.is_empty(), resolved.left.len() == whole.left.len());
     // All of each path, once, and what is laid first is.
-    prop_assert_eq!(printed(&freed.paths), printed(&paths));
-    prop_assert!(freed.laid_first.iter().enumerate().all(|(k, &path)| k == path));
-    prop_assert_eq!(replayed(layers, &freed), vec![]);
+    prop_assert_eq!(printed(&resolved.paths), printed(&paths));
+    prop_assert!(resolved.laid_first.iter().enumerate().all(|(k, &path)| k == path));
+    prop_assert_eq!(replayed(layers, &resolved), vec![]);
     prop_assert_eq!(replayed(layers, &whole), vec![]);
     Ok(())
 }

@@ -179,10 +179,10 @@ fn a_print_is_planned_by_the_steps_behind_it() {
     let stack = LayerStack::new(&built).unwrap();
     let oriented = stack.orient(&options.orient, &go_on).unwrap();
     assert_eq!(plan.before, oriented.before);
-    let freed = stack.free(oriented.paths, &nozzle, &options.gouging, &go_on).unwrap();
-    let travels = stack.travels(&freed.paths, &nozzle, &options.travel, &go_on).unwrap();
-    let deposition = deposit_along(&freed.paths, &travels.ways, &options.deposition).unwrap();
-    assert!(plan.freed == freed && plan.travels == travels && plan.deposition == deposition);
+    let resolved = stack.resolve_gouging(oriented.paths, &nozzle, &options.gouging, &go_on).unwrap();
+    let travels = stack.travels(&resolved.paths, &nozzle, &options.travel, &go_on).unwrap();
+    let deposition = deposit_along(&resolved.paths, &travels.ways, &options.deposition).unwrap();
+    assert!(plan.resolved == resolved && plan.travels == travels && plan.deposition == deposition);
     assert_eq!(plan, stack.plan(&nozzle, &options, &go_on).unwrap());
     assert!((deposition.extruded_mm3 / filled.covered_mm3(&surfaces) - 1.0).abs() < 0.02);
 }
@@ -196,10 +196,10 @@ fn planned() -> PrintPlan {
 
 #[test]
 fn schedules_and_new_times_keep_to_the_moves() {
-    let PrintPlan { freed, mut deposition, .. } = planned();
+    let PrintPlan { resolved, mut deposition, .. } = planned();
     let schedules = deposition.schedules();
-    assert_eq!(schedules.len(), freed.paths.len());
-    for (number, (schedule, path)) in schedules.iter().zip(&freed.paths).enumerate() {
+    assert_eq!(schedules.len(), resolved.paths.len());
+    for (number, (schedule, path)) in schedules.iter().zip(&resolved.paths).enumerate() {
         assert_eq!(schedule.times().len(), path.waypoints.len());
         let (mut time, mut laid) = (0.0, 0.0);
         for step in deposition.moves.iter().filter(|step| step.path == number && step.kind == MoveKind::Print) {
@@ -289,7 +289,7 @@ fn errors_name_the_layer() {
     let options = PathOptions { bead: -1.0, ..PathOptions::default() };
     let error = fill_layers(&surfaces, &options, &go_on).unwrap_err();
     assert!(matches!(error, FillLayersError::Layer { layer: 0, error: FillError::Levels(_) }), "{error}");
-    let options = PathOptions { least_gap: -1.0, ..PathOptions::default() };
+    let options = PathOptions { min_gap: -1.0, ..PathOptions::default() };
     let error = fill_layers(&surfaces, &options, &go_on).unwrap_err();
     assert!(matches!(error, FillLayersError::Layer { layer: 0, error: FillError::Paths(_) }), "{error}");
     let bad = surfaces[2].vertices.iter().map(|_| Point3::new(f64::NAN, 0.0, 0.0)).collect::<Vec<_>>();

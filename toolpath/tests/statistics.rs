@@ -738,9 +738,9 @@ fn what_is_refused() {
         let found = with(StatisticsOptions { sharp_turn: bad - 1.0, ..options });
         assert!(matches!(found, StatisticsError::BadOption { option: "sharp_turn", .. }));
     }
-    for least_width_mm in [-1.0, f64::NAN, f64::INFINITY] {
-        let found = with(StatisticsOptions { least_width_mm, ..options });
-        assert!(matches!(found, StatisticsError::BadOption { option: "least_width_mm", .. }));
+    for min_width_mm in [-1.0, f64::NAN, f64::INFINITY] {
+        let found = with(StatisticsOptions { min_width_mm, ..options });
+        assert!(matches!(found, StatisticsError::BadOption { option: "min_width_mm", .. }));
     }
     let found = with(StatisticsOptions { width_range_mm: [0.0, f64::NAN], ..options });
     assert!(matches!(found, StatisticsError::BadOption { option: "width_range_mm", .. }));
@@ -771,10 +771,10 @@ fn no_more_is_done_than_there_is() {
 }
 
 /// Figures for beads of a least width; a bead of 1 mm sets the step.
-fn room_for(mesh: &SurfaceMesh, least_width_mm: f64) -> PathStatistics {
+fn room_for(mesh: &SurfaceMesh, min_width_mm: f64) -> PathStatistics {
     let corner = mesh.vertices()[0];
     let dot = (vec![corner], vec![1.0]);
-    measure_with(mesh, &[dot], &StatisticsOptions { least_width_mm, ..at_step(25.0) })
+    measure_with(mesh, &[dot], &StatisticsOptions { min_width_mm, ..at_step(25.0) })
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn is_sound_with(
             assert_eq!(pose.direction, end.direction);
             let lift = (pose.tip - end.tip).dot(&end.direction);
             assert!((pose.tip - end.tip - end.direction.into_inner() * lift).norm() < 1e-9);
-            assert!((options.least_lift - 1e-9..=options.max_lift + 1e-9).contains(&lift), "{lift}");
+            assert!((options.min_lift - 1e-9..=options.max_lift + 1e-9).contains(&lift), "{lift}");
         }
         if travels.blocked.iter().any(|blocked| blocked.path == k) {
             continue;
@@ -282,7 +282,7 @@ fn a_nozzle_that_lies_flat_over_the_plate_gets_away_from_it() {
     let paths = [10.0, 25.0].map(|x| path(0, &[5.0, 9.0].map(|y| (Point3::new(x, y, 6.065), leaning))));
     let there = travels_with(&layers, &paths, &options);
     is_sound(&layers, &paths, &there, &options);
-    assert!(there.blocked.is_empty() && there.max_lift > options.least_lift);
+    assert!(there.blocked.is_empty() && there.max_lift > options.min_lift);
     // Half a millimetre lower it is in the plate, and stays there.
     let mut paths = [lying(10.0, flat[0]), lying(25.0, flat[1])];
     paths[0].waypoints.iter_mut().for_each(|w| w.tip.z = 9.5);
@@ -327,7 +327,7 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     for (name, options) in [
         ("clearance", TravelOptions { clearance: 0.0, ..default }),
         ("clearance", TravelOptions { clearance: f64::NAN, ..default }),
-        ("least_lift", TravelOptions { least_lift: -1.0, ..default }),
+        ("min_lift", TravelOptions { min_lift: -1.0, ..default }),
         ("max_lift", TravelOptions { max_lift: f64::INFINITY, ..default }),
         ("max_lift", TravelOptions { max_lift: 1.0, ..default }),
     ] {

@@ -107,7 +107,7 @@ pub(crate) struct Capped {
     pub(crate) ends: [[Option<Bits>; 2]; 3],
 }
 
-/// Adds to `cells`, which hold what the surface touches, what lies inside. `go_on` is told of work done and in all
+/// Adds to `cells`, which hold what the surface touches, what lies inside. `go_on` gets the work done and in all
 /// and may stop it.
 ///
 /// # Arguments

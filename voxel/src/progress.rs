@@ -1,6 +1,6 @@
 //! How far long work has come.
 
-/// How far a long computation has come; handed to the caller's callback, which may stop the work.
+/// How far a long computation has come; handed to the caller's callback, which may cancel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// What is being done, as a short word or two.

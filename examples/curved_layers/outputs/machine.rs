@@ -10,7 +10,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Freed, Obstacle, ToolPath};
+use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath};
 use std::collections::HashSet;
 use std::io;
 
@@ -154,7 +154,7 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
         ]);
 }
 
-fn gouging_row(freed: &Freed) -> String {
+fn gouging_row(freed: &ResolvedPaths) -> String {
     let (before, after) = (freed.gouging_before, freed.left.len());
     let mut row = format!("{before} waypoints before, {after} after");
     if !freed.left_out.is_empty() {

@@ -40,7 +40,7 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
     summary
         .set("bead_mm", run.bead_mm)?
         .set("pattern", typed_name(args.pattern))?
-        .set("least_gap", run.least_gap)?
+        .set("least_gap", run.min_gap)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
         .set_seconds("statistics_s", times.statistics)?

@@ -9,6 +9,9 @@
 //! platform, and (2) does not lie inside the hull of the platform and all earlier layers. [`Rules`] says what
 //! "neighbour" and "inside" mean, [`Platform`] what the part stands on, [`LayerOrder`] holds an order.
 //!
+//! [`Workpiece::layers`] does all steps: growth by a [`Strategy`] or the best one, [`audit`](audit()), the [`surface`]s of uniform
+//! layers, and [trimming](trim) to the mesh.
+//!
 //! # The lattice
 //! Cells are numbered `x + nx * (y + ny * z)`. Geometry is done on *doubled* coordinates: the centre of cell
 //! `[x, y, z]` is the lattice point `[2x + 1, 2y + 1, 2z + 1]`, and the plate under the part is the plane `z = 0`.

@@ -1,6 +1,6 @@
 //! An order in which cells are built, cut into layers.
 
-/// Cells in the order in which they are built, cut into layers. Cells are told by their numbers.
+/// Cells in the order in which they are built, cut into layers. Cells are given by their numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LayerOrder {
     cells: Vec<u32>,

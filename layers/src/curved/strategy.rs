@@ -45,7 +45,7 @@ impl Strategy {
     /// Grows an order of the cells by this strategy, with the default options of each.
     ///
     /// # Arguments
-    /// * `progress`: called with the stages `peel` ([`Strategy::Governed`]) and `grow`; may cancel.
+    /// * `progress`: called with the stages `peel` ([`Strategy::Governed`]), `unbuild` ([`Strategy::Unbuild`]) and `grow`; may cancel.
     ///
     /// # Errors
     /// [`GrowthError`]; cells that cannot be built are listed with the reason.

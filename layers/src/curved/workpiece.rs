@@ -1,6 +1,6 @@
 //! The layers of a part: order of the cells, field of uniform layers, surfaces that end on its skin, in one call.
 //!
-//! Dai 2020, sections 3.4 and 3.6.3: growth, its audit, [`even`](super::surface::even()), [`extend`], [`contour`], trimming, spacing.
+//! Dai 2020, sections 3.4 and 3.6.3: growth, its audit, [`uniform_field`](super::surface::uniform_field), [`extend`], [`contour`], trimming, spacing.
 //!
 //! # The best strategy
 //! Without a strategy the part is grown incrementally. If that misses cells, all is done once more with un-building. What a
@@ -19,8 +19,8 @@ use super::platform::Platform;
 use super::rules::Rules;
 use super::strategy::Strategy;
 use super::surface::{
-    ContourError, Even, EvenError, LayerField, Spacing, SpacingError, SurfaceSlices, contour, even, extend,
-    measure_spacing,
+    ContourError, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError, UniformField, contour, extend,
+    measure_spacing, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
@@ -70,7 +70,7 @@ pub struct LayeredPart {
     /// The audit of that order.
     pub audit: AuditReport,
     /// The field of uniform layers.
-    pub even: Even,
+    pub uniform: UniformField,
     /// Its surfaces.
     pub surfaces: LayerSurfaces,
 }
@@ -119,7 +119,7 @@ pub enum LayersError {
     Audit(AuditError),
     /// The field could not be made.
     #[error(transparent)]
-    Even(EvenError),
+    Uniform(UniformError),
     /// No surfaces at this layer height.
     #[error(transparent)]
     Contour(ContourError),
@@ -157,7 +157,7 @@ macro_rules! from_step {
 from_step! {
     GrowthError, Growth, GrowthError::Cancelled,
     AuditError, Audit, AuditError::Cancelled,
-    EvenError, Even, EvenError::Growth(GrowthError::Cancelled) | EvenError::Audit(AuditError::Cancelled),
+    UniformError, Uniform, UniformError::Growth(GrowthError::Cancelled) | UniformError::Audit(AuditError::Cancelled),
     ContourError, Contour, ContourError::Cancelled,
     TrimError, Trim, TrimError::Cancelled,
     SpacingError, Spacing, SpacingError::Cancelled,
@@ -167,9 +167,10 @@ impl Workpiece<'_> {
     /// Layers the part.
     ///
     /// # Arguments
-    /// * `strategy`: how the order is grown; `None` for the best one ([module](self)).
+    /// * `strategy`: how the order is grown. `None` for the best one: incremental, unless that misses cells and un-building
+    ///   loses less of the volume ([`LayerSurfaces::lost_mm3`]) by more than [`WORTH`] of it.
     /// * `height_mm`: layer height, at least a fifth of a cell.
-    /// * `progress`: called with the stages `grow` (`peel`), `audit`, `even`, `contour`, `trim` and `spacing`, each of which begins
+    /// * `progress`: called with the stages `grow` (`peel`, `unbuild`), `audit`, `uniform`, `contour`, `trim` and `spacing`, each of which begins
     ///   with nothing done; may cancel.
     ///
     /// # Errors
@@ -239,16 +240,16 @@ impl Workpiece<'_> {
         let missed = growth.missed_cells();
         begin("audit", progress)?;
         let audit = audit(cells, platform, rules, &growth.order, &missed, progress)?;
-        begin("even", progress)?;
-        let even = even(cells, platform, rules, &growth.order, &missed, progress)?;
-        let surfaces = self.surfaces(&even.field, &missed, height_mm, progress)?;
-        Ok(LayeredPart { strategy, growth, audit, even, surfaces })
+        begin("uniform", progress)?;
+        let uniform = uniform_field(cells, platform, rules, &growth.order, &missed, progress)?;
+        let surfaces = self.surfaces(&uniform.field, &missed, height_mm, progress)?;
+        Ok(LayeredPart { strategy, growth, audit, uniform, surfaces })
     }
 
     /// The surfaces of a field, trimmed to the mesh and measured.
     ///
     /// # Arguments
-    /// * `field`: of these cells; [`even`](super::surface::even()) or a saved one.
+    /// * `field`: of these cells; [`uniform_field`](super::surface::uniform_field) or a saved one.
     /// * `missed`: cells without a value.
     /// * `height_mm`: layer height, at least a fifth of a cell.
     /// * `progress`: called with the stages `contour`, `trim` and `spacing`; may cancel.

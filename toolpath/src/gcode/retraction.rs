@@ -12,12 +12,12 @@ pub struct Retraction {
     /// How fast, 0.001 to 1e5 mm/s. Default 30.
     pub feed_mm_s: f64,
     /// Shorter ways between two beads go without; of their first 64 moves. Default 2 mm.
-    pub least_travel_mm: f64,
+    pub min_travel_mm: f64,
 }
 
 impl Default for Retraction {
     fn default() -> Self {
-        Retraction { filament_mm: 1.0, feed_mm_s: 30.0, least_travel_mm: 2.0 }
+        Retraction { filament_mm: 1.0, feed_mm_s: 30.0, min_travel_mm: 2.0 }
     }
 }
 
@@ -55,7 +55,7 @@ impl<I: Iterator<Item = Move>> Retracting<I> {
     fn release(&mut self, retraction: Retraction) {
         if let Some(&(index, _)) = self.held.front()
             && !self.stroke
-            && self.way >= retraction.least_travel_mm
+            && self.way >= retraction.min_travel_mm
         {
             let Retraction { filament_mm, feed_mm_s, .. } = retraction;
             self.ready.push_back((index, Move::Retract { filament_mm, feed_mm_s }));

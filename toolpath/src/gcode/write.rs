@@ -170,7 +170,7 @@ fn check_options(options: &WriteOptions<'_>) -> Result<(), WriteError> {
         ("fan", options.fan.unwrap_or(0.0), SHARE, "it must be from 0 to 1"),
         ("retraction.filament_mm", retraction.filament_mm, FILAMENT, "it must be from 0 to 1e6 mm"),
         ("retraction.feed_mm_s", retraction.feed_mm_s, FEED, "it must be from 0.001 to 1e5 mm/s"),
-        ("retraction.least_travel_mm", retraction.least_travel_mm, [0.0, 1e6], "it must be from 0 to 1e6 mm"),
+        ("retraction.min_travel_mm", retraction.min_travel_mm, [0.0, 1e6], "it must be from 0 to 1e6 mm"),
     ];
     match ranges.into_iter().find(|&(_, value, range, _)| !within(value, range)) {
         Some((what, value, _, need)) => Err(WriteError::Option { what, value, need }),

@@ -232,8 +232,8 @@ pub fn fill_layer(
         let paths = field.paths(options, &report("curves"))?;
         mark("curves", 1)?;
         // What not even the narrowest bead could cover counts as unfillable.
-        let least_width_mm = BEAD_WIDTHS[0] * options.bead;
-        let statistics = statistics(&mesh, &paths, least_width_mm, &report("coverage"))?;
+        let min_width_mm = BEAD_WIDTHS[0] * options.bead;
+        let statistics = statistics(&mesh, &paths, min_width_mm, &report("coverage"))?;
         mark("coverage", 1)?;
         Ok(FilledLayer { paths, statistics, uniform })
     };
@@ -253,12 +253,12 @@ pub fn fill_layer(
 fn statistics(
     mesh: &SurfaceMesh,
     paths: &LayerPaths,
-    least_width_mm: f64,
+    min_width_mm: f64,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<PathStatistics, StatisticsError> {
     let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = paths.paths.iter().map(|path| path.line()).collect();
     let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
-    let options = StatisticsOptions { least_width_mm, ..StatisticsOptions::default() };
+    let options = StatisticsOptions { min_width_mm, ..StatisticsOptions::default() };
     path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)
 }
 

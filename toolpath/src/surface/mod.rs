@@ -8,8 +8,8 @@
 //!   that fill the surface with beads ([`LevelField::paths`]).
 //! * [`order_curves`]: in which order curves are travelled, and from which end, for short ways in between.
 //! * [`LayerStack`]: all layers of a part. It orients the nozzle along their curves ([`LayerStack::orient`]), and tilts
-//!   it where it would run into what is built ([`LayerStack::free`]), and finds ways from path to path that keep clear
-//!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] tells how deep a nozzle is in what is built, at any pose and
+//!   it where it would run into what is built ([`LayerStack::resolve_gouging`]), and finds ways from path to path that keep clear
+//!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] reports how deep a nozzle is in what is built, at any pose and
 //!   moment of the print.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 //!
@@ -40,8 +40,8 @@ pub use fill::{
 };
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use gouging::{
-    Contact, ContactError, Contacts, Freed, Gouge, GougingError, GougingOptions, LeftOut, Moment, Nozzle, NozzleError,
-    NozzlePart, Obstacle,
+    Contact, ContactError, Contacts, Gouge, GougingError, GougingOptions, LeftOut, Moment, Nozzle, NozzleError,
+    NozzlePart, Obstacle, ResolvedPaths,
 };
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};

@@ -1,11 +1,11 @@
 //! A whole print: from curves on layers to the moves of a machine, in one call.
 //!
 //! Dai 2020, sections 3.5.2 and 3.6.3. Waypoints along the curves ([`LayerStack::orient`]), a nozzle that gouges nothing
-//! ([`LayerStack::free`]), ways from path to path ([`LayerStack::travels`]), what is laid and how fast ([`deposit_along`]).
+//! ([`LayerStack::resolve_gouging`]), ways from path to path ([`LayerStack::travels`]), what is laid and how fast ([`deposit_along`]).
 
 use super::deposition::{Deposition, DepositionError, DepositionOptions, deposit_along};
 use super::fill::{FilledLayers, LayerSurface};
-use super::gouging::{Freed, GougingError, GougingOptions, Nozzle};
+use super::gouging::{GougingError, GougingOptions, Nozzle, ResolvedPaths};
 use super::orientation::{OrientError, OrientOptions, Turns};
 use super::stack::{LayerStack, StackError};
 use super::travel::{TravelOptions, Travels};
@@ -55,7 +55,7 @@ pub struct PrintPlan {
     /// Turns from waypoint to waypoint where the nozzle points away from the closest point below, unfiltered.
     pub before: Turns,
     /// The paths with the directions that they are printed with.
-    pub freed: Freed,
+    pub resolved: ResolvedPaths,
     /// How the nozzle gets from path to path.
     pub travels: Travels,
     /// What is laid, how fast, and all moves.
@@ -155,11 +155,11 @@ impl LayerStack<'_> {
         begin("orient")?;
         let oriented = self.orient(&options.orient, progress)?;
         begin("gouging")?;
-        let freed = self.free(oriented.paths, nozzle, &options.gouging, progress)?;
+        let resolved = self.resolve_gouging(oriented.paths, nozzle, &options.gouging, progress)?;
         begin("travel")?;
-        let travels = self.travels(&freed.paths, nozzle, &options.travel, progress)?;
+        let travels = self.travels(&resolved.paths, nozzle, &options.travel, progress)?;
         begin("deposit")?;
-        let deposition = deposit_along(&freed.paths, &travels.ways, &options.deposition)?;
-        Ok(PrintPlan { before: oriented.before, freed, travels, deposition })
+        let deposition = deposit_along(&resolved.paths, &travels.ways, &options.deposition)?;
+        Ok(PrintPlan { before: oriented.before, resolved, travels, deposition })
     }
 }

@@ -3,7 +3,7 @@
 //! Between paths the nozzle backs off along its direction, goes to above the next path while it turns evenly, and comes down
 //! along the new direction. A nozzle that backs off along its axis stays within the place that it had, since it reaches
 //! up without end; so the first and the last piece touch nothing that the nozzle did not touch at the end of the path or will
-//! not at the start of the next, and `free` has looked at these. The piece in between keeps a *clearance*
+//! not at the start of the next, and `resolve_gouging` has looked at these. The piece in between keeps a *clearance*
 //! from all layers so far, as thick as they are, the one being printed taken as whole, and from the plate.
 //!
 //! # Proof
@@ -59,7 +59,7 @@ pub struct TravelOptions {
     /// What is to be kept from everything built, in millimetres: 1. From the plate, too, but where no way does.
     pub clearance: f64,
     /// How far the nozzle backs off along its direction at least, in millimetres: 2.
-    pub least_lift: f64,
+    pub min_lift: f64,
     /// And how far it goes at most, straight up over the top of the part included: 200.
     pub max_lift: f64,
     /// Whether there is a plate at z = 0: yes.
@@ -68,7 +68,7 @@ pub struct TravelOptions {
 
 impl Default for TravelOptions {
     fn default() -> Self {
-        TravelOptions { clearance: 1.0, least_lift: 2.0, max_lift: 200.0, plate: true }
+        TravelOptions { clearance: 1.0, min_lift: 2.0, max_lift: 200.0, plate: true }
     }
 }
 
@@ -110,12 +110,12 @@ pub struct Travels {
 impl TravelOptions {
     fn check(&self) -> Result<(), GougingError> {
         let wanted = "above 0 and at most 1e6";
-        let lengths = [("clearance", self.clearance), ("least_lift", self.least_lift), ("max_lift", self.max_lift)];
+        let lengths = [("clearance", self.clearance), ("min_lift", self.min_lift), ("max_lift", self.max_lift)];
         if let Some((option, value)) = lengths.into_iter().find(|(_, value)| !(*value > 0.0 && *value <= LARGEST)) {
             return Err(GougingError::Option { option, value, wanted });
         }
-        if self.max_lift < self.least_lift {
-            let wanted = "no less than least_lift";
+        if self.max_lift < self.min_lift {
+            let wanted = "no less than min_lift";
             return Err(GougingError::Option { option: "max_lift", value: self.max_lift, wanted });
         }
         Ok(())
@@ -124,7 +124,7 @@ impl TravelOptions {
     /// Heights that are tried above the ends.
     fn lifts(&self) -> Vec<f64> {
         let next = |lift: &f64| Some(lift * HIGHER).filter(|higher| *higher <= self.max_lift);
-        std::iter::successors(Some(self.least_lift), next).collect()
+        std::iter::successors(Some(self.min_lift), next).collect()
     }
 }
 
@@ -132,7 +132,7 @@ impl LayerStack<'_> {
     /// Finds ways from path to path that keep clear of all layers so far and of the plate.
     ///
     /// # Arguments
-    /// * `paths`: of these layers, in the order in which they are printed, as [`LayerStack::free`] leaves them.
+    /// * `paths`: of these layers, in the order in which they are printed, as [`LayerStack::resolve_gouging`] leaves them.
     /// * `progress`: called with the stage `travel`; may cancel.
     ///
     /// # Errors
@@ -301,10 +301,10 @@ impl Finder<'_> {
                 }
             }
         }
-        let ends = above(self.options.least_lift);
+        let ends = above(self.options.min_lift);
         let way = straight(ends).unwrap_or_else(|| ends.to_vec());
         let blocked = Some(self.in_the_way(&way, self.room(&ends).max(0.0)));
-        Found { way, lift: self.options.least_lift, is_first: false, blocked }
+        Found { way, lift: self.options.min_lift, is_first: false, blocked }
     }
 
     /// Upright over the top of everything, unless that is too far up or there is nothing to rise over.

@@ -25,7 +25,7 @@ const LISTED_FAULTS: usize = 20;
 /// Cells between two reports of progress: some milliseconds in the worst case.
 const CELLS_PER_REPORT: u64 = 1 << 12;
 
-/// What is wrong with an order. Cells are told by their numbers, layers are counted from 1.
+/// What is wrong with an order. Cells are given by their numbers, layers are counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fault {
@@ -197,7 +197,7 @@ pub enum AuditError {
         /// Cells in the grid.
         len: u32,
     },
-    /// The callback asked to stop.
+    /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
 }

@@ -82,7 +82,7 @@ pub(in crate::curved) fn grow_by_clock(
         layer = due.floor().max(layer + 1.0);
         clock.build_layer(layer)?;
         let done = clock.front.order.cells().len() as u64;
-        if progress(Progress { stage: "even", done, total }).is_break() {
+        if progress(Progress { stage: "uniform", done, total }).is_break() {
             return Err(GrowthError::Cancelled);
         }
     }

@@ -125,7 +125,7 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// The numbers of the missed cells, rising: what [`audit`](super::audit()) and [`even`](super::surface::even()) take.
+    /// The numbers of the missed cells, rising: what [`audit`](super::audit()) and [`uniform_field`](super::surface::uniform_field) take.
     pub fn missed_cells(&self) -> Vec<u32> {
         self.missed.iter().map(|missed| missed.cell).collect()
     }
@@ -166,7 +166,7 @@ pub enum GrowthError {
 /// * `governor`: a field that says when a cell may be built at the earliest (Algorithm 5): first the cells with its
 ///   least value are grown as far as they go, then those with the next one as well, and so on. [`peel`](super::peel())
 ///   makes one.
-/// * `progress`: told the number of cells built after each layer; may stop the work.
+/// * `progress`: called with the stage `grow` and the number of cells built after each layer; may cancel.
 ///
 /// # Errors
 /// [`GrowthError`]; cells that cannot be built are no error, they are listed with the reason.

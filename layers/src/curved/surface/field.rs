@@ -7,7 +7,7 @@ use super::lattice::{Lattice, ROOM};
 
 /// When each cell of a part is built, in layers.
 ///
-/// A cell has no value if it is empty or missed. [`plain_field`] makes a field of whole layers, [`even`](super::even())
+/// A cell has no value if it is empty or missed. [`plain_field`] makes a field of whole layers, [`uniform_field`](super::uniform_field)
 /// a smooth one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerField {

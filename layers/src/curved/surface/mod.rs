@@ -2,7 +2,7 @@
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), sections 3.4.5 and 3.6.3.
 //!
-//! 1. [`even`](even()) re-times an accepted order into a field whose layers are a cell thick whichever way they face, and
+//! 1. [`uniform_field`] re-times an accepted order into a field whose layers are a cell thick whichever way they face, and
 //!    which passes the audit; [`plain_field`] takes the hop count as it is.
 //! 2. [`extend`](extend()) continues the field by two rings of cells beyond the part.
 //! 3. [`contour`](contour()) draws the surfaces at [the levels of a layer height](ExtendedField::levels). They reach
@@ -22,7 +22,6 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 mod contour;
-mod even;
 mod extend;
 mod field;
 mod lattice;
@@ -30,15 +29,16 @@ mod slope;
 mod spacing;
 mod store;
 mod tree;
+mod uniform;
 mod vtk;
 
 pub use contour::{ContourError, Surface, contour};
-pub use even::{Even, EvenError, EvenMethod, LAGS, even};
 pub use extend::{ExtendedField, extend};
 pub use field::{FieldError, LayerField, plain_field};
 pub use lattice::{APART, JUMP};
 pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing};
 pub use store::{OtherMesh, ReadFieldError, SavedField, mesh_stamp};
+pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};
 
 /// `of` for all numbers below `count`, in their order; with the feature `rayon` by several threads, each of which takes at

@@ -96,7 +96,7 @@ pub enum SpacingError {
         /// Points that the surface has.
         points: usize,
     },
-    /// A point has no place.
+    /// A coordinate is not finite.
     #[error("point {point} of surface {surface} has a coordinate that is not finite")]
     NotFinite {
         /// The surface, from 0.

@@ -5,7 +5,7 @@
 //! A cell less than `eps` below the surface of the hull of what remains, itself and the platform included, can be removed: when it is put back,
 //! nothing that is there by then shadows it. So the cells come off in sheets ([`removal`]), but for those that something
 //! else hangs on ([`links`]). Put together in the reverse order nothing is shadowed, whatever else happens. How far
-//! the reverse order can be followed in parallel is told by the planes that prove each cell accessible: a cell only has
+//! the reverse order can be followed in parallel follows from the planes that prove each cell accessible: a cell only has
 //! to wait for those whose planes it lies above ([`schedule`]). So there are far fewer layers than sheets times
 //! sublayers. In the end small patches are put off until they can be printed with others ([`patches`]).
 //!
@@ -56,7 +56,8 @@ impl Default for UnbuildOptions {
 /// counted as whole.
 ///
 /// # Arguments
-/// * `progress`: told the number of cells removed, then the number of cells built; may stop the work.
+/// * `progress`: called with the stage `unbuild` and the number of cells removed, then with `grow` and the number of cells built;
+///   may cancel.
 ///
 /// # Errors
 /// [`GrowthError`]; cells that cannot be built are no error, they are listed with the reason.
@@ -93,9 +94,10 @@ pub fn unbuild(
     if feet.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }
-    let tell = |stage: &'static str, done: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
+    let report =
+        |stage: &'static str, done: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
     let job = Job { cells, platform, rules, feet };
-    let (order, statistics) = job.best_order(options, &tell)?;
+    let (order, statistics) = job.best_order(options, &report)?;
     let mut chances = last_chances(cells, platform, rules, &order)?;
     let order = patches::put_off(cells, rules, &order, &chances);
     let missed = order.cells().len() < total;
@@ -113,11 +115,11 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// The order that builds the most cells. `tell` hears the stage and the cells done.
+    /// The order that builds the most cells. `report` takes the stage and the cells done.
     fn best_order(
         &self,
         options: &UnbuildOptions,
-        tell: &dyn Fn(&'static str, usize) -> ControlFlow<()>,
+        report: &dyn Fn(&'static str, usize) -> ControlFlow<()>,
     ) -> Result<(LayerOrder, GrowthStatistics), GrowthError> {
         let Job { cells, platform, rules, feet } = self;
         let total = cells.count();
@@ -125,12 +127,12 @@ impl Job<'_> {
         let mut detours: Vec<Detour> = Vec::new();
         let mut best = (LayerOrder::new(), GrowthStatistics::default());
         for trials in 1..=u64::from(options.look_back) + 1 {
-            let progress = |left: usize| tell("unbuild", total - left);
+            let progress = |left: usize| report("unbuild", total - left);
             let removal = Removal::run(cells, &solid, feet, platform, rules, &detours, &progress)?;
             let removal = removal.ok_or(GrowthError::Cancelled)?;
             let sacrifices = removal.pieces.len() as u64;
             let largest = removal.pieces.iter().max_by_key(|piece| piece.len()).cloned();
-            let order = schedule(cells, feet, removal, platform, rules, &|built| tell("grow", built))?;
+            let order = schedule(cells, feet, removal, platform, rules, &|built| report("grow", built))?;
             let order = order.ok_or(GrowthError::Cancelled)?;
             if order.cells().len() > best.0.cells().len() {
                 best = (order, GrowthStatistics { sacrifices, ..best.1 });

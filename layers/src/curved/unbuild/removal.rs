@@ -57,7 +57,7 @@ struct State<'a> {
 impl Removal {
     /// Takes `solid` apart, a part of `cells` that holds all of `feet`, the cells that stand on the platform.
     ///
-    /// `progress` is told how many cells are left; `None` if it stopped the work.
+    /// `progress` gets the number of cells left; `None` if it stopped the work.
     pub(super) fn run(
         cells: &Cells,
         solid: &CellSet,

@@ -51,7 +51,7 @@ struct Schedule {
     waiting: CellSet,
 }
 
-/// Builds the layers. `feet` are the first one. `None` if `progress`, which is told the number of cells built, stopped the work.
+/// Builds the layers. `feet` are the first one. `None` if `progress`, which gets the number of cells built, stopped the work.
 pub(super) fn schedule(
     cells: &Cells,
     feet: &[u32],

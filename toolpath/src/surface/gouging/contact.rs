@@ -1,9 +1,9 @@
 //! How deep a nozzle is in what is built, at any pose and any moment of the print.
 //!
-//! [`LayerStack::free`] asks this at waypoints. A machine also runs in, lifts off, and leaves its path a little between
+//! [`LayerStack::resolve_gouging`] asks this at waypoints. A machine also runs in, lifts off, and leaves its path a little between
 //! waypoints. [`Contacts`] judges such poses by the same rule: a nozzle may enter what is built by then by
 //! [`GougingOptions::allowed_depth`] of a layer, and may not reach below the plate. What is built by then is numbered in
-//! `built`, where a nozzle is deepest is searched in `deepest`; both serve `free` as well, so the answers agree bit for bit.
+//! `built`, where a nozzle is deepest is searched in `deepest`; both serve `resolve_gouging` as well, so the answers agree bit for bit.
 //!
 //! # Backing off
 //! A nozzle that moves along its own direction, away from the tip, stays within the place that it had: it only widens from
@@ -37,10 +37,10 @@ const LARGEST: f64 = 1e9;
 /// When in the print.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moment {
-    /// While a waypoint is being laid, as [`LayerStack::free`] sees it: with the beads of its path up to the last sample before.
+    /// While a waypoint is being laid, as [`LayerStack::resolve_gouging`] sees it: with the beads of its path up to the last sample before.
     ///
     /// A leg from a waypoint to the next is asked at the first of the two. What is there only grows, so both its ends are
-    /// free then if `free` found them free.
+    /// free then if `resolve_gouging` found them free.
     At {
         /// The path, by its place in the list of paths.
         path: usize,
@@ -157,7 +157,7 @@ impl LayerStack<'_> {
     /// Prepares the question how deep a nozzle is in what is built, for any pose at any moment of a print.
     ///
     /// # Arguments
-    /// * `paths`: of these layers, in the order in which they are printed, as [`LayerStack::free`] leaves them.
+    /// * `paths`: of these layers, in the order in which they are printed, as [`LayerStack::resolve_gouging`] leaves them.
     /// * `options`: of these count `allowed_depth`, `own_layer`, `plate` and `plate_clearance`.
     /// * `progress`: called with the stage `built`; may cancel.
     ///

@@ -5,7 +5,7 @@
 //! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is. A path on which waypoints are
 //! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free. If
 //! that is not enough, pieces of paths are cut out and laid before the rest of the layer; those where the nozzle would run into
-//! what is built are left out (`order`). What `free` asks at waypoints can be asked of any pose at any moment of the print (`contact`).
+//! what is built are left out (`order`). What `resolve_gouging` asks at waypoints can be asked of any pose at any moment of the print (`contact`).
 //!
 //! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
 //! (`built`). The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
@@ -52,7 +52,7 @@ pub struct GougingOptions {
     pub cut: bool,
     /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
     /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
-    pub most_depth: f64,
+    pub max_depth: f64,
     /// Whether there is a plate at z = 0, below which nothing may reach: yes.
     pub plate: bool,
     /// How far over it the nozzle keeps, in millimetres: 0. Never more than half the height of the tip, since layers may be thin.
@@ -69,7 +69,7 @@ impl Default for GougingOptions {
             own_layer: true,
             reverse: true,
             cut: true,
-            most_depth: 1.0,
+            max_depth: 1.0,
             plate: true,
             plate_clearance: 0.0,
         }
@@ -143,7 +143,7 @@ impl std::fmt::Display for Obstacle {
 
 /// Paths along which the nozzle gouges nothing, but for what is listed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Freed {
+pub struct ResolvedPaths {
     /// The paths in the order in which they are printed; with points added where neighbours would turn too far. If some were
     /// cut there are more of them than were given: parts know their layer and curve, and arcs go on from where they were cut.
     pub paths: Vec<ToolPath>,
@@ -220,7 +220,7 @@ pub enum GougingError {
         /// All waypoints.
         waypoints: usize,
     },
-    /// The callback asked to stop.
+    /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
 }
@@ -231,7 +231,7 @@ impl GougingOptions {
         let sound = [
             ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
             ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),
-            ("most_depth", self.most_depth, self.most_depth >= self.allowed_depth, "no less than allowed_depth"),
+            ("max_depth", self.max_depth, self.max_depth >= self.allowed_depth, "no less than allowed_depth"),
             ("max_turn", self.max_turn, turn, "0.1 to 180 degrees, in radians"),
             ("plate_clearance", clearance, clearance >= 0.0 && clearance.is_finite(), "0 or more, and finite"),
         ];
@@ -278,25 +278,25 @@ impl LayerStack<'_> {
     /// });
     /// let stack = LayerStack::new(&layers)?;
     /// let oriented = stack.orient(&OrientOptions::default(), &silent)?;
-    /// let freed = stack.free(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &silent)?;
+    /// let resolved = stack.resolve_gouging(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &silent)?;
     /// // Upright, the side of the cone would cut into the wall; it leans away until it is clear.
-    /// assert_eq!((freed.gouging_before, freed.left.len()), (11, 0));
-    /// let direction = freed.paths[0].waypoints[5].direction;
+    /// assert_eq!((resolved.gouging_before, resolved.left.len()), (11, 0));
+    /// let direction = resolved.paths[0].waypoints[5].direction;
     /// assert!(direction.x > 0.3 && direction.y.abs() < 0.05, "{direction:?}");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn free(
+    pub fn resolve_gouging(
         &self,
         paths: Vec<ToolPath>,
         nozzle: &Nozzle,
         options: &GougingOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Freed, GougingError> {
+    ) -> Result<ResolvedPaths, GougingError> {
         options.check()?;
         self.check_paths(&paths)?;
         let order::Run { places, gouging_before, left_out } =
-            order::Freeing { stack: self, nozzle, options, progress }.run(paths)?;
-        let mut freed = Freed {
+            order::Resolving { stack: self, nozzle, options, progress }.run(paths)?;
+        let mut resolved = ResolvedPaths {
             paths: Vec::with_capacity(places.len()),
             gouging_before,
             tilted: 0,
@@ -312,24 +312,24 @@ impl LayerStack<'_> {
             sharp: Vec::new(),
         };
         for (k, Place { laid, first, freed: done }) in places.into_iter().enumerate() {
-            freed.reversed.extend(done.reversed.then_some(k));
-            freed.laid_first.extend(first.then_some(k));
-            freed.added += done.added;
-            freed.taken_out += done.taken_out;
+            resolved.reversed.extend(done.reversed.then_some(k));
+            resolved.laid_first.extend(first.then_some(k));
+            resolved.added += done.added;
+            resolved.taken_out += done.taken_out;
             for &tilt in done.tilts.iter().filter(|&&tilt| tilt > 0.0) {
-                freed.tilted += 1;
-                freed.max_tilt = freed.max_tilt.max(tilt);
-                freed.mean_tilt += tilt;
+                resolved.tilted += 1;
+                resolved.max_tilt = resolved.max_tilt.max(tilt);
+                resolved.mean_tilt += tilt;
             }
             let mut left: Vec<Gouge> = done.left.into_iter().map(|(_, gouge)| Gouge { path: k, ..gouge }).collect();
             left.sort_by_key(|gouge| gouge.waypoint);
-            freed.left.append(&mut left);
-            freed.paths.push(ToolPath { waypoints: done.waypoints, ..laid.path });
+            resolved.left.append(&mut left);
+            resolved.paths.push(ToolPath { waypoints: done.waypoints, ..laid.path });
         }
-        freed.mean_tilt /= freed.tilted.max(1) as f64;
-        freed.turns = Turns::of(&freed.paths);
-        freed.sharp = sharp_turns(&freed.paths, options.max_turn);
-        Ok(freed)
+        resolved.mean_tilt /= resolved.tilted.max(1) as f64;
+        resolved.turns = Turns::of(&resolved.paths);
+        resolved.sharp = sharp_turns(&resolved.paths, options.max_turn);
+        Ok(resolved)
     }
 
     /// Whether paths can be those of these layers.

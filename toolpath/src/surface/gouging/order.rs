@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 const ROUNDS: usize = 3;
 
 /// What paths are freed with.
-pub(super) struct Freeing<'a> {
+pub(super) struct Resolving<'a> {
     pub stack: &'a LayerStack<'a>,
     pub nozzle: &'a Nozzle,
     pub options: &'a GougingOptions,
@@ -107,7 +107,7 @@ fn pieces<'a>(path: &ToolPath, around: impl Iterator<Item = &'a (usize, Gouge)>)
     pieces
 }
 
-impl Freeing<'_> {
+impl Resolving<'_> {
     /// Sets all paths free.
     pub fn run(&self, paths: Vec<ToolPath>) -> Result<Run, GougingError> {
         let mut orders: Vec<Order> = Vec::new();
@@ -162,7 +162,7 @@ impl Freeing<'_> {
             let mut open = Vec::new();
             for (k, order) in orders.iter_mut().enumerate() {
                 let too_deep = |place: &Place, gouge: &Gouge| {
-                    gouge.depth > self.options.most_depth * place.freed.waypoints[gouge.waypoint].height
+                    gouge.depth > self.options.max_depth * place.freed.waypoints[gouge.waypoint].height
                 };
                 let (pieces, rest) = cut(order, too_deep);
                 if !pieces.is_empty() {

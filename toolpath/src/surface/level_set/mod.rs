@@ -65,7 +65,7 @@ pub struct Ring {
 #[non_exhaustive]
 pub enum LevelSetError {
     /// The tolerance is not a positive number.
-    #[error("a tolerance of {tolerance} mm, it must be positive")]
+    #[error("a tolerance of {tolerance} mm: it must be positive")]
     Tolerance {
         /// The tolerance that was asked for.
         tolerance: f64,

@@ -70,7 +70,7 @@ pub enum OrderError {
         /// The curve, from 0.
         curve: usize,
     },
-    /// A point that has no place.
+    /// A point with an invalid coordinate.
     #[error("point {point} of curve {curve} of layer {layer} is not finite or beyond 1e9 mm")]
     BadPoint {
         /// The layer, from 0.

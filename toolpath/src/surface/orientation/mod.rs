@@ -9,7 +9,7 @@
 //! 5. `share`: where beads cover the same place, each gets a share of it.
 //! 6. The tip is lifted from the surface, which runs through the middle of the layer, to the top of the bead.
 //!
-//! The nozzle is not looked at yet: see [`LayerStack::free`] for that.
+//! The nozzle is not looked at yet: see [`LayerStack::resolve_gouging`] for that.
 
 mod resample;
 mod share;
@@ -215,7 +215,7 @@ pub enum OrientError {
         /// Length along the curve.
         arc: f64,
     },
-    /// The callback asked to stop.
+    /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
 }

@@ -77,12 +77,12 @@ pub struct PathOptions {
     pub fitted: bool,
     /// A single bead in what other curves leave covers at least this many squares of a bead, or the gap stays: each is a
     /// curve more, with a way to it. One by default. A part of the surface without any other curve always gets one.
-    pub least_gap: f64,
+    pub min_gap: f64,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true, least_gap: 1.0 }
+        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true, min_gap: 1.0 }
     }
 }
 
@@ -183,13 +183,13 @@ pub struct LayerPaths {
 #[non_exhaustive]
 pub enum PathError {
     /// The bead is not a positive number.
-    #[error("a bead of {bead} mm, it must be positive")]
+    #[error("a bead of {bead} mm: it must be positive")]
     Bead {
         /// The width that was asked for.
         bead: f64,
     },
-    /// The least gap is no number from 0 on.
-    #[error("a least gap of {gap} squares of a bead, it must be 0 or more")]
+    /// The minimum gap is not a number from 0 on.
+    #[error("a minimum gap of {gap} squares of a bead: it must be 0 or more")]
     Gap {
         /// What was asked for.
         gap: f64,
@@ -271,7 +271,7 @@ impl LevelField<'_> {
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
         }
-        let gap = options.least_gap;
+        let gap = options.min_gap;
         if !(gap >= 0.0 && gap.is_finite()) {
             return Err(PathError::Gap { gap });
         }

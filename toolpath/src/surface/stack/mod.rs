@@ -54,7 +54,7 @@ pub enum StackError {
         /// All triangles.
         triangles: usize,
     },
-    /// A point of a surface has no place.
+    /// A vertex of a surface has an invalid coordinate.
     #[error("vertex {vertex} of layer {layer} is not finite or beyond 1e7 mm")]
     BadVertex {
         /// The layer, from 0.
@@ -124,7 +124,7 @@ pub enum StackError {
         /// Points given.
         points: usize,
     },
-    /// A point of a curve has no place.
+    /// A point of a curve has an invalid coordinate.
     #[error("point {point} of curve {curve} of layer {layer} is not finite or beyond 1e7 mm")]
     BadPoint {
         /// The layer, from 0.

@@ -1,4 +1,4 @@
-//! What is told of each curve by itself: its pieces on the surface, its length and its turns.
+//! What is measured of each curve by itself: its pieces on the surface, its length and its turns.
 
 use super::sheet::Sheet;
 use super::trace::{Hop, Spot, Tracer, flat_point};

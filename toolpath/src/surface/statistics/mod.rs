@@ -55,12 +55,12 @@ pub struct StatisticsOptions {
     /// Samples across a bead of mean width (by length): 14. So beads of three quarters of it still have ten.
     pub samples_per_width: f64,
     /// The samples that may be used; one takes some 16 bytes. 2^26.
-    pub most_samples: usize,
+    pub max_samples: usize,
     /// Direction changes by more than this within a quarter of the width are sharp turns: 60 degrees, in radians.
     pub sharp_turn: f64,
     /// The least width of a bead that is admissible, in millimetres: what none of this width can cover counts as
     /// unfillable. Zero, so that nothing does.
-    pub least_width_mm: f64,
+    pub min_width_mm: f64,
     /// `in_width_range` counts widths from the first to the second; in millimetres, all of them.
     pub width_range_mm: [f64; 2],
 }
@@ -69,9 +69,9 @@ impl Default for StatisticsOptions {
     fn default() -> Self {
         StatisticsOptions {
             samples_per_width: 14.0,
-            most_samples: 1 << 26,
+            max_samples: 1 << 26,
             sharp_turn: std::f64::consts::FRAC_PI_3,
-            least_width_mm: 0.0,
+            min_width_mm: 0.0,
             width_range_mm: [0.0, f64::INFINITY],
         }
     }
@@ -112,7 +112,7 @@ pub struct PathStatistics {
     pub overlap_fraction: f64,
     /// Area of beads past the boundary, each bead counted by itself, as a share of the area of the surface.
     pub spill_fraction: f64,
-    /// Share that no disc of the least width ([`StatisticsOptions::least_width_mm`]) covers without reaching over the
+    /// Share that no disc of the least width ([`StatisticsOptions::min_width_mm`]) covers without reaching over the
     /// boundary: what is narrower, and the tips of corners. No bead could cover it and spill nothing. The beads given have
     /// no part in it.
     pub unfillable_fraction: f64,
@@ -270,7 +270,7 @@ const PIECES_A_TICK: usize = 1024;
 /// * `vertices`, `triangles`: the whole surface that should be covered, in millimetres: the trimmed layer, untouched.
 ///   Triangles without area are allowed, and so are faces turned over; three triangles at an edge are not.
 /// * `curves`: in the order in which they are laid down.
-/// * `progress`: called now and then with the stage; may stop the work.
+/// * `progress`: called now and then with the stage; may cancel.
 ///
 /// # Errors
 /// [`StatisticsError`], for the first fault found. Without curves all figures of paths are zero.
@@ -309,7 +309,7 @@ pub fn path_statistics(
     curves.iter().enumerate().try_for_each(|(number, curve)| check_curve(number, curve))?;
     let sheet = Sheet::new(vertices, triangles)?;
     let step = mean_width(curves).map_or(sheet.area.sqrt() / STEPS_WITHOUT_BEADS, |w| w / options.samples_per_width);
-    let mut raster = Raster::new(&sheet, step, options.most_samples)?;
+    let mut raster = Raster::new(&sheet, step, options.max_samples)?;
     let report =
         |stage, done: usize, total: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
 
@@ -345,7 +345,7 @@ pub fn path_statistics(
         _ => ControlFlow::Continue(()),
     };
     let largest_gap = gap::largest(&raster, &mut walker, &pieces, &mut tick)?;
-    let out_of_reach = match 0.5 * options.least_width_mm {
+    let out_of_reach = match 0.5 * options.min_width_mm {
         radius if radius > 0.0 => fillable::out_of_reach(&raster, &mut walker, [radius, step], &mut tick)?,
         _ => vec![false; raster.samples()],
     };
@@ -390,8 +390,8 @@ fn check_options(options: &StatisticsOptions) -> Result<(), StatisticsError> {
     if !(0.0..=std::f64::consts::PI).contains(&options.sharp_turn) {
         return bad("sharp_turn", options.sharp_turn, "an angle from 0 to pi");
     }
-    if !(0.0..=1e100).contains(&options.least_width_mm) {
-        return bad("least_width_mm", options.least_width_mm, "a length");
+    if !(0.0..=1e100).contains(&options.min_width_mm) {
+        return bad("min_width_mm", options.min_width_mm, "a length");
     }
     if let Some(&value) = options.width_range_mm.iter().find(|w| w.is_nan()) {
         return bad("width_range_mm", value, "two lengths");

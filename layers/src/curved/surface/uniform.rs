@@ -1,4 +1,4 @@
-//! Even layers: an accepted order becomes a smooth field whose layers are a cell thick whichever way they face.
+//! Uniform layers: an accepted order becomes a smooth field whose layers are a cell thick whichever way they face.
 //!
 //! The hop count of an order steps a cell where the front is level or upright, and up to 1.41 cells where it leans,
 //! so its layers differ in thickness (Dai 2020, section 3.6.3). Here the order is *re-timed*: it is grown once more by
@@ -8,9 +8,9 @@
 //!
 //! Where a part gets wider a level front can stay level or turn round the corner; what is better depends on the part. Both
 //! are tried, the values of both evened out within their layers (`slope.rs`), which changes nothing of what the audit sees, and
-//! the field with the more even slope and fewer waits is taken.
+//! the field with the more uniform slope and fewer waits is taken.
 //!
-//! The result is audited. If it fails, it is the turn of the less even one. If that fails too, or a cell is left over,
+//! The result is audited. If it fails, it is the turn of the less uniform one. If that fails too, or a cell is left over,
 //! the clock is held closer to the order, and at last the order itself is the field. So what comes out always passes
 //! the audit.
 
@@ -27,13 +27,13 @@ use std::ops::ControlFlow;
 /// the field keeps more of the waits of the order.
 pub const LAGS: [f64; 2] = [10.0, 1.0];
 
-/// A field of even layers.
+/// A field of uniform layers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Even {
+pub struct UniformField {
     /// The field.
     pub field: LayerField,
     /// How it came about.
-    pub method: EvenMethod,
+    pub method: UniformMethod,
     /// The audit of its layers, which passed.
     pub audit: AuditReport,
     /// Pairs of cells with a common face that is cut ([`JUMP`](super::JUMP)): no surface will run across.
@@ -43,7 +43,7 @@ pub struct Even {
 /// How a field came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum EvenMethod {
+pub enum UniformMethod {
     /// By the clock, no cell more than this number of layers before its layer in the accepted order.
     Clock {
         /// The number of layers.
@@ -58,7 +58,7 @@ pub enum EvenMethod {
 /// Why an order could not be re-timed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum EvenError {
+pub enum UniformError {
     /// The order names cells outside the solid, or none.
     #[error(transparent)]
     Field(#[from] FieldError),
@@ -73,15 +73,15 @@ pub enum EvenError {
     Order(Box<AuditReport>),
 }
 
-/// Re-times an accepted order into a field of even layers, a cell thick, that passes the audit.
+/// Re-times an accepted order into a field of uniform layers, a cell thick, that passes the audit.
 ///
 /// # Arguments
 /// * `order`: passes the audit with `missed`.
 /// * `missed`: the cells of the solid that are in no layer. They get no value.
-/// * `progress`: called with the stages `even` and `audit even`; may cancel.
+/// * `progress`: called with the stages `uniform` and `audit uniform`; may cancel.
 ///
 /// # Errors
-/// [`EvenError`].
+/// [`UniformError`].
 ///
 /// # Cost
 /// About that of growing the order twice with incremental prevention, on two threads with the feature `rayon`, and of an
@@ -89,7 +89,7 @@ pub enum EvenError {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, GrowthOptions, Platform, Rules, grow, surface::even};
+/// use curvlay_layers::curved::{Cells, GrowthOptions, Platform, Rules, grow, surface::uniform_field};
 /// use std::ops::ControlFlow;
 /// // An upright T, one cell thick: a stem of four cells below a bar of five.
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
@@ -97,27 +97,27 @@ pub enum EvenError {
 /// let (platform, rules) = (Platform::under(&cells, 10.0)?, Rules::default());
 /// let silent = |_| ControlFlow::Continue(());
 /// let growth = grow(&cells, &platform, &rules, &GrowthOptions::default(), None, &silent)?;
-/// let even = even(&cells, &platform, &rules, &growth.order, &[], &silent)?;
-/// assert_eq!(even.field.value(2), Some(0.5)); // the foot
-/// assert_eq!([20, 21, 22].map(|cell| even.field.value(cell)), [6.5, 5.5, 4.5].map(Some));
-/// assert!(even.audit.is_ok());
+/// let uniform = uniform_field(&cells, &platform, &rules, &growth.order, &[], &silent)?;
+/// assert_eq!(uniform.field.value(2), Some(0.5)); // the foot
+/// assert_eq!([20, 21, 22].map(|cell| uniform.field.value(cell)), [6.5, 5.5, 4.5].map(Some));
+/// assert!(uniform.audit.is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn even(
+pub fn uniform_field(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,
     order: &LayerOrder,
     missed: &[u32],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Even, EvenError> {
-    let auditing = |p: Progress| progress(Progress { stage: "audit even", ..p });
+) -> Result<UniformField, UniformError> {
+    let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
     let plain = plain_field(cells, order)?;
     let rows = rows_of(cells, order);
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
     let layers = order.field(plain.values().len());
     for lag in LAGS {
-        let attempt = |stays_level: bool| -> Result<Option<Attempt>, EvenError> {
+        let attempt = |stays_level: bool| -> Result<Option<Attempt>, UniformError> {
             let release = layers.iter().map(|&layer| (f64::from(layer) - lag).max(0.0)).collect();
             let clocked = grow_by_clock(&built, platform, rules, release, stays_level, progress)?;
             if !clocked.complete {
@@ -127,7 +127,7 @@ pub fn even(
             let lattice = Lattice::of(&field);
             let jumps = lattice.jumps();
             let unevenness = lattice.unevenness() + jumps as f64 / field.count() as f64;
-            Ok(Some(Attempt { field, method: EvenMethod::Clock { lag, stays_level }, jumps, unevenness }))
+            Ok(Some(Attempt { field, method: UniformMethod::Clock { lag, stays_level }, jumps, unevenness }))
         };
         #[cfg(feature = "rayon")]
         let (level, turning) = rayon::join(|| attempt(true), || attempt(false));
@@ -138,23 +138,23 @@ pub fn even(
         for Attempt { field, method, jumps, .. } in attempts {
             let audit = audit(cells, platform, rules, &field.rounded(), missed, &auditing)?;
             if audit.is_ok() {
-                return Ok(Even { field, method, audit, jumps });
+                return Ok(UniformField { field, method, audit, jumps });
             }
         }
     }
     let audit = audit(cells, platform, rules, &plain.rounded(), missed, &auditing)?;
     let jumps = Lattice::of(&plain).jumps();
     if audit.is_ok() {
-        Ok(Even { field: plain, method: EvenMethod::Plain, audit, jumps })
+        Ok(UniformField { field: plain, method: UniformMethod::Plain, audit, jumps })
     } else {
-        Err(EvenError::Order(Box::new(audit)))
+        Err(UniformError::Order(Box::new(audit)))
     }
 }
 
 /// What came of one run of the clock; not audited yet.
 struct Attempt {
     field: LayerField,
-    method: EvenMethod,
+    method: UniformMethod,
     jumps: usize,
     /// What the best has least of.
     unevenness: f64,

@@ -1,9 +1,9 @@
-//! Even layers: they pass the audit on whatever solid, and they are even where nothing has to wait.
+//! Uniform layers: they pass the audit on whatever solid, and they are even where nothing has to wait.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_layers::curved::surface::{
-    EvenError, EvenMethod, LAGS, LayerField, Spacing, Surface, SurfaceSlices, contour, even, extend, measure_spacing,
-    plain_field,
+    LAGS, LayerField, Spacing, Surface, SurfaceSlices, UniformError, UniformMethod, contour, extend, measure_spacing,
+    plain_field, uniform_field,
 };
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
@@ -25,7 +25,7 @@ fn rows_of(dims: [u32; 3], solid: impl Fn([u32; 3]) -> bool) -> Vec<u64> {
 
 fn grown(cells: &Cells, platform: &Platform) -> (Growth, Vec<u32>) {
     let growth = grow(cells, platform, &Rules::default(), &GrowthOptions::default(), None, &go).unwrap();
-    let missed = growth.missed.iter().map(|missed| missed.cell).collect();
+    let missed = growth.missed_cells();
     (growth, missed)
 }
 
@@ -72,13 +72,13 @@ proptest! {
         let cells = Cells::new([14, 10, 14], &rows).unwrap();
         let platform = Platform::under(&cells, radius).unwrap();
         let (growth, missed) = grown(&cells, &platform);
-        let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+        let even = uniform_field(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
         prop_assert_eq!(even.field.count(), growth.order.cells().len());
         prop_assert!(missed.iter().all(|&cell| even.field.value(cell).is_none()));
         let report = audit(&cells, &platform, &Rules::default(), &even.field.rounded(), &missed, &go).unwrap();
         prop_assert!(report.is_ok(), "{report}");
         prop_assert_eq!(&report, &even.audit);
-        if let EvenMethod::Clock { lag, .. } = even.method {
+        if let UniformMethod::Clock { lag, .. } = even.method {
             prop_assert!(LAGS.contains(&lag));
             for (layer, of_layer) in (1..).zip(growth.order.iter()) {
                 for &cell in of_layer {
@@ -96,8 +96,8 @@ fn a_block_is_cut_into_level_layers() {
     let cells = Cells::new([9, 7, 12], &rows).unwrap();
     let platform = Platform::under(&cells, 20.0).unwrap();
     let (growth, _) = grown(&cells, &platform);
-    let even = even(&cells, &platform, &Rules::default(), &growth.order, &[], &go).unwrap();
-    assert_eq!((even.method, even.jumps), (EvenMethod::Clock { lag: LAGS[0], stays_level: true }, 0));
+    let even = uniform_field(&cells, &platform, &Rules::default(), &growth.order, &[], &go).unwrap();
+    assert_eq!((even.method, even.jumps), (UniformMethod::Clock { lag: LAGS[0], stays_level: true }, 0));
     for cell in cells.iter() {
         assert_eq!(even.field.value(cell), Some(f64::from(cells.position(cell)[2]) + 0.5));
     }
@@ -115,7 +115,7 @@ fn a_roof_on_a_mast_gets_layers_half_as_uneven_as_hop_counts() {
     let platform = Platform::under(&cells, 20.0).unwrap();
     let (growth, missed) = grown(&cells, &platform);
     assert_eq!(missed, []);
-    let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+    let even = uniform_field(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
     let deviation = |field: &LayerField| {
         let spacing = spacing(field, &cells);
         (spacing.std_mm / spacing.mean_mm, spacing.mean_mm, spacing.squeezed_share)
@@ -138,7 +138,7 @@ fn fronts_that_wait_fill_the_part() {
     let cells = Cells::new(dims, &rows).unwrap();
     let platform = Platform::under(&cells, 60.0).unwrap();
     let (growth, missed) = grown(&cells, &platform);
-    let even = even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+    let even = uniform_field(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
     assert!(even.jumps * 10 > even.field.count(), "{} jumps", even.jumps);
 
     // Trimmed to the ring itself: to its staircase of cells, layers would lack pieces in the notches.
@@ -171,7 +171,7 @@ fn the_same_input_gives_the_same_field_on_any_number_of_threads() {
     let cells = Cells::new([20, 12, 16], &rows).unwrap();
     let platform = Platform::under(&cells, 30.0).unwrap();
     let (growth, missed) = grown(&cells, &platform);
-    let run = || even(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
+    let run = || uniform_field(&cells, &platform, &Rules::default(), &growth.order, &missed, &go).unwrap();
     let bits = |field: &[f64]| field.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     let with = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
     let (one, other) = (with(1), with(4));
@@ -190,24 +190,27 @@ fn what_cannot_be_retimed_is_refused() {
         order
     };
     let run = |order: &LayerOrder, missed: &[u32], rules: &Rules| {
-        even(&cells, &platform, rules, order, missed, &go).unwrap_err()
+        uniform_field(&cells, &platform, rules, order, missed, &go).unwrap_err()
     };
-    assert!(matches!(run(&LayerOrder::new(), &[], &rules), EvenError::Field(_)));
-    assert!(matches!(run(&order_of(&[&[7]]), &[], &rules), EvenError::Field(_)));
+    assert!(matches!(run(&LayerOrder::new(), &[], &rules), UniformError::Field(_)));
+    assert!(matches!(run(&order_of(&[&[7]]), &[], &rules), UniformError::Field(_)));
     // A cell in the air, and nothing that carries it.
-    assert!(matches!(run(&order_of(&[&[0], &[2]]), &[1], &rules), EvenError::Order(_)));
+    assert!(matches!(run(&order_of(&[&[0], &[2]]), &[1], &rules), UniformError::Order(_)));
     // A cell that is neither built nor missed.
-    assert!(matches!(run(&order_of(&[&[0], &[1]]), &[], &rules), EvenError::Order(_)));
+    assert!(matches!(run(&order_of(&[&[0], &[1]]), &[], &rules), UniformError::Order(_)));
     let unsound = Rules { eps: -1.0, ..rules };
     let refused = run(&order_of(&[&[0], &[1], &[2]]), &[], &unsound);
     assert!(matches!(
         refused,
-        EvenError::Growth(GrowthError::Rules(RulesError::Eps { .. })) | EvenError::Growth(GrowthError::Hull(_))
+        UniformError::Growth(GrowthError::Rules(RulesError::Eps { .. })) | UniformError::Growth(GrowthError::Hull(_))
     ));
     let whole = order_of(&[&[0], &[1], &[2]]);
     let stop = |_| ControlFlow::Break(());
-    let cancelled = even(&cells, &platform, &rules, &whole, &[], &stop).unwrap_err();
-    assert!(matches!(cancelled, EvenError::Growth(GrowthError::Cancelled) | EvenError::Audit(AuditError::Cancelled)));
+    let cancelled = uniform_field(&cells, &platform, &rules, &whole, &[], &stop).unwrap_err();
+    assert!(matches!(
+        cancelled,
+        UniformError::Growth(GrowthError::Cancelled) | UniformError::Audit(AuditError::Cancelled)
+    ));
     // What the clock cannot do the order itself does: three cells, each in its layer.
     assert_eq!(plain_field(&cells, &whole).unwrap().rounded(), whole);
 }
