@@ -533,7 +533,7 @@ fn an_arm_of_a_file_prints_over_a_plate_that_stands_still() {
         assert_eq!((&figures["unreachable_waypoints"], &figures["blocked_waypoints"]), (&0.into(), &0.into()));
         assert_eq!((&figures["check_findings"], &figures["without_transfer"]), (&0.into(), &0.into()));
         let script = fs::read(Path::new(&out).join("print_001.script")).unwrap();
-        assert!(UrScriptReader::new(&script[..]).all(|step| step.is_ok()));
+        assert!(UrScriptReader::new(&script[..]).unwrap().all(|step| step.is_ok()));
         ["part_shift_x_mm", "part_shift_y_mm", "part_turn_deg"].map(|key| figures[key].as_f64().unwrap())
     };
     let [x, y, turn] = printed("near", cell);

@@ -40,7 +40,10 @@ pub use spline::{
     Extremes, Peak, Quantity, RunIn, SplineRow, State, Timeline, TimelineError, Trajectory, TrajectoryError, Violation,
     run_in_and_out,
 };
-pub use timing::{FlowLimits, TimePathError, TimePathOptions, TimePathStatus, TimedMotion, time_path};
+pub use timing::{
+    FlowLimits, FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, TimePathError, TimePathOptions,
+    TimePathStatus, TimedMotion, time_path, time_path_free,
+};
 
 /// The snippet of the README, compiled and run with the examples of the documentation.
 #[cfg(doctest)]

@@ -18,6 +18,7 @@
 mod curve;
 mod executed;
 mod factors;
+mod free;
 mod limits;
 mod program;
 mod row;
@@ -25,6 +26,7 @@ mod row;
 use crate::spline::Trajectory;
 use crate::{Bounds, BoundsError, Progress};
 use curve::{Curve, Grid};
+pub use free::{FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, time_path_free};
 use std::ops::ControlFlow;
 
 /// Tolerance of the first timing, which only tells where knots are needed.

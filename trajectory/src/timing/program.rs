@@ -150,21 +150,23 @@ impl Program {
     /// Lets rows take part that are near their limit, with this product of slack and multiplier, at the unknowns or
     /// after a step of them. Returns how much of the step the rows allow that take no part yet.
     fn take_part(&mut self, dx: &[f64], step: f64, product: f64) -> f64 {
-        let mut reach = step;
-        let ahead = |of: usize| if step > 0.0 { self.x[of] + step * dx[of] } else { self.x[of] };
-        let mut roots: Vec<f64> = (0..self.x.len()).map(|of| 1.0 / ahead(of).sqrt()).collect();
+        let (mut reach, before) = (step, self.near.len());
+        // The unknowns after the step, and the factors of limits that go with each; 1 for those that go with none.
+        let mut ahead = self.x.clone();
+        if step > 0.0 {
+            ahead.iter_mut().zip(dx).for_each(|(x, by)| *x += step * by);
+        }
+        let mut roots: Vec<f64> = ahead.iter().map(|x| 1.0 / x.sqrt()).collect();
         roots.push(1.0);
         let none = roots.len() - 1;
         for (index, row) in self.rows.iter_mut().enumerate() {
             if row.is_near {
                 continue;
             }
-            let root = roots[row.rooted().unwrap_or(none)];
-            let scale = if row.is_linear { 1.0 / (root * root) } else { root };
-            let value = row.value(&self.x);
-            let rise = if step > 0.0 { row.value(dx) } else { 0.0 };
-            let after = value + step * rise;
-            if (1.0 - NEAR) * row.limits[0] * scale >= after && (1.0 - NEAR) * row.limits[1] * scale >= -after {
+            let of = row.rooted().unwrap_or(none);
+            let scale = (1.0 - NEAR) * if row.is_linear { ahead[of] } else { roots[of] };
+            let after = row.value(&ahead);
+            if row.limits[0] * scale >= after && row.limits[1] * scale >= -after {
                 continue;
             }
             row.is_near = true;
@@ -183,7 +185,9 @@ impl Program {
             self.near.push(near);
         }
         // Neighbours in memory as along the path; a stable sort merges two sorted parts in linear time.
-        self.near.sort_by_key(|near| near.row);
+        if self.near.len() > before {
+            self.near.sort_by_key(|near| near.row);
+        }
         reach
     }
 

@@ -36,6 +36,9 @@ impl Row {
     }
 
     pub fn value(&self, x: &[f64]) -> f64 {
+        if let Some([a, b, c]) = x.get(self.first..self.first + 3) {
+            return self.by[0] * a + self.by[1] * b + self.by[2] * c;
+        }
         let at = |i: usize| x.get(self.first + i).copied().unwrap_or(0.0);
         self.by[0] * at(0) + self.by[1] * at(1) + self.by[2] * at(2)
     }
