@@ -123,6 +123,27 @@ fn two_joints_share_the_way_by_their_limits() {
 }
 
 #[test]
+fn two_free_parameters_share_the_way_among_three_joints() {
+    let joints = |waypoint: usize, free: &[f64; 2]| [0.075 * waypoint as f64 - free[0] - free[1], free[0], free[1]];
+    let rates = [[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]];
+    let robot = RobotFn {
+        waypoints: 41,
+        free: [FreeRange::Turn, FreeRange::Within(-5.0, 5.0)],
+        solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| each(0, joints(i, free)),
+        posture: |i: usize, free: &[f64; 2], _| Some(Posture { joints: joints(i, free), rates }),
+    };
+    let start: Vec<Rung<3, 2>> =
+        (0..41).map(|k| Rung { joints: joints(k, &[0.0; 2]), free: [0.0; 2], branch: 0 }).collect();
+    let bounds = bounds(3.0, 10.0, 100.0);
+    let options = TimeFreeOptions { rounds: 40, ..TimeFreeOptions::default() };
+    let pace = [f64::INFINITY; 40];
+    let found = time_path_free(&robot, &start, &planned(41), &pace, None, &bounds, &options, &quiet).unwrap();
+    assert_eq!(found.motion.trajectory.violations(&bounds, 1e-9), []);
+    let ratio = found.motion.duration() / SCurve::new(1.0, 3.0, 10.0, 100.0).unwrap().duration();
+    assert!((0.9999..1.03).contains(&ratio), "{ratio}");
+}
+
+#[test]
 fn free_parameters_stay_in_their_range() {
     let robot = sum(41, 3.0, FreeRange::Within(-0.25, 0.25));
     let start = nodes(&robot, |_| 0.0, 0);

@@ -10,8 +10,8 @@ use super::band::Band;
 /// How near to the boundary a step may come.
 const FRACTION: f64 = 0.95;
 
-/// The least slack of a row at the start, as a share of its limit. Rows at their limits are the rule here; with less, the
-/// first steps are short.
+/// The least slack of a row at the start, as a share of its limit. Rows at their limits are the rule here, and from the
+/// boundary the first steps would be short. Other values have not been tried.
 const ROW_SLACK: f64 = 0.05;
 
 /// The least slack of a bound on an unknown at the start.
