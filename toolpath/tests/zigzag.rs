@@ -56,7 +56,7 @@ fn a_rectangle_is_filled_to_and_fro() {
     assert_eq!((got.paths.len(), got.regions, got.unfilled.len()), (1, 1, 0));
     is_sound(&distance, &got.paths, 1.0);
     let path = &got.paths[0];
-    // Long stretches are level, a bead apart, in order, and go the other way each time.
+    // Long segments are level, a bead apart, in order, and go the other way each time.
     let mut rows: Vec<(f64, bool)> = Vec::new();
     for pair in path.points.windows(2) {
         let way = pair[1].at.position - pair[0].at.position;

@@ -285,17 +285,17 @@ impl Finder<'_> {
         candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Where one end is in the way there is no need for the rest.
         let mut ends_free: Vec<Option<bool>> = vec![None; lifts.len()];
-        for least_room in [self.options.clearance, 0.0] {
+        for min_clearance in [self.options.clearance, 0.0] {
             for (_, k, way) in &candidates {
                 let (ends, known) = (above(lifts[*k]), ends_free[*k]);
-                let room = self.room(&ends);
-                if room < least_room {
+                let over_plate = self.over_plate(&ends);
+                if over_plate < min_clearance {
                     continue;
                 }
                 let are_free =
                     known.unwrap_or_else(|| ends.iter().all(|end| self.is_free(end, self.options.clearance)));
                 ends_free[*k] = Some(are_free);
-                if are_free && self.is_way_free(way, room) {
+                if are_free && self.is_way_free(way, over_plate) {
                     let is_first = way.len() == 2 && *k == 0;
                     return Found { is_first, way: way.clone(), lift: lifts[*k], blocked: None };
                 }
@@ -303,7 +303,7 @@ impl Finder<'_> {
         }
         let ends = above(self.options.min_lift);
         let way = straight(ends).unwrap_or_else(|| ends.to_vec());
-        let blocked = Some(self.in_the_way(&way, self.room(&ends).max(0.0)));
+        let blocked = Some(self.in_the_way(&way, self.over_plate(&ends).max(0.0)));
         Found { way, lift: self.options.min_lift, is_first: false, blocked }
     }
 
@@ -322,7 +322,7 @@ impl Finder<'_> {
     }
 
     /// What a way between these ends keeps from the plate.
-    fn room(&self, ends: &[Pose; 2]) -> f64 {
+    fn over_plate(&self, ends: &[Pose; 2]) -> f64 {
         ends.iter().map(|end| self.above_plate(end.tip.z, lean(end))).fold(self.options.clearance, f64::min)
     }
 
@@ -331,24 +331,24 @@ impl Finder<'_> {
         if self.options.plate { -self.nozzle.below_plate(height, lean).0 } else { f64::INFINITY }
     }
 
-    fn is_way_free(&mut self, way: &[Pose], room: f64) -> bool {
+    fn is_way_free(&mut self, way: &[Pose], over_plate: f64) -> bool {
         way.windows(2).all(|leg| {
             let leg = [leg[0], leg[1]];
-            self.is_leg_above(&leg, room) && self.is_leg_free(leg)
+            self.is_leg_above(&leg, over_plate) && self.is_leg_free(leg)
         })
     }
 
     /// Whether a leg is proven to keep so much from the plate.
-    fn is_leg_above(&self, leg: &[Pose; 2], room: f64) -> bool {
+    fn is_leg_above(&self, leg: &[Pose; 2], over_plate: f64) -> bool {
         let (height, lean) = (leg[0].tip.z.min(leg[1].tip.z), lean(&leg[0]).max(lean(&leg[1])));
         let motion = length(leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
         let halves = || {
             let middle = leg[0].toward(&leg[1], 0.5)?;
             Some([[leg[0], middle], [middle, leg[1]]])
         };
-        self.above_plate(height, lean) >= room - ROUNDING
+        self.above_plate(height, lean) >= over_plate - ROUNDING
             || motion > FINEST * self.options.clearance
-                && halves().is_some_and(|halves| halves.iter().all(|half| self.is_leg_above(half, room)))
+                && halves().is_some_and(|halves| halves.iter().all(|half| self.is_leg_above(half, over_plate)))
     }
 
     /// Whether a leg is proven to keep the clearance from what is built, its ends being known to.
@@ -401,15 +401,15 @@ impl Finder<'_> {
     }
 
     /// The first place along a way that is not free, and what is there.
-    fn in_the_way(&mut self, way: &[Pose], room: f64) -> (Point3<f64>, Obstacle) {
+    fn in_the_way(&mut self, way: &[Pose], over_plate: f64) -> (Point3<f64>, Obstacle) {
         let clearance = self.options.clearance;
         // With more than the clearance where only a proof is missing.
-        let found = [1.0, 1.0 + FINEST].iter().find_map(|share| self.nearer_than(clearance * share, room, way));
+        let found = [1.0, 1.0 + FINEST].iter().find_map(|share| self.nearer_than(clearance * share, over_plate, way));
         // Then it is what was built last.
         found.unwrap_or((way[0].tip, Obstacle::Layer(self.layer)))
     }
 
-    fn nearer_than(&self, clearance: f64, room: f64, way: &[Pose]) -> Option<(Point3<f64>, Obstacle)> {
+    fn nearer_than(&self, clearance: f64, over_plate: f64, way: &[Pose]) -> Option<(Point3<f64>, Obstacle)> {
         let mut work = Vec::new();
         for leg in way.windows(2) {
             let leg = [leg[0], leg[1]];
@@ -421,7 +421,7 @@ impl Finder<'_> {
                 if let Some(worst) = scene.worst(stand, &pose.direction, &mut work) {
                     return Some((pose.tip, Obstacle::Layer(worst.layer)));
                 }
-                if self.above_plate(pose.tip.z, lean(&pose)) < room - ROUNDING {
+                if self.above_plate(pose.tip.z, lean(&pose)) < over_plate - ROUNDING {
                     return Some((pose.tip, Obstacle::Plate));
                 }
             }

@@ -11,7 +11,7 @@
 use super::wave::{Contest, Wave, contest};
 use crate::surface::mesh::NONE;
 
-/// A stretch of an edge that one wave crosses. There are millions of them: the wave is kept without its tag.
+/// An interval of an edge that one wave crosses. There are millions of them: the wave is kept without its tag.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub span: [f64; 2],
@@ -115,7 +115,7 @@ impl Envelope {
     }
 }
 
-/// Trims windows against each other; where a challenger is not ahead by more than `slack`, the stretch stays with the
+/// Trims windows against each other; where a challenger is not ahead by more than `slack`, the interval stays with the
 /// one who had it.
 pub(super) struct Trim {
     slack: f64,
@@ -158,7 +158,7 @@ impl Trim {
         Same { touching: TOUCHING * length, slack: self.slack }
     }
 
-    /// Adds a window to those in order on an edge where it is ahead, and takes that stretch from those who had it.
+    /// Adds a window to those in order on an edge where it is ahead, and takes that interval from those who had it.
     /// Returns whether it was ahead anywhere.
     pub fn insert(&mut self, windows: &mut Vec<Window>, length: f64, new: Window) -> bool {
         let narrow = NARROW * length;

@@ -3,7 +3,7 @@
 //! Dai 2020, section 3.5.1, builds the boundary distance field by fast wavefront propagation (Xu, Wang, Liu, Liu, He,
 //! IEEE TVCG 21(7), 2015) after Mitchell, Mount, Papadimitriou (SIAM J. Comput. 16(4), 1987), with polylines as
 //! sources. So does this module. A shortest path on a mesh is straight over unfolded triangles and bends in few
-//! vertices only. A *window* is a stretch of an edge with all straight lines from one source that cross it. Sources are
+//! vertices only. A *window* is an interval of an edge with all straight lines from one source that cross it. Sources are
 //! points (source vertices, and vertices where paths bend) and edges, which send out a *strip* of parallel lines.
 //! Windows are propagated over triangles, nearest first, and trimmed against each other on each edge.
 //!

@@ -29,7 +29,7 @@ struct Light {
     parallel: bool,
     /// The distance at the source, or at the origin of the frame.
     base: f64,
-    /// The stretch of an edge through which lines come, the triangle on its left, and the distances at its ends; none
+    /// The interval of an edge through which lines come, the triangle on its left, and the distances at its ends; none
     /// around a corner.
     gate: Option<[([f64; 2], f64); 2]>,
 }

@@ -12,7 +12,7 @@ pub(super) enum Wave {
     Strip { along: f64, across: f64, base: f64 },
 }
 
-/// Which of two waves has which part of a stretch: the winners take turns, beginning with the challenger or not.
+/// Which of two waves has which part of an interval: the winners take turns, beginning with the challenger or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contest {
     pub challenger_first: bool,
@@ -35,7 +35,7 @@ impl Wave {
         }
     }
 
-    /// The least distance over a stretch.
+    /// The least distance over an interval.
     pub fn least(&self, [from, to]: [f64; 2]) -> f64 {
         match *self {
             Wave::Point { x, .. } => self.at(x.clamp(from, to)),
@@ -129,7 +129,7 @@ impl Wave {
     }
 }
 
-/// Divides a stretch between a wave that is there and a challenger, who wins only where it is ahead by more than
+/// Divides an interval between a wave that is there and a challenger, who wins only where it is ahead by more than
 /// `slack`.
 pub(super) fn contest(challenger: &Wave, holder: &Wave, [from, to]: [f64; 2], slack: f64) -> Contest {
     let behind = |t: f64| challenger.at(t) - holder.at(t) + slack;

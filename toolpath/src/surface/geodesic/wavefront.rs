@@ -1,6 +1,6 @@
 //! The wave front: windows cross triangles, vertices with a shadow behind them send out point waves.
 //!
-//! A window that crosses a triangle lights a stretch of one or both of the other edges. Behind a vertex with more than
+//! A window that crosses a triangle lights an interval of one or both of the other edges. Behind a vertex with more than
 //! a full turn around it (a saddle), or more than half a turn at the boundary, straight lines leave a gap: the vertex
 //! sends a point wave into it. Strips start from source edges. Where the surface turns by more than half a turn from
 //! one source edge to the next, as at a reflex corner, the vertex between them fills the gap; at convex ones strips
@@ -177,7 +177,7 @@ impl<'m> WaveFront<'m> {
         self.keep(&crossing);
     }
 
-    /// Sends a wave through the stretch of a half-edge into its triangle; all in the frame of the half-edge.
+    /// Sends a wave through the interval of a half-edge into its triangle; all in the frame of the half-edge.
     fn cross(&mut self, crossing: &Crossing, [from, to]: [f64; 2], wave: Wave) {
         let [px, py] = crossing.apex;
         let (first, last) = (wave.direction(from), wave.direction(to));
@@ -354,13 +354,13 @@ impl<'m> WaveFront<'m> {
         }
     }
 
-    /// A wave reaches a stretch of a side from its triangle.
+    /// A wave reaches an interval of a side from its triangle.
     fn light(&mut self, k: usize, Side { half_edge, length, .. }: Side, [from, to]: [f64; 2], wave: Wave) {
         let wide = from < to; // false for NaN
         if !wide || self.is_source[half_edge as usize] {
             return;
         }
-        // A path over an end of the edge is no longer than the one over the far end of the stretch: nothing is gained
+        // A path over an end of the edge is no longer than the one over the far end of the interval: nothing is gained
         // (Xin and Wang, "Improving Chen and Han's algorithm on the discrete geodesic problem", ACM TOG 28(4), 2009).
         let over_tail = self.distances[self.mesh.tail(half_edge) as usize] + to;
         let over_head = self.distances[self.mesh.head(half_edge) as usize] + (length - from);

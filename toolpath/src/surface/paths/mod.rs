@@ -6,7 +6,7 @@
 //!
 //! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
 //! * `spacing`: where rings lie, and how wide their beads are. `spirals`: where rings are cut and bridged. `plan`: from
-//!   cuts and bridges to curves. `crossing`: whether these cross. `stretches`: what is near. `thin`: fewer points.
+//!   cuts and bridges to curves. `crossing`: whether these cross. `segments`: what is near. `thin`: fewer points.
 //! * `widths`: how wide bridges are. `narrow`: single beads where there is no room for two, or some is left.
 //! * `zigzag`: rows to and fro, from where `cut` cuts the surface.
 //!
@@ -20,9 +20,9 @@ mod curve;
 mod cut;
 mod narrow;
 mod plan;
+mod segments;
 mod spacing;
 mod spirals;
-mod stretches;
 mod thin;
 mod widths;
 mod zigzag;

@@ -7,8 +7,8 @@
 //! farthest again. Branches follow by themselves, from where the first bead covers them.
 
 use super::crossing::cross;
+use super::segments::{Segments, nearest};
 use super::spacing::Spacing;
-use super::stretches::{Stretches, nearest};
 use super::thin::Curve;
 use super::{PathError, Watch};
 use crate::surface::level_set::{Around, LevelField, SurfacePoint};
@@ -26,7 +26,7 @@ const THIN: f64 = 0.05;
 const POWER: i32 = 3;
 /// Beads that fit may lie as deep in others as this share of half the least width.
 const DEEP: f64 = 0.25;
-/// Stretches are looked up this far from a vertex, in beads: half the widest bead and half the least one.
+/// Segments are looked up this far from a vertex, in beads: half the widest bead and half the least one.
 const LOOK: f64 = 1.0;
 /// Even beads leave the room between rings as it is: only what is nearer to the boundary than this, in beads, gets a
 /// single one. Rings that are left out for being short are no farther in.
@@ -53,7 +53,7 @@ pub(super) fn single_beads(
     widths: &[Vec<f64>],
     watch: Watch,
 ) -> Result<Vec<Single>, PathError> {
-    let beside = Beside { curves, widths, stretches: Stretches::of(curves, 4.0 / 3.0 * LOOK * bead) };
+    let beside = Beside { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOK * bead) };
     let least = spacing.least_single();
     let (shallow, most) = match spacing.fits() {
         true => ((1.0 - DEEP) * least, f64::INFINITY),
@@ -127,14 +127,14 @@ fn apart(points: impl Iterator<Item = (SurfacePoint, f64)>, least: f64) -> Singl
 struct Beside<'a> {
     curves: &'a [Curve],
     widths: &'a [Vec<f64>],
-    stretches: Stretches,
+    segments: Segments,
 }
 
 impl Beside<'_> {
     /// How far a point is from the beads around it, at most `most`; zero if it is nearer than `least`.
     fn room(&self, p: nalgebra::Point3<f64>, most: f64, least: f64) -> f64 {
         let mut room = most;
-        for [number, k] in self.stretches.near(p) {
+        for [number, k] in self.segments.near(p) {
             let (points, widths) = (&self.curves[number as usize].points, &self.widths[number as usize]);
             let ends = [k as usize, (k as usize + 1) % points.len()];
             let width = 0.5 * (widths[ends[0]] + widths[ends[1]]);
@@ -273,7 +273,7 @@ impl Graph<'_, '_> {
         (points, room)
     }
 
-    /// Whether a line crosses others. Those of short stretches never do: they begin where others cover nothing.
+    /// Whether a line crosses others. Those of short segments never do: they begin where others cover nothing.
     fn crosses(&self, points: &[SurfacePoint], others: &[Vec<SurfacePoint>]) -> bool {
         let mesh = self.field.distance().mesh();
         let long = |pair: &&[SurfacePoint]| (pair[1].position - pair[0].position).norm() > 0.5 * self.safe;

@@ -1,14 +1,14 @@
 //! Curves with fewer points, that cross no more than before.
 //!
 //! Points near the one kept before are left out. Where a curve turns back on itself, a chord past what is left out might
-//! cut off its neighbour. So each chord is held against all stretches of the curves as they were; where it meets one,
+//! cut off its neighbour. So each chord is held against all segments of the curves as they were; where it meets one,
 //! the points stay. Two chords that each keep clear of the curves as they were cannot cross each other either: between a
-//! chord and what it replaces there is then no other stretch, and no way in. Points stay too where a chord would turn back
+//! chord and what it replaces there is then no other segment, and no way in. Points stay too where a chord would turn back
 //! on its neighbour: over a crest both run down the same side then, and what is straight there is not clear. And they stay where
 //! the surface folds, since a chord there leaves it.
 
 use super::crossing::{cross, normal};
-use super::stretches::Stretches;
+use super::segments::Segments;
 use super::{PathError, Watch};
 use crate::surface::level_set::SurfacePoint;
 use crate::surface::mesh::SurfaceMesh;
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 pub(super) const SAME: f64 = 1e-9;
 /// Normals whose cosine is less than this are those of a fold: 30 degrees.
 const FOLD: f64 = 0.866;
-/// Side of a cell in which stretches are looked up, in beads. Smaller ones take more of them, larger ones more tests.
+/// Side of a cell in which segments are looked up, in beads. Smaller ones take more of them, larger ones more tests.
 const CELL: f64 = 0.5;
 
 /// A curve that is to be thinned.
@@ -31,8 +31,8 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// How many stretches it has; each begins at the point of its number.
-    pub fn stretches(&self) -> usize {
+    /// How many segments it has; each begins at the point of its number.
+    pub fn segments(&self) -> usize {
         if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
     }
 }
@@ -40,7 +40,7 @@ impl Curve {
 /// For each curve the points that are kept; the first and the last are.
 pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64, watch: Watch) -> Result<(), PathError> {
     curves.iter_mut().for_each(|curve| drop_near(&mut curve.points, SAME * bead, |_| true));
-    let stretches = Stretches::of(curves, CELL * bead);
+    let segments = Segments::of(curves, CELL * bead);
     let kept = (0_u32..)
         .zip(curves.iter())
         .map(|(number, curve)| {
@@ -49,7 +49,7 @@ pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64, watch
             drop_near(&mut points, curve.least, |[before, from, to]| {
                 !turns_back(curve, [before, from, to])
                     && !folds(mesh, &curve.points[from..=to])
-                    && !meets(&stretches, mesh, curves, number, from, to)
+                    && !meets(&segments, mesh, curves, number, from, to)
             });
             Ok(points)
         })
@@ -81,8 +81,8 @@ fn drop_near(points: &mut Vec<SurfacePoint>, least: f64, clear: impl Fn([usize; 
     *points = kept.into_iter().map(|k| points[k]).collect();
 }
 
-/// Whether a chord from the second point to the third turns by more than a right angle from the stretch before it, or
-/// the stretch after it from the chord.
+/// Whether a chord from the second point to the third turns by more than a right angle from the segment before it, or
+/// the segment after it from the chord.
 fn turns_back(curve: &Curve, [before, from, to]: [usize; 3]) -> bool {
     let after = if to + 1 < curve.points.len() || !curve.closed { to + 1 } else { 0 };
     let way = |from: usize, to: usize| Some(curve.points.get(to)?.position - curve.points.get(from)?.position);
@@ -99,16 +99,16 @@ fn folds(mesh: &SurfaceMesh, points: &[SurfacePoint]) -> bool {
     points[1..].iter().any(|at| normal(mesh, at.triangle).dot(&first) < FOLD)
 }
 
-/// Whether the chord from one point of a curve to another meets a stretch but for those it replaces and their
+/// Whether the chord from one point of a curve to another meets a segment but for those it replaces and their
 /// neighbours.
-fn meets(stretches: &Stretches, mesh: &SurfaceMesh, curves: &[Curve], number: u32, from: usize, to: usize) -> bool {
+fn meets(segments: &Segments, mesh: &SurfaceMesh, curves: &[Curve], number: u32, from: usize, to: usize) -> bool {
     let curve = &curves[number as usize];
     let chord = [from, to].map(|k| &curve.points[k]);
     let own = |k: usize| {
         let before = if from > 0 { from - 1 } else { curve.points.len() - 1 };
         (from..=to).contains(&k) || k == before
     };
-    stretches.along(chord.map(|p| p.position)).any(|[other, k]| {
+    segments.along(chord.map(|p| p.position)).any(|[other, k]| {
         let k = k as usize;
         if other == number && own(k) {
             return false;

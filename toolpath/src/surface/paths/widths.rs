@@ -6,8 +6,8 @@
 //! widens what a neighbour narrows, and in turn, far into what was even.)
 
 use super::crossing::normal;
+use super::segments::Segments;
 use super::spacing::{BEAD_WIDTHS, Spacing};
-use super::stretches::Stretches;
 use super::thin::Curve;
 use super::{PathError, Watch};
 use crate::surface::mesh::SurfaceMesh;
@@ -32,13 +32,13 @@ pub(super) fn fitted(
 ) -> Result<Vec<Vec<f64>>, PathError> {
     let levels: Vec<Vec<(f64, bool)>> =
         curves.iter().map(|curve| curve.points.iter().map(|at| spacing.width(at)).collect()).collect();
-    let mut stretches = Stretches::of(curves, 4.0 / 3.0 * LOOK * bead);
+    let mut segments = Segments::of(curves, 4.0 / 3.0 * LOOK * bead);
     for h in (0..mesh.half_edges()).filter(|&h| mesh.twin(h).is_none()) {
-        stretches.add(ends_of(mesh, h), [BOUNDARY, h]);
+        segments.add(ends_of(mesh, h), [BOUNDARY, h]);
     }
-    stretches.sort();
+    segments.sort();
     let arcs = curves.iter().map(arcs).collect();
-    let room = Room { mesh, curves, levels: &levels, stretches, arcs, bead };
+    let room = Room { mesh, curves, levels: &levels, segments, arcs, bead };
     let width = |number: usize, k: usize| match levels[number][k] {
         (_, true) => room.width(number, k),
         (width, false) => width,
@@ -58,7 +58,7 @@ fn ends_of(mesh: &SurfaceMesh, h: u32) -> [Point3<f64>; 2] {
 fn arcs(curve: &Curve) -> Vec<f64> {
     let count = curve.points.len();
     let mut arcs = vec![0.0];
-    for k in 0..curve.stretches() {
+    for k in 0..curve.segments() {
         let step = (curve.points[(k + 1) % count].position - curve.points[k].position).norm();
         arcs.push(arcs[k] + step);
     }
@@ -70,13 +70,13 @@ struct Room<'a> {
     curves: &'a [Curve],
     /// What levels say at each point, and whether it is on a bridge.
     levels: &'a [Vec<(f64, bool)>],
-    stretches: Stretches,
+    segments: Segments,
     arcs: Vec<Vec<f64>>,
     bead: f64,
 }
 
 impl Room<'_> {
-    /// The width at a point: the mean of the stretches before and after it, each in its middle.
+    /// The width at a point: the mean of the segments before and after it, each in its middle.
     fn width(&self, number: usize, point: usize) -> f64 {
         let (points, arcs) = (&self.curves[number].points, &self.arcs[number]);
         let (mut sum, mut count) = (0.0, 0.0);
@@ -97,7 +97,7 @@ impl Room<'_> {
     fn aside(&self, number: u32, arc: f64, p: Point3<f64>, [way, up]: [Vector3<f64>; 2]) -> [f64; 2] {
         let left = up.cross(&way);
         let mut room = [(LOOK * self.bead, 0.5 * BEAD_WIDTHS[1] * self.bead); 2];
-        for name in self.stretches.near(p) {
+        for name in self.segments.near(p) {
             let ends = match name {
                 [BOUNDARY, h] => ends_of(self.mesh, h),
                 [other, k] => {
@@ -136,8 +136,8 @@ impl Room<'_> {
 
     /// Whether a place of a curve is the continuation of another: no farther along the curve than straight, but for a
     /// factor.
-    fn is_same(&self, number: u32, arc: f64, stretch: usize, along: f64, distance: f64) -> bool {
+    fn is_same(&self, number: u32, arc: f64, segment: usize, along: f64, distance: f64) -> bool {
         let arcs = &self.arcs[number as usize];
-        (arcs[stretch] + along - arc).abs() <= SAME_CURVE * distance
+        (arcs[segment] + along - arc).abs() <= SAME_CURVE * distance
     }
 }

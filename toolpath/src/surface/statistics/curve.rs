@@ -264,7 +264,7 @@ fn carried(sheet: &Sheet, spot: Spot, (from, direction): (u32, Vector2<f64>), to
     flat_direction(sheet, to, x * direction.x + y * direction.y)
 }
 
-/// Mean over a stretch of its width where that lies within a range, and of zero elsewhere; the width goes evenly from
+/// Mean over a segment of its width where that lies within a range, and of zero elsewhere; the width goes evenly from
 /// one value to another.
 fn width_in_range([a, b]: [f64; 2], [low, high]: [f64; 2]) -> f64 {
     let (least, most) = (a.min(b), a.max(b));

@@ -36,7 +36,7 @@ pub(super) struct Spot {
     pub weights: [i64; 3],
 }
 
-/// A straight stretch in one triangle.
+/// A straight segment in one triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hop {
     pub triangle: u32,
@@ -132,7 +132,7 @@ impl Tracer<'_> {
         beside.or_else(|| self.locator.nearest(p, reach)).map(|near| Spot::new(near.triangle, near.weights))
     }
 
-    /// Stretches from one spot to another, in order; `None` where a part is off the surface.
+    /// Segments from one spot to another, in order; `None` where a part is off the surface.
     pub(super) fn chord(&self, ends: [Spot; 2], points: [Vector3<f64>; 2], reach: f64) -> Vec<Option<Hop>> {
         let mut hops = Vec::new();
         let end = |k: usize| End { point: points[k], spot: Some(ends[k]) };

@@ -1,27 +1,27 @@
-//! Stretches of curves, looked up by where they are.
+//! Segments of curves, looked up by where they are.
 
 use super::thin::Curve;
 use nalgebra::Point3;
 
 /// Pieces of lines by the cells of a grid.
-pub(super) struct Stretches {
+pub(super) struct Segments {
     side: f64,
-    /// Cells with two numbers that say which stretch it is, sorted.
+    /// Cells with two numbers that say which segment it is, sorted.
     cells: Vec<([i64; 3], [u32; 2])>,
 }
 
-impl Stretches {
+impl Segments {
     /// Nothing yet, in cells of a side.
     pub fn new(side: f64) -> Self {
-        Stretches { side, cells: Vec::new() }
+        Segments { side, cells: Vec::new() }
     }
 
-    /// Those of curves: the number of each curve, and of the point where a stretch begins.
+    /// Those of curves: the number of each curve, and of the point where a segment begins.
     pub fn of(curves: &[Curve], side: f64) -> Self {
-        let mut all = Stretches::new(side);
+        let mut all = Segments::new(side);
         for (number, curve) in (0..).zip(curves) {
             let count = curve.points.len();
-            for k in 0..curve.stretches() {
+            for k in 0..curve.segments() {
                 all.add([k, (k + 1) % count].map(|k| curve.points[k].position), [number, k as u32]);
             }
         }
@@ -29,7 +29,7 @@ impl Stretches {
         all
     }
 
-    /// Adds a stretch; they must be sorted before any is looked up.
+    /// Adds a segment; they must be sorted before any is looked up.
     pub fn add(&mut self, ends: [Point3<f64>; 2], name: [u32; 2]) {
         let first = self.cells.len();
         for p in samples(ends, self.side) {
@@ -60,7 +60,7 @@ impl Stretches {
     }
 }
 
-/// Points along a stretch, half a side apart at most, both ends included.
+/// Points along a segment, half a side apart at most, both ends included.
 fn samples([a, b]: [Point3<f64>; 2], side: f64) -> impl Iterator<Item = Point3<f64>> {
     let steps = (2.0 * (b - a).norm() / side).ceil().max(1.0);
     (0..=steps as usize).map(move |k| a + (b - a) * (k as f64 / steps))
