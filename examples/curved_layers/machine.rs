@@ -8,7 +8,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::surface::{
-    Deposition, LayerStack, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, ToolPath, Travels, Turns,
+    Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, ToolPath, Travels, Turns,
 };
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -115,15 +115,6 @@ impl MachineRun {
     }
 }
 
-/// Does some work with the layers as they are built: surfaces with their thickness, and the curves on them.
-pub fn with_layers<T>(
-    surfaces: &SurfacesRun,
-    paths: &PathsRun,
-    work: impl FnOnce(&LayerStack) -> Result<T, Failure>,
-) -> Result<T, Failure> {
-    work(&paths.filled.stack(&surfaces.surfaces()).map_err(failure)?)
-}
-
 /// Orients, frees and deposits; to compare with, the directions of the longest path without any filter.
 pub fn run(
     nozzle: &Nozzle,
@@ -151,7 +142,8 @@ pub fn run(
     let mut run = MachineRun { before, freed, travels, deposition, covered_mm3, unfiltered: None, times };
     if let Some(longest) = run.longest().filter(|_| compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
-        let unfiltered = with_layers(surfaces, paths, |stack| stack.orient(&options, &progress).map_err(failure))?;
+        let stack = paths.filled.stack(&layers).map_err(failure)?;
+        let unfiltered = stack.orient(&options, &progress).map_err(failure)?;
         // Paths may have been cut.
         let of_curve = |other: &ToolPath| (other.layer, other.curve) == (longest.layer, longest.curve);
         run.unfiltered = unfiltered.paths.into_iter().find(of_curve);

@@ -520,7 +520,7 @@ fn without_limits_of_jerk_none_is_kept() {
 fn an_arm_of_a_file_prints_over_a_plate_that_stands_still() {
     let scratch = Scratch::new("workcell");
     let cell = include_str!("../cells/ur10.json");
-    let far = cell.replace("[750, 0, 0]", "[1230, 0, 0]").replace("\"diameter_mm\": 300", "\"diameter_mm\": 500");
+    let far = cell.replace("[750, 0, 0]", "[1430, 0, 0]").replace("\"diameter_mm\": 300", "\"diameter_mm\": 500");
     assert_ne!(cell, far);
     let printed = |name: &str, text: &str| {
         let file = scratch.path(&format!("{name}.json"));

@@ -10,7 +10,7 @@ mod place;
 
 use crate::failure;
 use crate::field::FieldRun;
-use crate::machine::{MachineRun, Shape, with_layers};
+use crate::machine::{MachineRun, Shape};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use cell::{GrowingCell, Job};
@@ -21,7 +21,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{OnCell, TABLE_CELL, UR3_CELL, bounds_of};
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Workcell, WorkcellModel};
-use curvlay_toolpath::surface::{GougingOptions, MoveKind, Nozzle};
+use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, Waypoint, plan_print};
 use nalgebra::{Isometry3, UnitVector3};
@@ -241,17 +241,6 @@ impl Print<'_> {
         }
     }
 
-    /// For each path, when the plan of the deposition passes each waypoint, and how much filament it has laid by then.
-    fn flows(&self) -> Vec<[Vec<f64>; 2]> {
-        let mut flows = vec![[vec![0.0], vec![0.0]]; self.machine.freed.paths.len()];
-        for step in self.machine.deposition.moves.iter().filter(|step| step.kind == MoveKind::Print) {
-            let [times, filament] = &mut flows[step.path];
-            times.push(times[times.len() - 1] + step.seconds);
-            filament.push(filament[filament.len() - 1] + step.filament);
-        }
-        flows
-    }
-
     /// Plans it.
     fn plan<const N: usize, const F: usize, W: Workcell<N, F>>(
         &self,
@@ -263,17 +252,17 @@ impl Print<'_> {
         let robot = OnCell::new(cell.clone(), Vec::new());
         let frame_part = self.place(cell, options, bars)?;
         let limits = self.limits(cell.limits());
-        let flows = self.flows();
+        let schedules = self.machine.deposition.schedules();
         let of_path = |path: &curvlay_toolpath::surface::ToolPath| {
             path.waypoints.iter().map(|waypoint| placed(waypoint, &frame_part)).collect()
         };
         let waypoints: Vec<Vec<Waypoint>> = self.machine.freed.paths.iter().map(of_path).collect();
-        let paths: Vec<PrintPath> = (self.machine.freed.paths.iter().zip(&waypoints).zip(&flows))
-            .map(|((path, waypoints), [times, filament_mm])| PrintPath {
+        let paths: Vec<PrintPath> = (self.machine.freed.paths.iter().zip(&waypoints).zip(&schedules))
+            .map(|((path, waypoints), schedule)| PrintPath {
                 layer: path.layer,
                 waypoints,
-                times,
-                filament_mm,
+                times: schedule.times(),
+                filament_mm: schedule.filaments(),
             })
             .collect();
         let progress = |p: curvlay_trajectory::Progress| {
@@ -299,17 +288,17 @@ impl Print<'_> {
         work: impl FnOnce(GrowingCell<N, F, W>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let Print { field, surfaces, nozzle, .. } = *self;
-        with_layers(surfaces, self.paths, |stack| {
-            let progress = |p: curvlay_toolpath::Progress| {
-                bars.update(p.stage, p.done, p.total);
-                ControlFlow::Continue(())
-            };
-            // The workcell knows the plate.
-            let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
-            let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
-            let (frame_part, margin_mm) = (*frame_part, self.args.margin);
-            work(GrowingCell::new(cell, &Job { field, surfaces, contacts: &contacts, frame_part, margin_mm })?)
-        })
+        let progress = |p: curvlay_toolpath::Progress| {
+            bars.update(p.stage, p.done, p.total);
+            ControlFlow::Continue(())
+        };
+        // The workcell knows the plate.
+        let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
+        let layers = surfaces.surfaces();
+        let stack = self.paths.filled.stack(&layers).map_err(failure)?;
+        let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
+        let (frame_part, margin_mm) = (*frame_part, self.args.margin);
+        work(GrowingCell::new(cell, &Job { field, surfaces, contacts: &contacts, frame_part, margin_mm })?)
     }
 }
 

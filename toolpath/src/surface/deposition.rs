@@ -154,6 +154,11 @@ impl PathSchedule {
         &self.times
     }
 
+    /// Millimetres of filament that are laid when the plan passes each waypoint; the first is 0.
+    pub fn filaments(&self) -> &[f64] {
+        &self.filament
+    }
+
     /// Filament that is laid by a time, in millimetres: evenly between two waypoints, none before the first, all after the last.
     pub fn filament(&self, time: f64) -> f64 {
         let Some(last) = self.times.len().checked_sub(1).filter(|&last| last > 0) else { return 0.0 };
@@ -178,6 +183,7 @@ impl Deposition {
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
     /// assert!(schedule.times().iter().zip([0.0, 0.5, 1.5]).all(|(a, b)| (a - b).abs() < 1e-12));
     /// assert!((schedule.filament(1.0) - plan.filament_mm * 2.0 / 3.0).abs() < 1e-12);
+    /// assert!((schedule.filaments()[2] - plan.filament_mm).abs() < 1e-12);
     /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
     /// ```
     pub fn schedules(&self) -> Vec<PathSchedule> {
