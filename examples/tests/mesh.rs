@@ -331,12 +331,9 @@ fn odd_sizes_are_doubted() {
 }
 
 #[test]
+#[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
 fn the_bad_models_get_what_they_should() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/bad-models");
-    if !folder.is_dir() {
-        println!("skipped: {} is not there", folder.display());
-        return;
-    }
     let refused = [
         ("truncated.stl", "cut short"),
         ("nan-coords.stl", "coordinate"),

@@ -20,14 +20,10 @@ pub fn arm(model: &ArmModel) -> Arm {
     Arm::new(model).unwrap()
 }
 
-/// A file of the shared reference rows; without them the test says that it was skipped.
-pub fn reference(name: &str) -> Option<String> {
+/// A file of reference rows in the folder `shared` beside the workspace.
+pub fn reference(name: &str) -> String {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/kinematics").join(name);
-    let text = std::fs::read_to_string(path).ok();
-    if text.is_none() {
-        println!("skipped: no shared reference rows `{name}`");
-    }
-    text
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// A row by the names of its columns.

@@ -1,17 +1,14 @@
-//! The models and the bad models, with flat and curved sheets. Skipped where they are not at hand.
+//! The models and the bad models, with flat and curved sheets.
 
 use crate::helpers::*;
 use curvlay_layers::curved::trim::BoundaryKind;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// A binary STL file, vertices at the same place made one; `None` if it is not at hand.
-fn model(name: &str) -> Option<Mesh> {
+/// A binary STL file of the folder `shared` beside the workspace, vertices at the same place made one.
+fn model(name: &str) -> Mesh {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(name);
-    let Ok(bytes) = std::fs::read(&path) else {
-        println!("skipped: {} is not at hand", path.display());
-        return None;
-    };
+    let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut mesh = Mesh::default();
     let mut known = BTreeMap::new();
     for facet in bytes[84..].chunks_exact(50) {
@@ -26,7 +23,7 @@ fn model(name: &str) -> Option<Mesh> {
         });
         mesh.triangles.push(triangle);
     }
-    Some(mesh)
+    mesh
 }
 
 const CLOSED: [&str; 19] = [
@@ -52,9 +49,10 @@ const CLOSED: [&str; 19] = [
 ];
 
 #[test]
+#[ignore = "needs ../shared/models; .ci/run runs it where that folder exists"]
 fn every_closed_model() {
     for name in CLOSED {
-        let Some(mesh) = model(&format!("models/{name}.stl")) else { return };
+        let mesh = model(&format!("models/{name}.stl"));
         let trimmer = mesh.trimmer();
         assert!(!trimmer.is_holed());
         let (mut triangles, mut error, mut slivers) = (0, 0.0_f64, 0);
@@ -79,9 +77,10 @@ fn every_closed_model() {
 }
 
 #[test]
+#[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
 fn bad_models_that_load() {
     for name in ["self-intersecting", "inside-out", "zero-area", "metres", "solid-header"] {
-        let Some(mesh) = model(&format!("bad-models/{name}.stl")) else { return };
+        let mesh = model(&format!("bad-models/{name}.stl"));
         let trimmer = mesh.trimmer();
         let scale = mesh.vertices.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
         println!("{name}: {} triangles, holed: {}", mesh.triangles.len(), trimmer.is_holed());
@@ -96,8 +95,9 @@ fn bad_models_that_load() {
 }
 
 #[test]
+#[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
 fn a_model_with_a_hole() {
-    let Some(mesh) = model("bad-models/hole.stl") else { return };
+    let mesh = model("bad-models/hole.stl");
     let trimmer = mesh.trimmer();
     assert!(trimmer.is_holed());
     let (mut hole_mm, mut off_mm) = (0.0, 0.0);

@@ -85,16 +85,13 @@ impl Robot<6, 1> for Ur3 {
     }
 }
 
-/// A file of waypoints, where there is one.
-pub fn read(name: &str) -> Option<Vec<(Point3<f64>, Vector3<f64>)>> {
+/// A file of waypoints in the folder `shared` beside the workspace.
+pub fn read(name: &str) -> Vec<(Point3<f64>, Vector3<f64>)> {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/waypoints").join(name);
-    let Ok(text) = fs::read_to_string(&file) else {
-        eprintln!("skipped: {} is not there", file.display());
-        return None;
-    };
+    let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let point = |line: &str| {
         let x: Vec<f64> = line.split_whitespace().map(|x| x.parse().unwrap()).collect();
         (Point3::new(x[0], x[1], x[2]), Vector3::new(x[3], x[4], x[5]))
     };
-    Some(text.lines().map(point).collect())
+    text.lines().map(point).collect()
 }

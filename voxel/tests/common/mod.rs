@@ -85,18 +85,15 @@ pub fn bumpy_ball(n: u32, radius: f64, bumps: f64) -> Mesh {
     mesh
 }
 
-/// A binary STL file of the shared models, or nothing (said aloud) if that folder is not there.
-pub fn shared(name: &str) -> Option<Mesh> {
+/// A binary STL file of the folder `shared` beside the workspace.
+pub fn shared(name: &str) -> Mesh {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(name);
-    let Ok(bytes) = std::fs::read(&path) else {
-        println!("skipped: no {}", path.display());
-        return None;
-    };
+    let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut mesh = Mesh::default();
     for (at, facet) in (0..).zip(bytes[84..].chunks_exact(50)) {
         let number = |k: usize| f64::from(f32::from_le_bytes([facet[k], facet[k + 1], facet[k + 2], facet[k + 3]]));
         mesh.vertices.extend([12, 24, 36].map(|k| Point3::new(number(k), number(k + 4), number(k + 8))));
         mesh.triangles.push([3 * at, 3 * at + 1, 3 * at + 2]);
     }
-    Some(mesh)
+    mesh
 }
