@@ -153,12 +153,12 @@ fn path(c: &mut Criterion) {
     // So little that the local filter does not stop for having met it, and the global one has a peak to lower.
     bounds.jerk = [1e-4; JOINTS];
     let line = Timeline::new(&times, RunIn::default()).expect("rising times");
-    let start = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet).expect("a path").rungs;
+    let start = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet).expect("a path").nodes;
     let global =
         || smooth_globally(&robot, &line, &start, &bounds, &GlobalOptions::default(), &quiet).expect("a motion");
     let local =
         || filter_locally(&robot, &times, &start, &bounds, &FilterOptions::default(), &quiet).expect("a motion");
-    let joints: Vec<_> = local().rungs.iter().map(|rung| rung.joints).collect();
+    let joints: Vec<_> = local().nodes.iter().map(|node| node.joints).collect();
     let theirs = Trajectory::through(&line, &joints).expect("finite joints").squared_jerk();
     let ours = global().trajectory.squared_jerk();
     assert!(ours < theirs, "{ours} {theirs}");

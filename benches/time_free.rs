@@ -8,8 +8,9 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use curvlay_kinematics::{Arm, Branch, Cell, Waypoint, nozzle_frame, robots};
 use curvlay_trajectory::{
-    Bounds, FreeMotion, FreeRange, GlobalOptions, LadderOptions, LadderSearch, Posture, Progress, Robot, RunIn, Rung,
-    TimeFreeOptions, TimePathOptions, TimedMotion, Timeline, plan_ladder, smooth_globally, time_path, time_path_free,
+    Bounds, FreeMotion, FreeRange, GlobalOptions, LadderNode, LadderOptions, LadderSearch, Posture, Progress, Robot,
+    RunIn, TimeFreeOptions, TimePathOptions, TimedMotion, Timeline, plan_ladder, smooth_globally, time_path,
+    time_path_free,
 };
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::PI;
@@ -114,7 +115,7 @@ impl Robot<6, 1> for PartInHand {
 
 /// A start, its planned times and its limits.
 struct Case {
-    start: Vec<Rung<6, 1>>,
+    start: Vec<LadderNode<6, 1>>,
     planned: Vec<f64>,
     bounds: Bounds<6>,
     options: TimeFreeOptions,
@@ -145,7 +146,7 @@ fn bench(c: &mut Criterion) {
     let slow = Bounds { lower, upper, velocity: [1.0; 6], acceleration: [5.0; 6], jerk: [1.0; 6] };
     let fast = Bounds { velocity: limits.velocity, acceleration: [10.0; 6], jerk: [100.0; 6], ..slow };
     let ladder_options = LadderOptions { doublings: 0, ..LadderOptions::default() };
-    let ladder = plan_ladder(&robot, &planned, &slow, &ladder_options, &quiet).expect("a path").rungs;
+    let ladder = plan_ladder(&robot, &planned, &slow, &ladder_options, &quiet).expect("a path").nodes;
     let line = Timeline::new(&planned, RunIn::default()).expect("rising times");
     let global = smooth_globally(&robot, &line, &ladder, &slow, &GlobalOptions::default(), &quiet).expect("a motion");
     let options = TimeFreeOptions {
@@ -154,12 +155,13 @@ fn bench(c: &mut Criterion) {
     };
     // As dense as the ladder of the dissertation's tables: shorter in Eq. 4.6, but it turns by a degree here and there.
     let dense_options = LadderOptions { samples: [360], search: LadderSearch::CoarseToFine, ..ladder_options };
-    let dense = plan_ladder(&robot, &planned, &slow, &dense_options, &quiet).expect("a path").rungs;
+    let dense = plan_ladder(&robot, &planned, &slow, &dense_options, &quiet).expect("a path").nodes;
     for (limits, bounds) in [("jerk 1", slow), ("jerk 100", fast)] {
-        let case = |start: &[Rung<6, 1>]| Case { start: start.to_vec(), planned: planned.clone(), bounds, options };
+        let case =
+            |start: &[LadderNode<6, 1>]| Case { start: start.to_vec(), planned: planned.clone(), bounds, options };
         let fixed = case(&ladder).fixed().duration();
         eprintln!("{limits}: {:.3} s along the angles of the ladder of 360 samples", case(&dense).fixed().duration());
-        for (name, case) in [("ladder", case(&ladder)), ("global", case(&global.rungs))] {
+        for (name, case) in [("ladder", case(&ladder)), ("global", case(&global.nodes))] {
             let found = case.free(&robot);
             assert_eq!(found.motion.trajectory.violations(&bounds, 1e-9), []);
             assert!(found.motion.duration() < 0.9 * fixed);

@@ -22,7 +22,7 @@ use curvlay_trajectory::indicator::{
 };
 use curvlay_trajectory::print::Waypoint;
 use curvlay_trajectory::{
-    Avoid, FEWEST_WAYPOINTS, FreeRange, GlobalOptions, LadderOptions, Posture, Progress, Robot, RunIn, Timeline,
+    Avoid, FreeRange, GlobalOptions, LadderOptions, MIN_WAYPOINTS, Posture, Progress, Robot, RunIn, Timeline,
     Trajectory, plan_ladder, smooth_clear_of,
 };
 use nalgebra::{Isometry3, IsometryMatrix3, Point3, Vector3};
@@ -232,9 +232,9 @@ fn clear_motion(
     let ladder = plan_ladder(&Clear { robot, scene }, times, &bounds, &options, &go_on)?;
     let avoid = Avoid { indicator, clear: CLEAR_MM, price: PRICE };
     let mut motions = vec![];
-    for run in ladder.runs().filter(|run| run.len() >= FEWEST_WAYPOINTS) {
+    for run in ladder.runs().filter(|run| run.len() >= MIN_WAYPOINTS) {
         let line = Timeline::new(&times[run.clone()], RunIn::default())?;
-        let (part, start) = (robot.part(run.clone()), &ladder.rungs[run]);
+        let (part, start) = (robot.part(run.clone()), &ladder.nodes[run]);
         let found = smooth_clear_of(&part, &line, start, &bounds, &GlobalOptions::default(), &avoid, &go_on)?;
         motions.push(found.trajectory);
     }

@@ -234,7 +234,7 @@ where
     let (parts, times) = robots(timed);
     let (planned, notes) = plan(&parts, &times, &Plan { methods: &METHODS, grid, finer, makers_speeds: false }, bars)?;
     let mut noisy = Vec::new();
-    for degrees in NOISE_DEG.into_iter().filter(|_| args.noise_count as usize >= curvlay_trajectory::FEWEST_WAYPOINTS) {
+    for degrees in NOISE_DEG.into_iter().filter(|_| args.noise_count as usize >= curvlay_trajectory::MIN_WAYPOINTS) {
         let count = given.0.len().min(args.noise_count as usize);
         let start: Path6 = (given.0[..count].to_vec(), given.1[..count].to_vec());
         let disturbed = path::noisy(&start, f64::from(degrees).to_radians(), SEED + u64::from(degrees));

@@ -5,8 +5,9 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{Studied, inside};
 use curvlay_trajectory::print::{OnPath, path_deviations};
 use curvlay_trajectory::{
-    Bounds, FEWEST_WAYPOINTS, FilterOptions, GlobalOptions, LadderError, LadderOptions, LadderSearch, Progress,
-    Quantity, RunIn, Rung, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder, smooth_globally,
+    Bounds, FilterOptions, GlobalOptions, LadderError, LadderNode, LadderOptions, LadderSearch, MIN_WAYPOINTS,
+    Progress, Quantity, RunIn, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder,
+    smooth_globally,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -79,20 +80,20 @@ impl Figures {
     }
 }
 
-/// A motion in runs: the waypoints of each, one after the other, and the rungs.
+/// A motion in runs: the waypoints of each, one after the other, and the nodes.
 #[derive(Clone)]
 struct Motion<const N: usize, const F: usize> {
-    rungs: Vec<Rung<N, F>>,
+    nodes: Vec<LadderNode<N, F>>,
     runs: Vec<Range<usize>>,
     /// Whether speeds have called for more samples than the first.
     doubled: bool,
 }
 
 impl<const N: usize, const F: usize> Motion<N, F> {
-    /// The splines through the rungs, one a run, with the run-in and run-out of least jerk.
+    /// The splines through the nodes, one for each run, with the run-in and run-out of least jerk.
     fn splines(&self, times: &[f64]) -> Result<Vec<Trajectory<N>>, Failure> {
         let spline = |run: &Range<usize>| {
-            let joints: Vec<[f64; N]> = self.rungs[run.clone()].iter().map(|rung| rung.joints).collect();
+            let joints: Vec<[f64; N]> = self.nodes[run.clone()].iter().map(|node| node.joints).collect();
             let line = Timeline::new(&times[run.clone()], RunIn::default())?;
             Ok(Trajectory::through(&line, &joints)?)
         };
@@ -169,7 +170,7 @@ pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
                     whole = Some(found.1);
                     (found.0, time)
                 }
-                "grid" => match climb(robot, times, &bounds, &grid, bars) {
+                "grid" => match plan_with(robot, times, &bounds, &grid, bars) {
                     Ok(found) => (found, started.elapsed()),
                     // At whole degrees not every waypoint is in reach, and from coarse to fine not every path is found.
                     Err(error) => {
@@ -236,13 +237,13 @@ fn first_ladder<const N: usize, const F: usize, R: Studied<N, F>>(
 ) -> Result<(Motion<N, F>, Duration), Failure> {
     let started = Instant::now();
     let options = LadderOptions { doublings: 0, ..LadderOptions::default() };
-    let climb = |options: &LadderOptions<N, F>, bounds: &Bounds<N>| climb(robot, times, bounds, options, bars);
+    let attempt = |options: &LadderOptions<N, F>, bounds: &Bounds<N>| plan_with(robot, times, bounds, options, bars);
     let ladder = match finer {
-        Finer::Doubled(doublings) => climb(&LadderOptions { doublings, breaks: true, ..options }, bounds)?,
-        Finer::NearEnough(samples) => match climb(&options, bounds) {
+        Finer::Doubled(doublings) => attempt(&LadderOptions { doublings, breaks: true, ..options }, bounds)?,
+        Finer::NearEnough(samples) => match attempt(&options, bounds) {
             Err(LadderError::NoPath { .. } | LadderError::Unreachable { .. }) => {
                 let options = LadderOptions { samples, breaks: true, refinements: REFINEMENTS, ..options };
-                climb(&options, &inside(bounds))?
+                attempt(&options, &inside(bounds))?
             }
             found => found?,
         },
@@ -250,7 +251,7 @@ fn first_ladder<const N: usize, const F: usize, R: Studied<N, F>>(
     Ok((ladder, started.elapsed()))
 }
 
-fn climb<const N: usize, const F: usize, R: Studied<N, F>>(
+fn plan_with<const N: usize, const F: usize, R: Studied<N, F>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
@@ -259,7 +260,7 @@ fn climb<const N: usize, const F: usize, R: Studied<N, F>>(
 ) -> Result<Motion<N, F>, LadderError> {
     let ladder = plan_ladder(robot, times, bounds, options, &shown(bars))?;
     let (runs, doubled) = (ladder.runs().collect(), ladder.samples != [4; F]);
-    Ok(Motion { rungs: ladder.rungs, runs, doubled })
+    Ok(Motion { nodes: ladder.nodes, runs, doubled })
 }
 
 /// The ladder of the first samples without speed limits, where these have called for more samples and it has less jerk
@@ -276,8 +277,13 @@ fn unhurried<const N: usize, const F: usize, R: Studied<N, F>>(
         return Ok(None);
     }
     let unbound = Bounds { velocity: [f64::INFINITY; N], ..*bounds };
-    let ladder =
-        climb(robot, times, &unbound, &LadderOptions { doublings: 0, breaks: true, ..LadderOptions::default() }, bars)?;
+    let ladder = plan_with(
+        robot,
+        times,
+        &unbound,
+        &LadderOptions { doublings: 0, breaks: true, ..LadderOptions::default() },
+        bars,
+    )?;
     let smoother = ladder.runs.len() == 1 && jerk(&ladder, times)? < jerk(start, times)?;
     Ok(smoother.then_some(ladder))
 }
@@ -306,11 +312,11 @@ fn smoothed<const N: usize, const F: usize, R: Studied<N, F>>(
     bars: &Bars,
 ) -> Result<Motion<N, F>, Failure> {
     let mut motion = ladder.clone();
-    for run in ladder.runs.iter().filter(|run| run.len() >= FEWEST_WAYPOINTS) {
+    for run in ladder.runs.iter().filter(|run| run.len() >= MIN_WAYPOINTS) {
         let part = OnPath { robot, waypoints: &robot.path()[run.clone()] };
-        let (times, start) = (&times[run.clone()], &ladder.rungs[run.clone()]);
+        let (times, start) = (&times[run.clone()], &ladder.nodes[run.clone()]);
         let filtered = filter_locally(&part, times, start, bounds, &FilterOptions::default(), &shown(bars))?;
-        motion.rungs[run.clone()].copy_from_slice(&filtered.rungs);
+        motion.nodes[run.clone()].copy_from_slice(&filtered.nodes);
     }
     Ok(motion)
 }
@@ -343,12 +349,12 @@ fn globally<const N: usize, const F: usize, R: Studied<N, F>>(
     bars: &Bars,
 ) -> Result<Global<N, F>, Failure> {
     let (mut motion, mut trajectories, mut lower_bound) = (start.clone(), start.splines(times)?, None);
-    for (run, trajectory) in start.runs.iter().zip(&mut trajectories).filter(|(run, _)| run.len() >= FEWEST_WAYPOINTS) {
+    for (run, trajectory) in start.runs.iter().zip(&mut trajectories).filter(|(run, _)| run.len() >= MIN_WAYPOINTS) {
         let line = Timeline::new(&times[run.clone()], RunIn::default())?;
         let part = OnPath { robot, waypoints: &robot.path()[run.clone()] };
-        let rungs = &start.rungs[run.clone()];
-        let found = smooth_globally(&part, &line, rungs, bounds, &GlobalOptions::default(), &shown(bars))?;
-        motion.rungs[run.clone()].copy_from_slice(&found.rungs);
+        let nodes = &start.nodes[run.clone()];
+        let found = smooth_globally(&part, &line, nodes, bounds, &GlobalOptions::default(), &shown(bars))?;
+        motion.nodes[run.clone()].copy_from_slice(&found.nodes);
         lower_bound = greater(lower_bound, found.peak.map(|peak| peak.lower_bound));
         *trajectory = found.trajectory;
     }
@@ -385,13 +391,13 @@ fn measured<const N: usize, const F: usize, R: Studied<N, F>>(
         jerk_lower_bound: None,
         speed_lower_bound: None,
     };
-    for (waypoint, rung) in motion.rungs.iter().enumerate() {
-        let (mm, rad) = robot.missed(waypoint, &rung.joints);
+    for (waypoint, node) in motion.nodes.iter().enumerate() {
+        let (mm, rad) = robot.missed(waypoint, &node.joints);
         figures.missed_mm = figures.missed_mm.max(mm);
         figures.missed_rad = figures.missed_rad.max(rad);
     }
     for (run, trajectory) in motion.runs.iter().zip(&trajectories) {
-        let joints: Vec<[f64; N]> = motion.rungs[run.clone()].iter().map(|rung| rung.joints).collect();
+        let joints: Vec<[f64; N]> = motion.nodes[run.clone()].iter().map(|node| node.joints).collect();
         figures.j += jerk_measure(&times[run.clone()], &joints);
         figures.spline_jerk += trajectory.squared_jerk();
         for (most, joint) in figures.joint_jerk.iter_mut().zip(trajectory.extremes()) {

@@ -186,7 +186,7 @@ fn what_cannot_be_placed_is_named() {
         let error = best_place(&places, &waypoints, 0.0, none, &go);
         assert_eq!(error, Err(PlaceError::Assessment { place: 0, waypoint: 0 }));
     }
-    assert_eq!(best_place(&places, &waypoints, 0.0, fine, &|_| Break(())), Err(PlaceError::Stopped));
+    assert_eq!(best_place(&places, &waypoints, 0.0, fine, &|_| Break(())), Err(PlaceError::Cancelled));
     let steps = std::sync::Mutex::new(vec![]);
     let watch = |step: curvlay_kinematics::Progress| {
         steps.lock().unwrap().push((step.done, step.total));

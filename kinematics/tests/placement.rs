@@ -114,7 +114,7 @@ fn placements_that_cannot_be_are_named() {
         fullest_box(&[one[0], Point3::new(0.0, f64::NAN, 0.0)], [1.0; 3], &go),
         Err(PlacementError::Point { index: 1 })
     );
-    assert_eq!(fullest_box(&one, [1.0; 3], &|_| Break(())), Err(PlacementError::Stopped));
+    assert_eq!(fullest_box(&one, [1.0; 3], &|_| Break(())), Err(PlacementError::Cancelled));
     assert_eq!(fullest_box(&one, [0.0; 3], &go).map(|best| best.frames), Ok(1));
     let arm = arm(&robots::UR3);
     let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);

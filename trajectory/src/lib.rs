@@ -29,11 +29,12 @@ pub use global::{
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{
-    Ladder, LadderError, LadderOptions, LadderSearch, LeastSpeed, MOST_SAMPLES, Norm, Rung, least_speed, plan_ladder,
+    Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, LeastSpeed, MAX_SAMPLES, Norm, least_speed,
+    plan_ladder,
 };
 pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};
 pub use nalgebra;
-pub use path::{Defect, FEWEST_WAYPOINTS, PathError, PathOptions, PathPiece, TimedPath, Timing, timed_path};
+pub use path::{Defect, MIN_WAYPOINTS, PathError, PathOptions, PathPiece, TimedPath, Timing, timed_path};
 pub use progress::Progress;
 pub use robot::{FreeRange, Posture, Robot};
 pub use spline::{

@@ -9,7 +9,7 @@ use nalgebra::{Point3, UnitVector3, Vector3};
 use std::fmt;
 
 /// The fewest waypoints of a piece: one stencil of five for the derivatives (section 4.3.2).
-pub const FEWEST_WAYPOINTS: usize = 5;
+pub const MIN_WAYPOINTS: usize = 5;
 
 /// Where time stamps come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,7 @@ pub enum Defect {
         /// The time before.
         before: f64,
     },
-    /// Fewer waypoints than [`FEWEST_WAYPOINTS`] are left between two splits: they are left out.
+    /// Fewer waypoints than [`MIN_WAYPOINTS`] are left between two splits: they are left out.
     Short {
         /// The first of them.
         waypoint: usize,
@@ -120,7 +120,7 @@ impl fmt::Display for Defect {
             }
             Defect::Time { time, before, .. } => write!(out, "time {time} s is not after {before} s; path split"),
             Defect::Short { count, .. } => {
-                write!(out, "a piece of {count} waypoints, at least {FEWEST_WAYPOINTS} are needed; left out")
+                write!(out, "a piece of {count} waypoints, at least {MIN_WAYPOINTS} are needed; left out")
             }
         }
     }
@@ -142,7 +142,7 @@ pub struct PathPiece {
 /// A path in pieces, and what was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedPath {
-    /// The pieces, in order, each of at least [`FEWEST_WAYPOINTS`].
+    /// The pieces, in order, each of at least [`MIN_WAYPOINTS`].
     pub pieces: Vec<PathPiece>,
     /// The defects, in the order of the waypoints.
     pub defects: Vec<Defect>,
@@ -279,7 +279,7 @@ impl Sorter {
     fn close(&mut self) {
         let piece = std::mem::replace(&mut self.open, PathPiece::NONE);
         match piece.waypoints.first() {
-            Some(_) if piece.waypoints.len() >= FEWEST_WAYPOINTS => self.path.pieces.push(piece),
+            Some(_) if piece.waypoints.len() >= MIN_WAYPOINTS => self.path.pieces.push(piece),
             Some(&waypoint) => {
                 self.path.defects.push(Defect::Short { waypoint, count: piece.waypoints.len() });
             }

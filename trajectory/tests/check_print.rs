@@ -666,7 +666,7 @@ fn limits_options_and_cancelling() {
     let stop =
         |p: curvlay_trajectory::Progress| if p.done == 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let error = check_print(&lent, &bounds(), &free(), &CheckOptions::default(), &stop).unwrap_err();
-    assert_eq!(error, CheckError::Stopped { done: 1, total: 3 });
+    assert_eq!(error, CheckError::Cancelled);
 }
 
 /// Whole turns of the tilt on one piece: at both ends and in the middle the nozzle stands upright.

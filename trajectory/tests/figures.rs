@@ -15,8 +15,8 @@ fn grid(search: LadderSearch, samples: u32) -> LadderOptions<6, 1> {
 }
 
 fn assert_met(robot: &Ur3, ladder: &Ladder<6, 1>) {
-    for (rung, waypoint) in ladder.rungs.iter().zip(&robot.waypoints) {
-        let nozzle = robot.cell.nozzle_on_part(&rung.joints);
+    for (node, waypoint) in ladder.nodes.iter().zip(&robot.waypoints) {
+        let nozzle = robot.cell.nozzle_on_part(&node.joints);
         assert!((nozzle.translation.vector - waypoint.position.coords).norm() <= 1e-6);
         let axis = nozzle.rotation * curvlay_trajectory::nalgebra::Vector3::z();
         assert!(axis.cross(&waypoint.axis).norm() <= 1e-9 && axis.dot(&waypoint.axis) > 0.0);
@@ -49,7 +49,7 @@ fn synthetic_paths_are_one_piece_and_smoothed() {
             least.cost
         );
         let filter = FilterOptions { iterations: 25, ..FilterOptions::default() };
-        let local = filter_locally(&robot, &times, &ladder.rungs, &bounds, &filter, &quiet).unwrap();
+        let local = filter_locally(&robot, &times, &ladder.nodes, &bounds, &filter, &quiet).unwrap();
         assert!(local.jerk[1] <= local.jerk[0]);
     }
 }
@@ -81,7 +81,7 @@ fn a_crest_taken_at_speed_goes_another_way_round_and_names_what_no_path_nearby_h
     let (times, bounds) = (robot.times(), robot.bounds());
     let line = Timeline::new(&times, RunIn::default()).unwrap();
     let unhurried = Bounds { velocity: [f64::INFINITY; 6], ..bounds };
-    let start = plan_ladder(&robot, &times, &unhurried, &LadderOptions::default(), &quiet).unwrap().rungs;
+    let start = plan_ladder(&robot, &times, &unhurried, &LadderOptions::default(), &quiet).unwrap().nodes;
     let options = GlobalOptions { lower_peak: false, ..GlobalOptions::default() };
     let found = smooth_globally(&robot, &line, &start, &bounds, &options, &quiet).unwrap();
     assert_eq!(found.status, GlobalStatus::BoundsMissed);

@@ -7,8 +7,8 @@ use common::ur3::Ur3;
 use common::{Planar, quiet};
 use curvlay_trajectory::nalgebra::{DMatrix, DVector, Vector3};
 use curvlay_trajectory::{
-    Bounds, BoundsError, FreeRange, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, LadderOptions, Posture,
-    Progress, Quantity, Robot, RobotFn, RunIn, Rung, Timeline, Trajectory, plan_ladder, run_in_and_out,
+    Bounds, BoundsError, FreeRange, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, LadderNode, LadderOptions,
+    Posture, Progress, Quantity, Robot, RobotFn, RunIn, Timeline, Trajectory, plan_ladder, run_in_and_out,
     smooth_globally,
 };
 use rand::{RngExt, SeedableRng};
@@ -27,13 +27,13 @@ fn wavy(count: usize) -> Planar {
 }
 
 /// The same angle and branch everywhere.
-fn level<const N: usize>(count: usize, angle: f64, branch: u32) -> Vec<Rung<N, 1>> {
-    vec![Rung { joints: [0.0; N], free: [angle], branch }; count]
+fn level<const N: usize>(count: usize, angle: f64, branch: u32) -> Vec<LadderNode<N, 1>> {
+    vec![LadderNode { joints: [0.0; N], free: [angle], branch }; count]
 }
 
 /// A start from a ladder.
-fn climb(robot: &Ur3) -> Vec<Rung<6, 1>> {
-    plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().rungs
+fn plan(robot: &Ur3) -> Vec<LadderNode<6, 1>> {
+    plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().nodes
 }
 
 const RUN: RunIn = RunIn { pieces: 3, spacing: 0.5 };
@@ -49,10 +49,10 @@ fn exactly() -> GlobalOptions {
 }
 
 /// The joints of all waypoints, unwrapped.
-fn joints<R: Robot<N, 1>, const N: usize>(robot: &R, start: &[Rung<N, 1>]) -> Option<Vec<[f64; N]>> {
+fn joints<R: Robot<N, 1>, const N: usize>(robot: &R, start: &[LadderNode<N, 1>]) -> Option<Vec<[f64; N]>> {
     let mut all: Vec<[f64; N]> = Vec::new();
-    for (waypoint, rung) in start.iter().enumerate() {
-        let mut q = robot.posture(waypoint, &rung.free, rung.branch)?.joints;
+    for (waypoint, node) in start.iter().enumerate() {
+        let mut q = robot.posture(waypoint, &node.free, node.branch)?.joints;
         if let Some(before) = all.last() {
             q.iter_mut().zip(before).for_each(|(q, b)| *q += TAU * ((b - *q) / TAU).round());
         }
@@ -63,11 +63,11 @@ fn joints<R: Robot<N, 1>, const N: usize>(robot: &R, start: &[Rung<N, 1>]) -> Op
 
 /// Dense damped Newton with differences for gradient and Hessian, on the squared jerk of the best spline through the
 /// waypoints.
-fn dense_least<R: Robot<N, 1>, const N: usize>(robot: &R, line: &Timeline, start: &[Rung<N, 1>]) -> f64 {
+fn dense_least<R: Robot<N, 1>, const N: usize>(robot: &R, line: &Timeline, start: &[LadderNode<N, 1>]) -> f64 {
     let n = start.len();
     let value = |x: &DVector<f64>| {
-        let rungs: Vec<_> = x.iter().zip(start).map(|(&x, rung)| Rung { free: [x], ..*rung }).collect();
-        joints(robot, &rungs).map_or(f64::INFINITY, |q| Trajectory::through(line, &q).unwrap().squared_jerk())
+        let nodes: Vec<_> = x.iter().zip(start).map(|(&x, node)| LadderNode { free: [x], ..*node }).collect();
+        joints(robot, &nodes).map_or(f64::INFINITY, |q| Trajectory::through(line, &q).unwrap().squared_jerk())
     };
     let gradient = |x: &DVector<f64>| {
         DVector::from_fn(n, |k, _| {
@@ -78,7 +78,7 @@ fn dense_least<R: Robot<N, 1>, const N: usize>(robot: &R, line: &Timeline, start
             (up - value(&moved)) / 2e-5
         })
     };
-    let mut x = DVector::from_iterator(n, start.iter().map(|rung| rung.free[0]));
+    let mut x = DVector::from_iterator(n, start.iter().map(|node| node.free[0]));
     let mut damping = 1e-3;
     let mut best = value(&x);
     for _ in 0..60 {
@@ -132,7 +132,7 @@ fn planar_path_is_as_smooth_as_dense_newton_makes_it() {
 fn ur3_path_is_as_smooth_as_dense_newton_makes_it() {
     let robot = Ur3::dome(30);
     let line = timeline(30);
-    let start = climb(&robot);
+    let start = plan(&robot);
     let found = smooth_globally(&robot, &line, &start, &Bounds::NONE, &exactly(), &quiet).unwrap();
     let oracle = dense_least(&robot, &line, &start);
     let ours = found.trajectory.squared_jerk();
@@ -184,9 +184,9 @@ fn bounds_hold_everywhere_and_nothing_near_is_smoother() {
     for _ in 0..20_000 {
         let size = 10f64.powf(rng.random_range(-5.0..-1.5));
         let (wave, phase) = (rng.random_range(0.0..1.5), rng.random_range(0.0..6.0));
-        let mut moved = found.rungs.clone();
-        for (k, rung) in moved.iter_mut().enumerate() {
-            rung.free[0] += size * ((wave * k as f64 + phase).sin() + 0.01 * rng.random_range(-1.0..1.0));
+        let mut moved = found.nodes.clone();
+        for (k, node) in moved.iter_mut().enumerate() {
+            node.free[0] += size * ((wave * k as f64 + phase).sin() + 0.01 * rng.random_range(-1.0..1.0));
         }
         let q = joints(&robot, &moved).unwrap();
         let curve = Trajectory::new(&line, &run_in_and_out(&line, &q).unwrap()).unwrap();
@@ -241,12 +241,12 @@ fn limits_that_no_path_meets_are_a_status_that_names_the_place() {
 fn the_same_input_gives_the_same_bits_and_waypoints_are_met() {
     let robot = Ur3::dome(60);
     let line = timeline(60);
-    let start = climb(&robot);
+    let start = plan(&robot);
     let run = || smooth_globally(&robot, &line, &start, &robot.bounds(), &GlobalOptions::default(), &quiet).unwrap();
     let (first, second) = (run(), run());
     assert_eq!(first, second);
-    for (rung, waypoint) in first.rungs.iter().zip(&robot.waypoints) {
-        let nozzle = robot.cell.nozzle_on_part(&rung.joints);
+    for (node, waypoint) in first.nodes.iter().zip(&robot.waypoints) {
+        let nozzle = robot.cell.nozzle_on_part(&node.joints);
         assert!((nozzle.translation.vector - waypoint.position.coords).norm() < 1e-6);
         assert!((nozzle.rotation * Vector3::z()).cross(&waypoint.axis).norm() < 1e-9);
     }
@@ -264,7 +264,7 @@ fn a_path_that_turns_on_is_unwrapped() {
     let robot = Planar { links: [1.0, 0.8, 0.4], tips };
     let line = timeline(60);
     let mut start = level(60, 0.0, 1);
-    start.iter_mut().enumerate().for_each(|(k, rung)| rung.free[0] = 0.13 * k as f64 + 0.9);
+    start.iter_mut().enumerate().for_each(|(k, node)| node.free[0] = 0.13 * k as f64 + 0.9);
     let found = smooth_globally(&robot, &line, &start, &Bounds::NONE, &GlobalOptions::default(), &quiet).unwrap();
     let q = found.trajectory.at_waypoints();
     assert!(q[59][0] - q[0][0] > TAU, "{}", q[59][0] - q[0][0]);
@@ -276,11 +276,11 @@ fn what_cannot_be_is_named() {
     let robot = wavy(8);
     let line = timeline(8);
     let start = level(8, 0.6, 0);
-    let go = |start: &[Rung<3, 1>], bounds: &Bounds<3>, options: &GlobalOptions| {
+    let go = |start: &[LadderNode<3, 1>], bounds: &Bounds<3>, options: &GlobalOptions| {
         smooth_globally(&robot, &line, start, bounds, options, &quiet).unwrap_err()
     };
     let plain = GlobalOptions::default();
-    assert_eq!(go(&start[..7], &Bounds::NONE, &plain), GlobalError::Count { waypoints: 8, times: 8, rungs: 7 });
+    assert_eq!(go(&start[..7], &Bounds::NONE, &plain), GlobalError::Count { waypoints: 8, times: 8, nodes: 7 });
     let mut wrong = start.clone();
     wrong[3].free = [f64::NAN];
     assert!(matches!(go(&wrong, &Bounds::NONE, &plain), GlobalError::Range { waypoint: 3, parameter: 0, .. }));
@@ -288,7 +288,7 @@ fn what_cannot_be_is_named() {
     let error = smooth_globally(&far, &line, &start, &Bounds::NONE, &plain, &quiet).unwrap_err();
     assert_eq!(error, GlobalError::Start { waypoint: 0, branch: 0 });
     let error = smooth_globally(&wavy(7), &line, &start, &Bounds::NONE, &plain, &quiet).unwrap_err();
-    assert_eq!(error, GlobalError::Count { waypoints: 7, times: 8, rungs: 8 });
+    assert_eq!(error, GlobalError::Count { waypoints: 7, times: 8, nodes: 8 });
     let no_speed = Bounds { velocity: [1.0, 0.0, 1.0], ..Bounds::NONE };
     let expected = BoundsError::Still { joint: 1, what: "velocity", value: 0.0 };
     assert_eq!(go(&start, &no_speed, &plain), GlobalError::Bounds(expected));
@@ -296,7 +296,7 @@ fn what_cannot_be_is_named() {
     assert!(matches!(go(&start, &Bounds::NONE, &no_price), GlobalError::Option { what: "penalty", .. }));
     let stop = |_: Progress| ControlFlow::Break(());
     let error = smooth_globally(&robot, &line, &start, &Bounds::NONE, &plain, &stop).unwrap_err();
-    assert_eq!(error, GlobalError::Stopped);
+    assert_eq!(error, GlobalError::Cancelled);
 }
 
 /// Two joints on the arc `(h, g)` of one parameter: `h` has to stay below one half, where `g`, which is shaken, is small. The way
@@ -320,11 +320,11 @@ fn a_start_within_all_bounds_is_never_made_worse() {
     };
     let line = timeline(60);
     let bounds = Bounds { upper: [0.5, 9.0], lower: [-9.0; 2], ..Bounds::NONE };
-    let start: Vec<_> = (0..60).map(|i| Rung { joints: joints(i, 0.0), free: [0.0], branch: 0 }).collect();
+    let start: Vec<_> = (0..60).map(|i| LadderNode { joints: joints(i, 0.0), free: [0.0], branch: 0 }).collect();
     let found = smooth_globally(&robot, &line, &start, &bounds, &GlobalOptions::default(), &quiet).unwrap();
-    let q: Vec<_> = start.iter().map(|rung| rung.joints).collect();
+    let q: Vec<_> = start.iter().map(|node| node.joints).collect();
     let before = Trajectory::through(&line, &q).unwrap();
     assert!(before.violations(&bounds, 0.0).is_empty() && found.violations.is_empty());
     assert!(found.trajectory.squared_jerk() < before.squared_jerk());
-    assert!(found.rungs.iter().all(|rung| rung.free[0] < 0.31), "{:?}", found.rungs[30]);
+    assert!(found.nodes.iter().all(|node| node.free[0] < 0.31), "{:?}", found.nodes[30]);
 }

@@ -11,12 +11,12 @@ use curvlay_trajectory::indicator::geometric::{BodiesFn, Capsule, GeometricIndic
 use curvlay_trajectory::indicator::{CollisionIndicator, IndicatorFn};
 use curvlay_trajectory::nalgebra::{Isometry3, IsometryMatrix3, Point3, Vector3};
 use curvlay_trajectory::{
-    Avoid, GlobalError, GlobalOptions, LadderOptions, Robot, RunIn, Rung, Timeline, plan_ladder, smooth_clear_of,
+    Avoid, GlobalError, GlobalOptions, LadderNode, LadderOptions, Robot, RunIn, Timeline, plan_ladder, smooth_clear_of,
     smooth_globally,
 };
 
-fn ladder(robot: &Ur3) -> Vec<Rung<6, 1>> {
-    plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().rungs
+fn ladder(robot: &Ur3) -> Vec<LadderNode<6, 1>> {
+    plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap().nodes
 }
 
 /// The radius of a ball in the way.
@@ -50,8 +50,8 @@ fn indicator(ball: &Point3<f64>) -> impl CollisionIndicator<6> {
     GeometricIndicator::new(bodies, GeometricModel { capsules, ignored, ..GeometricModel::default() }).unwrap()
 }
 
-fn touched(scene: &Scene, rungs: &[Rung<6, 1>]) -> usize {
-    rungs.iter().filter(|rung| scene.touching(&rung.joints.into()).unwrap().is_some()).count()
+fn touched(scene: &Scene, nodes: &[LadderNode<6, 1>]) -> usize {
+    nodes.iter().filter(|node| scene.touching(&node.joints.into()).unwrap().is_some()).count()
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn a_path_that_collides_comes_clear() {
     let plain = smooth_globally(&robot, &line, &start, &bounds, &options, &quiet).unwrap();
     assert!(plain.collisions.is_empty());
     // A ball that reaches 5 mm into wrist 2 in the middle of the path, on the side to which a turn of the part moves it.
-    let middle = plain.rungs[40];
+    let middle = plain.nodes[40];
     let wrist_at = |turn: f64| {
         let joints = robot.posture(40, &[middle.free[0] + turn], middle.branch).unwrap().joints;
         robot.cell.arm().frames(&joints)[5].translation.vector
@@ -75,16 +75,16 @@ fn a_path_that_collides_comes_clear() {
     });
     let ball = Point3::from(wrist + aside * (radius.unwrap() + BALL - 5.0));
     let (scene, indicator) = (scene(&ball), indicator(&ball));
-    println!("{} of the ladder, {} smoothed", touched(&scene, &start), touched(&scene, &plain.rungs));
-    assert!(touched(&scene, &start) > 0 && touched(&scene, &plain.rungs) > 0);
+    println!("{} of the ladder, {} smoothed", touched(&scene, &start), touched(&scene, &plain.nodes));
+    assert!(touched(&scene, &start) > 0 && touched(&scene, &plain.nodes) > 0);
 
     let avoid = Avoid { indicator: &indicator, clear: 0.5, price: 1e3 };
     let clear = smooth_clear_of(&robot, &line, &start, &bounds, &options, &avoid, &quiet).unwrap();
     println!("J {:?}, without {:?}; {:?}", clear.squared_jerk, plain.squared_jerk, clear.status);
-    assert_eq!((clear.collisions.len(), touched(&scene, &clear.rungs)), (0, 0));
+    assert_eq!((clear.collisions.len(), touched(&scene, &clear.nodes)), (0, 0));
     assert!(clear.violations.is_empty(), "{:?}", clear.violations);
     // From waypoint to waypoint too, by a proof.
-    for pair in clear.rungs.windows(2) {
+    for pair in clear.nodes.windows(2) {
         assert!(scene.is_free(&pair[0].joints.into(), &pair[1].joints.into(), 0.05).unwrap());
     }
     // What it costs.

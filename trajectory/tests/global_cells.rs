@@ -8,8 +8,8 @@ use common::tilt::{Table, Tilting};
 use common::ur3::{STEP, Ur3};
 use curvlay_trajectory::nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
 use curvlay_trajectory::{
-    Bounds, Cone, FreeRange, GlobalOptions, GlobalStatus, LadderOptions, LadderSearch, Robot, RobotFn, RunIn, Rung,
-    Timeline, plan_ladder, smooth_globally,
+    Bounds, Cone, FreeRange, GlobalOptions, GlobalStatus, LadderNode, LadderOptions, LadderSearch, Robot, RobotFn,
+    RunIn, Timeline, plan_ladder, smooth_globally,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -31,14 +31,14 @@ fn line(count: usize) -> Timeline {
     Timeline::new(&(0..count).map(|k| STEP * k as f64).collect::<Vec<_>>(), RunIn::default()).unwrap()
 }
 
-fn ladder(robot: &Ur3) -> Vec<Rung<6, 1>> {
+fn ladder(robot: &Ur3) -> Vec<LadderNode<6, 1>> {
     let options = LadderOptions { samples: [32], search: LadderSearch::CoarseToFine, ..LadderOptions::default() };
-    plan_ladder(robot, &robot.times(), &robot.bounds(), &options, &quiet).unwrap().rungs
+    plan_ladder(robot, &robot.times(), &robot.bounds(), &options, &quiet).unwrap().nodes
 }
 
-/// Rungs without tilt.
-fn upright(rungs: &[Rung<6, 1>]) -> Vec<Rung<6, 3>> {
-    rungs.iter().map(|r| Rung { joints: r.joints, free: [r.free[0], 0.0, 0.0], branch: r.branch }).collect()
+/// Waypoints without tilt.
+fn upright(nodes: &[LadderNode<6, 1>]) -> Vec<LadderNode<6, 3>> {
+    nodes.iter().map(|r| LadderNode { joints: r.joints, free: [r.free[0], 0.0, 0.0], branch: r.branch }).collect()
 }
 
 #[test]
@@ -55,11 +55,11 @@ fn a_cone_smooths_noisy_normals_and_is_kept() {
     let with = GlobalOptions { cone: Some(Cone { tilts: [1, 2], half_angle }), ..options };
     let found = smooth_globally(&tilting, &line, &upright(&start), &Bounds::NONE, &with, &quiet).unwrap();
     assert!(found.trajectory.squared_jerk() < 0.1 * plain.trajectory.squared_jerk());
-    for (rung, waypoint) in found.rungs.iter().zip(&tilting.robot.waypoints) {
-        let nozzle = tilting.robot.cell.nozzle_on_part(&rung.joints);
+    for (node, waypoint) in found.nodes.iter().zip(&tilting.robot.waypoints) {
+        let nozzle = tilting.robot.cell.nozzle_on_part(&node.joints);
         assert!((nozzle.translation.vector - waypoint.position.coords).norm() < 1e-6);
         assert!((nozzle.rotation * Vector3::z()).angle(&waypoint.axis) < half_angle + 1e-9);
-        assert!(rung.free[1].hypot(rung.free[2]) < half_angle + 1e-12);
+        assert!(node.free[1].hypot(node.free[2]) < half_angle + 1e-12);
     }
 }
 
@@ -86,15 +86,15 @@ fn a_cone_takes_the_noise_out_of_a_whole_layer() {
     let robot = Ur3::new(&noisy(&path, half_angle));
     let (line, bounds) = (line(path.len()), robot.bounds());
     let unhurried = Bounds { velocity: [f64::INFINITY; 6], ..bounds };
-    let start = plan_ladder(&robot, &robot.times(), &unhurried, &LadderOptions::default(), &quiet).unwrap().rungs;
+    let start = plan_ladder(&robot, &robot.times(), &unhurried, &LadderOptions::default(), &quiet).unwrap().nodes;
     let tilting = Tilting { robot };
     // The squared jerk falls to a hundred thousandth; for a low peak it may rise to twice that.
     let cone = Some(Cone { tilts: [1, 2], half_angle });
     let options = GlobalOptions { cone, rise: 1.0, ..GlobalOptions::default() };
     let found = smooth_globally(&tilting, &line, &upright(&start), &bounds, &options, &quiet).unwrap();
     assert!(found.violations.is_empty(), "{:?} {:?} {:?}", found.status, found.peak, found.violations);
-    for (rung, waypoint) in found.rungs.iter().zip(&tilting.robot.waypoints) {
-        let nozzle = tilting.robot.cell.nozzle_on_part(&rung.joints);
+    for (node, waypoint) in found.nodes.iter().zip(&tilting.robot.waypoints) {
+        let nozzle = tilting.robot.cell.nozzle_on_part(&node.joints);
         assert!((nozzle.translation.vector - waypoint.position.coords).norm() < 1e-6);
         assert!((nozzle.rotation * Vector3::z()).angle(&waypoint.axis) < half_angle + 1e-9);
     }
@@ -115,7 +115,7 @@ fn steps_beyond_the_range_of_a_parameter_stop_at_its_end() {
         posture: |i: usize, free: &[f64; 3], branch: u32| robot.posture(i, free, branch),
     };
     let found = smooth_globally(&narrow, &line, &start, &Bounds::NONE, &options, &quiet).unwrap();
-    let most = found.rungs.iter().map(|rung| rung.free[1].abs()).fold(0.0, f64::max);
+    let most = found.nodes.iter().map(|node| node.free[1].abs()).fold(0.0, f64::max);
     assert!(most <= 0.25, "{most}");
     assert!(found.trajectory.squared_jerk() < 0.9 * found.squared_jerk[0]);
 }

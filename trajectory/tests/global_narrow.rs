@@ -1,8 +1,8 @@
 //! The global filter where bounds leave a narrow channel: what its first pass does without bounds leads out of it.
 
 use curvlay_trajectory::{
-    Bounds, FreeRange, GlobalOptions, GlobalStatus, LadderOptions, Posture, Progress, RobotFn, RunIn, Rung, Timeline,
-    plan_ladder, smooth_globally,
+    Bounds, FreeRange, GlobalOptions, GlobalStatus, LadderNode, LadderOptions, Posture, Progress, RobotFn, RunIn,
+    Timeline, plan_ladder, smooth_globally,
 };
 use std::ops::ControlFlow;
 
@@ -47,8 +47,8 @@ fn a_ladder_through_a_narrow_channel_leads_to_a_motion_within_it() {
         let options = LadderOptions { samples: [256], doublings: 0, ..LadderOptions::default() };
         let Ok(ladder) = plan_ladder(&robot, &times, &bounds, &options, &quiet) else { continue };
         ladders += 1;
-        let (line, rungs): (_, &[Rung<2, 1>]) = (Timeline::new(&times, RunIn::default()).unwrap(), &ladder.rungs);
-        let found = smooth_globally(&robot, &line, rungs, &bounds, &GlobalOptions::default(), &quiet).unwrap();
+        let (line, nodes): (_, &[LadderNode<2, 1>]) = (Timeline::new(&times, RunIn::default()).unwrap(), &ladder.nodes);
+        let found = smooth_globally(&robot, &line, nodes, &bounds, &GlobalOptions::default(), &quiet).unwrap();
         assert_eq!(found.status == GlobalStatus::BoundsMissed, !found.violations.is_empty());
         if found.status == GlobalStatus::BoundsMissed {
             assert!(found.missed.unwrap().total > 0.0);

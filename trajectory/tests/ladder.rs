@@ -75,17 +75,18 @@ fn slow_cost<const N: usize>(
     };
     let cost =
         |j: usize, apart: f64| options.weights[j] * if options.norm == Norm::Squared { apart * apart } else { apart };
-    let rungs: Vec<Vec<[f64; N]>> = robot
+    let columns: Vec<Vec<[f64; N]>> = robot
         .joints
         .iter()
         .map(|samples| samples.iter().flatten().flat_map(|joints| all_images(joints, bounds)).collect())
         .collect();
-    let firsts: Vec<usize> = rungs.iter().scan(0, |n, rung| Some(std::mem::replace(n, *n + rung.len()))).collect();
-    let nodes = rungs.iter().map(Vec::len).sum();
+    let firsts: Vec<usize> =
+        columns.iter().scan(0, |n, column| Some(std::mem::replace(n, *n + column.len()))).collect();
+    let nodes = columns.iter().map(Vec::len).sum();
     let mut edges: Vec<Vec<(usize, u64, f64)>> = vec![Vec::new(); nodes];
-    for at in 1..rungs.len() {
-        for (a, from) in rungs[at - 1].iter().enumerate() {
-            for (b, to) in rungs[at].iter().enumerate() {
+    for at in 1..columns.len() {
+        for (a, from) in columns[at - 1].iter().enumerate() {
+            for (b, to) in columns[at].iter().enumerate() {
                 let (apart, time) = (apart(from, to), times[at] - times[at - 1]);
                 if (0..N).all(|j| apart[j] <= options.step[j].min(bounds.velocity[j] * time)) {
                     edges[firsts[at - 1] + a].push((firsts[at] + b, 0, (0..N).map(|j| cost(j, apart[j])).sum()));
@@ -99,7 +100,7 @@ fn slow_cost<const N: usize>(
     // Costs that are not negative order like their bits.
     let mut costs = vec![(u64::MAX, f64::INFINITY); nodes];
     let mut heap = BinaryHeap::new();
-    for (node, joints) in rungs[0].iter().enumerate() {
+    for (node, joints) in columns[0].iter().enumerate() {
         costs[node] = (0, options.from.map_or(0.0, |from| (0..N).map(|j| cost(j, apart(&from, joints)[j])).sum()));
         heap.push(Reverse((0, costs[node].1.to_bits(), node)));
     }
@@ -116,7 +117,7 @@ fn slow_cost<const N: usize>(
             }
         }
     }
-    let last = &costs[firsts[rungs.len() - 1]..];
+    let last = &costs[firsts[columns.len() - 1]..];
     last.iter().copied().filter(|found| found.1.is_finite()).reduce(|a, b| if b < a { b } else { a })
 }
 
@@ -128,22 +129,22 @@ fn assert_is_a_path<const N: usize, const F: usize, R: Robot<N, F>>(
     options: &LadderOptions<N, F>,
     ladder: &Ladder<N, F>,
 ) {
-    assert_eq!(ladder.rungs.len(), times.len());
+    assert_eq!(ladder.nodes.len(), times.len());
     let mut cost = 0.0;
-    for (at, rung) in ladder.rungs.iter().enumerate() {
+    for (at, node) in ladder.nodes.iter().enumerate() {
         let mut met = false;
-        robot.solutions(at, &rung.free, &mut |branch, joints| {
-            met |= branch == rung.branch && (0..N).all(|j| wrapped(joints[j] - rung.joints[j]).abs() < 1e-9);
+        robot.solutions(at, &node.free, &mut |branch, joints| {
+            met |= branch == node.branch && (0..N).all(|j| wrapped(joints[j] - node.joints[j]).abs() < 1e-9);
         });
-        assert!(met, "rung {at} is no solution");
-        assert!((0..N).all(|j| bounds.lower[j] <= rung.joints[j] && rung.joints[j] <= bounds.upper[j]), "{rung:?}");
+        assert!(met, "node {at} is no solution");
+        assert!((0..N).all(|j| bounds.lower[j] <= node.joints[j] && node.joints[j] <= bounds.upper[j]), "{node:?}");
         if !ladder.breaks.contains(&at) {
-            let before = if at > 0 { Some(ladder.rungs[at - 1].joints) } else { options.from };
+            let before = if at > 0 { Some(ladder.nodes[at - 1].joints) } else { options.from };
             let time = if at > 0 { times[at] - times[at - 1] } else { f64::INFINITY };
             for (j, before) in before.iter().flatten().enumerate() {
-                let apart = (rung.joints[j] - before).abs();
+                let apart = (node.joints[j] - before).abs();
                 let step = if at > 0 { options.step[j] } else { f64::INFINITY };
-                assert!(apart <= step.min(bounds.velocity[j] * time) * (1.0 + 1e-9), "rung {at}");
+                assert!(apart <= step.min(bounds.velocity[j] * time) * (1.0 + 1e-9), "node {at}");
                 cost += options.weights[j] * if options.norm == Norm::Squared { apart * apart } else { apart };
             }
         }
@@ -252,8 +253,8 @@ fn samples_are_doubled_until_there_is_a_path() {
     let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
     assert!(ladder.samples[0] > 4, "{:?}", ladder.samples);
     assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
-    for (rung, tip) in ladder.rungs.iter().zip(&robot.tips) {
-        let reached = robot.tip(&rung.joints);
+    for (node, tip) in ladder.nodes.iter().zip(&robot.tips) {
+        let reached = robot.tip(&node.joints);
         assert!((reached[0] - tip[0]).abs() < 1e-12 && (reached[1] - tip[1]).abs() < 1e-12);
     }
     let few = LadderOptions { doublings: 0, ..options };
@@ -278,7 +279,7 @@ fn a_path_begins_near_where_the_joints_are_and_without_a_whole_turn() {
     let anywhere = LadderOptions { samples: [1], doublings: 0, ..LadderOptions::default() };
     let begins = |from| {
         let ladder = plan_ladder(&robot, &times(5, 0.1), &bounds, &LadderOptions { from, ..anywhere }, &quiet).unwrap();
-        (ladder.rungs[0].branch, ladder.rungs[0].joints, ladder.cost)
+        (ladder.nodes[0].branch, ladder.nodes[0].joints, ladder.cost)
     };
     let near = |found: [f64; 2], joints: [f64; 2]| (0..2).all(|j| (found[j] - joints[j]).abs() < 1e-12);
     let (branch, joints, cost) = begins(None);
@@ -317,7 +318,7 @@ fn a_joint_that_would_wind_past_its_stop_turns_back_or_breaks() {
     for (lower, upper) in [(-2.0 * TAU, 2.0 * TAU), (f64::NEG_INFINITY, f64::INFINITY), (30.0, f64::INFINITY)] {
         let bounds = Bounds { lower: [lower], upper: [upper], ..bounds };
         let ladder = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
-        assert!((ladder.rungs[99].joints[0] - ladder.rungs[0].joints[0] - 19.8).abs() < 1e-9);
+        assert!((ladder.nodes[99].joints[0] - ladder.nodes[0].joints[0] - 19.8).abs() < 1e-9);
         assert_is_a_path(&robot, &times, &bounds, &options, &ladder);
     }
 }
@@ -437,7 +438,7 @@ fn slit(from: f64, to: f64) -> impl Robot<3, 2> {
 }
 
 #[test]
-fn bands_become_wider_about_rungs_that_are_out_of_reach() {
+fn bands_become_wider_about_waypoints_that_are_out_of_reach() {
     // The coarse levels step over the slit and stay at 0; it takes fourteen steps to get there.
     let (robot, times) = (slit(0.14, 0.16), times(90, 0.1));
     let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
@@ -473,8 +474,8 @@ fn from_coarse_to_fine_a_path_keeps_between_stops_with_room_to_sway() {
     let branch = |bounds: &Bounds<3>, options: &LadderOptions<3, 2>| {
         let ladder = plan_ladder(&robot, &times, bounds, options, &quiet).unwrap();
         assert_is_a_path(&robot, &times, bounds, options, &ladder);
-        assert!(ladder.rungs.iter().all(|rung| rung.branch == ladder.rungs[0].branch));
-        ladder.rungs[0].branch
+        assert!(ladder.nodes.iter().all(|node| node.branch == ladder.nodes[0].branch));
+        ladder.nodes[0].branch
     };
     assert_eq!(branch(&bounds, &options), 2);
     assert_eq!(branch(&bounds, &LadderOptions { samples: [1; 2], search: LadderSearch::Exact, ..options }), 1);
@@ -645,11 +646,11 @@ fn stops_millions_of_turns_apart_cost_nothing() {
     let bounds = Bounds { lower: [-1e9; 2], upper: [1e9; 2], ..Bounds::NONE };
     let options = LadderOptions { samples: [1], doublings: 0, ..LadderOptions::default() };
     let ladder = plan_ladder(&robot, &times(3, 1.0), &bounds, &options, &quiet).unwrap();
-    assert!((ladder.rungs[2].joints[0] - ladder.rungs[0].joints[0] - 6.0).abs() < 1e-6);
+    assert!((ladder.nodes[2].joints[0] - ladder.nodes[0].joints[0] - 6.0).abs() < 1e-6);
 }
 
 #[test]
-fn rungs_of_millions_are_refused() {
+fn waypoints_of_millions_are_refused() {
     let robot = RobotFn {
         waypoints: 1,
         free: [FreeRange::Turn],
@@ -674,5 +675,5 @@ fn solutions_that_are_no_numbers_are_no_nodes() {
         posture: |_: usize, _: &[f64; 1], _: u32| None,
     };
     let ladder = plan_ladder(&robot, &times(3, 1.0), &Bounds::NONE, &LadderOptions::default(), &quiet).unwrap();
-    assert!(ladder.rungs.iter().all(|rung| rung.branch == 2));
+    assert!(ladder.nodes.iter().all(|node| node.branch == 2));
 }

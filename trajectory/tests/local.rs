@@ -7,13 +7,13 @@ use common::ur3::Ur3;
 use common::{Planar, quiet, wrapped};
 use curvlay_trajectory::nalgebra::{DMatrix, DVector};
 use curvlay_trajectory::{
-    Bounds, BoundsError, FilterError, FilterOptions, FilterStatus, Filtered, FreeRange, LadderOptions, Posture, Robot,
-    RobotFn, Rung, filter_locally, jerk_measure, plan_ladder, stencil, waypoint_jerks,
+    Bounds, BoundsError, FilterError, FilterOptions, FilterStatus, Filtered, FreeRange, LadderNode, LadderOptions,
+    Posture, Robot, RobotFn, filter_locally, jerk_measure, plan_ladder, stencil, waypoint_jerks,
 };
 use std::ops::ControlFlow;
 
-fn joints<const N: usize, const F: usize>(rungs: &[Rung<N, F>]) -> Vec<[f64; N]> {
-    rungs.iter().map(|rung| rung.joints).collect()
+fn joints<const N: usize, const F: usize>(nodes: &[LadderNode<N, F>]) -> Vec<[f64; N]> {
+    nodes.iter().map(|node| node.joints).collect()
 }
 
 /// Speeds and accelerations at the waypoints with a whole stencil.
@@ -31,19 +31,19 @@ fn assert_kept<const N: usize, R: Robot<N, 1>>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
-    start: &[Rung<N, 1>],
+    start: &[LadderNode<N, 1>],
     found: &Filtered<N, 1>,
 ) {
-    let (before, after) = (joints(start), joints(&found.rungs));
+    let (before, after) = (joints(start), joints(&found.nodes));
     assert!((found.jerk[0] - jerk_measure(times, &before)).abs() <= 1e-6 * found.jerk[0]);
     assert!((found.jerk[1] - jerk_measure(times, &after)).abs() <= 1e-6 * found.jerk[0]);
     assert!(found.jerk[1] <= found.jerk[0]);
-    for (i, rung) in found.rungs.iter().enumerate() {
-        assert_eq!(rung.branch, start[i].branch);
-        let posture = robot.posture(i, &rung.free, rung.branch).unwrap();
-        assert!((0..N).all(|j| wrapped(posture.joints[j] - rung.joints[j]).abs() < 1e-9), "waypoint {i}");
+    for (i, node) in found.nodes.iter().enumerate() {
+        assert_eq!(node.branch, start[i].branch);
+        let posture = robot.posture(i, &node.free, node.branch).unwrap();
+        assert!((0..N).all(|j| wrapped(posture.joints[j] - node.joints[j]).abs() < 1e-9), "waypoint {i}");
         for (j, &was) in before[i].iter().enumerate() {
-            assert!(rung.joints[j] >= bounds.lower[j].min(was) && rung.joints[j] <= bounds.upper[j].max(was));
+            assert!(node.joints[j] >= bounds.lower[j].min(was) && node.joints[j] <= bounds.upper[j].max(was));
         }
     }
     for (was, is) in rates(times, &before).iter().zip(rates(times, &after)) {
@@ -67,10 +67,10 @@ fn a_planar_arm_moves_more_smoothly() {
     // A ladder of 24 angles jumps from one to the next now and then.
     let options = LadderOptions { samples: [24], doublings: 4, ..LadderOptions::default() };
     let start = plan_ladder(&robot, &times, &bounds, &options, &quiet).unwrap();
-    let found = filter_locally(&robot, &times, &start.rungs, &bounds, &FilterOptions::default(), &quiet).unwrap();
-    assert_kept(&robot, &times, &bounds, &start.rungs, &found);
+    let found = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet).unwrap();
+    assert_kept(&robot, &times, &bounds, &start.nodes, &found);
     assert!(found.jerk[1] < 0.9 * found.jerk[0], "{:?}", found.jerk);
-    let again = filter_locally(&robot, &times, &start.rungs, &bounds, &FilterOptions::default(), &quiet);
+    let again = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet);
     assert_eq!(again, Ok(found));
 }
 
@@ -79,8 +79,8 @@ fn a_ur3_over_a_dome_moves_more_smoothly() {
     let robot = Ur3::dome(240);
     let (times, bounds) = (robot.times(), Bounds { jerk: [1e-3; 6], ..robot.bounds() });
     let start = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet).unwrap();
-    let found = filter_locally(&robot, &times, &start.rungs, &bounds, &FilterOptions::default(), &quiet).unwrap();
-    assert_kept(&robot, &times, &bounds, &start.rungs, &found);
+    let found = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet).unwrap();
+    assert_kept(&robot, &times, &bounds, &start.nodes, &found);
     assert!(found.successes > 0 && found.jerk[1] < 0.97 * found.jerk[0], "{:?}", found.jerk);
 }
 
@@ -103,7 +103,8 @@ fn one_window_is_the_least_squares_solution() {
     let asked: Vec<f64> = (0..25).map(|k| if k == 12 { 0.1 } else { 0.0 }).collect();
     let robot = shared(&asked);
     let times: Vec<f64> = (0..25).map(|k| 0.5 * f64::from(k)).collect();
-    let start: Vec<Rung<2, 1>> = asked.iter().map(|&q| Rung { joints: [q, 0.0], free: [0.0], branch: 0 }).collect();
+    let start: Vec<LadderNode<2, 1>> =
+        asked.iter().map(|&q| LadderNode { joints: [q, 0.0], free: [0.0], branch: 0 }).collect();
     let bounds = Bounds { jerk: [1e-9; 2], ..Bounds::NONE };
     let options = FilterOptions { iterations: 1, ..FilterOptions::default() };
     // The worst waypoint is 11 (as bad as 13, and the first); its window is 6..=16.
@@ -126,22 +127,23 @@ fn one_window_is_the_least_squares_solution() {
     let best: DVector<f64> = a.clone_owned().svd(true, true).solve(&b, 1e-9).unwrap();
     let least = (&a * &best - &b).norm_squared();
     let after: Vec<[f64; 2]> =
-        waypoint_jerks(&times, &joints(&found.rungs))[touched.start - 2..touched.end - 2].to_vec();
+        waypoint_jerks(&times, &joints(&found.nodes))[touched.start - 2..touched.end - 2].to_vec();
     let sum: f64 = after.iter().flatten().map(|j| j * j).sum();
     assert!((sum - least).abs() <= 1e-4 * least, "{sum} {least}");
     // Waypoints outside the window have not moved.
-    assert!((0..25).filter(|i| !window.contains(i)).all(|i| found.rungs[i] == start[i]));
+    assert!((0..25).filter(|i| !window.contains(i)).all(|i| found.nodes[i] == start[i]));
 }
 
 #[test]
 fn what_is_smooth_enough_stays() {
     let asked: Vec<f64> = (0..30).map(|k| (0.1 * f64::from(k)).sin()).collect();
     let times: Vec<f64> = (0..30).map(f64::from).collect();
-    let start: Vec<Rung<2, 1>> = asked.iter().map(|&q| Rung { joints: [q, 0.0], free: [0.0], branch: 0 }).collect();
+    let start: Vec<LadderNode<2, 1>> =
+        asked.iter().map(|&q| LadderNode { joints: [q, 0.0], free: [0.0], branch: 0 }).collect();
     let bounds = Bounds { jerk: [1.0; 2], ..Bounds::NONE };
     let found = filter_locally(&shared(&asked), &times, &start, &bounds, &FilterOptions::default(), &quiet).unwrap();
     assert_eq!((found.status, found.iterations), (FilterStatus::Met, 0));
-    assert_eq!(found.rungs, start);
+    assert_eq!(found.nodes, start);
 }
 
 #[test]
@@ -156,11 +158,12 @@ fn waypoints_that_cannot_be_smoothed_are_locked() {
         posture: |i: usize, _: &[f64; 1], _: u32| Some(Posture { joints: posture(i), rates: [[0.0]] }),
     };
     let times: Vec<f64> = (0..60).map(f64::from).collect();
-    let start: Vec<Rung<1, 1>> = asked.iter().map(|&q| Rung { joints: [q], free: [0.0], branch: 0 }).collect();
+    let start: Vec<LadderNode<1, 1>> =
+        asked.iter().map(|&q| LadderNode { joints: [q], free: [0.0], branch: 0 }).collect();
     let bounds = Bounds { jerk: [0.01], ..Bounds::NONE };
     let found = filter_locally(&robot, &times, &start, &bounds, &FilterOptions::default(), &quiet).unwrap();
     assert_eq!((found.status, found.iterations, found.successes), (FilterStatus::Locked, 1, 0));
-    assert_eq!(found.rungs, start);
+    assert_eq!(found.nodes, start);
     let none = FilterOptions { iterations: 0, ..FilterOptions::default() };
     let found = filter_locally(&robot, &times, &start, &bounds, &none, &quiet).unwrap();
     assert_eq!(found.status, FilterStatus::Iterations);
@@ -171,14 +174,15 @@ fn what_cannot_be_is_named() {
     let asked = [0.0, 0.1, 0.0, 0.3, 0.0, 0.1];
     let robot = shared(&asked);
     let times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-    let start: Vec<Rung<2, 1>> = asked.iter().map(|&q| Rung { joints: [q, 0.0], free: [0.0], branch: 0 }).collect();
+    let start: Vec<LadderNode<2, 1>> =
+        asked.iter().map(|&q| LadderNode { joints: [q, 0.0], free: [0.0], branch: 0 }).collect();
     let bounds = Bounds { jerk: [0.01; 2], ..Bounds::NONE };
     let options = FilterOptions::default();
-    let fails = |times: &[f64], start: &[Rung<2, 1>], bounds: &Bounds<2>, options: &FilterOptions<2>| {
+    let fails = |times: &[f64], start: &[LadderNode<2, 1>], bounds: &Bounds<2>, options: &FilterOptions<2>| {
         filter_locally(&robot, times, start, bounds, options, &quiet).unwrap_err()
     };
-    assert_eq!(fails(&times[1..], &start, &bounds, &options), FilterError::Count { waypoints: 6, times: 5, rungs: 6 });
-    assert_eq!(fails(&times, &start[1..], &bounds, &options), FilterError::Count { waypoints: 6, times: 6, rungs: 5 });
+    assert_eq!(fails(&times[1..], &start, &bounds, &options), FilterError::Count { waypoints: 6, times: 5, nodes: 6 });
+    assert_eq!(fails(&times, &start[1..], &bounds, &options), FilterError::Count { waypoints: 6, times: 6, nodes: 5 });
     let equal = [0.0, 1.0, 1.0, 2.0, 3.0, 4.0];
     assert_eq!(fails(&equal, &start, &bounds, &options), FilterError::Time { waypoint: 2, time: 1.0 });
     let still = Bounds { velocity: [0.0; 2], ..bounds };

@@ -5,8 +5,8 @@ use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::{Arm, Branch, Cell, Waypoint, nozzle_frame, robots};
 use curvlay_trajectory::transfer::SCurve;
 use curvlay_trajectory::{
-    Bounds, BoundsError, FlowLimits, FreeMotion, FreeRange, Posture, Progress, Robot, RobotFn, Rung, TimeFreeError,
-    TimeFreeOptions, TimeFreeStatus, TimePathError, TimePathOptions, time_path, time_path_free,
+    Bounds, BoundsError, FlowLimits, FreeMotion, FreeRange, LadderNode, Posture, Progress, Robot, RobotFn,
+    TimeFreeError, TimeFreeOptions, TimeFreeStatus, TimePathError, TimePathOptions, time_path, time_path_free,
 };
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -20,8 +20,8 @@ fn bounds<const N: usize>(velocity: f64, acceleration: f64, jerk: f64) -> Bounds
     Bounds { velocity: [velocity; N], acceleration: [acceleration; N], jerk: [jerk; N], ..Bounds::NONE }
 }
 
-fn nodes<const N: usize, R: Robot<N, 1>>(robot: &R, free: impl Fn(usize) -> f64, branch: u32) -> Vec<Rung<N, 1>> {
-    let mut nodes: Vec<Rung<N, 1>> = Vec::new();
+fn nodes<const N: usize, R: Robot<N, 1>>(robot: &R, free: impl Fn(usize) -> f64, branch: u32) -> Vec<LadderNode<N, 1>> {
+    let mut nodes: Vec<LadderNode<N, 1>> = Vec::new();
     for waypoint in 0..robot.waypoints() {
         let free = [free(waypoint)];
         let mut joints = robot.posture(waypoint, &free, branch).unwrap().joints;
@@ -30,7 +30,7 @@ fn nodes<const N: usize, R: Robot<N, 1>>(robot: &R, free: impl Fn(usize) -> f64,
                 *joint += TAU * ((like - *joint) / TAU).round();
             }
         }
-        nodes.push(Rung { joints, free, branch });
+        nodes.push(LadderNode { joints, free, branch });
     }
     nodes
 }
@@ -42,7 +42,7 @@ fn planned(count: usize) -> Vec<f64> {
 /// Times a path at any pace, and checks what is true of every result.
 fn timed<const N: usize, R: Robot<N, 1>>(
     robot: &R,
-    start: &[Rung<N, 1>],
+    start: &[LadderNode<N, 1>],
     max_pace: f64,
     bounds: &Bounds<N>,
 ) -> FreeMotion<N, 1> {
@@ -55,7 +55,7 @@ fn timed<const N: usize, R: Robot<N, 1>>(
 
 fn holds<const N: usize, R: Robot<N, 1>>(
     robot: &R,
-    start: &[Rung<N, 1>],
+    start: &[LadderNode<N, 1>],
     planned: &[f64],
     max_pace: &[f64],
     bounds: &Bounds<N>,
@@ -132,8 +132,8 @@ fn two_free_parameters_share_the_way_among_three_joints() {
         solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 3])| each(0, joints(i, free)),
         posture: |i: usize, free: &[f64; 2], _| Some(Posture { joints: joints(i, free), rates }),
     };
-    let start: Vec<Rung<3, 2>> =
-        (0..41).map(|k| Rung { joints: joints(k, &[0.0; 2]), free: [0.0; 2], branch: 0 }).collect();
+    let start: Vec<LadderNode<3, 2>> =
+        (0..41).map(|k| LadderNode { joints: joints(k, &[0.0; 2]), free: [0.0; 2], branch: 0 }).collect();
     let bounds = bounds(3.0, 10.0, 100.0);
     let options = TimeFreeOptions { rounds: 40, ..TimeFreeOptions::default() };
     let pace = [f64::INFINITY; 40];
@@ -412,7 +412,7 @@ fn errors_name_what_is_wrong() {
     let start = nodes(&robot, |_| 0.0, 0);
     let times = planned(5);
     let sound = bounds(3.0, 10.0, 100.0);
-    let run = |start: &[Rung<2, 1>], times: &[f64], bounds: &Bounds<2>, options: TimeFreeOptions| {
+    let run = |start: &[LadderNode<2, 1>], times: &[f64], bounds: &Bounds<2>, options: TimeFreeOptions| {
         let pace = [f64::INFINITY; 4];
         time_path_free(&robot, start, times, &pace, None, bounds, &options, &quiet).unwrap_err()
     };

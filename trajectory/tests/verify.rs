@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_trajectory::Progress;
-use curvlay_trajectory::verify::{Repair, RepairError, RepairOptions, Stopped, Verification, repair, verify};
+use curvlay_trajectory::verify::{Repair, RepairError, RepairOptions, Verification, VerifyError, repair, verify};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn go(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -39,8 +40,13 @@ fn all_waypoints_and_all_motions_between_free_ones_are_asked() {
 fn verification_stops_when_told() {
     let waypoints = [[0.0]; 1000];
     let stop = |p: Progress| if p.done >= 256 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let stopped = verify(&waypoints, &|_, _| true, &|_, _, _| true, &stop).unwrap_err();
-    assert_eq!(stopped, Stopped { done: 256, total: 1000 });
+    let asked = AtomicUsize::new(0);
+    let free = |_: usize, _: &[f64; 1]| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        true
+    };
+    let cancelled = verify(&waypoints, &free, &|_, _, _| true, &stop).unwrap_err();
+    assert_eq!((cancelled, asked.into_inner()), (VerifyError::Cancelled, 256));
 }
 
 /// A trajectory of whole numbers, what each waypoint may be, and how far one may be from the next.

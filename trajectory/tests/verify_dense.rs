@@ -23,9 +23,9 @@ fn way(robot: &Ur3) -> Vec<[f64; 6]> {
 fn scene(robot: &Ur3, joints: &[f64; 6], deep: f64) -> Scene {
     let middle = robot.waypoints.len() / 2;
     let ladder = plan_ladder(robot, &robot.times(), &robot.bounds(), &LadderOptions::default(), &quiet).unwrap();
-    let rung = ladder.rungs[middle];
+    let node = ladder.nodes[middle];
     let wrist = |turn: f64| {
-        let joints = robot.posture(middle, &[rung.free[0] + turn], rung.branch).unwrap().joints;
+        let joints = robot.posture(middle, &[node.free[0] + turn], node.branch).unwrap().joints;
         robot.cell.arm().frames(&joints)[5].translation.vector
     };
     let aside = (wrist(1e-4) - wrist(-1e-4)).normalize();

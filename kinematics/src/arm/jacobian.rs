@@ -63,10 +63,10 @@ impl Arm {
                 velocity += axis.cross(&(at - pivot)) * speeds[joint];
                 turning += axis.into_inner() * speeds[joint];
             }
-            let swing = turning.cross(along);
-            let linear = swing.cross(&(point - at)) + along.cross(&(velocity_of_point - velocity));
+            let axis_rate = turning.cross(along);
+            let linear = axis_rate.cross(&(point - at)) + along.cross(&(velocity_of_point - velocity));
             rate.fixed_view_mut::<3, 1>(0, k).copy_from(&linear);
-            rate.fixed_view_mut::<3, 1>(3, k).copy_from(&swing);
+            rate.fixed_view_mut::<3, 1>(3, k).copy_from(&axis_rate);
         }
         rate
     }

@@ -73,9 +73,9 @@ pub enum PlacementError {
         /// The edge.
         length: f64,
     },
-    /// The callback stopped the search.
-    #[error("the search was stopped")]
-    Stopped,
+    /// The progress callback cancelled the search.
+    #[error("the search was cancelled")]
+    Cancelled,
 }
 
 /// The box with the most frames.
@@ -160,7 +160,7 @@ fn halton(mut index: usize, base: usize) -> f64 {
 /// moved so that its points lie in its middle.
 ///
 /// # Errors
-/// [`PlacementError`], `Stopped` when `progress` breaks.
+/// [`PlacementError`]; [`PlacementError::Cancelled`] when `progress` breaks off.
 ///
 /// # Cost
 /// Half a second for 10,000 points of an arm and a box of a third of its reach; memory `O(n)`.
@@ -259,7 +259,7 @@ impl Search {
         let mut done = 0;
         while let Some((_, Reverse((begin, end)))) = open.pop() {
             if progress(Progress { stage: "place", done, total: 0 }).is_break() {
-                return Err(PlacementError::Stopped);
+                return Err(PlacementError::Cancelled);
             }
             done += 1;
             if end - begin == 1 {

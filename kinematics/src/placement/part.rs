@@ -106,9 +106,9 @@ pub enum PlaceError {
         /// Index of the waypoint in the input.
         waypoint: usize,
     },
-    /// The callback stopped the search.
-    #[error("the search was stopped")]
-    Stopped,
+    /// The progress callback cancelled the search.
+    #[error("the search was cancelled")]
+    Cancelled,
 }
 
 /// The best of several places.
@@ -184,7 +184,7 @@ pub fn best_place(
     for (done, &index) in order.iter().enumerate() {
         let step = Progress { stage: "part place", done: done as u64, total: places.len() as u64 };
         if progress(step).is_break() {
-            return Err(PlaceError::Stopped);
+            return Err(PlaceError::Cancelled);
         }
         let (place, mut score) = (&places[index], Score::default());
         let mut is_better = true;

@@ -105,19 +105,19 @@ impl Chain {
 
     /// How far points of frame `j > 0` can ever be from each of the axes `1..=j`. `farthest` gives the greatest value
     /// on them of a distance in frame `j`.
-    pub fn swings(&self, j: usize, farthest: impl Fn(&dyn Fn(&Point3<f64>) -> f64) -> f64) -> Vec<f64> {
+    pub fn lever_arms(&self, j: usize, farthest: impl Fn(&dyn Fn(&Point3<f64>) -> f64) -> f64) -> Vec<f64> {
         let last = &self.joints[j - 1];
-        let mut swings = vec![farthest(&|point| last.axis[1].distance(point)); j];
+        let mut lever_arms = vec![farthest(&|point| last.axis[1].distance(point)); j];
         let mut beyond = farthest(&|point| (point - last.anchor).norm());
         for k in (0..j - 1).rev() {
             beyond += self.joints[k + 1].length;
-            swings[k] = self.joints[k].off + beyond;
+            lever_arms[k] = self.joints[k].off + beyond;
         }
-        swings
+        lever_arms
     }
 
     /// A capsule in frame `i` (its ends and radius) that points of frame `j > i` never leave.
-    pub fn haunt(
+    pub fn reachable_volume(
         &self,
         i: usize,
         j: usize,
@@ -151,7 +151,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
-    /// Random points on random frames at random joints: never farther from an axis than said, never outside the haunt.
+    /// Random points on random frames at random joints: never farther from an axis than said, never outside the reachable volume.
     fn holds<const N: usize>(chain: &Chain, frames: impl Fn(&[f64; N]) -> Vec<Isometry3<f64>>) {
         let mut random = Pcg64Mcg::seed_from_u64(11);
         for _ in 0..3_000 {
@@ -160,14 +160,14 @@ mod tests {
             let placed = frames(&joints);
             let farthest = |measure: &dyn Fn(&Point3<f64>) -> f64| measure(&point);
             for j in 1..=N {
-                let swings = chain.swings(j, farthest);
+                let lever_arms = chain.lever_arms(j, farthest);
                 let world = placed[j] * point;
                 for k in 1..=j {
                     // Axis k stands still in frame k - 1.
                     let seen = placed[k - 1].inverse() * world;
                     let distance = chain.joints[k - 1].axis[0].distance(&seen);
-                    assert!(distance <= swings[k - 1] + ROUNDING, "{j} {k}: {distance} {}", swings[k - 1]);
-                    let ([low, high], radius) = chain.haunt(k - 1, j, farthest);
+                    assert!(distance <= lever_arms[k - 1] + ROUNDING, "{j} {k}: {distance} {}", lever_arms[k - 1]);
+                    let ([low, high], radius) = chain.reachable_volume(k - 1, j, farthest);
                     let along = high - low;
                     let t = (seen - low).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
                     let off = (seen - (low + along * t.clamp(0.0, 1.0))).norm();

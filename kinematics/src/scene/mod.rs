@@ -102,7 +102,7 @@ struct Placed {
     is_link: bool,
     pieces: Vec<Piece>,
     /// How far its points can ever be from the axes that move it, from the base on.
-    swings: Vec<f64>,
+    lever_arms: Vec<f64>,
 }
 
 /// A scene, ready to be asked. See the [module](self).
@@ -160,8 +160,8 @@ impl Scene {
             let pieces = body::pieces(&body)?;
             // The pieces hold the shape now.
             let body = Body { shape: Shape::Hull { points: vec![], radius: 0.0 }, ..body };
-            let mut placed = Placed { body, is_link, pieces, swings: vec![] };
-            placed.swings = scene.swings(&placed);
+            let mut placed = Placed { body, is_link, pieces, lever_arms: vec![] };
+            placed.lever_arms = scene.lever_arms(&placed);
             scene.bodies.push(placed);
         }
         for [a, b] in &allowed {
@@ -256,7 +256,7 @@ impl Scene {
 
     fn changed(&mut self, at: usize, change: impl FnOnce(&mut Vec<Piece>)) {
         change(&mut self.bodies[at].pieces);
-        self.bodies[at].swings = self.swings(&self.bodies[at]);
+        self.bodies[at].lever_arms = self.lever_arms(&self.bodies[at]);
         self.find_pairs();
     }
 }

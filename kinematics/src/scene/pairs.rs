@@ -25,7 +25,7 @@ impl Mount {
     }
 }
 
-/// What separates two mounts: joints of the arm and of the table, as ranges of frames `from..to`, and whose swings
+/// What separates two mounts: joints of the arm and of the table, as ranges of frames `from..to`, and whose lever arms
 /// count there.
 pub(super) enum Apart {
     /// Both on one chain: the second is behind the first, by these joints.
@@ -36,12 +36,12 @@ pub(super) enum Apart {
 
 impl Scene {
     /// How far points of a body can be from each of the axes that move it.
-    pub(super) fn swings(&self, placed: &Placed) -> Vec<f64> {
+    pub(super) fn lever_arms(&self, placed: &Placed) -> Vec<f64> {
         let farthest = |measure: &dyn Fn(&Point3<f64>) -> f64| farthest(placed, measure);
         match (placed.body.mount.place(), &self.table_chain) {
             (Place::Arm(0), _) | (Place::Table(_), None) => vec![],
-            (Place::Arm(link), _) => self.arm_chain.swings(link, farthest),
-            (Place::Table(frame), Some(chain)) => chain.swings(frame, farthest),
+            (Place::Arm(link), _) => self.arm_chain.lever_arms(link, farthest),
+            (Place::Table(frame), Some(chain)) => chain.lever_arms(frame, farthest),
         }
     }
 
@@ -86,11 +86,11 @@ impl Scene {
         }
         let chain: Option<&Chain> = if table { self.table_chain.as_ref() } else { Some(&self.arm_chain) };
         let Some(chain) = chain else { return true };
-        let ([low, high], radius) = chain.haunt(from, to, |measure| farthest(outer, measure));
+        let ([low, high], radius) = chain.reachable_volume(from, to, |measure| farthest(outer, measure));
         let identity = Isometry3::identity();
-        let haunt = Piece::capsule(&low, &high, radius + ROUNDING, &identity);
+        let volume = Piece::capsule(&low, &high, radius + ROUNDING, &identity);
         let frees = |piece: &Piece| {
-            Meeting::new(piece, &haunt, piece.mount_piece.inv_mul(&haunt.mount_piece)).apart(self.margin)
+            Meeting::new(piece, &volume, piece.mount_piece.inv_mul(&volume.mount_piece)).apart(self.margin)
         };
         !inner.pieces.iter().all(frees)
     }

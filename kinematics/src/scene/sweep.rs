@@ -289,10 +289,10 @@ impl Scene {
             let placed = &self.bodies[body];
             let turns: &[f64] = if self.on_table(body) { table } else { arm };
             let mut sums = [0.0; 7];
-            for (k, swing) in placed.swings.iter().enumerate().rev() {
+            for (k, lever_arm) in placed.lever_arms.iter().enumerate().rev() {
                 let here = poses.farthest(body, &placed.pieces, &self.axis(poses, self.on_table(body), k));
                 // What joints behind this one move away from its axis, they move at most so far.
-                let most = swing.min(here + sums[k + 1]);
+                let most = lever_arm.min(here + sums[k + 1]);
                 sums[k] = sums[k + 1] + most * turns[k] * (1.0 + ROUNDING);
             }
             sums

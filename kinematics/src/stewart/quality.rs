@@ -96,8 +96,8 @@ pub enum WorkspaceError {
     /// No rotation was given.
     #[error("no rotation was given")]
     NoRotation,
-    /// The callback stopped the work.
-    #[error("the work was stopped")]
+    /// The progress callback cancelled the search.
+    #[error("the search was cancelled")]
     Cancelled,
 }
 

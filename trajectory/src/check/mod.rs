@@ -265,14 +265,9 @@ pub enum CheckError {
         /// Its least value.
         min: f64,
     },
-    /// The progress callback said to stop.
-    #[error("stopped after {done} of {total} motions")]
-    Stopped {
-        /// Motions checked.
-        done: usize,
-        /// Motions in all.
-        total: usize,
-    },
+    /// The progress callback cancelled the check.
+    #[error("the check was cancelled")]
+    Cancelled,
 }
 
 /// Checks a whole print, motion by motion.
@@ -337,7 +332,7 @@ pub fn check_print<const N: usize>(
     for (done, motion) in motions.iter().enumerate() {
         let total = motions.len();
         if progress(Progress { stage: "check", done: done as u64, total: total as u64 }).is_break() {
-            return Err(CheckError::Stopped { done, total });
+            return Err(CheckError::Cancelled);
         }
         reports.push(check_motion(done, motion, bounds, scene, options)?);
     }

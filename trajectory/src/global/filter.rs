@@ -17,7 +17,8 @@ use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
 use super::qp::QpError;
 use crate::{
-    Bounds, BoundsError, FreeRange, Progress, Quantity, Robot, Rung, Timeline, Trajectory, TrajectoryError, Violation,
+    Bounds, BoundsError, FreeRange, LadderNode, Progress, Quantity, Robot, Timeline, Trajectory, TrajectoryError,
+    Violation,
 };
 use std::ops::ControlFlow;
 
@@ -108,7 +109,7 @@ pub struct MissedReport {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlobalMotion<const N: usize, const F: usize> {
     /// One a waypoint, on the branches of the start: none is ever left.
-    pub rungs: Vec<Rung<N, F>>,
+    pub nodes: Vec<LadderNode<N, F>>,
     /// The spline, run-in and run-out included.
     pub trajectory: Trajectory<N>,
     /// How it ended.
@@ -134,14 +135,14 @@ pub struct GlobalMotion<const N: usize, const F: usize> {
 #[non_exhaustive]
 pub enum GlobalError {
     /// Lists do not fit.
-    #[error("{times} times and {rungs} rungs for {waypoints} waypoints: there must be one of each")]
+    #[error("{times} times and {nodes} nodes in `start` for {waypoints} waypoints: pass one of each per waypoint")]
     Count {
         /// Waypoints of the robot.
         waypoints: usize,
         /// Times of waypoints.
         times: usize,
-        /// Rungs of the start.
-        rungs: usize,
+        /// Number of nodes in `start`.
+        nodes: usize,
     },
     /// Bounds that cannot be.
     #[error(transparent)]
@@ -172,9 +173,9 @@ pub enum GlobalError {
         /// Its value.
         value: f64,
     },
-    /// The caller stopped it.
-    #[error("stopped")]
-    Stopped,
+    /// The progress callback cancelled the work.
+    #[error("smoothing was cancelled")]
+    Cancelled,
     /// A linearised problem had a number that is not finite: rates of the robot are out of any scale.
     #[error("a linearised problem cannot be put down: {0}")]
     Linear(#[from] QpError),
@@ -187,7 +188,7 @@ pub enum GlobalError {
 ///
 /// # Arguments
 /// * `line`: the times, with run-in and run-out.
-/// * `start`: the initial path, one rung a waypoint of `line`. Of its joints only those of the first rung count, as the
+/// * `start`: the initial path, one node for each waypoint of `line`. Of its joints only those of the first node count, as the
 ///   image from which the path is unwrapped.
 /// * `progress`: called once a round; it may stop the work.
 ///
@@ -207,7 +208,7 @@ pub enum GlobalError {
 /// # Example
 /// ```
 /// use curvlay_trajectory::{
-///     Bounds, FreeRange, GlobalOptions, GlobalStatus, Posture, RobotFn, RunIn, Rung, Timeline, smooth_globally,
+///     Bounds, FreeRange, GlobalOptions, GlobalStatus, Posture, RobotFn, RunIn, LadderNode, Timeline, smooth_globally,
 /// };
 /// use std::ops::ControlFlow;
 /// // A tool over a turntable: the bearing of the waypoint, rough here, is shared by table and tool.
@@ -220,7 +221,7 @@ pub enum GlobalError {
 ///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free), rates: [[-1.0, 0.5]] }),
 /// };
 /// let line = Timeline::new(&(0..40).map(|i| 0.2 * f64::from(i)).collect::<Vec<_>>(), RunIn::default())?;
-/// let start = vec![Rung { joints: [0.0; 2], free: [0.0], branch: 0 }; 40];
+/// let start = vec![LadderNode { joints: [0.0; 2], free: [0.0], branch: 0 }; 40];
 /// let options = GlobalOptions::default();
 /// let found = smooth_globally(&robot, &line, &start, &Bounds::NONE, &options, &|_| ControlFlow::Continue(()))?;
 /// assert_eq!(found.status, GlobalStatus::Solved);
@@ -232,7 +233,7 @@ pub enum GlobalError {
 pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     robot: &R,
     line: &Timeline,
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &GlobalOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
@@ -260,7 +261,7 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 /// ```
 /// use curvlay_trajectory::indicator::IndicatorFn;
 /// use curvlay_trajectory::{
-///     Avoid, Bounds, FreeRange, GlobalOptions, Posture, RobotFn, RunIn, Rung, Timeline, smooth_clear_of,
+///     Avoid, Bounds, FreeRange, GlobalOptions, Posture, RobotFn, RunIn, LadderNode, Timeline, smooth_clear_of,
 /// };
 /// use std::ops::ControlFlow;
 /// // Two joints that share a bearing of zero. Smoothest is to stand still, but a bump in the middle is in the way.
@@ -271,18 +272,18 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 ///     posture: |_, free: &[f64; 1], _| Some(Posture { joints: [free[0], -free[0]], rates: [[1.0, -1.0]] }),
 /// };
 /// let line = Timeline::new(&(0..40).map(|i| 0.2 * f64::from(i)).collect::<Vec<_>>(), RunIn::default())?;
-/// let start = vec![Rung { joints: [0.0; 2], free: [0.0], branch: 0 }; 40];
+/// let start = vec![LadderNode { joints: [0.0; 2], free: [0.0], branch: 0 }; 40];
 /// let bump = IndicatorFn { value: |q: &[f64; 2]| 0.3 - q[0], gradient: |q: &[f64; 2]| (0.3 - q[0], [-1.0, 0.0]) };
 /// let avoid = Avoid { indicator: &bump, clear: 0.01, price: 1e4 };
 /// let options = GlobalOptions::default();
 /// let found = smooth_clear_of(&robot, &line, &start, &Bounds::NONE, &options, &avoid, &|_| ControlFlow::Continue(()))?;
-/// assert!(found.collisions.is_empty() && found.rungs.iter().all(|rung| rung.joints[0] > 0.3));
+/// assert!(found.collisions.is_empty() && found.nodes.iter().all(|node| node.joints[0] > 0.3));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn smooth_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     robot: &R,
     line: &Timeline,
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &GlobalOptions,
     avoid: &Avoid<'_, N>,
@@ -300,7 +301,7 @@ pub fn smooth_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     robot: &R,
     line: &Timeline,
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
@@ -308,25 +309,25 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
     let ranges = robot.free();
     check(robot.waypoints(), line, start, bounds, &ranges, options)?;
-    let branches: &[u32] = &start.iter().map(|rung| rung.branch).collect::<Vec<_>>();
+    let branches: &[u32] = &start.iter().map(|node| node.branch).collect::<Vec<_>>();
     let start = Point::start(robot, line, branches, start, bounds)
         .map_err(|Unreachable(waypoint)| GlobalError::Start { waypoint, branch: branches[waypoint] })?;
-    let tell = |stage, done: usize| match progress(Progress { stage, done: done as u64, total: options.rounds as u64 })
-    {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(GlobalError::Stopped),
-    };
+    let report =
+        |stage, done: usize| match progress(Progress { stage, done: done as u64, total: options.rounds as u64 }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(GlobalError::Cancelled),
+        };
     let mut model = Model::new(line, bounds, ranges, options, avoid, false);
     let mut descent = Descent::new(robot, branches, options.steep, start, &mut model);
     let begin = descent.merit.squared_jerk;
-    let first = smooth_first(&mut descent, &mut model, options, avoid, &tell)?;
+    let first = smooth_first(&mut descent, &mut model, options, avoid, &report)?;
     let mut rounds = [first.rounds, 0];
     let mut settled = first.settled;
     let smooth = descent.merit;
     let mut peak = None;
     if options.lower_peak && smooth.peak > 1.0 && bounds.jerk.iter().any(|jerk| jerk.is_finite()) {
         let (report, used, done) =
-            lower_peak(&mut descent, (bounds, ranges, model.drawn_in), line, options, avoid, &tell)?;
+            lower_peak(&mut descent, (bounds, ranges, model.tightened), line, options, avoid, &report)?;
         rounds[1] = used;
         settled = settled && done;
         peak = Some(report);
@@ -348,8 +349,8 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             .filter_map(|(waypoint, joints)| predicted(joints).then_some(waypoint))
             .collect(),
         steep: (0..point.free.len()).filter(is_steep).collect(),
-        rungs: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
-            .map(|((&joints, &free), &branch)| Rung { joints, free, branch })
+        nodes: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
+            .map(|((&joints, &free), &branch)| LadderNode { joints, free, branch })
             .collect(),
         trajectory,
         status,
@@ -364,14 +365,14 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 fn check<const N: usize, const F: usize>(
     waypoints: usize,
     line: &Timeline,
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     ranges: &[FreeRange; F],
     options: &GlobalOptions,
 ) -> Result<(), GlobalError> {
     let times = line.waypoints().len();
     if start.len() != times || waypoints != times {
-        return Err(GlobalError::Count { waypoints, times, rungs: start.len() });
+        return Err(GlobalError::Count { waypoints, times, nodes: start.len() });
     }
     bounds.check()?;
     let positive = [("tolerance", options.tolerance), ("penalty", options.penalty), ("steep", options.steep)];
@@ -386,7 +387,7 @@ fn check<const N: usize, const F: usize>(
     {
         return Err(GlobalError::Option { what: "tilts", value: tilt as f64 });
     }
-    for (waypoint, Rung { free: values, .. }) in start.iter().enumerate() {
+    for (waypoint, LadderNode { free: values, .. }) in start.iter().enumerate() {
         for (parameter, (&value, range)) in values.iter().zip(ranges).enumerate() {
             let inside = match *range {
                 FreeRange::Turn => value.is_finite(),

@@ -31,7 +31,7 @@ const UNDAMPED: f64 = 1e-6;
 /// The tolerance at the first price, before other ways are tried.
 const SKETCH: f64 = 1e-2;
 
-/// What passes its bound by less than this share in the end is brought within by bounds drawn in, so often, at this
+/// What passes its bound by less than this share in the end is brought within by tightened bounds, so often, at this
 /// share of the tolerance: the linearised problem holds a bound, the spline through the exact waypoints passes it by a
 /// hair.
 const SLIGHT: f64 = 1e-2;
@@ -41,7 +41,7 @@ const FINE: f64 = 1e-2;
 /// With fewer rounds other ways are not tried: these begin rough.
 const FEWEST_FOR_DETOUR: usize = 10;
 
-/// So many rounds before the last one bounds are drawn in, come to rest or not.
+/// So many rounds before the last one bounds are tightened, come to rest or not.
 const LAST_ROUNDS: [usize; 3] = [8, 5, 2];
 
 /// By how much the price of bounds rises at once.
@@ -66,21 +66,21 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
     model: &mut Model<'_, N, F>,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
-    tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
+    report: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<FirstPass, GlobalError> {
-    let (start, drawn_in) = (descent.point.clone(), model.drawn_in);
-    let first = smooth_from(descent, model, 0.0, options, avoid, tell)?;
+    let (start, tightened) = (descent.point.clone(), model.tightened);
+    let first = smooth_from(descent, model, 0.0, options, avoid, report)?;
     if avoid.is_some() || model.farthest(&descent.point) < SLIGHT {
         return Ok(first);
     }
-    let found = (std::mem::replace(&mut descent.point, start), std::mem::replace(&mut model.drawn_in, drawn_in));
-    let again = smooth_from(descent, model, options.penalty, options, avoid, tell)?;
+    let found = (std::mem::replace(&mut descent.point, start), std::mem::replace(&mut model.tightened, tightened));
+    let again = smooth_from(descent, model, options.penalty, options, avoid, report)?;
     let rounds = first.rounds + again.rounds;
     // Both at the high price.
     model.penalty = options.penalty;
     let [before, now] = [&found.0, &descent.point].map(|point| Merit::of(model, point).total(0.0));
     if before <= now {
-        (descent.point, model.drawn_in) = found;
+        (descent.point, model.tightened) = found;
     }
     descent.value(model);
     Ok(FirstPass { rounds, ..if before <= now { first } else { again } })
@@ -93,9 +93,9 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     penalty: f64,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
-    tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
+    report: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<FirstPass, GlobalError> {
-    let mut start = descent.point.with_easy_ends(model.line).map(|start| (start, model.drawn_in));
+    let mut start = descent.point.with_easy_ends(model.line).map(|start| (start, model.tightened));
     model.penalty = penalty;
     descent.value(model);
     let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, least_missed: 0.0 };
@@ -110,7 +110,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let mut hurries_from = options.rounds / PRICES;
     let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));
     while pass.rounds < options.rounds && !pass.settled {
-        tell("smooth", pass.rounds)?;
+        report("smooth", pass.rounds)?;
         let rough = if model.penalty > 0.0 && !detoured { SKETCH } else { ROUGH };
         let tolerance = match (last_price, tightened) {
             (false, _) => options.tolerance.max(rough),
@@ -146,7 +146,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
         let hurries = collides_yet && pass.rounds >= hurries_from;
         let ends = LAST_ROUNDS.contains(&(options.rounds - pass.rounds)) && model.penalty > 0.0;
-        if ends && draw_in(descent, model, &mut tightened) {
+        if ends && tighten(descent, model, &mut tightened) {
             last_price = true;
         }
         if stuck < MOST_STUCK && !still && !hurries {
@@ -156,7 +156,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         hurries_from = pass.rounds + options.rounds / PRICES;
         let priced = model.penalty > 0.0;
         if last_price {
-            pass.settled = !draw_in(descent, model, &mut tightened);
+            pass.settled = !tighten(descent, model, &mut tightened);
             if pass.settled && go_back(descent, model, &mut start) {
                 (pass.settled, pass.least_missed) = (false, 0.0);
             }
@@ -195,7 +195,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 }
 
 /// Draws the bounds in where some are passed slightly, but not again and again; says whether they were.
-fn draw_in<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+fn tighten<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     descent: &mut Descent<'_, R, N, F>,
     model: &mut Model<'_, N, F>,
     tightened: &mut usize,
@@ -204,29 +204,29 @@ fn draw_in<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let slightly = over > 0.0 && over < SLIGHT && *tightened < MOST_TIGHTENED;
     if slightly {
         *tightened += 1;
-        model.drawn_in += 2.0 * over;
+        model.tightened += 2.0 * over;
         descent.value(model);
     }
     slightly
 }
 
-/// Puts the descent back to the start, once, if that is better with bounds drawn in as little as at first; says whether it was.
+/// Puts the descent back to the start, once, if that is better with bounds tightened as little as at first; says whether it was.
 fn go_back<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     descent: &mut Descent<'_, R, N, F>,
     model: &mut Model<'_, N, F>,
     start: &mut Option<(Point<N, F>, f64)>,
 ) -> bool {
     let total = descent.merit.total(0.0);
-    let Some((start, drawn_in)) = start.take().filter(|(start, _)| start.squared_jerk(model.line) < total) else {
+    let Some((start, tightened)) = start.take().filter(|(start, _)| start.squared_jerk(model.line) < total) else {
         return false;
     };
-    let drawn_in = std::mem::replace(&mut model.drawn_in, drawn_in);
+    let tightened = std::mem::replace(&mut model.tightened, tightened);
     let better = Merit::of(model, &start).total(0.0) < total;
     if better {
         descent.point = start;
         descent.value(model);
     } else {
-        model.drawn_in = drawn_in;
+        model.tightened = tightened;
     }
     better
 }

@@ -84,19 +84,19 @@ pub(super) fn extremes<const N: usize, const F: usize>(
             let jerk = (n - m) / h;
             let start = (far - near) / h - h * (2.0 * m + n) / 6.0;
             let end = (far - near) / h + h * (m + 2.0 * n) / 6.0;
-            let mut tell = |quantity, share, value| each(Place { piece, joint, quantity, share }, value);
-            tell(Quantity::Jerk, 1.0, jerk);
-            tell(Quantity::Acceleration, 1.0, n);
-            tell(Quantity::Velocity, 1.0, end);
-            tell(Quantity::Position, 1.0, far);
+            let mut report = |quantity, share, value| each(Place { piece, joint, quantity, share }, value);
+            report(Quantity::Jerk, 1.0, jerk);
+            report(Quantity::Acceleration, 1.0, n);
+            report(Quantity::Velocity, 1.0, end);
+            report(Quantity::Position, 1.0, far);
             if piece == 0 {
-                tell(Quantity::Position, 0.0, near);
+                report(Quantity::Position, 0.0, near);
             }
             let speed = |t: f64| start + t * (m + 0.5 * t * jerk);
             let angle = |t: f64| near + t * (start + t * (0.5 * m + t * jerk / 6.0));
             if m * n < 0.0 {
                 let t = -m / jerk;
-                tell(Quantity::Velocity, t / h, speed(t));
+                report(Quantity::Velocity, t / h, speed(t));
             }
             // Roots of the speed, by the form of the quadratic formula that loses no digits.
             let under = m * m - 2.0 * jerk * start;
@@ -104,7 +104,7 @@ pub(super) fn extremes<const N: usize, const F: usize>(
                 let sum = -(m + under.sqrt().copysign(m));
                 for t in [sum / jerk, 2.0 * start / sum] {
                     if t > 0.0 && t < h {
-                        tell(Quantity::Position, t / h, angle(t));
+                        report(Quantity::Position, t / h, angle(t));
                     }
                 }
             }

@@ -18,8 +18,8 @@ use std::f64::consts::TAU;
 /// Sides of the polygon that stands for a cone: the corners lie on it, and the sides come within 1 % of it.
 const CONE_SIDES: usize = 24;
 
-/// Bounds of rows are drawn in by this share at first, so that what the solver leaves does not pass the true ones.
-const DRAWN_IN: f64 = 1e-6;
+/// Bounds of rows are tightened by this share at first, so that what the solver leaves does not pass the true ones.
+const TIGHTENED_AT_FIRST: f64 = 1e-6;
 
 /// Values within this share of their bound get a row; others are looked at after the step.
 const NEAR: f64 = 0.7;
@@ -46,8 +46,8 @@ pub(super) struct Model<'a, const N: usize, const F: usize> {
     pub room: Room<F>,
     /// Price of passing a bound, a whole bound a unit.
     pub penalty: f64,
-    /// The share by which bounds are drawn in.
-    pub drawn_in: f64,
+    /// The share by which bounds are tightened.
+    pub tightened: f64,
     /// The price of bounds at which the price of collisions is what was asked for.
     full_penalty: f64,
     avoid: Option<Avoid<'a, N>>,
@@ -87,7 +87,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             bounds,
             room: Room { ranges, cone: options.cone },
             penalty: options.penalty,
-            drawn_in: DRAWN_IN,
+            tightened: TIGHTENED_AT_FIRST,
             full_penalty: options.penalty,
             avoid,
             qp: BandedQp::new(&sizes, usize::from(with_peak)),
@@ -106,7 +106,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 return;
             }
             let unit = unit(&place, low, high);
-            let over = (value - (high - self.drawn_in * unit)).max(low + self.drawn_in * unit - value);
+            let over = (value - (high - self.tightened * unit)).max(low + self.tightened * unit - value);
             if over > 0.0 && self.penalty > 0.0 {
                 price += self.penalty * over / unit;
                 self.kept[place.piece][place.joint][place.quantity as usize] = true;
@@ -305,13 +305,13 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             if place.quantity == Quantity::Jerk {
                 self.kept[place.piece][place.joint][Quantity::Jerk as usize] = true;
                 terms.push((height, -1.0));
-                self.qp.add_row(&terms, f64::NEG_INFINITY, -DRAWN_IN);
+                self.qp.add_row(&terms, f64::NEG_INFINITY, -TIGHTENED_AT_FIRST);
                 terms.iter_mut().for_each(|term| term.1 = -term.1);
                 let last = terms.len() - 1;
                 terms[last].1 = -1.0;
-                self.qp.add_row(&terms, f64::NEG_INFINITY, -DRAWN_IN);
+                self.qp.add_row(&terms, f64::NEG_INFINITY, -TIGHTENED_AT_FIRST);
             } else {
-                let (low, high) = (low + self.drawn_in * unit, high - self.drawn_in * unit);
+                let (low, high) = (low + self.tightened * unit, high - self.tightened * unit);
                 self.qp.add_soft_row(&terms, (low - fixed) / unit, (high - fixed) / unit, self.penalty);
             }
         }

@@ -43,14 +43,14 @@ const SPARE: f64 = 0.002;
 /// and whether it came to rest.
 pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     descent: &mut Descent<'_, R, N, F>,
-    (bounds, ranges, drawn_in): (&Bounds<N>, [FreeRange; F], f64),
+    (bounds, ranges, tightened): (&Bounds<N>, [FreeRange; F], f64),
     line: &Timeline,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
-    tell: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
+    report: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<(PeakReport, usize, bool), GlobalError> {
     let mut model = Model::new(line, bounds, ranges, options, avoid, true);
-    model.drawn_in = drawn_in;
+    model.tightened = tightened;
     // Priced as this model prices it; bounds passed before keep their rows.
     descent.merit.price = model.price(&descent.point).0;
     let before = descent.merit;
@@ -66,7 +66,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
     let (mut rounds, mut stuck, mut slow) = (0, 0, 0);
     let mut settled = false;
     while rounds < options.rounds && !settled && stuck < MOST_STUCK {
-        tell("lower the peak", rounds)?;
+        report("lower the peak", rounds)?;
         rounds += 1;
         let damped = descent.damping[0];
         let round = descent.round(&mut model, price, options.tolerance)?;

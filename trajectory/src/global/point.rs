@@ -1,7 +1,7 @@
 //! A point of the search: free parameters at the waypoints, joints at all knots, and the spline through them.
 
 use super::Cone;
-use crate::{Bounds, FreeRange, Robot, Rung, Timeline, run_in_and_out};
+use crate::{Bounds, FreeRange, LadderNode, Robot, Timeline, run_in_and_out};
 use std::f64::consts::TAU;
 
 /// Column norms of `dq/dfree` below this count as this: parameters that hardly move the joints take no giant steps.
@@ -55,25 +55,25 @@ pub(super) struct Point<const N: usize, const F: usize> {
 }
 
 impl<const N: usize, const F: usize> Point<N, F> {
-    /// The waypoints at given parameters, unwrapped along the path from the first rung's image. Joints that leave their
+    /// The waypoints at given parameters, unwrapped along the path from the first node's image. Joints that leave their
     /// bounds are turned by whole turns towards the middle. Knots of run-in and run-out stand still.
     pub fn start<R: Robot<N, F> + ?Sized>(
         robot: &R,
         line: &Timeline,
         branches: &[u32],
-        rungs: &[Rung<N, F>],
+        nodes: &[LadderNode<N, F>],
         bounds: &Bounds<N>,
     ) -> Result<Self, Unreachable> {
         let range = line.waypoints();
         let mut point = Point {
-            free: rungs.iter().map(|rung| rung.free).collect(),
-            columns: vec![[[0.0; N]; F]; rungs.len()],
-            norms: vec![[1.0; F]; rungs.len()],
+            free: nodes.iter().map(|node| node.free).collect(),
+            columns: vec![[[0.0; N]; F]; nodes.len()],
+            norms: vec![[1.0; F]; nodes.len()],
             knots: vec![[0.0; N]; line.knots()],
             curvatures: Vec::new(),
         };
-        let mut like = rungs.first().map(|rung| rung.joints).filter(|joints| joints.iter().all(|q| q.is_finite()));
-        for waypoint in 0..rungs.len() {
+        let mut like = nodes.first().map(|node| node.joints).filter(|joints| joints.iter().all(|q| q.is_finite()));
+        for waypoint in 0..nodes.len() {
             let joints = point.place(robot, branches, range.start, waypoint, like).ok_or(Unreachable(waypoint))?;
             like = Some(joints);
         }
@@ -188,9 +188,9 @@ impl<const N: usize, const F: usize> Point<N, F> {
         bounds: &Bounds<N>,
     ) -> Option<Self> {
         let first = self.knots[line.waypoints().start];
-        let rung = |(&free, &branch): (&[f64; F], &u32)| Rung { joints: first, free, branch };
-        let rungs: Vec<_> = free.iter().zip(branches).map(rung).collect();
-        Point::start(robot, line, branches, &rungs, bounds).ok()
+        let node = |(&free, &branch): (&[f64; F], &u32)| LadderNode { joints: first, free, branch };
+        let nodes: Vec<_> = free.iter().zip(branches).map(node).collect();
+        Point::start(robot, line, branches, &nodes, bounds).ok()
     }
 
     /// Brings a steep waypoint of `next` as near to `aim` as its branch allows, by Gauss-Newton with halved steps from

@@ -1,6 +1,6 @@
-//! Which nodes of the rung before can be reached from: the cheapest way to a node, without a list of edges.
+//! Which nodes of the waypoint before can be reached from: the cheapest way to a node, without a list of edges.
 //!
-//! The speed limits make a box of what is in reach. The nodes of the rung before are sorted into cells by two of their
+//! The speed limits make a box of what is in reach. The nodes of the waypoint before are sorted into cells by two of their
 //! joints, and within a cell by their cost, so that a question looks at the cells that touch the box, the nearest ones
 //! first, and leaves a cell where even the cheapest node left could no longer win. It begins with a guess, which most often
 //! is next to the answer. Cells and guesses only sort: the answer is that of trying every node.
@@ -130,7 +130,7 @@ struct Step {
     least: f64,
 }
 
-/// The reached nodes of a rung, sorted.
+/// The reached nodes of a waypoint, sorted.
 #[derive(Clone, Debug)]
 pub(super) struct Buckets<const N: usize> {
     axes: [Axis; 2],

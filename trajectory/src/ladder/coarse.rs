@@ -8,14 +8,14 @@
 //! the edge of its band, the band is laid around the result and the search goes on. Bands overlap from round to round,
 //! so solutions are kept: they cost more than the search between them.
 //!
-//! What a coarse level steps over may be in the way of a finer one. Where its search is stuck, the bands of the rungs about
-//! there become wider, and it goes back to the first of them. So a few rungs have many samples, instead of all.
+//! What a coarse level steps over may be in the way of a finer one. Where its search is stuck, the bands of the waypoints about
+//! there become wider, and it goes back to the first of them. So a few waypoints have many samples, instead of all.
 //!
 //! Of a joint with a turn or more between its stops the coarse path has one image at each waypoint. Finer ones look at the
 //! image next to it alone, so that they keep between the stops at no cost. A path that was found with a few samples at
 //! every waypoint is refined in the same way, by bands about it.
 
-use super::Climb;
+use super::Plan;
 use super::nodes::{Kind, ON_STOP, Window, nearest, wrapped};
 use super::search::{Path, Stuck, Windows};
 use crate::robot::{FreeRange, Posture, Robot};
@@ -38,10 +38,10 @@ const HALF_OF_MANY: u32 = 2;
 /// Fewer samples than this are not thinned out: they would not find their way.
 const FEWEST: u32 = 8;
 
-/// Where a search is stuck, bands of so many rungs before and after become wider.
+/// Where a search is stuck, bands of so many waypoints before and after become wider.
 const ABOUT: usize = 32;
 
-/// A search that is stuck again and again goes back so many rungs at most.
+/// A search that is stuck again and again goes back so many waypoints at most.
 const MOST_BACK: usize = 256;
 
 /// No band becomes wider than so many samples.
@@ -138,20 +138,20 @@ pub(super) fn thins_out<const F: usize>(samples: [u32; F]) -> bool {
 
 /// A path near a coarse one. The coarse one finds its way between the stops; finer ones keep to its images.
 pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    climb: &Climb<'_, N, F, R>,
+    plan: &Plan<'_, N, F, R>,
     samples: [u32; F],
 ) -> Result<Path<N, F>, Stuck> {
-    let waypoints = climb.times.len();
-    let bounds = with_room(climb.bounds);
-    let climb = Climb { bounds: &bounds, ..*climb };
+    let waypoints = plan.times.len();
+    let bounds = with_room(plan.bounds);
+    let plan = Plan { bounds: &bounds, ..*plan };
     let mut passed = every(STRIDE, waypoints);
-    let mut path = coarse(&climb, &passed, samples)?;
+    let mut path = coarse(&plan, &passed, samples)?;
     let mut stride = STRIDE;
     while stride > 1 {
         stride /= 2;
-        let guide = interpolated(&passed, &path, &climb.robot.free());
+        let guide = interpolated(&passed, &path, &plan.robot.free());
         let level = every(stride, waypoints);
-        match follow(&climb, &level, thinned(samples, stride), &guide) {
+        match follow(&plan, &level, thinned(samples, stride), &guide) {
             Ok(finer) => (path, passed) = (finer, level),
             // The next level goes on from the one before.
             Err(Stuck::Apart(..) | Stuck::Unreachable(_)) if stride > 1 => {}
@@ -163,36 +163,36 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 
 /// The path with more samples about it: twice as many, those it was found with among them. It breaks off where it did.
 pub(super) fn refine<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    climb: &Climb<'_, N, F, R>,
+    plan: &Plan<'_, N, F, R>,
     path: &mut Path<N, F>,
     samples: &mut [u32; F],
 ) -> Result<(), Stuck> {
-    let range = climb.robot.free();
+    let range = plan.robot.free();
     *samples = std::array::from_fn(|f| match range[f] {
         FreeRange::Turn => 2 * samples[f],
         FreeRange::Within(..) => 2 * samples[f] - 1,
     });
-    let guide = interpolated(&every(1, climb.times.len()), path, &range);
+    let guide = interpolated(&every(1, plan.times.len()), path, &range);
     path.cost = 0.0;
     for run in path.runs() {
-        let from = climb.options.from.filter(|_| run.start == 0);
-        let climb = Climb { options: &LadderOptions { from, ..*climb.options }, ..*climb };
-        let finer = follow(&climb, &run.clone().collect::<Vec<_>>(), *samples, &guide)?;
+        let from = plan.options.from.filter(|_| run.start == 0);
+        let plan = Plan { options: &LadderOptions { from, ..*plan.options }, ..*plan };
+        let finer = follow(&plan, &run.clone().collect::<Vec<_>>(), *samples, &guide)?;
         path.cost += finer.cost;
-        path.rungs[run].copy_from_slice(&finer.rungs);
+        path.nodes[run].copy_from_slice(&finer.nodes);
     }
     Ok(())
 }
 
 /// A path through some waypoints, with as many samples as it takes to reach them all.
 fn coarse<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    climb: &Climb<'_, N, F, R>,
+    plan: &Plan<'_, N, F, R>,
     passed: &[usize],
     samples: [u32; F],
 ) -> Result<Path<N, F>, Stuck> {
     let mut stride = STRIDE;
     loop {
-        match climb.within_stops(passed, thinned(samples, stride), false) {
+        match plan.within_stops(passed, thinned(samples, stride), false) {
             Err(Stuck::Unreachable(_)) if stride > 1 => stride /= 2,
             found => return found,
         }
@@ -224,7 +224,7 @@ fn every(stride: u32, waypoints: usize) -> Vec<usize> {
     passed
 }
 
-/// The samples near a guide: of each rung a band, which is wider about rungs where a search was stuck.
+/// The samples near a guide: of each waypoint a band, which is wider about waypoints where a search was stuck.
 struct Bands<const F: usize> {
     /// The free parameters in the middle of each band.
     free: Vec<[f64; F]>,
@@ -236,7 +236,7 @@ struct Bands<const F: usize> {
 }
 
 impl<const F: usize> Bands<F> {
-    /// The samples of a rung up to `half` from the nearest to its middle.
+    /// The samples of a waypoint up to `half` from the nearest to its middle.
     fn band(&self, at: usize, half: u32) -> Window<F> {
         let mut window = Window::whole(self.samples);
         for f in 0..F {
@@ -280,36 +280,31 @@ impl<const F: usize> Windows<F> for Bands<F> {
 
 /// A path through the waypoints `passed` near a guide.
 fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    climb: &Climb<'_, N, F, R>,
+    plan: &Plan<'_, N, F, R>,
     passed: &[usize],
     samples: [u32; F],
     guide: &Guide<N, F>,
 ) -> Result<Path<N, F>, Stuck> {
-    let kinds = Kind::of(climb.bounds, &[true; N]).map(|kind| match kind {
+    let kinds = Kind::of(plan.bounds, &[true; N]).map(|kind| match kind {
         Kind::Images { .. } => Kind::Told,
         kind => kind,
     });
     let known = guide.free.iter().map(|_| Mutex::default()).collect();
-    let kept = Kept { robot: climb.robot, guide, bounds: climb.bounds, kinds, known };
-    let climb = Climb {
-        robot: &kept,
-        times: climb.times,
-        bounds: climb.bounds,
-        options: climb.options,
-        progress: climb.progress,
-    };
-    let range = climb.robot.free();
+    let kept = Kept { robot: plan.robot, guide, bounds: plan.bounds, kinds, known };
+    let plan =
+        Plan { robot: &kept, times: plan.times, bounds: plan.bounds, options: plan.options, progress: plan.progress };
+    let range = plan.robot.free();
     let half = if F == 1 { HALF } else { HALF_OF_MANY };
     let bands = |free: Vec<[f64; F]>, widens| Bands { half: vec![half; free.len()], free, samples, range, widens };
     let mut around = bands(passed.iter().map(|&waypoint| guide.free[waypoint]).collect(), true);
-    let mut best = climb.search(passed, kinds, &mut around, false)?;
+    let mut best = plan.search(passed, kinds, &mut around, false)?;
     for _ in 1..ROUNDS {
-        if !best.rungs.iter().enumerate().any(|(at, rung)| on_edge(&rung.free, &around.at(at), &range)) {
+        if !best.nodes.iter().enumerate().any(|(at, node)| on_edge(&node.free, &around.at(at), &range)) {
             break;
         }
         // The best path so far lies in the middle of its bands, so none has to be wider.
-        around = bands(best.rungs.iter().map(|rung| rung.free).collect(), false);
-        let path = climb.search(passed, kinds, &mut around, false)?;
+        around = bands(best.nodes.iter().map(|node| node.free).collect(), false);
+        let path = plan.search(passed, kinds, &mut around, false)?;
         let falls = path.cost < best.cost * (1.0 - LITTLE);
         if path.cost < best.cost {
             best = path;
@@ -319,7 +314,7 @@ fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
     }
     // Endless joints have begun anew each turn; there is no stop that they could meet.
-    let lifted = climb.lift(&mut best, &kinds);
+    let lifted = plan.lift(&mut best, &kinds);
     debug_assert!(lifted.is_ok());
     Ok(best)
 }
@@ -330,21 +325,21 @@ fn interpolated<const N: usize, const F: usize>(
     path: &Path<N, F>,
     range: &[FreeRange; F],
 ) -> Guide<N, F> {
-    let rungs = &path.rungs;
+    let nodes = &path.nodes;
     let mut guide =
-        Guide { free: vec![rungs[0].free], joints: vec![rungs[0].joints], branches: vec![[rungs[0].branch; 2]] };
+        Guide { free: vec![nodes[0].free], joints: vec![nodes[0].joints], branches: vec![[nodes[0].branch; 2]] };
     for at in 1..thinned.len() {
-        let (ends, rungs) = ([thinned[at - 1], thinned[at]], [&rungs[at - 1], &rungs[at]]);
+        let (ends, nodes) = ([thinned[at - 1], thinned[at]], [&nodes[at - 1], &nodes[at]]);
         for waypoint in ends[0] + 1..=ends[1] {
             let share = (waypoint - ends[0]) as f64 / (ends[1] - ends[0]) as f64;
             guide.free.push(std::array::from_fn(|f| {
-                let way = rungs[1].free[f] - rungs[0].free[f];
+                let way = nodes[1].free[f] - nodes[0].free[f];
                 let way = if range[f] == FreeRange::Turn { wrapped(way) } else { way };
-                rungs[0].free[f] + share * way
+                nodes[0].free[f] + share * way
             }));
-            let joint = |j: usize| rungs[0].joints[j] + share * (rungs[1].joints[j] - rungs[0].joints[j]);
+            let joint = |j: usize| nodes[0].joints[j] + share * (nodes[1].joints[j] - nodes[0].joints[j]);
             guide.joints.push(std::array::from_fn(joint));
-            guide.branches.push([rungs[0].branch, rungs[1].branch]);
+            guide.branches.push([nodes[0].branch, nodes[1].branch]);
         }
     }
     guide
@@ -369,7 +364,7 @@ mod tests {
 
     #[test]
     fn going_back_is_as_beginning_anew_with_the_wider_bands() {
-        // Slits that the guide does not know of, one of them so early that the search goes back to the first rung.
+        // Slits that the guide does not know of, one of them so early that the search goes back to the first waypoint.
         let slits = [(9, 0.2), (60, 0.4), (64, 0.35), (140, 0.1)];
         let robot = RobotFn {
             waypoints: 200,
@@ -385,15 +380,15 @@ mod tests {
         let bounds = Bounds { velocity: [2.0], ..Bounds::NONE };
         let options = LadderOptions::default();
         let progress = |_: crate::Progress| ControlFlow::Continue(());
-        let climb = Climb { robot: &robot, times: &times, bounds: &bounds, options: &options, progress: &progress };
+        let plan = Plan { robot: &robot, times: &times, bounds: &bounds, options: &options, progress: &progress };
         let passed: Vec<usize> = (0..200).collect();
         let mut bands =
             Bands { free: vec![[0.0]; 200], samples: [100], range: robot.free, half: vec![HALF; 200], widens: true };
         let kinds = [Kind::Circular];
-        let found = climb.search(&passed, kinds, &mut bands, false).unwrap();
+        let found = plan.search(&passed, kinds, &mut bands, false).unwrap();
         assert!(bands.half[0] > HALF && bands.half[60] > bands.half[0] && bands.half[190] == HALF, "{:?}", bands.half);
         bands.widens = false;
-        let anew = climb.search(&passed, kinds, &mut bands, false).unwrap();
-        assert_eq!((found.rungs, found.cost), (anew.rungs, anew.cost));
+        let anew = plan.search(&passed, kinds, &mut bands, false).unwrap();
+        assert_eq!((found.nodes, found.cost), (anew.nodes, anew.cost));
     }
 }

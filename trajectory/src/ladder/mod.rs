@@ -1,16 +1,16 @@
 //! The ladder: from each waypoint's sampled solutions one, so that joints move least.
 //!
-//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.1. The rungs are the solutions
-//! of the inverse at sampled free parameters; an edge joins nodes of neighbouring rungs that the joints' speeds allow
-//! (Eq. 4.4), weighted by the square of their distance (Eq. 4.5; section 3.5.3 uses the L1 norm, Eq. 3.4). The
-//! shortest path from any node of the first rung minimises `J_trans` (Eq. 4.6). It begins with four samples and doubles
-//! them while there is no path.
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.1. The nodes of a waypoint are
+//! the solutions of the inverse at sampled free parameters; an edge joins nodes of neighbouring waypoints that the joints'
+//! speeds allow (Eq. 4.4), weighted by the square of their distance (Eq. 4.5; section 3.5.3 uses the L1 norm, Eq. 3.4).
+//! The shortest path from any node of the first waypoint minimises `J_trans` (Eq. 4.6). The search begins with four samples
+//! and doubles them while there is no path.
 //!
 //! Distances are circular where a joint turns without end. A joint with stops a turn or more apart has several images
 //! of an angle. They would multiply the nodes; instead such a joint begins as circular, and the path is turned into
 //! its stops afterwards. If it fits, it is the best of all (nothing is cheaper without stops). If not, the search is
 //! done again with every image of that joint a node of its own. So the result is exact either way. The same holds of the
-//! way to the first rung from where the joints are before ([`LadderOptions::from`]).
+//! way to the first waypoint from where the joints are before ([`LadderOptions::from`]).
 //!
 //! No edge is stored: see `search`. Departs from the dissertation: instead of doubling without end it stops after
 //! [`LadderOptions::doublings`]; a path breaks off where that makes it shortest, not where it can go no further; there is a
@@ -56,7 +56,7 @@ pub enum LadderSearch {
     CoarseToFine,
 }
 
-/// How a ladder is built and climbed.
+/// How a ladder is built and searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LadderOptions<const N: usize, const F: usize> {
     /// Samples of each free parameter to begin with. Default 4, as in section 4.3.1; 360 is the dense graph of Table
@@ -103,7 +103,7 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
 }
 
 /// Samples of all free parameters together are at most this many a waypoint.
-pub const MOST_SAMPLES: u64 = 1 << 20;
+pub const MAX_SAMPLES: u64 = 1 << 20;
 
 /// Refined more often, samples would be told apart no more.
 const MOST_REFINEMENTS: u32 = 10;
@@ -114,7 +114,7 @@ const MOST_EXACT: u64 = 1 << 10;
 
 /// The node chosen at a waypoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung<const N: usize, const F: usize> {
+pub struct LadderNode<const N: usize, const F: usize> {
     /// Joints within their bounds; from one waypoint to the next without whole turns, but at a break.
     pub joints: [f64; N],
     /// The free parameters.
@@ -123,11 +123,11 @@ pub struct Rung<const N: usize, const F: usize> {
     pub branch: u32,
 }
 
-/// A path up the ladder.
+/// A path through the ladder: one node at each waypoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder<const N: usize, const F: usize> {
-    /// One a waypoint.
-    pub rungs: Vec<Rung<N, F>>,
+    /// The chosen nodes, one at each waypoint.
+    pub nodes: Vec<LadderNode<N, F>>,
     /// The first waypoints of the motions after the first; none when the path never breaks off.
     pub breaks: Vec<usize>,
     /// `J_trans` of Eq. 4.6 (the sum of Eq. 3.4 with [`Norm::Absolute`]), without the breaks; with the way from
@@ -140,12 +140,12 @@ pub struct Ladder<const N: usize, const F: usize> {
 impl<const N: usize, const F: usize> Ladder<N, F> {
     /// The waypoints of each unbroken motion.
     pub fn runs(&self) -> impl Iterator<Item = Range<usize>> {
-        search::runs(&self.breaks, self.rungs.len())
+        search::runs(&self.breaks, self.nodes.len())
     }
 
     /// The joints of all waypoints.
     pub fn joints(&self) -> Vec<[f64; N]> {
-        self.rungs.iter().map(|rung| rung.joints).collect()
+        self.nodes.iter().map(|node| node.joints).collect()
     }
 }
 
@@ -219,8 +219,8 @@ pub enum LadderError {
         /// The most that are allowed.
         most: usize,
     },
-    /// The caller stopped the work.
-    #[error("cancelled")]
+    /// The progress callback cancelled the work.
+    #[error("the search for a path was cancelled")]
     Cancelled,
 }
 
@@ -254,7 +254,7 @@ pub enum LadderError {
 /// let ladder = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &|_| ControlFlow::Continue(()))?;
 /// // Four angles are enough: a quarter turn is too far for a step, so the tool angle stays.
 /// assert_eq!(ladder.samples, [4]);
-/// assert!((ladder.rungs[99].joints[0] - ladder.rungs[0].joints[0] - bearing(99)).abs() < 1e-12);
+/// assert!((ladder.nodes[99].joints[0] - ladder.nodes[0].joints[0] - bearing(99)).abs() < 1e-12);
 /// # Ok::<(), curvlay_trajectory::LadderError>(())
 /// ```
 pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
@@ -265,12 +265,12 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Ladder<N, F>, LadderError> {
     check(robot.waypoints(), times, bounds, options)?;
-    let climb = Climb { robot, times, bounds, options, progress };
+    let plan = Plan { robot, times, bounds, options, progress };
     let mut samples = options.samples;
     for doubling in 0.. {
-        let last = doubling == options.doublings || count(&samples.map(|n| n * 2)) > MOST_SAMPLES;
-        match climb.path(samples, last && options.breaks) {
-            Ok(path) => return climb.refined(path, samples),
+        let last = doubling == options.doublings || count(&samples.map(|n| n * 2)) > MAX_SAMPLES;
+        match plan.path(samples, last && options.breaks) {
+            Ok(path) => return plan.refined(path, samples),
             Err(Stuck::Failed(error)) => return Err(error),
             Err(Stuck::Unreachable(waypoint)) if last => {
                 return Err(LadderError::Unreachable { waypoint, samples: count(&samples) });
@@ -320,7 +320,7 @@ fn check<const N: usize, const F: usize>(
         return Err(LadderError::Option { what, value: f64::from(options.refinements) });
     }
     let samples = count(&options.samples);
-    if samples == 0 || samples > MOST_SAMPLES || options.samples.iter().any(|&n| n > u32::MAX / 4) {
+    if samples == 0 || samples > MAX_SAMPLES || options.samples.iter().any(|&n| n > u32::MAX / 4) {
         let what = "the number of samples must be from 1 to 2^20; it";
         return Err(LadderError::Option { what, value: samples as f64 });
     }
@@ -328,7 +328,7 @@ fn check<const N: usize, const F: usize>(
 }
 
 /// What stays while samples are doubled.
-struct Climb<'a, const N: usize, const F: usize, R: ?Sized> {
+struct Plan<'a, const N: usize, const F: usize, R: ?Sized> {
     robot: &'a R,
     times: &'a [f64],
     bounds: &'a Bounds<N>,
@@ -336,7 +336,7 @@ struct Climb<'a, const N: usize, const F: usize, R: ?Sized> {
     progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
 
-impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R> {
+impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Plan<'_, N, F, R> {
     /// The ladder of a path with these samples, and with more about it.
     fn refined(&self, mut path: Path<N, F>, mut samples: [u32; F]) -> Result<Ladder<N, F>, LadderError> {
         for _ in 0..self.options.refinements {
@@ -349,7 +349,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
                 }
             }
         }
-        Ok(Ladder { rungs: path.rungs, breaks: path.breaks, cost: path.cost, samples })
+        Ok(Ladder { nodes: path.nodes, breaks: path.breaks, cost: path.cost, samples })
     }
 
     /// A path with these samples.
@@ -385,7 +385,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
         windows: &mut dyn Windows<F>,
         breaks: bool,
     ) -> Result<Path<N, F>, Stuck> {
-        let Climb { robot, times, progress, .. } = *self;
+        let Plan { robot, times, progress, .. } = *self;
         let velocity = self.bounds.velocity;
         let LadderOptions { norm, weights, step, .. } = *self.options;
         let measure = Measure { norm, weights, period: kinds.map(Kind::period) };
@@ -399,15 +399,15 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
     fn lift(&self, path: &mut Path<N, F>, kinds: &[Kind; N]) -> Result<(), usize> {
         for run in path.runs() {
             let from = self.options.from.filter(|_| run.start == 0);
-            let rungs = &mut path.rungs[run];
+            let nodes = &mut path.nodes[run];
             for joint in (0..N).filter(|&joint| kinds[joint] == Kind::Circular) {
                 // Whole turns by which each angle follows the one before by the short way.
-                let mut unwound = rungs[0].joints[joint];
+                let mut unwound = nodes[0].joints[joint];
                 let (mut least, mut most) = (unwound, unwound);
-                let mut turns = Vec::with_capacity(rungs.len());
-                for rung in rungs.iter() {
-                    let turn = ((unwound - rung.joints[joint]) / TAU).round();
-                    unwound = rung.joints[joint] + TAU * turn;
+                let mut turns = Vec::with_capacity(nodes.len());
+                for node in nodes.iter() {
+                    let turn = ((unwound - node.joints[joint]) / TAU).round();
+                    unwound = node.joints[joint] + TAU * turn;
                     (least, most) = (least.min(unwound), most.max(unwound));
                     turns.push(turn);
                 }
@@ -415,7 +415,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
                 // Turns that bring the run next to where it comes from, else its middle next to the middle between the
                 // stops.
                 let wanted = match from {
-                    Some(from) => ((from[joint] - rungs[0].joints[joint]) / TAU).round(),
+                    Some(from) => ((from[joint] - nodes[0].joints[joint]) / TAU).round(),
                     None if lower.is_finite() && upper.is_finite() => {
                         ((lower + upper - least - most) / 2.0 / TAU).round()
                     }
@@ -430,8 +430,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Climb<'_, N, F, R>
                 if !self.bounds.is_endless(joint) && (least + TAU * by < lower || most + TAU * by > upper) {
                     return Err(joint);
                 }
-                for (rung, turn) in rungs.iter_mut().zip(&turns) {
-                    rung.joints[joint] += TAU * (turn + by);
+                for (node, turn) in nodes.iter_mut().zip(&turns) {
+                    node.joints[joint] += TAU * (turn + by);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! The nodes of one rung: sampled free parameters, the solutions there, and their images.
+//! The nodes of one waypoint: sampled free parameters, the solutions there, and their images.
 
 use crate::Bounds;
 use crate::robot::{FreeRange, Robot};
@@ -147,7 +147,7 @@ pub(super) fn nearest(range: FreeRange, count: u32, free: f64) -> u32 {
     }
 }
 
-/// The nodes of a rung.
+/// The nodes of a waypoint.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nodes<const N: usize> {
     pub joints: Vec<[f64; N]>,

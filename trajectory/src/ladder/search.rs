@@ -1,41 +1,42 @@
-//! The shortest path, rung by rung.
+//! The shortest path, waypoint by waypoint.
 //!
-//! Every edge goes from a rung to the next, so Dijkstra's algorithm from all nodes of the first rung settles rung after
-//! rung, and costs of two rungs and one number a node are all that is kept: where its cheapest way comes from.
+//! Every edge goes from a waypoint to the next, so Dijkstra's algorithm from all nodes of the first waypoint settles one
+//! waypoint after another. It keeps the costs of two waypoints and one number for each node: where its cheapest way comes
+//! from.
 
 use super::buckets::{Buckets, Measure, best_pair};
 use super::nodes::{Kind, Nodes, Window, each_image};
-use super::{LadderError, Rung};
+use super::{LadderError, LadderNode};
 use crate::Progress;
 use crate::robot::Robot;
 use std::collections::VecDeque;
 use std::ops::{ControlFlow, Range};
 
-/// A rung may have this many nodes; more is a mistake in the options.
+/// A waypoint may have this many nodes; more is a mistake in the options.
 pub(super) const MOST_NODES: usize = 1 << 22;
 
-/// Nodes of a rung that are compared when there is no way on; of more, as many evenly spaced ones.
+/// Nodes of a waypoint that are compared when there is no way on; of more, as many evenly spaced ones.
 const MOST_COMPARED: usize = 8192;
 
-/// After so many rungs the joints to sort by are chosen anew.
+/// After so many waypoints the joints to sort by are chosen anew.
 const CHOOSE_AFTER: usize = 256;
 
-/// No node before: of the first rung, or where the path breaks off and begins anew.
+/// No node before: of the first waypoint, or where the path breaks off and begins anew.
 const START: u32 = u32::MAX;
 
 /// A break costs more than all ways together, but no more than this: costs keep their digits.
 const MOST_FOR_A_BREAK: f64 = 1e12;
 
-/// The samples of each rung, and what to do where they do not lead on.
+/// The samples of each waypoint, and what to do where they do not lead on.
 pub(super) trait Windows<const F: usize> {
-    /// The samples of a rung.
+    /// The samples of a waypoint.
     fn at(&self, at: usize) -> Window<F>;
 
-    /// Of so many rungs before the last one costs are kept, to go back to.
+    /// Of so many waypoints before the last one costs are kept, to go back to.
     fn back(&self) -> usize;
 
-    /// No node of rung `at` is in reach: takes in more samples about there, but none of rungs before `earliest`, and says
-    /// which rung is the first that has changed. `None` when none up to `at` has.
+    /// No node of waypoint `at` is in reach: takes in more samples about there, but none of waypoints before `earliest`, and says
+    /// which waypoint is the first that has changed. `None` when none up to `at` has.
     fn widen(&mut self, at: usize, earliest: usize) -> Option<usize>;
 }
 
@@ -67,32 +68,32 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     pub measure: Measure<N>,
     /// Whether the path may begin anew, as seldom as it must, and there where that saves most.
     pub breaks: bool,
-    /// Where the joints are before the first rung; the way there counts.
+    /// Where the joints are before the first waypoint; the way there counts.
     pub from: Option<[f64; N]>,
     pub progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
 
-/// A path through all rungs.
+/// A path through all waypoints.
 #[derive(Clone, Debug)]
 pub(super) struct Path<const N: usize, const F: usize> {
     /// One a waypoint; joints as the kinds say.
-    pub rungs: Vec<Rung<N, F>>,
-    /// First rung of each run but the first.
+    pub nodes: Vec<LadderNode<N, F>>,
+    /// First waypoint of each run but the first.
     pub breaks: Vec<usize>,
     pub cost: f64,
 }
 
 impl<const N: usize, const F: usize> Path<N, F> {
-    /// The rungs of each unbroken motion.
+    /// The waypoints of each unbroken motion.
     pub fn runs(&self) -> Vec<Range<usize>> {
-        runs(&self.breaks, self.rungs.len()).collect()
+        runs(&self.breaks, self.nodes.len()).collect()
     }
 }
 
 /// What lies between breaks.
-pub(super) fn runs(breaks: &[usize], rungs: usize) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn runs(breaks: &[usize], nodes: usize) -> impl Iterator<Item = Range<usize>> {
     let starts = std::iter::once(0).chain(breaks.iter().copied());
-    let ends = breaks.iter().copied().chain(std::iter::once(rungs));
+    let ends = breaks.iter().copied().chain(std::iter::once(nodes));
     starts.zip(ends).map(|(start, end)| start..end)
 }
 
@@ -116,11 +117,11 @@ struct Column {
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R> {
-    /// Climbs through the samples of `windows`.
+    /// Finds a path through the samples of `windows`.
     pub fn run(&self, windows: &mut dyn Windows<F>) -> Result<Path<N, F>, Stuck> {
         let mut columns: Vec<Column> = Vec::with_capacity(self.waypoints.len());
         let (mut nodes, mut before) = (Nodes::<N>::default(), Nodes::<N>::default());
-        // Costs of the last rungs, the one before last.
+        // Costs of the last waypoints, the one before last.
         let mut recent: VecDeque<Vec<f64>> = VecDeque::new();
         let mut by = [0, 0];
         let a_break = if self.breaks { self.of_a_break() } else { 0.0 };
@@ -146,11 +147,11 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                 self.reach(at, (&before, costs_before), &nodes, by, anew)
             };
             if reached.is_none() {
-                // It takes the costs of the rung before to go on from there.
+                // It takes the costs of the waypoint before to go on from there.
                 let forgotten = at - recent.len();
                 let earliest = if forgotten > 0 { forgotten + 1 } else { 0 };
                 if let Some(first) = windows.widen(at, earliest) {
-                    // Back to the first rung that has changed.
+                    // Back to the first waypoint that has changed.
                     recent.truncate(recent.len() - (at - first));
                     columns.truncate(first);
                     if first > 0 && first < at {
@@ -175,8 +176,8 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
             recent.push_back(costs);
         }
         let cost = recent.back().map_or(0.0, |costs| least(costs).1);
-        let (rungs, breaks) = self.trace(windows, &columns);
-        Ok(Path { cost: cost - breaks.len() as f64 * a_break, rungs, breaks })
+        let (nodes, breaks) = self.trace(windows, &columns);
+        Ok(Path { cost: cost - breaks.len() as f64 * a_break, nodes, breaks })
     }
 
     /// The cost of a break: more than that of all ways together.
@@ -196,20 +197,20 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         (2.0 * all).clamp(1.0, MOST_FOR_A_BREAK)
     }
 
-    /// How far the joints may move to a rung from the one before, Eq. 4.4; what is on the limit but for rounding is within.
+    /// How far the joints may move to a waypoint from the one before, Eq. 4.4; what is on the limit but for rounding is within.
     fn limits(&self, at: usize) -> [f64; N] {
         let (from, to) = (self.waypoints[at - 1], self.waypoints[at]);
         let (time, steps) = (self.times[to] - self.times[from], (to - from) as f64);
         std::array::from_fn(|j| (self.velocity[j] * time).min(self.step[j] * steps) * (1.0 + 1e-12))
     }
 
-    /// Costs of the first rung, and no way there.
+    /// Costs of the first waypoint, and no way there.
     fn begin(&self, nodes: &Nodes<N>) -> (Vec<f64>, Vec<u32>) {
         let cost = |node: &[f64; N]| self.from.map_or(0.0, |from| self.measure.between(&from, node));
         (nodes.joints.iter().map(cost).collect(), vec![START; nodes.joints.len()])
     }
 
-    /// The cost of each node of a rung and where its cheapest way comes from, given the rung before and the costs there, and
+    /// The cost of each node of a waypoint and where its cheapest way comes from, given the waypoint before and the costs there, and
     /// what it costs to begin anew; `None` when none is in reach.
     fn reach(
         &self,
@@ -223,7 +224,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         let mut costs = vec![anew; nodes.joints.len()];
         let mut back = vec![START; nodes.joints.len()];
         let mut buckets = Buckets::new(&before.joints, costs_before, &self.kinds, by, &limits, &self.measure);
-        debug_assert!(!buckets.is_empty(), "a rung that is reached");
+        debug_assert!(!buckets.is_empty(), "a waypoint that is reached");
         let mut reached = anew < f64::INFINITY && !nodes.joints.is_empty();
         for sample in 0..nodes.starts.len() - 1 {
             let (first, end) = (nodes.starts[sample] as usize, nodes.starts[sample + 1] as usize);
@@ -242,7 +243,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         reached.then_some((costs, back))
     }
 
-    /// The least step from a node that is reached to one of the next rung, in shares of `limits`.
+    /// The least step from a node that is reached to one of the next waypoint, in shares of `limits`.
     fn nearest(&self, from: &[[f64; N]], costs: &[f64], to: &[[f64; N]], limits: &[f64; N]) -> f64 {
         let reached: Vec<&[f64; N]> =
             from.iter().zip(costs).filter(|(_, cost)| cost.is_finite()).map(|(node, _)| node).collect();
@@ -257,39 +258,39 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
         least
     }
 
-    /// Goes back from the cheapest of the last nodes; with the first rungs of runs.
-    fn trace(&self, windows: &dyn Windows<F>, columns: &[Column]) -> (Vec<Rung<N, F>>, Vec<usize>) {
-        let (mut rungs, mut breaks) = (Vec::with_capacity(columns.len()), Vec::new());
+    /// Goes back from the cheapest of the last nodes; with the first waypoints of runs.
+    fn trace(&self, windows: &dyn Windows<F>, columns: &[Column]) -> (Vec<LadderNode<N, F>>, Vec<usize>) {
+        let (mut nodes, mut breaks) = (Vec::with_capacity(columns.len()), Vec::new());
         let mut node = columns.last().map_or(START, |last| last.best);
         for (at, column) in columns.iter().enumerate().rev() {
-            rungs.push(self.rung(at, &windows.at(at), &column.starts, node));
+            nodes.push(self.chosen(at, &windows.at(at), &column.starts, node));
             node = column.back[node as usize];
             if node == START && at > 0 {
                 breaks.push(at);
                 node = columns[at - 1].best;
             }
         }
-        rungs.reverse();
+        nodes.reverse();
         breaks.reverse();
-        (rungs, breaks)
+        (nodes, breaks)
     }
 
     /// Finds a node again by its number.
-    fn rung(&self, at: usize, window: &Window<F>, starts: &[u32], node: u32) -> Rung<N, F> {
+    fn chosen(&self, at: usize, window: &Window<F>, starts: &[u32], node: u32) -> LadderNode<N, F> {
         let sample = starts.partition_point(|&start| start <= node) - 1;
         let free = window.free(&self.robot.free(), sample as u32);
         let mut next = starts[sample];
-        let mut rung = Rung { joints: [0.0; N], free, branch: 0 };
+        let mut chosen = LadderNode { joints: [0.0; N], free, branch: 0 };
         self.robot.solutions(self.waypoints[at], &free, &mut |branch, joints| {
             each_image(&joints, &self.kinds, &mut |image| {
                 if next == node {
-                    (rung.joints, rung.branch) = (image, branch);
+                    (chosen.joints, chosen.branch) = (image, branch);
                 }
                 next += 1;
                 next <= node
             });
         });
-        rung
+        chosen
     }
 }
 

@@ -127,13 +127,13 @@ pub fn least_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
     let kinds = Kind::of(bounds, &[false; N]);
     let cut = Cut { robot, kinds, velocity: bounds.velocity };
     let mut count = FIRST.min(samples);
-    let mut rungs: Vec<Vec<Cell<N>>> = Vec::with_capacity(waypoints.len());
+    let mut columns: Vec<Vec<Cell<N>>> = Vec::with_capacity(waypoints.len());
     for waypoint in waypoints.clone() {
         let all = cut.all(waypoint, start, length / f64::from(count), count);
         if all.is_empty() {
             return Err(LadderError::Unreachable { waypoint, samples: u64::from(count) });
         }
-        rungs.push(all);
+        columns.push(all);
     }
     let mut times = &times[waypoints.clone()];
     let mut start_at = waypoints.start;
@@ -143,34 +143,34 @@ pub fn least_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
         if progress(step).is_break() {
             return Err(LadderError::Cancelled);
         }
-        cut.climb(&mut rungs, times, found.reached, true);
-        rungs.iter_mut().flatten().for_each(|cell| cell.back = cell.least);
-        let ahead = cut.climb(&mut rungs, times, found.reached, false);
+        cut.propagate(&mut columns, times, found.reached, true);
+        columns.iter_mut().flatten().for_each(|cell| cell.back = cell.least);
+        let ahead = cut.propagate(&mut columns, times, found.reached, false);
         found.at_least = found.at_least.max(ahead.0);
         found.reached = ahead.1;
-        // The last rung from which, and the first one to which every chain needs as much.
+        // The last waypoint from which, and the first one to which every chain needs as much.
         let needed = found.at_least * (1.0 - 1e-9);
-        let from = rungs.iter().rposition(|cells| cells.iter().all(|cell| cell.back >= needed)).unwrap_or(0);
-        let to = rungs.iter().position(|cells| cells.iter().all(|cell| cell.least >= needed));
-        let to = to.unwrap_or(rungs.len() - 1);
+        let from = columns.iter().rposition(|cells| cells.iter().all(|cell| cell.back >= needed)).unwrap_or(0);
+        let to = columns.iter().position(|cells| cells.iter().all(|cell| cell.least >= needed));
+        let to = to.unwrap_or(columns.len() - 1);
         // Two bottlenecks as narrow as each other: both are kept.
-        let stretch = if from < to { from..to + 1 } else { 0..rungs.len() };
+        let stretch = if from < to { from..to + 1 } else { 0..columns.len() };
         found.waypoints = start_at + stretch.start..start_at + stretch.end;
         if found.at_least > 1.0 {
             // The speed limits do not hold on this stretch; the rest only takes time.
-            rungs = rungs.drain(stretch.clone()).collect();
+            columns = columns.drain(stretch.clone()).collect();
             times = &times[stretch.clone()];
             start_at += stretch.start;
         }
         count = count.saturating_mul(2);
-        for cells in &mut rungs {
+        for cells in &mut columns {
             cells.retain(|cell| cell.back.max(cell.least) <= found.reached);
         }
-        let left: usize = rungs.iter().map(Vec::len).sum();
+        let left: usize = columns.iter().map(Vec::len).sum();
         if count > samples || found.reached - found.at_least < MET || 2 * left > MOST_CELLS {
             return Ok(found);
         }
-        for (waypoint, cells) in (start_at..).zip(&mut rungs) {
+        for (waypoint, cells) in (start_at..).zip(&mut columns) {
             let width = length / f64::from(count);
             let halves = |cell: &Cell<N>| [0.0, 1.0].map(|second| (cell.branch, cell.from + second * width));
             let parts: Vec<(u32, f64)> = cells.iter().flat_map(halves).collect();
@@ -245,26 +245,26 @@ impl<const N: usize, R: Robot<N, 1> + ?Sized> Cut<'_, N, R> {
         if self.kinds[joint] == Kind::Circular { wrapped(way) } else { way }
     }
 
-    /// The greatest step of the best chain from the first rung (or the last, backwards) to each cell; returns the least of
-    /// the rung where they end, over boxes and over solutions.
+    /// The greatest step of the best chain from the first waypoint (or the last, backwards) to each cell; returns the least of
+    /// the waypoint where they end, over boxes and over solutions.
     ///
     /// `most`: chains above it need not be told from each other.
-    fn climb(&self, rungs: &mut [Vec<Cell<N>>], times: &[f64], most: f64, backwards: bool) -> (f64, f64) {
-        let count = rungs.len();
+    fn propagate(&self, columns: &mut [Vec<Cell<N>>], times: &[f64], most: f64, backwards: bool) -> (f64, f64) {
+        let count = columns.len();
         let order = |k: usize| if backwards { count - 1 - k } else { k };
-        for cell in &mut rungs[order(0)] {
+        for cell in &mut columns[order(0)] {
             (cell.least, cell.had) = (0.0, if cell.there.is_some() { 0.0 } else { f64::INFINITY });
         }
         for k in 1..count {
             let (here, before) = (order(k), order(k - 1));
             let limits = self.velocity.map(|velocity| velocity * (times[here] - times[before]).abs());
-            let near = Near::new(&mut rungs[before], &self.kinds, &limits, most);
-            let mut cells = std::mem::take(&mut rungs[here]);
+            let near = Near::new(&mut columns[before], &self.kinds, &limits, most);
+            let mut cells = std::mem::take(&mut columns[here]);
             for cell in &mut cells {
                 (cell.least, cell.had) = (f64::INFINITY, f64::INFINITY);
                 let middle = wrapped_if(self.kinds[near.joint], cell.middle[near.joint]);
                 let half = cell.half[near.joint];
-                for other in near.of(middle, half, &rungs[before]) {
+                for other in near.of(middle, half, &columns[before]) {
                     if other.least < cell.least {
                         cell.least = cell.least.min(other.least.max(self.step(cell, other, &limits)));
                     }
@@ -276,10 +276,10 @@ impl<const N: usize, R: Robot<N, 1> + ?Sized> Cut<'_, N, R> {
                     }
                 }
             }
-            rungs[here] = cells;
+            columns[here] = cells;
         }
         let least =
-            |value: fn(&Cell<N>) -> f64| rungs[order(count - 1)].iter().map(value).fold(f64::INFINITY, f64::min);
+            |value: fn(&Cell<N>) -> f64| columns[order(count - 1)].iter().map(value).fold(f64::INFINITY, f64::min);
         (least(|cell| cell.least), least(|cell| cell.had))
     }
 

@@ -16,8 +16,8 @@ mod window;
 
 use crate::bounds::BoundsError;
 use crate::jerk::stencil;
-use crate::ladder::Rung;
-use crate::path::FEWEST_WAYPOINTS;
+use crate::ladder::LadderNode;
+use crate::path::MIN_WAYPOINTS;
 use crate::robot::Robot;
 use crate::{Bounds, Progress};
 use std::f64::consts::TAU;
@@ -65,7 +65,7 @@ pub enum FilterStatus {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filtered<const N: usize, const F: usize> {
     /// One a waypoint, on the branches of the start.
-    pub rungs: Vec<Rung<N, F>>,
+    pub nodes: Vec<LadderNode<N, F>>,
     /// How it ended.
     pub status: FilterStatus,
     /// Windows that were laid.
@@ -81,17 +81,17 @@ pub struct Filtered<const N: usize, const F: usize> {
 #[non_exhaustive]
 pub enum FilterError {
     /// Waypoints, times and start do not fit.
-    #[error("{times} times and {rungs} rungs for {waypoints} waypoints: there must be one of each")]
+    #[error("{times} times and {nodes} nodes for {waypoints} waypoints: there must be one of each")]
     Count {
         /// Number of waypoints of the robot.
         waypoints: usize,
         /// Number of times.
         times: usize,
-        /// Number of rungs.
-        rungs: usize,
+        /// Number of nodes in `start`.
+        nodes: usize,
     },
     /// There is no stencil of five.
-    #[error("{waypoints} waypoints: at least {FEWEST_WAYPOINTS} are needed")]
+    #[error("{waypoints} waypoints: at least {MIN_WAYPOINTS} are needed")]
     TooFew {
         /// Number of waypoints.
         waypoints: usize,
@@ -121,8 +121,8 @@ pub enum FilterError {
     /// The bounds cannot be.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
-    /// The caller stopped the work.
-    #[error("cancelled")]
+    /// The progress callback cancelled the work.
+    #[error("filtering was cancelled")]
     Cancelled,
 }
 
@@ -157,7 +157,7 @@ pub enum FilterError {
 /// let quiet = |_| ControlFlow::Continue(());
 /// let bounds = Bounds { jerk: [0.5; 2], ..Bounds::NONE };
 /// let start = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet)?;
-/// let filtered = filter_locally(&robot, &times, &start.rungs, &bounds, &FilterOptions::default(), &quiet)?;
+/// let filtered = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet)?;
 /// // Shared evenly, the sum of squares is half of what one joint alone has.
 /// assert!(filtered.jerk[1] < 0.6 * filtered.jerk[0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -165,7 +165,7 @@ pub enum FilterError {
 pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     robot: &R,
     times: &[f64],
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &FilterOptions<N>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
@@ -207,8 +207,9 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
     };
     let jerk = [before, filter.jerk(&motion.postures, 0..waypoints)];
-    let rung = |i: usize| Rung { joints: motion.postures[i].joints, free: motion.free[i], branch: motion.branches[i] };
-    Ok(Filtered { rungs: (0..waypoints).map(rung).collect(), status, iterations, successes, jerk })
+    let node =
+        |i: usize| LadderNode { joints: motion.postures[i].joints, free: motion.free[i], branch: motion.branches[i] };
+    Ok(Filtered { nodes: (0..waypoints).map(node).collect(), status, iterations, successes, jerk })
 }
 
 /// The free waypoint with the largest jerk of those that have more than they may, and whether any has.
@@ -236,15 +237,15 @@ fn worst<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 fn check<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     robot: &R,
     times: &[f64],
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &FilterOptions<N>,
 ) -> Result<Motion<N, F>, FilterError> {
     let waypoints = robot.waypoints();
     if times.len() != waypoints || start.len() != waypoints {
-        return Err(FilterError::Count { waypoints, times: times.len(), rungs: start.len() });
+        return Err(FilterError::Count { waypoints, times: times.len(), nodes: start.len() });
     }
-    if waypoints < FEWEST_WAYPOINTS {
+    if waypoints < MIN_WAYPOINTS {
         return Err(FilterError::TooFew { waypoints });
     }
     for (waypoint, &time) in times.iter().enumerate() {
@@ -259,19 +260,19 @@ fn check<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
     }
     let mut motion = Motion { free: Vec::new(), branches: Vec::new(), postures: Vec::new() };
-    for (waypoint, rung) in start.iter().enumerate() {
-        let posture = robot.posture(waypoint, &rung.free, rung.branch).and_then(|mut posture| {
-            for (joint, wanted) in posture.joints.iter_mut().zip(&rung.joints) {
+    for (waypoint, node) in start.iter().enumerate() {
+        let posture = robot.posture(waypoint, &node.free, node.branch).and_then(|mut posture| {
+            for (joint, wanted) in posture.joints.iter_mut().zip(&node.joints) {
                 *joint += TAU * ((wanted - *joint) / TAU).round();
             }
-            let same = posture.joints.iter().zip(&rung.joints).all(|(a, b)| (a - b).abs() <= SAME);
+            let same = posture.joints.iter().zip(&node.joints).all(|(a, b)| (a - b).abs() <= SAME);
             same.then_some(posture)
         });
         let Some(mut posture) = posture else { return Err(FilterError::Start { waypoint }) };
         // To the last bit what was given: a joint put on its stop stays there.
-        posture.joints = rung.joints;
-        motion.free.push(rung.free);
-        motion.branches.push(rung.branch);
+        posture.joints = node.joints;
+        motion.free.push(node.free);
+        motion.branches.push(node.branch);
         motion.postures.push(posture);
     }
     Ok(motion)

@@ -8,7 +8,7 @@
 use super::cell::{Clearance, Moment, OnPath, PrintCell, PrintRobot, Waypoint};
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath};
 use crate::robot::{FreeRange, Posture, Robot};
-use crate::{Bounds, FlowLimits, Rung, TimePathError, Trajectory, time_path};
+use crate::{Bounds, FlowLimits, LadderNode, TimePathError, Trajectory, time_path};
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -60,7 +60,7 @@ impl<const N: usize, const F: usize, R> Task<'_, N, F, R> {
 pub(super) struct Course<const N: usize, const F: usize> {
     pub waypoints: Vec<Waypoint>,
     pub times: Vec<f64>,
-    pub rungs: Vec<Rung<N, F>>,
+    pub nodes: Vec<LadderNode<N, F>>,
     /// The path, and the waypoint of it that each is, or behind which it was put.
     pub path: usize,
     pub of: Vec<usize>,
@@ -87,7 +87,7 @@ impl<const N: usize> Timed<N> {
 impl<const N: usize, const F: usize> Course<N, F> {
     /// The fastest motion within the limits that is nowhere faster than planned.
     pub fn timed<R: Sync>(&self, path: &PrintPath<'_>, task: &Task<'_, N, F, R>) -> Result<Timed<N>, PrintError> {
-        let joints: Vec<[f64; N]> = self.rungs.iter().map(|rung| rung.joints).collect();
+        let joints: Vec<[f64; N]> = self.nodes.iter().map(|node| node.joints).collect();
         let max_pace = vec![1.0; joints.len() - 1];
         let PrintLimits { max_flow_mm3_s, max_flow_ramp_mm3_s2, filament_mm2, .. } = *task.limits;
         let of_piece = |times: &[f64]| {
@@ -160,19 +160,19 @@ impl<const N: usize, const F: usize> Course<N, F> {
             return None;
         }
         let passed = motion.times();
-        let mut split = Course { waypoints: vec![], times: vec![], rungs: vec![], path: self.path, of: vec![] };
+        let mut split = Course { waypoints: vec![], times: vec![], nodes: vec![], path: self.path, of: vec![] };
         let mut steps = steps.into_iter().peekable();
         for k in 0..self.times.len() {
-            let mut put = |waypoint, time, rung| split.put(split.times.len(), waypoint, time, rung, self.of[k]);
-            put(self.waypoints[k], self.times[k], self.rungs[k]);
+            let mut put = |waypoint, time, node| split.put(split.times.len(), waypoint, time, node, self.of[k]);
+            put(self.waypoints[k], self.times[k], self.nodes[k]);
             let Some((_, mm)) = steps.next_if(|step| step.0 == k) else { continue };
             let parts = (mm / (AIM * task.limits.tolerance_mm)).sqrt().ceil().clamp(2.0, MOST_PARTS);
             let between = |times: &[f64], share: f64| times[k] + (times[k + 1] - times[k]) * share;
             for part in 1..parts as u32 {
                 let share = f64::from(part) / parts;
                 let near = motion.trajectory.at(between(&passed, share)).position;
-                if let Some((waypoint, rung)) = self.between(k, share, &near, task.robot) {
-                    put(waypoint, between(&self.times, share), rung);
+                if let Some((waypoint, node)) = self.between(k, share, &near, task.robot) {
+                    put(waypoint, between(&self.times, share), node);
                 }
             }
         }
@@ -189,32 +189,32 @@ impl<const N: usize, const F: usize> Course<N, F> {
         cell: &impl PrintCell<N>,
     ) -> bool {
         let Bounds { lower, upper, .. } = task.inside();
-        let reached = |waypoint: Waypoint, from: &Rung<N, F>| {
+        let reached = |waypoint: Waypoint, from: &LadderNode<N, F>| {
             let on_path = OnPath { robot: task.robot, waypoints: &[waypoint] };
-            let rung = nearest(&on_path, from.free, from.branch, &from.joints)?;
+            let node = nearest(&on_path, from.free, from.branch, &from.joints)?;
             let is_near = |j: usize| {
-                let angle = rung.joints[j];
+                let angle = node.joints[j];
                 (angle - from.joints[j]).abs() <= task.options.max_step[j] && (lower[j]..=upper[j]).contains(&angle)
             };
-            ((0..N).all(is_near) && cell.keeps(&rung.joints, Clearance::Least)).then_some(rung)
+            ((0..N).all(is_near) && cell.keeps(&node.joints, Clearance::Least)).then_some(node)
         };
         let last = before.times.len() - 1;
-        if let Some(rung) = reached(before.waypoints[last], &after.rungs[0]) {
-            after.put(0, before.waypoints[last], before.times[last], rung, before.of[last]);
+        if let Some(node) = reached(before.waypoints[last], &after.nodes[0]) {
+            after.put(0, before.waypoints[last], before.times[last], node, before.of[last]);
             return true;
         }
-        if let Some(rung) = reached(after.waypoints[0], &before.rungs[last]) {
-            before.put(last + 1, after.waypoints[0], after.times[0], rung, after.of[0]);
+        if let Some(node) = reached(after.waypoints[0], &before.nodes[last]) {
+            before.put(last + 1, after.waypoints[0], after.times[0], node, after.of[0]);
             return true;
         }
         false
     }
 
     /// Puts a waypoint at a place.
-    fn put(&mut self, place: usize, waypoint: Waypoint, time: f64, rung: Rung<N, F>, of: usize) {
+    fn put(&mut self, place: usize, waypoint: Waypoint, time: f64, node: LadderNode<N, F>, of: usize) {
         self.waypoints.insert(place, waypoint);
         self.times.insert(place, time);
-        self.rungs.insert(place, rung);
+        self.nodes.insert(place, node);
         self.of.insert(place, of);
     }
 
@@ -225,12 +225,12 @@ impl<const N: usize, const F: usize> Course<N, F> {
         share: f64,
         near: &[f64; N],
         robot: &R,
-    ) -> Option<(Waypoint, Rung<N, F>)> {
+    ) -> Option<(Waypoint, LadderNode<N, F>)> {
         let [a, b] = [self.waypoints[k], self.waypoints[k + 1]];
         let axis = UnitVector3::try_new(a.axis.lerp(&b.axis, share), 1e-9)?;
         let waypoint = Waypoint { position: a.position + (b.position - a.position) * share, axis };
         let on_path = OnPath { robot, waypoints: &[waypoint] };
-        let [from, to] = [&self.rungs[k], &self.rungs[k + 1]];
+        let [from, to] = [&self.nodes[k], &self.nodes[k + 1]];
         let ranges = robot.free();
         let free = std::array::from_fn(|f| {
             let by = to.free[f] - from.free[f];
@@ -238,8 +238,8 @@ impl<const N: usize, const F: usize> Course<N, F> {
             from.free[f] + share * (by - TAU * turns)
         });
         let found = [from.branch, to.branch].map(|branch| nearest(&on_path, free, branch, near));
-        let rung = found.into_iter().flatten().min_by(|a, b| apart(a, near).total_cmp(&apart(b, near)))?;
-        Some((waypoint, rung))
+        let node = found.into_iter().flatten().min_by(|a, b| apart(a, near).total_cmp(&apart(b, near)))?;
+        Some((waypoint, node))
     }
 }
 
@@ -285,17 +285,17 @@ fn nearest<const N: usize, const F: usize>(
     mut free: [f64; F],
     branch: u32,
     near: &[f64; N],
-) -> Option<Rung<N, F>> {
+) -> Option<LadderNode<N, F>> {
     let ranges = robot.free();
-    let mut best: Option<Rung<N, F>> = None;
+    let mut best: Option<LadderNode<N, F>> = None;
     for _ in 0..MOST_STEPS {
         let Some(Posture { joints, rates }) = robot.posture(0, &free, branch) else { break };
         let joints = std::array::from_fn(|j| joints[j] + TAU * ((near[j] - joints[j]) / TAU).round());
-        let rung = Rung { joints, free, branch };
-        if best.is_some_and(|best| apart(&rung, near) >= apart(&best, near)) {
+        let node = LadderNode { joints, free, branch };
+        if best.is_some_and(|best| apart(&node, near) >= apart(&best, near)) {
             break;
         }
-        best = Some(rung);
+        best = Some(node);
         let left = SVector::<f64, N>::from_fn(|j, _| near[j] - joints[j]);
         let rates = SMatrix::<f64, N, F>::from_fn(|j, f| rates[f][j]);
         let Some(step) = (rates.transpose() * rates).try_inverse().map(|inverse| inverse * rates.transpose() * left)
@@ -313,6 +313,6 @@ fn nearest<const N: usize, const F: usize>(
 }
 
 /// The squared distance of joints.
-fn apart<const N: usize, const F: usize>(rung: &Rung<N, F>, near: &[f64; N]) -> f64 {
-    rung.joints.iter().zip(near).map(|(a, b)| (a - b).powi(2)).sum()
+fn apart<const N: usize, const F: usize>(node: &LadderNode<N, F>, near: &[f64; N]) -> f64 {
+    node.joints.iter().zip(near).map(|(a, b)| (a - b).powi(2)).sum()
 }

@@ -184,7 +184,7 @@ pub enum PrintError {
         /// Why.
         error: TimePathError,
     },
-    /// The callback stopped the work. [`PrintPlanner`](super::PrintPlanner) goes on where it was.
+    /// The progress callback cancelled the work. [`PrintPlanner`](super::PrintPlanner) goes on where it was.
     #[error("planning was cancelled")]
     Cancelled,
 }

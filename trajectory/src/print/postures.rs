@@ -175,7 +175,7 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             LadderError::Cancelled => PrintError::Cancelled,
             error => PrintError::Ladder { path: prepared.path, error },
         })?;
-        *before = ladder.rungs.last().map(|rung| Before { joints: rung.joints, branch: rung.branch });
+        *before = ladder.nodes.last().map(|node| Before { joints: node.joints, branch: node.branch });
         ladders.push(ladder);
     }
     prepared.took += start.elapsed();

@@ -9,7 +9,7 @@ use super::course::{Course, Task, Timed, path_deviations};
 use super::options::{PrintError, PrintPath};
 use super::plan::{Fault, FaultKind, Run};
 use super::postures::{Chosen, Prepared, Section};
-use crate::{Avoid, Bounds, FEWEST_WAYPOINTS, GlobalOptions, RunIn, Rung, Timeline, smooth_clear_of};
+use crate::{Avoid, Bounds, GlobalOptions, LadderNode, MIN_WAYPOINTS, RunIn, Timeline, smooth_clear_of};
 use std::time::{Duration, Instant};
 
 /// Seconds of each piece of the run-in and run-out with which the filter smooths. They are not executed; shorter ones let
@@ -65,7 +65,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             let mut course = Course {
                 waypoints: waypoints[run.clone()].to_vec(),
                 times: times[run.clone()].to_vec(),
-                rungs: ladder.rungs[run.clone()].to_vec(),
+                nodes: ladder.nodes[run.clone()].to_vec(),
                 path: *path,
                 of: run.map(of_path).collect(),
             };
@@ -88,19 +88,19 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             planned.planned_s += ends - began;
             let (course, motion) = on_course(course, of_print, task, cell)?;
             planned.min_pace = planned.min_pace.min(motion.min_pace);
-            let missed = |(waypoint, rung): (&Waypoint, &Rung<N, F>)| {
-                let nozzle = task.robot.nozzle(&rung.joints);
+            let missed = |(waypoint, node): (&Waypoint, &LadderNode<N, F>)| {
+                let nozzle = task.robot.nozzle(&node.joints);
                 nozzle.map_or(f64::INFINITY, |nozzle| (nozzle.translation.vector - waypoint.position.coords).norm())
             };
             planned.missed_mm =
-                course.waypoints.iter().zip(&course.rungs).map(missed).fold(planned.missed_mm, f64::max);
+                course.waypoints.iter().zip(&course.nodes).map(missed).fold(planned.missed_mm, f64::max);
             let off = path_deviations(task.robot, &course.waypoints, &motion.trajectory, &motion.times(), 0.0);
             planned.deviation_mm = off.into_iter().fold(planned.deviation_mm, f64::max);
             planned.faults.extend(course.astray(&motion, task).into_iter().map(|(step, mm)| {
                 fault(FaultKind::Astray, course.of[step], &format!("{mm:.2} mm off the way to the next"))
             }));
-            let end = |k: usize| (course.rungs[k].free, course.waypoints[k]);
-            let ends = [end(0), end(course.rungs.len() - 1)];
+            let end = |k: usize| (course.nodes[k].free, course.waypoints[k]);
+            let ends = [end(0), end(course.nodes.len() - 1)];
             let is_given = |k: usize| k == 0 || course.of[k] != course.of[k - 1];
             let pass = |(k, &knot)| (knot, is_given(k).then(|| course.of[k]));
             let passes = motion.knots.iter().enumerate().map(pass).collect();
@@ -122,7 +122,7 @@ fn on_course<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     task: &Task<'_, N, F, R>,
     cell: &impl PrintCell<N>,
 ) -> Result<(Course<N, F>, Timed<N>), PrintError> {
-    let smooth = smooth(&course, task, cell)?.map(|rungs| Course { rungs, ..course.clone() });
+    let smooth = smooth(&course, task, cell)?.map(|nodes| Course { nodes, ..course.clone() });
     let Some(first) = smooth else { return split(course, path, task, cell) };
     let looked = |course| -> Result<([usize; 4], _, _), PrintError> {
         let (course, motion) = split(course, path, task, cell)?;
@@ -168,8 +168,8 @@ fn smooth<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     course: &Course<N, F>,
     task: &Task<'_, N, F, R>,
     cell: &impl PrintCell<N>,
-) -> Result<Option<Vec<Rung<N, F>>>, PrintError> {
-    if course.rungs.len() < FEWEST_WAYPOINTS || task.options.smoothing_rounds == 0 {
+) -> Result<Option<Vec<LadderNode<N, F>>>, PrintError> {
+    if course.nodes.len() < MIN_WAYPOINTS || task.options.smoothing_rounds == 0 {
         return Ok(None);
     }
     let run = RunIn { spacing: RUN_SPACING, ..RunIn::default() };
@@ -180,9 +180,9 @@ fn smooth<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     // Accelerations and jerks are kept by the timing.
     let bounds = Bounds { acceleration: [f64::INFINITY; N], jerk: [f64::INFINITY; N], ..task.inside() };
     let on_path = OnPath { robot: task.robot, waypoints: &course.waypoints };
-    let found = smooth_clear_of(&on_path, &line, &course.rungs, &bounds, &options, &avoid, &|_| task.flow());
+    let found = smooth_clear_of(&on_path, &line, &course.nodes, &bounds, &options, &avoid, &|_| task.flow());
     if (task.stopped)() {
         return Err(PrintError::Cancelled);
     }
-    Ok(found.ok().map(|found| found.rungs))
+    Ok(found.ok().map(|found| found.nodes))
 }

@@ -30,14 +30,13 @@ impl Verification {
     }
 }
 
-/// The progress callback said to stop.
+/// Why a trajectory was not verified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("stopped after {done} of {total} waypoints")]
-pub struct Stopped {
-    /// Waypoints verified.
-    pub done: u64,
-    /// Waypoints in all.
-    pub total: u64,
+#[non_exhaustive]
+pub enum VerifyError {
+    /// The progress callback cancelled the verification.
+    #[error("the verification was cancelled")]
+    Cancelled,
 }
 
 /// Waypoints between two calls of the progress callback.
@@ -51,7 +50,7 @@ const STRIDE: usize = 64;
 ///   spline. Asked only where both ends are free.
 ///
 /// # Errors
-/// [`Stopped`] when `progress` breaks off.
+/// [`VerifyError::Cancelled`] when `progress` breaks off.
 ///
 /// # Cost
 /// One call of each a waypoint.
@@ -65,21 +64,21 @@ const STRIDE: usize = 64;
 /// let passes = |_: usize, from: &[f64; 1], to: &[f64; 1]| !(from[0] < 4.0 && to[0] > 4.0);
 /// let found = verify(&waypoints, &free, &passes, &|_| ControlFlow::Continue(()))?;
 /// assert_eq!((found.waypoints, found.motions), (vec![4], vec![2]));
-/// # Ok::<(), curvlay_trajectory::verify::Stopped>(())
+/// # Ok::<(), curvlay_trajectory::verify::VerifyError>(())
 /// ```
 pub fn verify<const N: usize>(
     waypoints: &[[f64; N]],
     posture_free: &(impl Fn(usize, &[f64; N]) -> bool + ?Sized),
     motion_free: &(impl Fn(usize, &[f64; N], &[f64; N]) -> bool + ?Sized),
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Verification, Stopped> {
+) -> Result<Verification, VerifyError> {
     let mut found = Verification::default();
     let total = waypoints.len() as u64;
     let mut before = false;
     for (i, joints) in waypoints.iter().enumerate() {
         let done = i as u64;
         if i % STRIDE == 0 && progress(Progress { stage: "verify", done, total }).is_break() {
-            return Err(Stopped { done, total });
+            return Err(VerifyError::Cancelled);
         }
         let free = posture_free(i, joints);
         if !free {

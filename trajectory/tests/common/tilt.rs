@@ -3,7 +3,7 @@
 use super::ur3::Ur3;
 use curvlay_kinematics::{Arm, Branch, Positioner, TableCell, Waypoint, nozzle_frame, robots};
 use curvlay_trajectory::nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
-use curvlay_trajectory::{Bounds, FreeRange, Posture, Robot, Rung};
+use curvlay_trajectory::{Bounds, FreeRange, LadderNode, Posture, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The tool angle, and a tilt of the waypoint's axis by a turn about a line across it.
@@ -130,22 +130,22 @@ impl Table {
     }
 
     /// The table level, one tool angle and one branch for all waypoints: those with the least way.
-    pub fn level_start(&self) -> Vec<Rung<8, 3>> {
-        let mut best: Option<(f64, Vec<Rung<8, 3>>)> = None;
+    pub fn level_start(&self) -> Vec<LadderNode<8, 3>> {
+        let mut best: Option<(f64, Vec<LadderNode<8, 3>>)> = None;
         for branch in 0..8 {
             for k in 0..24 {
                 let free = [PI * f64::from(k) / 12.0 - PI, 0.0, 0.0];
-                let rung = |w: usize| Some(Rung { joints: self.posture(w, &free, branch)?.joints, free, branch });
-                let Some(rungs) = (0..self.waypoints.len()).map(rung).collect::<Option<Vec<_>>>() else { continue };
-                let apart = |pair: &[Rung<8, 3>]| {
+                let node = |w: usize| Some(LadderNode { joints: self.posture(w, &free, branch)?.joints, free, branch });
+                let Some(nodes) = (0..self.waypoints.len()).map(node).collect::<Option<Vec<_>>>() else { continue };
+                let apart = |pair: &[LadderNode<8, 3>]| {
                     pair[0].joints.iter().zip(&pair[1].joints).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
                 };
-                let inside = rungs
+                let inside = nodes
                     .iter()
-                    .all(|rung| self.cell.arm().limits().contains(&std::array::from_fn(|j| rung.joints[j])));
-                let way: f64 = rungs.windows(2).map(apart).sum();
+                    .all(|node| self.cell.arm().limits().contains(&std::array::from_fn(|j| node.joints[j])));
+                let way: f64 = nodes.windows(2).map(apart).sum();
                 if inside && best.as_ref().is_none_or(|best| way < best.0) {
-                    best = Some((way, rungs));
+                    best = Some((way, nodes));
                 }
             }
         }

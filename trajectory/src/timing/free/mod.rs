@@ -21,7 +21,7 @@ mod program;
 mod search;
 
 use super::{FlowLimits, TimePathError, TimePathOptions, TimedMotion, time_path};
-use crate::{Bounds, FreeRange, Progress, Robot, Rung};
+use crate::{Bounds, FreeRange, LadderNode, Progress, Robot};
 use model::Point;
 use search::{Search, Task};
 use std::ops::ControlFlow;
@@ -69,7 +69,7 @@ pub enum TimeFreeStatus {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeMotion<const N: usize, const F: usize> {
     /// One node a waypoint, on the branches of the start.
-    pub nodes: Vec<Rung<N, F>>,
+    pub nodes: Vec<LadderNode<N, F>>,
     /// The timing. Planned times and paces are those of the plan that was given. Between waypoints, `planned` is
     /// interpolated linearly by the time of the search; at a waypoint, `pace` is the smaller one of both sides.
     pub motion: TimedMotion<N>,
@@ -152,7 +152,7 @@ pub enum TimeFreeError {
 ///
 /// # Example
 /// ```
-/// use curvlay_trajectory::{Bounds, FreeRange, Posture, RobotFn, Rung, TimeFreeOptions, time_path_free};
+/// use curvlay_trajectory::{Bounds, FreeRange, Posture, RobotFn, LadderNode, TimeFreeOptions, time_path_free};
 /// use std::ops::ControlFlow;
 /// // Two joints that add up to what is asked. The start leaves it all to the first.
 /// let joints = |waypoint: usize, free: &[f64; 1]| [0.1 * waypoint as f64 - free[0], free[0]];
@@ -162,7 +162,7 @@ pub enum TimeFreeError {
 ///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free)),
 ///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free), rates: [[-1.0, 1.0]] }),
 /// };
-/// let start: Vec<_> = (0..41).map(|i| Rung { joints: joints(i, &[0.0]), free: [0.0], branch: 0 }).collect();
+/// let start: Vec<_> = (0..41).map(|i| LadderNode { joints: joints(i, &[0.0]), free: [0.0], branch: 0 }).collect();
 /// let planned: Vec<f64> = (0..41).map(|i| 0.1 * f64::from(i)).collect();
 /// let bounds = Bounds { velocity: [3.0; 2], acceleration: [10.0; 2], jerk: [100.0; 2], ..Bounds::NONE };
 /// let quiet = |_| ControlFlow::Continue(());
@@ -176,7 +176,7 @@ pub enum TimeFreeError {
 #[allow(clippy::too_many_arguments)] // those of `time_path`, with a robot and its start instead of postures
 pub fn time_path_free<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     robot: &R,
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     planned: &[f64],
     max_pace: &[f64],
     flow: Option<FlowLimits<'_>>,
@@ -201,13 +201,13 @@ pub fn time_path_free<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         None => (TimeFreeStatus::Start, point, motion),
     };
     let nodes = start.iter().zip(&point.free).zip(&point.joints);
-    let nodes = nodes.map(|((node, &free), &joints)| Rung { joints, free, branch: node.branch }).collect();
+    let nodes = nodes.map(|((node, &free), &joints)| LadderNode { joints, free, branch: node.branch }).collect();
     Ok(FreeMotion { nodes, motion, start_duration, rounds, gain, status })
 }
 
 fn check<const N: usize, const F: usize>(
     waypoints: usize,
-    start: &[Rung<N, F>],
+    start: &[LadderNode<N, F>],
     ranges: &[FreeRange; F],
     options: &TimeFreeOptions,
 ) -> Result<(), TimeFreeError> {

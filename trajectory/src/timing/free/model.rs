@@ -4,7 +4,7 @@
 //! after the last waypoint joints stand still, in steps as long as the outermost.
 
 use super::program::Rows;
-use crate::{Bounds, FreeRange, Robot, Rung};
+use crate::{Bounds, FreeRange, LadderNode, Robot};
 use std::f64::consts::TAU;
 
 /// Rates of the joints below this count as this: parameters that hardly move the joints take no giant steps.
@@ -37,7 +37,7 @@ pub(super) struct Point<const N: usize, const F: usize> {
 impl<const N: usize, const F: usize> Point<N, F> {
     /// The waypoints at the parameters of these nodes, on the images of the nodes' joints; steps are unknown yet.
     /// Otherwise the waypoint where the robot cannot be.
-    pub fn start<R: Robot<N, F> + ?Sized>(robot: &R, nodes: &[Rung<N, F>]) -> Result<Self, usize> {
+    pub fn start<R: Robot<N, F> + ?Sized>(robot: &R, nodes: &[LadderNode<N, F>]) -> Result<Self, usize> {
         let mut point = Point {
             free: nodes.iter().map(|node| node.free).collect(),
             joints: nodes.iter().map(|node| node.joints).collect(),
@@ -78,7 +78,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
     pub fn moved<R: Robot<N, F> + ?Sized>(
         &self,
         robot: &R,
-        nodes: &[Rung<N, F>],
+        nodes: &[LadderNode<N, F>],
         ranges: &[FreeRange; F],
         x: &[f64],
     ) -> Result<Self, Vec<usize>> {

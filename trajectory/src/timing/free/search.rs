@@ -4,7 +4,7 @@ use super::model::Point;
 use super::program::{Program, Rows};
 use super::{TimeFreeError, TimeFreeOptions, TimeFreeStatus};
 use crate::timing::{FlowLimits, TimePathError, TimedMotion, time_path};
-use crate::{Bounds, FreeRange, Progress, Robot, Rung};
+use crate::{Bounds, FreeRange, LadderNode, Progress, Robot};
 use std::ops::ControlFlow;
 
 /// The time between two waypoints falls by at most this share of itself in a round, and grows by so many times. Where a round
@@ -40,7 +40,7 @@ const SHORTEST: f64 = 1e-2;
 /// What is asked.
 pub(super) struct Task<'a, R: ?Sized, const N: usize, const F: usize> {
     pub robot: &'a R,
-    pub start: &'a [Rung<N, F>],
+    pub start: &'a [LadderNode<N, F>],
     pub ranges: [FreeRange; F],
     pub planned: &'a [f64],
     pub max_pace: &'a [f64],
@@ -176,8 +176,8 @@ impl<const N: usize, const F: usize> Search<N, F> {
         let mut reach = vec![options.max_step; task.start.len()];
         let mut waiting = 0;
         while self.rounds < options.rounds {
-            let tell = Progress { stage: "time free", done: self.rounds as u64, total: options.rounds as u64 };
-            if progress(tell).is_break() {
+            let step = Progress { stage: "time free", done: self.rounds as u64, total: options.rounds as u64 };
+            if progress(step).is_break() {
                 return Err(TimePathError::Cancelled.into());
             }
             self.rounds += 1;
