@@ -154,6 +154,11 @@ impl PathSchedule {
         &self.times
     }
 
+    /// Filament that is laid by each waypoint, in millimetres; none by the first one.
+    pub fn filament_mm(&self) -> &[f64] {
+        &self.filament
+    }
+
     /// Filament that is laid by a time, in millimetres: evenly between two waypoints, none before the first, all after the last.
     pub fn filament(&self, time: f64) -> f64 {
         let Some(last) = self.times.len().checked_sub(1).filter(|&last| last > 0) else { return 0.0 };
@@ -177,6 +182,7 @@ impl Deposition {
     /// let plan = deposit(&[path], &DepositionOptions::default())?;
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
     /// assert_eq!(schedule.times(), [0.0, 0.5, 1.5]);
+    /// assert_eq!(schedule.filament_mm()[2], plan.filament_mm);
     /// assert!((schedule.filament(1.0) - plan.filament_mm * 2.0 / 3.0).abs() < 1e-12);
     /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
     /// ```
