@@ -3,11 +3,11 @@
 //! Nothing here knows of the planner. The motions are those of `trajectory.csv`, the path is that of the machine file, and
 //! [`check_motion`] computes splines and extremes by itself.
 
-use super::cell::GrowingCell;
-use super::{Print, placed};
+use super::Print;
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::motion::{PrintingCell, placed};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_toolpath::surface::{GougingOptions, Moment};
 use curvlay_trajectory::check::{
@@ -186,7 +186,7 @@ pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
 struct Executed<'a, const N: usize, const F: usize, W> {
     print: &'a Print<'a>,
     motions: &'a [Written<N>],
-    cell: &'a GrowingCell<'a, N, F, W>,
+    cell: &'a PrintingCell<'a, N, F, W>,
 }
 
 impl<const N: usize, const F: usize, W: Workcell<N, F>> Executed<'_, N, F, W> {
@@ -249,7 +249,7 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintScene<N> for Execut
     fn sweep(&self, motion: usize, _: usize, control: &[[f64; N]; 4]) -> Option<String> {
         match self.motions[motion].kind {
             LegKind::Transfer => self.cell.touches_moving(control),
-            LegKind::Print | LegKind::Lift | LegKind::Approach => self.cell.touches_printing(control),
+            LegKind::Print | LegKind::Lift | LegKind::Approach => self.cell.touches(control),
         }
     }
 }
