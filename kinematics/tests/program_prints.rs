@@ -1,6 +1,7 @@
 //! Programs of planned prints: streams tick by tick, targets waypoint by waypoint, and where programs are cut.
 #![cfg(feature = "serde")] // the cells are read from the files of the examples
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+#![allow(clippy::float_cmp, clippy::type_complexity)] // times of ticks are exact; legs are closures
 
 use curvlay_kinematics::program::{
     Goal, Move, PrintKnot, ProgramLimits, RapidOptions, ServoRate, Speed, Step, StreamLeg, StreamOptions, TargetMotion,

@@ -139,7 +139,7 @@ pub enum GrowingError {
 /// scene.begin(0)?;
 /// scene.build(0)?;
 /// assert_eq!(scene.touching_printing(&joints, ClearanceLevel::Least)?, None);
-/// assert_eq!(scene.touching_moving(&joints)?, Some(["nozzle", "plate"]));
+/// assert_eq!(scene.touching_moving(&joints)?, Some(["nozzle", "part"]));
 /// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
