@@ -1,4 +1,5 @@
 //! The cells of each surface: every cell with a value is in the one list that its height says.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_layers::curved::Cells;
 use curvlay_layers::curved::surface::{FieldError, LayerField};

@@ -1,4 +1,5 @@
 //! What robot programs ask of a planned print: postures of a travel, and the fastest filament.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_trajectory::print::{
@@ -62,7 +63,7 @@ fn the_fastest_filament_is_that_of_the_fastest_step() {
     let plan = plan();
     let fastest = plan.max_filament_mm_s();
     assert!((2.9..3.01).contains(&fastest), "{fastest}");
-    assert_eq!(PrintPlan { runs: vec![], ..plan }.max_filament_mm_s(), 0.0);
+    assert!(PrintPlan { runs: vec![], ..plan }.max_filament_mm_s().abs() < f64::MIN_POSITIVE);
 }
 
 #[test]
