@@ -57,7 +57,7 @@ pub struct MachineRun {
     /// Turns between neighbours when every nozzle points away from the closest point below.
     pub before: Turns,
     /// The paths with the directions that they are printed with.
-    pub freed: ResolvedPaths,
+    pub resolved: ResolvedPaths,
     /// How the nozzle gets from path to path.
     pub travels: Travels,
     pub deposition: Deposition,
@@ -79,19 +79,19 @@ pub struct Times {
 
 impl MachineRun {
     pub fn waypoints(&self) -> usize {
-        self.freed.paths.iter().map(|path| path.waypoints.len()).sum()
+        self.resolved.paths.iter().map(|path| path.waypoints.len()).sum()
     }
 
     /// Length of the paths, and of the pieces that are left out because the nozzle would run into what is built.
     pub fn lengths_mm(&self) -> [f64; 2] {
-        let left_out = self.freed.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]);
+        let left_out = self.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]);
         [self.deposition.bead_mm, left_out.fold(0.0, |sum, length| sum + length)] // a sum of nothing is -0.0
     }
 
     /// Whether what is left of gouging, travels and the volume are within bounds.
     pub fn failed_checks(&self) -> Vec<String> {
         let mut failed = Vec::new();
-        let (left, waypoints) = (self.freed.left.len(), self.waypoints());
+        let (left, waypoints) = (self.resolved.left.len(), self.waypoints());
         if left as f64 > GOUGING_SHARE * waypoints as f64 {
             failed.push(format!("{left} of {waypoints} waypoints gouge"));
         }
@@ -111,7 +111,7 @@ impl MachineRun {
 
     /// The path with the most waypoints.
     pub fn longest(&self) -> Option<&ToolPath> {
-        self.freed.paths.iter().max_by_key(|path| path.waypoints.len())
+        self.resolved.paths.iter().max_by_key(|path| path.waypoints.len())
     }
 }
 
@@ -132,14 +132,14 @@ pub fn run(
     };
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
-    let PrintPlan { before, resolved: freed, travels, deposition } =
+    let PrintPlan { before, resolved: resolved, travels, deposition } =
         paths.filled.plan(&layers, nozzle, options, &progress).map_err(failure)?;
     clock.stop();
     let gouging = clock.on_the_clock(&["gouging", "built"]);
     let orientation = gouging + clock.on_the_clock(&["orient", "share"]);
     let times = Times { orientation, gouging, travels: clock.on_the_clock(&["travel"]) };
     let covered_mm3 = paths.filled.covered_mm3(&layers);
-    let mut run = MachineRun { before, freed, travels, deposition, covered_mm3, unfiltered: None, times };
+    let mut run = MachineRun { before, resolved, travels, deposition, covered_mm3, unfiltered: None, times };
     if let Some(longest) = run.longest().filter(|_| compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
         let stack = paths.filled.stack(&layers).map_err(failure)?;

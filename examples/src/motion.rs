@@ -1,5 +1,10 @@
 //! Workcells as the planners of trajectories see them, and the two cells of the dissertation.
 
+mod printing;
+pub mod programs;
+
+pub use printing::{PlacedPaths, PrintingCell, in_the_middle, nozzle_of, placed, table_options};
+
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
     self, AnyWorkcell, EightAxisCell, LimitsModel, SixAxisCell, Workcell, WorkcellFileError, WorkcellModel,

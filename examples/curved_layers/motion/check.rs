@@ -3,11 +3,11 @@
 //! Nothing here knows of the planner. The motions are those of `trajectory.csv`, the path is that of the machine file, and
 //! [`check_motion`] computes splines and extremes by itself.
 
-use super::cell::GrowingCell;
-use super::{Print, placed};
+use super::Print;
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::motion::{PrintingCell, placed};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_toolpath::surface::{GougingOptions, Moment};
 use curvlay_trajectory::check::{
@@ -186,7 +186,7 @@ pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
 struct Executed<'a, const N: usize, const F: usize, W> {
     print: &'a Print<'a>,
     motions: &'a [Written<N>],
-    cell: &'a GrowingCell<'a, N, F, W>,
+    cell: &'a PrintingCell<'a, N, F, W>,
 }
 
 impl<const N: usize, const F: usize, W: Workcell<N, F>> Executed<'_, N, F, W> {
@@ -196,7 +196,7 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Executed<'_, N, F, W> {
         let mut passed = motion.waypoints.iter().copied().peekable();
         let point = |waypoint: usize| {
             let placed =
-                placed(&self.print.machine.freed.paths[motion.path].waypoints[waypoint], self.cell.frame_part());
+                placed(&self.print.machine.resolved.paths[motion.path].waypoints[waypoint], self.cell.frame_part());
             let passed_s = passed.next_if(|(passed, _)| *passed == waypoint).map(|(_, time)| time);
             PathPoint { tip: placed.position, axis: placed.axis, passed_s }
         };
@@ -249,14 +249,14 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintScene<N> for Execut
     fn sweep(&self, motion: usize, _: usize, control: &[[f64; N]; 4]) -> Option<String> {
         match self.motions[motion].kind {
             LegKind::Transfer => self.cell.touches_moving(control),
-            LegKind::Print | LegKind::Lift | LegKind::Approach => self.cell.touches_printing(control),
+            LegKind::Print | LegKind::Lift | LegKind::Approach => self.cell.touches(control),
         }
     }
 }
 
 /// Length of all paths, and of what no motion goes along.
 fn lengths<const N: usize>(print: &Print, motions: &[Written<N>]) -> [f64; 2] {
-    let paths = &print.machine.freed.paths;
+    let paths = &print.machine.resolved.paths;
     let length = |path: usize, waypoints: Range<usize>| {
         let tips = paths[path].waypoints[waypoints].windows(2);
         tips.map(|pair| (pair[1].tip - pair[0].tip).norm()).sum::<f64>()

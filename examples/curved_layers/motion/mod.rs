@@ -1,10 +1,9 @@
 //! Stage `motion`: joint trajectories for the whole print, in a workcell: a UR3 that holds the part under a standing nozzle,
 //! an arm with the nozzle over a table that tilts and turns (`--cell8`), or what a file says (`--workcell`).
 //!
-//! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. The planning is that of [`curvlay_trajectory::print`]; here is what stands in the
-//! cell while the part grows (`cell`), and the check of what has been written (`check`).
+//! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. The planning is that of [`curvlay_trajectory::print`]; what stands in the
+//! cell while the part grows is that of [`GrowingScene`], and here is the check of what has been written (`check`).
 
-mod cell;
 pub mod check;
 mod place;
 
@@ -13,18 +12,19 @@ use crate::field::FieldRun;
 use crate::machine::{MachineRun, Shape};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use cell::{GrowingCell, Job};
 use check::Checked;
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{OnCell, TABLE_CELL, UR3_CELL, bounds_of};
+use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, table_options};
 use curvlay_kinematics::JointLimits;
-use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Workcell, WorkcellModel};
+use curvlay_kinematics::workcell::{
+    AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
+};
 use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
-use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, Waypoint, plan_print};
-use nalgebra::{Isometry3, UnitVector3};
+use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintOptions, PrintPlan, plan_print};
+use nalgebra::Isometry3;
 use std::f64::consts::PI;
 use std::fs;
 use std::io::BufRead;
@@ -241,6 +241,10 @@ impl Print<'_> {
         }
     }
 
+    fn growing_options(&self) -> GrowingOptions {
+        GrowingOptions { margin_mm: self.args.margin, ..GrowingOptions::default() }
+    }
+
     /// Plans it.
     fn plan<const N: usize, const F: usize, W: Workcell<N, F>>(
         &self,
@@ -252,26 +256,14 @@ impl Print<'_> {
         let robot = OnCell::new(cell.clone(), Vec::new());
         let frame_part = self.place(cell, options, bars)?;
         let limits = self.limits(cell.limits());
-        let schedules = self.machine.deposition.schedules();
-        let of_path = |path: &curvlay_toolpath::surface::ToolPath| {
-            path.waypoints.iter().map(|waypoint| placed(waypoint, &frame_part)).collect()
-        };
-        let waypoints: Vec<Vec<Waypoint>> = self.machine.freed.paths.iter().map(of_path).collect();
-        let paths: Vec<PrintPath> = (self.machine.freed.paths.iter().zip(&waypoints).zip(&schedules))
-            .map(|((path, waypoints), schedule)| PrintPath {
-                layer: path.layer,
-                waypoints,
-                times: schedule.times(),
-                filament_mm: schedule.filaments(),
-            })
-            .collect();
+        let paths = PlacedPaths::new(&self.machine.resolved.paths, &self.machine.deposition, &frame_part);
         let progress = |p: curvlay_trajectory::Progress| {
             bars.update(p.stage, p.done, p.total);
             ControlFlow::Continue(())
         };
         let plan = self.in_workcell((cell, &frame_part), PLANNED_DEPTH, bars, |growing| {
             let took = start.elapsed();
-            let mut plan = plan_print(&robot, growing, &paths, &limits, options, &progress).map_err(failure)?;
+            let mut plan = plan_print(&robot, growing, &paths.paths(), &limits, options, &progress).map_err(failure)?;
             plan.times.runs += took;
             Ok(plan)
         })?;
@@ -285,7 +277,7 @@ impl Print<'_> {
         (cell, frame_part): (&W, &Isometry3<f64>),
         allowed_depth: f64,
         bars: &Bars,
-        work: impl FnOnce(GrowingCell<N, F, W>) -> Result<T, Failure>,
+        work: impl FnOnce(PrintingCell<N, F, W>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let Print { field, surfaces, nozzle, .. } = *self;
         let progress = |p: curvlay_toolpath::Progress| {
@@ -296,9 +288,19 @@ impl Print<'_> {
         let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
         let layers = surfaces.surfaces();
         let stack = self.paths.filled.stack(&layers).map_err(failure)?;
-        let contacts = stack.contacts(&self.machine.freed.paths, nozzle, &options, &progress).map_err(failure)?;
-        let (frame_part, margin_mm) = (*frame_part, self.args.margin);
-        work(GrowingCell::new(cell, &Job { field, surfaces, contacts: &contacts, frame_part, margin_mm })?)
+        let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress).map_err(failure)?;
+        let (grid, height_mm) = (&field.solid.grid, surfaces.height_mm);
+        let layers = surfaces.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm());
+        let part = PartCells {
+            dims: grid.dims(),
+            rows: grid.rows(),
+            cell_mm: grid.cell_mm(),
+            origin: grid.origin(),
+            frame_part: *frame_part,
+            layers: &layers.map_err(failure)?,
+        };
+        let scene = GrowingScene::new(cell, &part, field.platform_diameter_mm(), &self.growing_options());
+        work(PrintingCell::new(scene.map_err(failure)?, &contacts))
     }
 }
 
@@ -306,12 +308,7 @@ impl Print<'_> {
 pub fn run(print: &Print, cell: &AnyWorkcell, bars: &Bars) -> Result<Motion, Failure> {
     Ok(match cell {
         AnyWorkcell::Six(cell) => Motion::Six(Box::new(print.plan(cell, &PrintOptions::default(), bars)?)),
-        AnyWorkcell::Eight(cell) => {
-            let (samples, dense_samples, near_samples) = ([5, 4], [25, 72], [7, 18]);
-            let options =
-                PrintOptions { samples, dense_samples, near_samples, doublings: 1, ..PrintOptions::default() };
-            Motion::Eight(Box::new(print.plan(cell, &options, bars)?))
-        }
+        AnyWorkcell::Eight(cell) => Motion::Eight(Box::new(print.plan(cell, &table_options(), bars)?)),
     })
 }
 
@@ -321,10 +318,4 @@ fn limit(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|value: &f64| *value > 0.0)
         .ok_or_else(|| "must be above 0, or inf for no limit".to_owned())
-}
-
-/// A waypoint over what carries the part.
-fn placed(waypoint: &curvlay_toolpath::surface::Waypoint, frame_part: &Isometry3<f64>) -> Waypoint {
-    let axis = UnitVector3::new_unchecked(frame_part.rotation * waypoint.direction.into_inner());
-    Waypoint { position: frame_part * waypoint.tip, axis }
 }

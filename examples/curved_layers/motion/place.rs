@@ -1,12 +1,11 @@
 //! Where the part stands on its plate: in the middle, unless waypoints are out of reach there, or tight.
 
 use super::Print;
-use super::cell::{CLEARANCES_MM, of_nozzle};
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_kinematics::scene::{Mount, Scene};
-use curvlay_kinematics::workcell::{PLATE, Workcell};
+use curvlay_kinematics::workcell::{PLATE, Workcell, nozzle_pairs};
 use curvlay_kinematics::{
     Assessment, BestPosture, JointLimits, Waypoint, best_place, place_grid, representative_waypoints,
 };
@@ -34,7 +33,7 @@ impl Print<'_> {
         options: &PrintOptions<N, F>,
         bars: &Bars,
     ) -> Result<Isometry3<f64>, Failure> {
-        let waypoints = self.machine.freed.paths.iter().flat_map(|path| &path.waypoints);
+        let waypoints = self.machine.resolved.paths.iter().flat_map(|path| &path.waypoints);
         let tips = || waypoints.clone().map(|waypoint| waypoint.tip);
         let mean = tips().map(|tip| tip.coords).sum::<Vector3<f64>>() / tips().count().max(1) as f64;
         let middle = Vector3::new(mean.x, mean.y, 0.0);
@@ -50,9 +49,9 @@ impl Print<'_> {
         let places = place_grid((plate / 2.0 - wide).max(0.0), STEPS, turns).map_err(failure)?;
 
         let mut model = equipment.scene(plate);
-        (model.margin, model.allowed) = (self.args.margin, of_nozzle(&[PLATE]));
+        (model.margin, model.allowed) = (self.args.margin, nozzle_pairs(&[PLATE]));
         let scene = Scene::new(model).map_err(failure)?;
-        let [comfortable, ..] = CLEARANCES_MM;
+        let [comfortable, ..] = self.growing_options().clearances_mm;
         let JointLimits { lower, upper, .. } = *cell.limits();
         let (lower, upper) =
             (lower.map(|stop| stop + options.stop_margin), upper.map(|stop| stop - options.stop_margin));

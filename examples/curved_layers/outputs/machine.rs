@@ -23,9 +23,9 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
         let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
         write(run, &options, "toolpath-bc.gcode", folder)?;
     }
-    folder.write_list("gouging.csv", !run.freed.left.is_empty(), |out| gouging(run, out))?;
-    folder.write_list("left_out.csv", !run.freed.left_out.is_empty(), |out| left_out(run, out))?;
-    folder.write_list("turns.csv", !run.freed.sharp.is_empty(), |out| turns(run, out))?;
+    folder.write_list("gouging.csv", !run.resolved.left.is_empty(), |out| gouging(run, out))?;
+    folder.write_list("left_out.csv", !run.resolved.left_out.is_empty(), |out| left_out(run, out))?;
+    folder.write_list("turns.csv", !run.resolved.sharp.is_empty(), |out| turns(run, out))?;
     folder.write_list("blocked_travels.csv", !run.travels.blocked.is_empty(), |out| blocked_travels(run, out))?;
     Ok(written)
 }
@@ -40,14 +40,14 @@ fn blocked_travels(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> 
 
 /// Layers count from 1, paths (in the order in which they are printed) and waypoints from 0.
 fn place(run: &MachineRun, path: usize, waypoint: usize) -> String {
-    let (path_of, tip) = (&run.freed.paths[path], run.freed.paths[path].waypoints[waypoint].tip);
+    let (path_of, tip) = (&run.resolved.paths[path], run.resolved.paths[path].waypoints[waypoint].tip);
     format!("{},{path},{waypoint},{:.3},{:.3},{:.3}", path_of.layer + 1, tip.x, tip.y, tip.z)
 }
 
 /// Waypoints that gouge.
 fn gouging(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     writeln!(out, "layer,path,waypoint,x,y,z,obstacle,depth_mm,nozzle_part,why")?;
-    run.freed.left.iter().try_for_each(|gouge| {
+    run.resolved.left.iter().try_for_each(|gouge| {
         let why = match gouge.obstacle {
             Obstacle::Layer(_) if gouge.own_layer => "no tilt frees it of beads of its own layer",
             Obstacle::Layer(_) => "no tilt frees it of earlier layers",
@@ -61,7 +61,7 @@ fn gouging(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
 /// Pieces of curves that are not printed.
 fn left_out(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     writeln!(out, "layer,curve,from_mm,to_mm,x,y,z,obstacle,depth_mm,nozzle_part")?;
-    run.freed.left_out.iter().try_for_each(|piece| {
+    run.resolved.left_out.iter().try_for_each(|piece| {
         let ([from, to], tip) = (piece.arcs, piece.tip);
         write!(out, "{},{},{from:.3},{to:.3},{:.3},{:.3},{:.3},", piece.layer + 1, piece.curve, tip.x, tip.y, tip.z)?;
         writeln!(out, "{},{:.4},{}", piece.obstacle, piece.depth, piece.part)
@@ -71,8 +71,8 @@ fn left_out(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
 /// Neighbours that turn by more than they should.
 fn turns(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     writeln!(out, "layer,path,waypoint,x,y,z,turn_deg,why")?;
-    let gouging: HashSet<(usize, usize)> = run.freed.left.iter().map(|gouge| (gouge.path, gouge.waypoint)).collect();
-    run.freed.sharp.iter().try_for_each(|turn| {
+    let gouging: HashSet<(usize, usize)> = run.resolved.left.iter().map(|gouge| (gouge.path, gouge.waypoint)).collect();
+    run.resolved.sharp.iter().try_for_each(|turn| {
         let gouges = [0, 1].iter().any(|next| gouging.contains(&(turn.path, turn.waypoint + next)));
         let why = if gouges { "beside a waypoint that gouges" } else { "no directions in between are free" };
         writeln!(out, "{},{:.2},{why}", place(run, turn.path, turn.waypoint), turn.angle.to_degrees())
@@ -92,7 +92,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
 }
 
 pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
-    let (freed, deposition, times) = (&run.freed, &run.deposition, &run.times);
+    let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     summary
         .set("nozzle", nozzle.text.as_str())?
         .set("waypoints", run.waypoints())?
@@ -100,18 +100,18 @@ pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mu
         .set_seconds("gouging_s", times.gouging)?
         .set("raw_mean_turn_deg", run.before.mean.to_degrees())?
         .set("raw_max_turn_deg", run.before.largest.to_degrees())?
-        .set("mean_turn_deg", freed.turns.mean.to_degrees())?
-        .set("max_turn_deg", freed.turns.largest.to_degrees())?
-        .set("sharp_orientation_turns", freed.sharp.len())?
-        .set("gouging_before", freed.gouging_before)?
-        .set("gouging_waypoints", freed.left.len())?
-        .set("gouging_of_own_layer", freed.left.iter().filter(|gouge| gouge.own_layer).count())?
-        .set("gouging_max_depth_mm", freed.left.iter().map(|gouge| gouge.depth).fold(0.0, f64::max))?
-        .set("paths_reversed", freed.reversed.len())?
-        .set("paths_laid_first", freed.laid_first.len())?
-        .set("left_out_pieces", freed.left_out.len())?
+        .set("mean_turn_deg", resolved.turns.mean.to_degrees())?
+        .set("max_turn_deg", resolved.turns.largest.to_degrees())?
+        .set("sharp_orientation_turns", resolved.sharp.len())?
+        .set("gouging_before", resolved.gouging_before)?
+        .set("gouging_waypoints", resolved.left.len())?
+        .set("gouging_of_own_layer", resolved.left.iter().filter(|gouge| gouge.own_layer).count())?
+        .set("gouging_max_depth_mm", resolved.left.iter().map(|gouge| gouge.depth).fold(0.0, f64::max))?
+        .set("paths_reversed", resolved.reversed.len())?
+        .set("paths_laid_first", resolved.laid_first.len())?
+        .set("left_out_pieces", resolved.left_out.len())?
         .set("left_out_mm", run.lengths_mm()[1])?
-        .set("max_tilt_deg", freed.max_tilt.to_degrees())?
+        .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
         .set("extruded_mm3", deposition.extruded_mm3)?
         .set("covered_mm3", run.covered_mm3)?
         .set("filament_mm", deposition.filament_mm)?
@@ -128,16 +128,19 @@ pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mu
 }
 
 pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
-    let (freed, deposition, times) = (&run.freed, &run.deposition, &run.times);
+    let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     let turns = |turns: &curvlay_toolpath::surface::Turns| {
         format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
     };
     table
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
         .row(["turns, raw".to_owned(), turns(&run.before)])
-        .row(["turns".to_owned(), turns(&freed.turns)])
-        .row(["gouging".to_owned(), gouging_row(freed)])
-        .row(["tilted".to_owned(), format!("{}, by at most {:.1} degrees", freed.tilted, freed.max_tilt.to_degrees())])
+        .row(["turns".to_owned(), turns(&resolved.turns)])
+        .row(["gouging".to_owned(), gouging_row(resolved)])
+        .row([
+            "tilted".to_owned(),
+            format!("{}, by at most {:.1} degrees", resolved.tilted, resolved.max_tilt.to_degrees()),
+        ])
         .row(["extruded".to_owned(), format!("{:.1} mm3 on {:.1} mm3", deposition.extruded_mm3, run.covered_mm3)])
         .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
         .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
@@ -154,11 +157,11 @@ pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
         ]);
 }
 
-fn gouging_row(freed: &ResolvedPaths) -> String {
-    let (before, after) = (freed.gouging_before, freed.left.len());
+fn gouging_row(resolved: &ResolvedPaths) -> String {
+    let (before, after) = (resolved.gouging_before, resolved.left.len());
     let mut row = format!("{before} waypoints before, {after} after");
-    if !freed.left_out.is_empty() {
-        row += &format!("; pieces of paths left out: {}", freed.left_out.len());
+    if !resolved.left_out.is_empty() {
+        row += &format!("; pieces of paths left out: {}", resolved.left_out.len());
     }
     row
 }

@@ -4,6 +4,8 @@
 //! or off, and the speed of the filament. Writers and readers pass it on step by step in constant memory; a writer
 //! checks each step before it is written and names the one that cannot be. [`strokes`] makes the steps of a print, with
 //! approach, retract and extruder; [`resample`] makes the even stream from a timed trajectory.
+//! [`print_stream`] and [`print_targets`] make the steps of a print whose motions are planned, [`print_pieces`] cuts it into
+//! programs.
 //!
 //! * RAPID ([`write_rapid`], [`read_rapid`]): `MoveL`, `MoveJ`, `MoveAbsJ` with robtargets, jointtargets, speed and
 //!   zone data inside the instruction, one line a move; `SetDO` and `SetAO` for the extruder. B. Brooks (*3D printing a
@@ -24,6 +26,7 @@
 mod check;
 mod csv;
 mod dome;
+mod prints;
 mod rapid;
 mod servo;
 mod strokes;
@@ -34,6 +37,10 @@ mod urscript;
 pub use check::{ProgramLimits, WriteError};
 pub use csv::{CsvReader, write_csv};
 pub use dome::DomeRig;
+pub use prints::{
+    PrintKnot, PrintPiece, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream,
+    print_targets,
+};
 pub use rapid::{
     RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten, read_rapid, write_rapid,
 };

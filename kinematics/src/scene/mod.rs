@@ -63,6 +63,7 @@ pub use body::{Body, FARTHEST, Mount, SceneError, Shape};
 pub use links::links;
 pub use motion::cubic_control;
 pub use query::{Clearance, Nearest, Posture, PostureError};
+pub(crate) use sweep::MIN_RESOLUTION;
 pub use sweep::{Sweep, SweepError};
 
 use crate::arm::Arm;

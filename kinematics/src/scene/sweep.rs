@@ -88,7 +88,7 @@ pub enum SweepError {
 }
 
 /// In millimetres. Far above what rounding decides; below it a pass that is just wide enough takes millions of checks.
-const LEAST_RESOLUTION: f64 = 1e-3;
+pub(crate) const MIN_RESOLUTION: f64 = 1e-3;
 
 /// In radians: the four turns that a joint has from stop to stop, four times over.
 const FARTHEST_TURN: f64 = 100.0;
@@ -268,8 +268,8 @@ impl Scene {
 
     /// Checks a motion through postures that have been checked.
     fn checked(&self, motion: Motion, resolution: f64) -> Result<Motion, SweepError> {
-        if !(LEAST_RESOLUTION..=super::FARTHEST).contains(&resolution) {
-            return Err(SweepError::Resolution { value: resolution, least: LEAST_RESOLUTION });
+        if !(MIN_RESOLUTION..=super::FARTHEST).contains(&resolution) {
+            return Err(SweepError::Resolution { value: resolution, least: MIN_RESOLUTION });
         }
         let (arm, on_table) = motion.lengths();
         let long = |table, angles: &[f64]| {

@@ -5,7 +5,7 @@ use super::model::{Held, MountModel, ShapeModel, SolidModel, StandModel, Workcel
 use crate::arm::Arm;
 use crate::positioner::Positioner;
 use crate::scene::{Body, Mount, Scene, SceneModel, Shape, links};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, UnitVector3};
 use std::f64::consts::{PI, TAU};
 
 /// The body of the nozzle's cone in the scene.
@@ -22,6 +22,15 @@ const SIDES: u32 = 12;
 
 /// A plate as wide as this, in millimetres, stands for one whose diameter the print decides, where only checks need one.
 const SOME_PLATE_MM: f64 = 100.0;
+
+/// A nozzle in the plate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlateContact {
+    /// What of it is deepest: [`NOZZLE`] or [`HOT_END`].
+    pub body: &'static str,
+    /// How deep, in millimetres.
+    pub depth_mm: f64,
+}
 
 /// The checked contents of a workcell, whatever its number of axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,6 +128,27 @@ impl Equipment {
     /// The diameter of the plate, for a print that wants one of `wanted_mm`.
     pub fn plate_diameter_mm(&self, wanted_mm: f64) -> f64 {
         self.model.plate.diameter_mm.unwrap_or(wanted_mm)
+    }
+
+    /// How deep the nozzle is in the plate, which has no edge here, and which of [`NOZZLE`] and [`HOT_END`] is deepest; `None` where
+    /// it is above. The block ends at its top, so that the nozzle may lie flat; the edge of the cone is within the block.
+    ///
+    /// # Arguments
+    /// * `tip`, `axis`: where the nozzle is in the part frame, in millimetres, the axis away from the tip. Numbers that are not
+    ///   finite have a depth that is not a number.
+    pub fn depth_in_plate(&self, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Option<PlateContact> {
+        let nozzle = &self.model.nozzle;
+        let lean = (1.0 - axis.z * axis.z).max(0.0).sqrt();
+        let block_radius = 0.5 * nozzle.block_diameter_mm;
+        let edges = [
+            (NOZZLE, 0.0, 0.5 * nozzle.tip_flat_mm),
+            (HOT_END, nozzle.cone_height_mm, block_radius),
+            (HOT_END, nozzle.block_top_mm, block_radius),
+        ];
+        let depths = edges
+            .map(|(body, height, radius)| PlateContact { body, depth_mm: radius * lean - tip.z - axis.z * height });
+        let deepest = depths.into_iter().max_by(|a, b| a.depth_mm.total_cmp(&b.depth_mm))?;
+        (deepest.depth_mm > 0.0 || deepest.depth_mm.is_nan()).then_some(deepest)
     }
 
     /// The scene without the part: links, stand, solids, [`NOZZLE`], [`HOT_END`] and [`PLATE`], in this order. The plate has

@@ -10,6 +10,8 @@
 //! * [`SixAxisCell`]: `N = 6`, `F = 1`, the tool angle;
 //! * [`EightAxisCell`]: `N = 8` (the table's tilt and turn come last), `F = 2`, tilt and turn.
 //!
+//! [`GrowingScene`] is such a cell with the part as far as it is built: what touches while printing, and while moving.
+//!
 //! Symbols: `theta` of section 4.3.1 is `free` here, `q` is `joints`. Branches are the slots of [`Branch`](crate::Branch).
 //!
 //! ```
@@ -56,12 +58,14 @@
 mod check;
 mod eight;
 mod equipment;
+mod growing;
 mod model;
 mod six;
 
 pub use check::WorkcellError;
 pub use eight::EightAxisCell;
-pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE};
+pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE, PlateContact};
+pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
 pub use model::{
     ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, MountModel, NozzleModel, PlateModel, PositionerGeometry,
     PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellFileError, WorkcellModel,

@@ -154,8 +154,8 @@ impl PathSchedule {
         &self.times
     }
 
-    /// Millimetres of filament that are laid when the plan passes each waypoint; the first is 0.
-    pub fn filaments(&self) -> &[f64] {
+    /// Filament that is laid by each waypoint, in millimetres; none by the first one.
+    pub fn filament_mm(&self) -> &[f64] {
         &self.filament
     }
 
@@ -183,7 +183,7 @@ impl Deposition {
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
     /// assert!(schedule.times().iter().zip([0.0, 0.5, 1.5]).all(|(a, b)| (a - b).abs() < 1e-12));
     /// assert!((schedule.filament(1.0) - plan.filament_mm * 2.0 / 3.0).abs() < 1e-12);
-    /// assert!((schedule.filaments()[2] - plan.filament_mm).abs() < 1e-12);
+    /// assert!((schedule.filament_mm()[2] - plan.filament_mm).abs() < 1e-12);
     /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
     /// ```
     pub fn schedules(&self) -> Vec<PathSchedule> {

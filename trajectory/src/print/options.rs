@@ -7,6 +7,7 @@ use crate::timing::TimePathError;
 use crate::{Bounds, TimePathOptions};
 
 use super::cell::Waypoint;
+use std::f64::consts::PI;
 
 /// A path of a print. At least one waypoint, and one entry of each list for each.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +52,24 @@ pub struct PrintLimits<const N: usize> {
     pub tolerance_mm: f64,
     /// Distance of the point of the nozzle from the tip that is looked at as well, in millimetres: its widest edge.
     pub lever_mm: f64,
+}
+
+/// Section of a filament of 1.75 mm, in mm^2.
+const FILAMENT_MM2: f64 = PI * 1.75 * 1.75 / 4.0;
+
+impl<const N: usize> PrintLimits<N> {
+    /// Limits of the joints alone: no limit of the flow, filament of 1.75 mm, a tolerance of 0.1 mm at the tip, which is a quarter of
+    /// common layer heights.
+    pub fn of(bounds: Bounds<N>) -> Self {
+        PrintLimits {
+            bounds,
+            max_flow_mm3_s: f64::INFINITY,
+            max_flow_ramp_mm3_s2: f64::INFINITY,
+            filament_mm2: FILAMENT_MM2,
+            tolerance_mm: 0.1,
+            lever_mm: 0.0,
+        }
+    }
 }
 
 /// How postures are searched, by the kinds of joints that the robot has.

@@ -184,6 +184,15 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         self.times.all().as_secs_f64()
     }
 
+    /// The fastest filament of all runs between two knots, in mm/s: what the range of a signal for it must hold. 0 without runs.
+    pub fn max_filament_mm_s(&self) -> f64 {
+        let of_run = |run: &Run<N, F>| {
+            let knots = run.trajectory.times().windows(2).zip(run.filament_mm.windows(2));
+            knots.map(|(times, laid)| (laid[1] - laid[0]) / (times[1] - times[0])).fold(0.0, f64::max)
+        };
+        self.runs.iter().map(of_run).fold(0.0, f64::max)
+    }
+
     /// Faults of a kind.
     pub fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()

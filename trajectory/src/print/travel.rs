@@ -65,6 +65,19 @@ impl<const N: usize> Travel<N> {
     pub fn duration(&self) -> f64 {
         seconds(&self.lift) + self.way.duration() + seconds(&self.approach)
     }
+
+    /// Postures by which the travel is followed in straight motions of the joints: `count` along the lift at even times, the last
+    /// at its end, the corners of the transfer, and as many along the approach. Without those the nozzle would not leave and
+    /// reach the part along its direction.
+    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
+        let sampled = |motion: &Trajectory<N>| {
+            let (first, last) = motion.span();
+            let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(count)).position;
+            (1..=count).map(at).collect::<Vec<_>>()
+        };
+        let corners = self.way.corners().iter().copied();
+        sampled(&self.lift).into_iter().chain(corners).chain(sampled(&self.approach)).collect()
+    }
 }
 
 fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {

@@ -134,6 +134,45 @@ impl LayerField {
         self.values.iter().copied().fold(0.0, f64::max)
     }
 
+    /// The cells of each layer when surfaces are contoured at a layer height: surface `k` (from 0) runs through the middle of the
+    /// cells whose height along the growth is from `k` to `k + 1` layer heights. What lies above the last surface goes with it.
+    ///
+    /// # Arguments
+    /// * `surfaces`: how many there are; with 0 there is one list.
+    /// * `height_mm`, `cell_mm`: the layer height, and the edge of a cell.
+    ///
+    /// # Returns
+    /// A list a surface, rising by cell number; lists may be empty. Cells without a value are in none.
+    ///
+    /// # Errors
+    /// [`FieldError::Thickness`] for a layer height or a cell that is not above 0 and finite.
+    ///
+    /// # Cost
+    /// `O(n)` for `n` cells of the grid.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::curved::{Cells, surface::LayerField};
+    /// let cells = Cells::new([4, 1, 1], &[0b1111])?;
+    /// let field = LayerField::new(&cells, vec![0.5, 1.2, f64::NAN, 1.9], 1.0)?;
+    /// // Layers of 3 mm on cells of 2 mm: heights are 1, 2.4 and 3.8 mm.
+    /// assert_eq!(field.cells_by_surface(2, 3.0, 2.0)?, [vec![0, 1], vec![3]]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn cells_by_surface(&self, surfaces: usize, height_mm: f64, cell_mm: f64) -> Result<Vec<Vec<u32>>, FieldError> {
+        let sound = |length: f64| length > 0.0 && length.is_finite();
+        if !(sound(height_mm) && sound(cell_mm)) {
+            return Err(FieldError::Thickness { layer_cells: height_mm / cell_mm });
+        }
+        let mut layers = vec![Vec::new(); surfaces.max(1)];
+        let last = layers.len() - 1;
+        for (cell, value) in (0..).zip(&self.values).filter(|(_, value)| !value.is_nan()) {
+            let height = value * self.layer_cells * cell_mm;
+            layers[((height / height_mm) as usize).min(last)].push(cell);
+        }
+        Ok(layers)
+    }
+
     /// The field cut into whole layers: the order that an audit can check. Layers without cells are left out; cells
     /// within a layer rise.
     ///

@@ -1,0 +1,107 @@
+//! From a mesh to a robot program with the crates alone: cells, curved layers, tool paths, joint motion in a workcell.
+//!
+//! ```sh
+//! cargo run --release --example mesh_to_robot -- part.stl cell.json folder   # without arguments: a jug under a UR3
+//! ```
+
+use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, in_the_middle, nozzle_of};
+use curvlay_examples::motion::{programs, table_options};
+use curvlay_examples::{mesh::read_mesh, shapes::jug};
+use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
+use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_toolpath::surface::{Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
+use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
+use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
+use std::{env, fs::File, io::BufWriter, ops::ControlFlow::Continue, path::Path};
+
+/// Diameter of a plate that the workcell leaves open; edge of a cell, height of a layer and width of a bead, in millimetres.
+const PLATE_MM: f64 = 127.5;
+const CELL_MM: f64 = 4.0;
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
+    let mut args = env::args().skip(1);
+    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?;
+    let cell = match args.next() {
+        Some(path) => AnyWorkcell::from_json(File::open(path)?)?,
+        None => AnyWorkcell::from_json(UR3_CELL.as_bytes())?,
+    };
+    let out = args.next().unwrap_or_else(|| ".".to_owned());
+
+    // Cells, layers and tool paths: see mesh_to_gcode.rs. The nozzle is that of the workcell.
+    let options = VoxelOptions { resolution: Resolution::Cell(CELL_MM), ..VoxelOptions::default() };
+    let solid = voxelise(&mesh.vertices, &mesh.triangles, &options, &|_| Continue(()))?;
+    let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+    let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
+    let part = Workpiece {
+        vertices: &vertices,
+        triangles: &mesh.triangles,
+        cells,
+        cell_mm: CELL_MM,
+        origin: solid.grid.origin(),
+        platform: &Platform::under(&cells, PLATE_MM / 2.0 / CELL_MM)?,
+        rules: Rules::default(),
+        volume_mm3: inspect(&vertices, &mesh.triangles)?.volume_mm3(),
+    };
+    let layered = part.layers(None, CELL_MM, &|_| Continue(()))?;
+    let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
+    let filled = fill_layers(&surfaces, &PathOptions { bead: CELL_MM, ..PathOptions::default() }, &|_| Continue(()))?;
+    let nozzle = nozzle_of(cell.equipment())?;
+    let plan = filled.plan(&surfaces, &nozzle, &Default::default(), &|_| Continue(()))?;
+
+    // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
+    let grown = PartCells {
+        dims: cells.dims(),
+        rows: cells.rows(),
+        cell_mm: CELL_MM,
+        origin: part.origin,
+        frame_part: in_the_middle(&plan),
+        layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
+    };
+    let stack = filled.stack(&surfaces)?;
+    let options = GougingOptions { plate: false, ..GougingOptions::default() };
+    let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &|_| Continue(()))?;
+    println!("{} cells missed, {} waypoints gouge", layered.growth.missed.len(), plan.resolved.left.len());
+    match &cell {
+        AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), &out),
+        AnyWorkcell::Eight(cell) => print(cell, &grown, &plan, &contacts, &table_options(), &out),
+    }
+}
+
+/// Plans the motion of the joints, says what cannot be printed, and writes the programs: more than one where no way leads on.
+fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    part: &PartCells,
+    plan: &PrintPlan,
+    contacts: &Contacts,
+    options: &PrintOptions<N, F>,
+    out: &str,
+) -> Result<(), Failure> {
+    let takes_stream = programs::takes_stream(cell.equipment())?;
+    // The plate is at least as wide as the part.
+    let plate_mm = PLATE_MM.max(part.cell_mm * f64::from(part.dims[0]).hypot(f64::from(part.dims[1])));
+    let scene = GrowingScene::new(cell, part, plate_mm, &GrowingOptions::default())?;
+    let paths = PlacedPaths::new(&plan.resolved.paths, &plan.deposition, &part.frame_part);
+    let limits = PrintLimits { tolerance_mm: CELL_MM / 4.0, ..PrintLimits::of(bounds_of(cell.limits())) };
+    let (robot, scene) = (OnCell::new(cell.clone(), Vec::new()), PrintingCell::new(scene, contacts));
+    let motion = plan_print(&robot, scene, &paths.paths(), &limits, options, &|_| Continue(()))?;
+    for Fault { layer, path, waypoint, kind, what } in &motion.faults {
+        println!("layer {}, path {path}, waypoint {waypoint}: {} {what}", layer + 1, kind.name());
+    }
+    for (number, piece) in programs::pieces(&motion, u64::MAX, |_, _| 0.0).into_iter().enumerate() {
+        let name = format!("print{}", number + 1);
+        let create = |file: &str| File::create(Path::new(out).join(file)).map(BufWriter::new);
+        if takes_stream {
+            let options = programs::urscript_options(cell, &motion, &name);
+            let file = create(&format!("{name}.script"))?;
+            write_urscript(programs::stream(cell, &motion, piece.motions), &options, file)?;
+        } else {
+            let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
+            write_rapid(programs::targets(cell, &motion, piece.motions), &options, create)?;
+        }
+    }
+    println!("{} motions, {:.0} min, {} faults", motion.runs.len(), motion.robot_s() / 60.0, motion.faults.len());
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! The motions of a planned print as robot programs take them.
+
+use curvlay_kinematics::program::{
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, PrintPiece, ProgramLimits, Step, StreamLeg, StreamOptions, TargetMotion,
+    TargetOptions, UrScriptOptions, print_pieces, print_stream, print_targets,
+};
+use curvlay_kinematics::workcell::{Equipment, Workcell};
+use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
+use std::ops::Range;
+
+/// Postures by which the nozzle lifts off, and by which it comes down, in a program of targets.
+pub const LIFT_POSTURES: u32 = 4;
+
+/// Whether the controller of a cell takes joints over time (URScript), not targets (RAPID).
+///
+/// # Errors
+/// In words, for an arm of Universal Robots with a table, which its controller does not move.
+pub fn takes_stream(equipment: &Equipment) -> Result<bool, &'static str> {
+    match (equipment.arm().is_ur(), equipment.positioner()) {
+        (true, Some(_)) => Err("the controller of a UR moves no table"),
+        (is_ur, _) => Ok(is_ur),
+    }
+}
+
+/// The runs of a print that make a program each, by the steps of a run with the travel behind it.
+pub fn pieces<const N: usize, const F: usize>(
+    plan: &PrintPlan<N, F>,
+    max_steps: u64,
+    steps: impl Fn(&Run<N, F>, Option<&Travel<N>>) -> f64,
+) -> Vec<PrintPiece> {
+    let motions = plan.runs.iter().enumerate().map(|(number, run)| {
+        let travel = plan.travels.get(number).and_then(Option::as_ref);
+        (steps(run, travel), travel.is_some())
+    });
+    print_pieces(motions, max_steps)
+}
+
+/// Some runs and the travels behind them as joints of the arm over time, at the 125 Hz of a UR.
+pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &'a W,
+    plan: &'a PrintPlan<N, F>,
+    runs: Range<usize>,
+) -> impl Iterator<Item = Step> + 'a {
+    let arm = move |joints: &[f64; N]| cell.scene_posture(joints).joints;
+    let (first, last) = (plan.runs.get(runs.start), plan.runs.get(runs.end.wrapping_sub(1)));
+    let travel = plan.travels.get(runs.end.wrapping_sub(1)).and_then(Option::as_ref);
+    let end = travel.map(|travel| &travel.approach).or(last.map(|run| &run.trajectory));
+    let ends = [
+        first.map(|run| &run.trajectory).and_then(|way| way.joints().first()),
+        end.and_then(|way| way.joints().last()),
+    ];
+    let legs = plan.legs(runs).map(move |leg| StreamLeg {
+        duration_s: leg.duration(),
+        joints: move |time: f64| arm(&leg.at(time)),
+        filament_mm: (leg.kind == LegKind::Print).then_some(move |time: f64| leg.filament_mm(time)),
+    });
+    print_stream(ends.map(|joints| joints.map_or([0.0; 6], arm)), legs, StreamOptions::default())
+}
+
+/// Options of a stream: the limits of the arm, and a range of the filament's signal that holds the whole print.
+pub fn urscript_options<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
+    name: &str,
+) -> UrScriptOptions {
+    let limits = ProgramLimits::of_arm(cell.equipment().arm());
+    let filament_full_scale_mm_s = plan.max_filament_mm_s().ceil().max(FILAMENT_FULL_SCALE_MM_S);
+    UrScriptOptions { name: name.to_owned(), limits, filament_full_scale_mm_s, ..UrScriptOptions::default() }
+}
+
+/// Some runs as targets on the part, and the travels behind them by joints.
+pub fn targets<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &'a W,
+    plan: &'a PrintPlan<N, F>,
+    runs: Range<usize>,
+) -> impl Iterator<Item = Step> + 'a {
+    let motions = runs.map(|number| {
+        let run = &plan.runs[number];
+        let (times, joints) = (run.trajectory.times(), run.trajectory.joints());
+        let knot =
+            |&(k, _): &(usize, _)| PrintKnot { time_s: times[k], joints: joints[k], filament_mm: run.filament_mm[k] };
+        let travel = plan.travels.get(number).and_then(Option::as_ref);
+        let onward = travel.map_or(Vec::new(), |travel| travel.postures(LIFT_POSTURES));
+        TargetMotion { knots: run.passes.iter().map(knot).collect(), onward }
+    });
+    print_targets(cell, motions, TargetOptions::default())
+}

@@ -1,0 +1,279 @@
+//! Steps of a planned print: the stream of its joints at the controller's rate, or targets on the part; and where programs of
+//! a long print begin and end.
+//!
+//! Arms of Universal Robots take the stream ([`print_stream`]): what runs is the planned motion itself, sampled at every tick.
+//! ABB controllers take targets ([`print_targets`]) and interpolate by themselves, at the speed that the plan has between two
+//! waypoints. B. Brooks (2016, section 4.14) could not load a program of 180,000 lines: [`print_pieces`] says which motions
+//! make a program each.
+//!
+//! Nothing here knows of a planner: a motion is a duration with closures, or a list of knots.
+
+use super::{Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step, Zone};
+use crate::arm::Arm;
+use crate::scene::Mount;
+use crate::workcell::{Equipment, Workcell, tool_frame};
+use std::ops::Range;
+
+/// A motion of a print as a function of time.
+#[derive(Clone, Copy, Debug)]
+pub struct StreamLeg<J, L> {
+    /// In seconds. A leg whose duration is not finite, or not above 0, is left out.
+    pub duration_s: f64,
+    /// Joints of the arm at a time since the leg began.
+    pub joints: J,
+    /// Millimetres of filament that are laid by a time since the leg began; `None` for a leg that does not print.
+    pub filament_mm: Option<L>,
+}
+
+/// How a print is streamed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamOptions {
+    /// The controller's rate. Default 125 Hz.
+    pub rate: ServoRate,
+    /// The speed of the filament is written again where it changes by more than this share. Default 0.002: with less every tick
+    /// writes one, with more the beads are as much too thick or too thin.
+    pub same_speed: f64,
+}
+
+impl Default for StreamOptions {
+    fn default() -> Self {
+        StreamOptions { rate: ServoRate::Hz125, same_speed: 2e-3 }
+    }
+}
+
+/// The steps of a print as a stream: by joints to the first posture, then all legs at every tick of the controller, the extruder
+/// on along those that print.
+///
+/// Ticks count from the begin of the first leg, through all legs. The last posture follows as one step more, since the end lies
+/// between two ticks.
+///
+/// # Arguments
+/// * `ends`: the first and the last posture.
+/// * `legs`: one after the other, each beginning where the one before ends.
+///
+/// # Cost
+/// Constant memory; each tick asks for the joints once and for the filament twice.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::program::{Step, StreamLeg, StreamOptions, print_stream};
+/// // Joint 1 turns by 0.1 rad in 20 ms while 1 mm of filament is laid.
+/// let leg = StreamLeg { duration_s: 0.02, joints: |t: f64| [5.0 * t, 0.0, 0.0, 0.0, 0.0, 0.0], filament_mm: Some(|t: f64| 50.0 * t) };
+/// let steps: Vec<Step> = print_stream([[0.0; 6], [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]], [leg], StreamOptions::default()).collect();
+/// assert!(matches!(steps[..], [
+///     Step::Move(_), Step::Extruder(true), Step::FilamentSpeed(_), Step::Servo { .. }, Step::Servo { .. },
+///     Step::FilamentSpeed(0.0), Step::Extruder(false), Step::Servo { .. },
+/// ]));
+/// ```
+pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
+    ends: [[f64; 6]; 2],
+    legs: impl IntoIterator<Item = StreamLeg<J, L>>,
+    options: StreamOptions,
+) -> impl Iterator<Item = Step> {
+    let StreamOptions { rate, same_speed } = options;
+    let period = rate.seconds();
+    let first = by_joints(ends[0], None);
+    let mut begin = 0.0;
+    let legs = legs.into_iter().filter(|leg| leg.duration_s > 0.0 && leg.duration_s.is_finite());
+    let along = legs.flat_map(move |leg| {
+        let (from, to) = (begin, begin + leg.duration_s);
+        begin = to;
+        let of_leg = move |tick: &u64| *tick as f64 * period <= to;
+        let first = (from / period).floor() as u64 + 1;
+        let prints = leg.filament_mm.is_some();
+        let signal = move |on| prints.then_some(Step::Extruder(on));
+        let mut speed = 0.0;
+        let servo = (first..).take_while(of_leg).flat_map(move |tick| {
+            let now = tick as f64 * period - from;
+            let laid = |filament_mm: &L| (filament_mm(now) - filament_mm(now - period)).max(0.0) / period;
+            let needed = leg.filament_mm.as_ref().map_or(0.0, laid);
+            // Steady speeds are written once.
+            let changes = prints && (needed - speed).abs() > same_speed * speed;
+            speed = if changes { needed } else { speed };
+            let servo = Step::Servo { joints: (leg.joints)(now), seconds: period };
+            changes.then_some(Step::FilamentSpeed(speed)).into_iter().chain([servo])
+        });
+        let end = prints.then_some(Step::FilamentSpeed(0.0));
+        signal(true).into_iter().chain(servo).chain(end).chain(signal(false))
+    });
+    // The end lies between two ticks.
+    [first].into_iter().chain(along).chain([Step::Servo { joints: ends[1], seconds: period }])
+}
+
+fn by_joints(joints: [f64; 6], table: Option<[f64; 2]>) -> Step {
+    Step::Move(Move { goal: Goal::Joints(joints), table, speed: Speed::default(), zone: Zone::Stop })
+}
+
+/// A waypoint of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrintKnot<const N: usize> {
+    /// When, in seconds; rising along a motion.
+    pub time_s: f64,
+    /// Joints there.
+    pub joints: [f64; N],
+    /// Millimetres of filament that are laid by then.
+    pub filament_mm: f64,
+}
+
+/// A motion that prints, and the postures on the way from its end to the next motion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TargetMotion<const N: usize> {
+    /// The motion.
+    pub knots: Vec<PrintKnot<N>>,
+    /// The way on, without extrusion: each is a move by joints that stops.
+    pub onward: Vec<[f64; N]>,
+}
+
+/// How a print is written as targets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetOptions {
+    /// Radius within which corners between waypoints are rounded, in millimetres. Default 0.3, the least that RAPID has a name
+    /// for.
+    pub corner_mm: f64,
+    /// The tool may turn so many times as fast as the plan has it, so that turning never holds a move up. Default 2.
+    pub turn_factor: f64,
+    /// Turning is written as this at least, in rad/s. Default 0.5.
+    pub min_turn_rad_s: f64,
+    /// The tip's speed is written as this at least, in mm/s. Default 0.01: what is slower goes by micrometres.
+    pub min_speed_mm_s: f64,
+}
+
+impl Default for TargetOptions {
+    fn default() -> Self {
+        TargetOptions { corner_mm: 0.3, turn_factor: 2.0, min_turn_rad_s: 0.5, min_speed_mm_s: 0.01 }
+    }
+}
+
+/// The steps of a print as targets on the part: by joints to each motion, along it in straight lines from waypoint to waypoint
+/// at the speed of the plan, the table along, and on by joints.
+///
+/// The extruder is on along each motion, and the filament has the speed that lays what the plan lays between two waypoints.
+/// A motion without knots gives no steps but those of its way on. A posture with a table beyond its limits
+/// ([`Workcell::controller_pose`]) is left out with the moves that begin or end there.
+///
+/// # Cost
+/// Two forward kinematics a waypoint; memory for one motion.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::program::{PrintKnot, Step, TargetMotion, TargetOptions, print_targets};
+/// use curvlay_kinematics::workcell::AnyWorkcell;
+/// # #[cfg(feature = "serde")] {
+/// let file = include_str!("../../../examples/cells/ur3.json");
+/// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+/// let at = |time_s: f64| PrintKnot { time_s, joints: [0.1 * time_s, -1.0, -1.5, 0.3, 0.2, 0.0], filament_mm: 2.0 * time_s };
+/// let motion = TargetMotion { knots: vec![at(0.0), at(0.5), at(1.0)], onward: vec![[0.0; 6]] };
+/// let steps: Vec<Step> = print_targets(&cell, [motion], TargetOptions::default()).collect();
+/// assert_eq!(steps.len(), 9);
+/// assert_eq!((steps[1], steps[7]), (Step::Extruder(true), Step::Extruder(false)));
+/// assert_eq!(steps[2], Step::FilamentSpeed(2.0));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    motions: impl IntoIterator<Item = TargetMotion<N>>,
+    options: TargetOptions,
+) -> impl Iterator<Item = Step> {
+    let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s } = options;
+    let joints_move = move |joints: &[f64; N]| {
+        let place = cell.controller_pose(joints)?;
+        Some(by_joints(place.joints, place.table))
+    };
+    let line = move |[a, b]: [&PrintKnot<N>; 2], zone: Zone| {
+        let (from, to) = (cell.controller_pose(&a.joints)?, cell.controller_pose(&b.joints)?);
+        let step = b.time_s - a.time_s;
+        let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
+        let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
+        let speed = Speed { mm_s: mm_s.max(min_speed_mm_s), rad_s: (turn_factor * turn).max(min_turn_rad_s) };
+        let filament = Step::FilamentSpeed((b.filament_mm - a.filament_mm).max(0.0) / step);
+        Some([filament, Step::Move(Move { goal: Goal::Line(to.target), table: to.table, speed, zone })])
+    };
+    motions.into_iter().flat_map(move |TargetMotion { knots, onward }| {
+        let last = knots.len().saturating_sub(2);
+        let zone = |k: usize| if k == last { Zone::Stop } else { Zone::Blend(corner_mm) };
+        let along = knots.windows(2).enumerate().filter_map(|(k, pair)| line([&pair[0], &pair[1]], zone(k)));
+        let mut steps = Vec::with_capacity(2 * knots.len() + onward.len() + 3);
+        if let Some(first) = knots.first() {
+            steps.extend(joints_move(&first.joints));
+            steps.push(Step::Extruder(true));
+            steps.extend(along.flatten());
+            steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
+        }
+        steps.extend(onward.iter().filter_map(joints_move));
+        steps
+    })
+}
+
+/// Some motions of a print that make a program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrintPiece {
+    /// Which of the motions.
+    pub motions: Range<usize>,
+    /// Steps; of a stream with fractions, since motions do not end on its ticks.
+    pub steps: f64,
+    /// Whether it begins where the piece before ends. The robot has to be brought to one that does not; the first does not.
+    pub joined: bool,
+}
+
+/// Cuts a print into programs: where no way leads on, and before a motion with which a program would have more than
+/// `max_steps`. A single motion may have more.
+///
+/// # Arguments
+/// * `motions`: for each its steps, with those of the way on, and whether there is a way on to the next.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::program::print_pieces;
+/// let pieces = print_pieces([(4.0, true), (3.5, true), (3.0, false), (1.0, true)], 8);
+/// assert_eq!(pieces.iter().map(|piece| (piece.motions.clone(), piece.joined)).collect::<Vec<_>>(), [
+///     (0..2, false), (2..3, true), (3..4, false),
+/// ]);
+/// ```
+pub fn print_pieces(motions: impl IntoIterator<Item = (f64, bool)>, max_steps: u64) -> Vec<PrintPiece> {
+    let mut pieces: Vec<PrintPiece> = Vec::new();
+    let mut joined = false;
+    for (number, (steps, leads_on)) in motions.into_iter().enumerate() {
+        match pieces.last_mut() {
+            Some(last) if joined && last.steps + steps <= max_steps as f64 => {
+                last.motions.end = number + 1;
+                last.steps += steps;
+            }
+            _ => pieces.push(PrintPiece { motions: number..number + 1, steps, joined }),
+        }
+        joined = leads_on;
+    }
+    pieces
+}
+
+/// What splines may pass the limits by, so that a motion at its limit is not refused: radians, and a share of the speed.
+const SLACK: f64 = 2e-6;
+
+impl ProgramLimits {
+    /// The limits of an arm, passed by 2e-6 (radians, and of the speed as a share) at most, by which planned motions at their
+    /// limits may be off.
+    pub fn of_arm(arm: &Arm) -> Self {
+        let mut joints = *arm.limits();
+        for joint in 0..6 {
+            joints.lower[joint] -= SLACK;
+            joints.upper[joint] += SLACK;
+            joints.velocity[joint] *= 1.0 + SLACK;
+        }
+        ProgramLimits { joints, ..ProgramLimits::default() }
+    }
+}
+
+impl RapidOptions {
+    /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
+    /// the limits of its arm.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let defaults = RapidOptions::default();
+        let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
+        let in_hand = |mount| matches!(mount, Mount::Link(_));
+        let name = "nozzle".to_owned();
+        let tool = RapidTool { name, in_hand: in_hand(held), frame: tool_frame(&nozzle), ..defaults.tool };
+        let unit = equipment.positioner().map(|_| "STN1".to_owned());
+        let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
+        RapidOptions { tool, work_object, limits: ProgramLimits::of_arm(equipment.arm()), ..defaults }
+    }
+}
