@@ -12,7 +12,7 @@
 use crate::pose::parts;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitVector3, Vector3};
 
-/// What touching told.
+/// What the touching poses determine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// The tip in the flange frame, in millimetres.

@@ -24,17 +24,18 @@ pub mod verify;
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
 pub use global::{
-    Avoid, BandedQp, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport, QpError,
-    QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
+    Avoid, BandedQp, BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport,
+    PeakReport, QpError, QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{
-    Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, LeastSpeed, MAX_SAMPLES, Norm, least_speed,
-    plan_ladder,
+    Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, MAX_SAMPLES, MinSpeed, Norm, min_speed, plan_ladder,
 };
 pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};
 pub use nalgebra;
-pub use path::{Defect, MIN_WAYPOINTS, PathError, PathOptions, PathPiece, TimedPath, Timing, timed_path};
+pub use path::{
+    Defect, IncompletePath, MIN_WAYPOINTS, PathError, PathOptions, PathSegment, TimedPath, Timing, timed_path,
+};
 pub use progress::Progress;
 pub use robot::{FreeRange, Posture, Robot};
 pub use spline::{

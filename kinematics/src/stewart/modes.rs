@@ -112,7 +112,7 @@ impl Stewart {
     /// Limits and cones are not looked at: [`Stewart::fault`] tells which modes are real.
     ///
     /// # Errors
-    /// [`StewartError::Length`] names the leg that cannot be.
+    /// [`StewartError::Length`] names the invalid leg.
     ///
     /// # Cost
     /// Some 5 microseconds a start, so less than a second.

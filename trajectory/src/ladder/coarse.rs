@@ -42,7 +42,7 @@ const FEWEST: u32 = 8;
 const ABOUT: usize = 32;
 
 /// A search that is stuck again and again goes back so many waypoints at most.
-const MOST_BACK: usize = 256;
+const MAX_BACK: usize = 256;
 
 /// No band becomes wider than so many samples.
 const WIDEST: u32 = 1000;
@@ -54,7 +54,7 @@ const LITTLE: f64 = 1e-4;
 const ROUNDS: usize = 12;
 
 /// How near a path comes to the stops of joints with a turn or more between them, in radians: a smooth motion sways.
-const STOP_ROOM: f64 = 0.05;
+const STOP_MARGIN: f64 = 0.05;
 
 /// What is looked at around each waypoint.
 struct Guide<const N: usize, const F: usize> {
@@ -142,7 +142,7 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     samples: [u32; F],
 ) -> Result<Path<N, F>, Stuck> {
     let waypoints = plan.times.len();
-    let bounds = with_room(plan.bounds);
+    let bounds = with_margin(plan.bounds);
     let plan = Plan { bounds: &bounds, ..*plan };
     let mut passed = every(STRIDE, waypoints);
     let mut path = coarse(&plan, &passed, samples)?;
@@ -199,13 +199,13 @@ fn coarse<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     }
 }
 
-/// Bounds that leave room beside the stops of joints that wind up, but to every angle an image.
-fn with_room<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
+/// Bounds that leave a margin beside the stops of joints that wind up, but to every angle an image.
+fn with_margin<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
     let mut narrower = *bounds;
     for j in 0..N {
-        let room = STOP_ROOM.min((bounds.upper[j] - bounds.lower[j] - TAU) / 2.0).max(0.0);
-        narrower.lower[j] += room;
-        narrower.upper[j] -= room;
+        let margin = STOP_MARGIN.min((bounds.upper[j] - bounds.lower[j] - TAU) / 2.0).max(0.0);
+        narrower.lower[j] += margin;
+        narrower.upper[j] -= margin;
     }
     narrower
 }
@@ -261,7 +261,7 @@ impl<const F: usize> Windows<F> for Bands<F> {
     }
 
     fn back(&self) -> usize {
-        if self.widens { MOST_BACK } else { 0 }
+        if self.widens { MAX_BACK } else { 0 }
     }
 
     fn widen(&mut self, at: usize, earliest: usize) -> Option<usize> {

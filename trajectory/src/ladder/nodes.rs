@@ -9,9 +9,9 @@ use std::f64::consts::{PI, TAU};
 pub(super) const ON_STOP: f64 = 1e-10;
 
 /// Images of one angle, at most.
-const MOST_IMAGES: f64 = (1 << 22) as f64;
+const MAX_IMAGES: f64 = (1 << 22) as f64;
 
-/// How angles of one joint are told apart.
+/// How angles of one joint are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
     /// Angles a whole turn apart are one: no stop, or stops that have not mattered yet.
@@ -25,7 +25,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Joints with a turn or more of room begin as circular; those in `imaged` have turned out to meet a stop.
+    /// Joints with a range of a turn or more begin as circular; those in `imaged` have turned out to meet a stop.
     pub fn of<const N: usize>(bounds: &Bounds<N>, imaged: &[bool; N]) -> [Kind; N] {
         std::array::from_fn(|joint| {
             let (lower, upper) = (bounds.lower[joint], bounds.upper[joint]);
@@ -53,7 +53,7 @@ impl Kind {
         let least = angle + TAU * ((lower - ON_STOP - angle) / TAU).ceil();
         let more = ((upper + ON_STOP - least) / TAU).floor();
         // A cap for stops that are absurdly far apart; `TooLarge` will say so.
-        (more >= 0.0).then(|| (least.clamp(lower, upper), more.min(MOST_IMAGES) as u32))
+        (more >= 0.0).then(|| (least.clamp(lower, upper), more.min(MAX_IMAGES) as u32))
     }
 }
 

@@ -30,7 +30,7 @@ const PATHS_A_THREAD: usize = 2;
 /// was not found are faults there, not errors.
 ///
 /// # Errors
-/// [`PrintError`] names the path and the field; [`PrintError::Cancelled`] when `progress` breaks off. With
+/// [`PrintError`] names the path and the field; [`PrintError::Cancelled`] when `progress` returns `Break`. With
 /// [`PrintPlanner`] what is planned by then is kept.
 ///
 /// # Cost

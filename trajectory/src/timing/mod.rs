@@ -122,7 +122,7 @@ impl<const N: usize> TimedMotion<N> {
 #[non_exhaustive]
 pub enum TimePathError {
     /// A path has two postures at least.
-    #[error("a path of {postures} postures: two are needed at least")]
+    #[error("a path of {postures} postures: at least two are needed")]
     TooFew {
         /// Postures that were given.
         postures: usize,
@@ -157,7 +157,7 @@ pub enum TimePathError {
         /// Its planned time.
         time: f64,
     },
-    /// A number for a piece cannot be.
+    /// A number for a piece is invalid.
     #[error("`{field}` of piece {piece} is {value}")]
     Piece {
         /// `max_pace`, which must be above 0, or `flow_mm3_s`, which must be finite and not negative.
@@ -211,7 +211,7 @@ pub enum TimePathError {
 /// thousand times what the whole path allows everywhere.
 ///
 /// # Errors
-/// [`TimePathError`] names the argument; [`TimePathError::Cancelled`] when `progress` breaks off.
+/// [`TimePathError`] names the argument; [`TimePathError::Cancelled`] when `progress` returns `Break`.
 ///
 /// # Cost
 /// Linear time and memory in knots, for each step. One thread; the result is the same each time.
