@@ -1,7 +1,12 @@
-//! From timed waypoints with free tool angles to joint trajectories of least jerk.
+#![doc = include_str!("../README.md")]
 //!
-//! Lengths in millimetres, angles in radians, seconds. Joints are `[f64; N]`; the robot is a small trait of this
-//! crate's own, so any arm will do.
+//! # Where to find what
+//!
+//! * [`timed_path`]: waypoints to segments with times. [`plan_ladder`], [`min_speed`]: a posture for each waypoint.
+//! * [`filter_locally`], [`smooth_globally`], [`smooth_clear_of`]: less jerk.
+//! * [`Timeline`], [`Trajectory`], [`Bounds`]: the spline that is executed, and its limits.
+//! * [`time_path`], [`time_path_free`]: the fastest timing.
+//! * [`indicator`], [`transfer`], [`verify`], [`mod@print`], [`check`]: collisions, transfers, whole prints.
 
 mod bounds;
 pub mod check;
@@ -46,8 +51,3 @@ pub use timing::{
     FlowLimits, FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, TimePathError, TimePathOptions,
     TimePathStatus, TimedMotion, time_path, time_path_free,
 };
-
-/// The snippet of the README, compiled and run with the examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;

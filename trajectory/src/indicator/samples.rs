@@ -75,7 +75,7 @@ pub struct Samples<const N: usize> {
     pub on_contact: Vec<bool>,
     /// The number of samples after the initial ones, the first up-scaling, the first refinement, the second up-scaling ...
     pub stages: Vec<usize>,
-    /// Whether the end came because nothing was left to halve, not by [`SamplingOptions::most`].
+    /// Whether the end came because nothing was left to halve, not by [`SamplingOptions::max_samples`].
     pub exhausted: bool,
 }
 
