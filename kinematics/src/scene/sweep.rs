@@ -192,8 +192,8 @@ impl Scene {
         Sweep::Free
     }
 
-    /// Whether the motion from one posture to another is free, as [`Scene::sweep`] says it, but not where it ends: sooner
-    /// told where it is not.
+    /// Whether the motion from one posture to another is free. The same answer as [`Scene::sweep`], without the place of the
+    /// contact, and faster where it is not free.
     ///
     /// # Errors
     /// Those of [`Scene::sweep`].
@@ -204,8 +204,8 @@ impl Scene {
         Ok(self.all_apart(&self.straight(from, to, resolution)?, resolution))
     }
 
-    /// Whether a cubic motion is free, as [`Scene::sweep_cubic`] says it, but not where it ends: sooner told where it is
-    /// not.
+    /// Whether a cubic motion is free. The same answer as [`Scene::sweep_cubic`], without the place of the contact, and
+    /// faster where it is not free.
     ///
     /// # Errors
     /// Those of [`Scene::sweep_cubic`].

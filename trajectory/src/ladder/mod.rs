@@ -203,8 +203,10 @@ pub enum LadderError {
         /// reached and those of the waypoint. Little above 1: more samples may find a way.
         needed: f64,
     },
-    /// From coarse to fine no path was found; that there is none is not said.
-    #[error("no path from coarse to fine with {samples} samples a waypoint: it was stuck at waypoint {waypoint}")]
+    /// The search from coarse to fine found no path. One may exist.
+    #[error(
+        "no path from coarse to fine with {samples} samples a waypoint: it was stuck at waypoint {waypoint}; try `LadderSearch::Exact` with few samples"
+    )]
     NotFound {
         /// The waypoint, counted from 0.
         waypoint: usize,

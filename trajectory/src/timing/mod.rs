@@ -121,14 +121,14 @@ impl<const N: usize> TimedMotion<N> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TimePathError {
-    /// A path has two postures at least.
+    /// Fewer than two postures.
     #[error("a path of {postures} postures: at least two are needed")]
     TooFew {
         /// Postures that were given.
         postures: usize,
     },
-    /// A list has not one entry for each posture or piece.
-    #[error("{given} entries in `{field}`, {expected} are needed")]
+    /// A list does not have one entry for each posture or piece.
+    #[error("{given} entries in `{field}`: pass {expected}")]
     Count {
         /// `planned`, `max_pace` or `flow_mm3_s`.
         field: &'static str,
@@ -149,7 +149,7 @@ pub enum TimePathError {
     },
     /// A planned time is not finite, or not after the one before it.
     #[error(
-        "the planned time of posture {posture} is {time} s, it must be finite and after that of the posture before"
+        "the planned time of posture {posture} is {time} s: it must be finite and after that of the posture before"
     )]
     Planned {
         /// The posture, counted from 0.
@@ -158,7 +158,7 @@ pub enum TimePathError {
         time: f64,
     },
     /// A number for a piece is invalid.
-    #[error("`{field}` of piece {piece} is {value}")]
+    #[error("`{field}` of piece {piece} is {value}: a pace must be above 0, a flow finite and not negative")]
     Piece {
         /// `max_pace`, which must be above 0, or `flow_mm3_s`, which must be finite and not negative.
         field: &'static str,
@@ -187,9 +187,9 @@ pub enum TimePathError {
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// Numbers are so large or so small that times or angles are no longer finite or distinct.
-    #[error("the timing is beyond the range of double precision")]
+    #[error("the timing exceeds double precision: bring times, postures and limits to similar scales")]
     Range,
-    /// The callback broke off.
+    /// The progress callback cancelled the work.
     #[error("timing was cancelled")]
     Cancelled,
 }
