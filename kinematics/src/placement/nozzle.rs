@@ -303,7 +303,7 @@ impl Search {
     }
 }
 
-/// A segment tree: adds to ranges, tells the maximum and where it first is.
+/// A segment tree: adds to ranges, gives the maximum and its first place.
 struct Tree {
     leaves: usize,
     /// Of each node what was added to all of it, and the maximum in it with that.

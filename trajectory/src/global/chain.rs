@@ -110,7 +110,7 @@ impl<'a, const N: usize> Price<'a, N> {
 /// The pairs that end at a sample.
 #[derive(Default)]
 struct Arrivals<const N: usize> {
-    /// By the speed of the joint that tells them apart best.
+    /// By the speed of the joint that separates them best.
     pairs: Vec<usize>,
     by: usize,
     /// Their least cost.

@@ -25,7 +25,7 @@ const HOPELESS: f64 = 0.9;
 /// The tolerance while bounds are not looked at, or at a price that will still rise, at least.
 const ROUGH: f64 = 1e-3;
 
-/// Damping up to this, in units of the squared jerk, does not touch what linearised problems tell in its first digits.
+/// Damping up to this, in units of the squared jerk, does not touch the first digits of linearised problems.
 const UNDAMPED: f64 = 1e-6;
 
 /// The tolerance at the first price, before other ways are tried.
@@ -137,8 +137,8 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             }
         };
         pass.rounds += 1;
-        let tells = |step: &Step<N, F>| step.solution.status == QpStatus::Solved && model.penalty > 0.0;
-        if let Some(step) = step.filter(|step| tells(step) && damped <= UNDAMPED * before.squared_jerk) {
+        let is_usable = |step: &Step<N, F>| step.solution.status == QpStatus::Solved && model.penalty > 0.0;
+        if let Some(step) = step.filter(|step| is_usable(step) && damped <= UNDAMPED * before.squared_jerk) {
             // What is minimised is the squared jerk and the price times what is missed.
             let most = before.squared_jerk * (1.0 + options.rise);
             pass.min_missed = ((step.solution.lower_bound - most) / model.penalty).max(0.0);

@@ -291,7 +291,7 @@ impl<const N: usize> Buckets<N> {
     }
 }
 
-/// The two joints whose cells tell these nodes apart best: with the least sum of squares of the nodes a cell.
+/// The two joints whose cells separate these nodes best: with the least sum of squares of the nodes a cell.
 pub(super) fn best_pair<const N: usize>(nodes: &[[f64; N]], kinds: &[Kind; N], limits: &[f64; N]) -> [usize; 2] {
     let axes: Vec<Axis> = (0..N).map(|joint| Axis::new(joint, kinds, nodes, limits[joint])).collect();
     let mut best = (u64::MAX, [0, 0]);

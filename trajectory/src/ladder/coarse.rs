@@ -1,7 +1,7 @@
 //! From a coarse path to a fine one.
 //!
 //! The coarse path goes through every eighth waypoint, which leaves the joints eight times as far to move, so that an
-//! eighth of the samples is fine enough to tell good paths from bad ones. Then come every fourth waypoint with a fourth
+//! eighth of the samples is fine enough to separate good paths from bad ones. Then come every fourth waypoint with a fourth
 //! of the samples, every second, and all. Squared steps add up alike on all these levels: a step of so many waypoints
 //! costs the square of their number, and so does one of so many samples. So the path of one level lies near the best one
 //! of the next, and a narrow band of samples around it, on the branches that it uses, holds that. Where the result touches
@@ -78,7 +78,7 @@ impl<const N: usize, const F: usize> Default for Known<N, F> {
     }
 }
 
-/// A robot that solves every sample once, on the branches of the guide, and tells of each joint the image next to it.
+/// A robot that solves every sample once, on the branches of the guide, and gives the image of each joint next to it.
 struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
     robot: &'a R,
     guide: &'a Guide<N, F>,
@@ -90,7 +90,7 @@ struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
 impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
     /// The image of a solution next to the guide, if it is within the stops.
     fn image(&self, waypoint: usize, mut joints: [f64; N]) -> Option<[f64; N]> {
-        for j in (0..N).filter(|&j| self.kinds[j] == Kind::Told) {
+        for j in (0..N).filter(|&j| self.kinds[j] == Kind::AsGiven) {
             let (lower, upper) = (self.bounds.lower[j], self.bounds.upper[j]);
             joints[j] += TAU * ((self.guide.joints[waypoint][j] - joints[j]) / TAU).round();
             if !(lower - ON_STOP..=upper + ON_STOP).contains(&joints[j]) {
@@ -286,7 +286,7 @@ fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     guide: &Guide<N, F>,
 ) -> Result<Path<N, F>, Stuck> {
     let kinds = Kind::of(plan.bounds, &[true; N]).map(|kind| match kind {
-        Kind::Images { .. } => Kind::Told,
+        Kind::Images { .. } => Kind::AsGiven,
         kind => kind,
     });
     let known = guide.free.iter().map(|_| Mutex::default()).collect();

@@ -20,8 +20,8 @@ pub(super) enum Kind {
     Single { lower: f64, upper: f64 },
     /// A turn or more between the stops: each image is a node of its own.
     Images { lower: f64, upper: f64 },
-    /// The angle as it is told, whole turns and all: the robot has chosen the image.
-    Told,
+    /// The angle as the robot gives it, whole turns included: the robot has chosen the image.
+    AsGiven,
 }
 
 impl Kind {
@@ -47,7 +47,7 @@ impl Kind {
     fn images(self, angle: f64) -> Option<(f64, u32)> {
         let (lower, upper) = match self {
             Kind::Circular => return Some((wrapped(angle), 0)),
-            Kind::Told => return Some((angle, 0)),
+            Kind::AsGiven => return Some((angle, 0)),
             Kind::Single { lower, upper } | Kind::Images { lower, upper } => (lower, upper),
         };
         let least = angle + TAU * ((lower - ON_STOP - angle) / TAU).ceil();

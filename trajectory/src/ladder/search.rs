@@ -188,7 +188,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                     let from = self.from.map_or(lower, |from| from[j]);
                     (upper - lower).max(from - lower).max(upper - from)
                 }
-                Kind::Circular | Kind::Told => self.measure.period[j] / 2.0,
+                Kind::Circular | Kind::AsGiven => self.measure.period[j] / 2.0,
             };
             (0..N).map(|j| self.measure.cost(j, limits[j].min(farthest(j)))).sum()
         };

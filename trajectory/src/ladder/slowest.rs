@@ -7,10 +7,10 @@
 //! are apart, so the bottleneck path over cells is a lower bound; over the middles of cells it is what can be had. Cells through
 //! which no chain is below what can be had are dropped, the others halved, until the two meet.
 //!
-//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends tell it, taken twice
+//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends predict it, taken twice
 //! ([`SAFETY`]). That is no proof: a robot is a closure, of which nothing is known between the places where it is
 //! asked, and there is no interval arithmetic. What bends sharply between two ends that look smooth can be outside its
-//! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast to tell, the cell counts as near
+//! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast for that, the cell counts as near
 //! everything.
 
 use super::nodes::{Kind, wrapped};
@@ -26,10 +26,10 @@ const FIRST: u32 = 64;
 /// Both bounds as near as this are one.
 const MET: f64 = 1e-3;
 
-/// How much more than the derivatives at its ends tell a bow may be.
+/// How much more than the derivatives at its ends predict a bow may be.
 const SAFETY: f64 = 2.0;
 
-/// A bow beyond this, in radians, tells nothing.
+/// A bow beyond this, in radians, gives no bound.
 const WILD: f64 = 0.5;
 
 /// Cells at all waypoints together; with more the bounds are returned as they are.

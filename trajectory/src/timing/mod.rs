@@ -29,7 +29,7 @@ use curve::{Curve, Grid};
 pub use free::{FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, time_path_free};
 use std::ops::ControlFlow;
 
-/// Tolerance of the first timing, which only tells where knots are needed.
+/// Tolerance of the first timing, which only finds where knots are needed.
 const ROUGH: f64 = 0.02;
 
 /// How a path is timed.

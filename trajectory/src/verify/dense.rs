@@ -81,7 +81,7 @@ pub struct Checks<P, M> {
 /// # Returns
 /// What [`repair`] does, from the postures of [`dense_postures`] that are free. A motion counts as possible when no joint
 /// has to be faster than its bound on the way, and it is free. The spline through the waypoints may be faster in between:
-/// [`Trajectory::violations`](crate::Trajectory::violations) tells.
+/// [`Trajectory::violations`](crate::Trajectory::violations) reports where.
 ///
 /// # Errors
 /// [`RepairError`] when times, waypoints and robot are not of one length, or the verification does not fit.

@@ -118,7 +118,7 @@ pub(super) fn segment_drum(
         let (value, slope) = drum.distance(&at);
         (t, value, slope.dot(half), slope, at)
     };
-    // Where the cylinder's middle is nearest one tangent mostly tells that all is beyond.
+    // Where the cylinder's middle is nearest one tangent mostly shows that all is beyond.
     let square = half.norm_squared();
     let share = half.dot(&(drum.middle - middle)) / square;
     let first = ask(if square > 0.0 { share.clamp(-1.0, 1.0) } else { 0.0 });

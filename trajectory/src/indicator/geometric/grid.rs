@@ -257,7 +257,7 @@ impl DistanceGrid {
         (0.75f64.sqrt() + 4e-6) * self.far.as_ref().map_or(self.near.spacing, |far| far.spacing)
     }
 
-    /// Whether all points within `radius` of a segment are as far from the solid as `best`, as far as that can be told
+    /// Whether all points within `radius` of a segment are as far from the solid as `best`, as far as that is known
     /// from the box of the solid, without a look at the lattice: by the middle of the segment, else by the plane through
     /// the point of the box that is nearest to one of the segment.
     #[inline]

@@ -1,4 +1,4 @@
-//! A support vector machine that tells colliding postures from free ones.
+//! A support vector machine that separates colliding postures from free ones.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.4.1, Eq. 4.14: the value is
 //! `sum_i a_i exp(-gamma |q - q_i|^2) + b`. Trained on postures labelled free or colliding, by the soft-margin machine of
