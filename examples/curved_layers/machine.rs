@@ -132,7 +132,7 @@ pub fn run(
     };
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
-    let PrintPlan { before, resolved: resolved, travels, deposition } =
+    let PrintPlan { before, resolved, travels, deposition } =
         paths.filled.plan(&layers, nozzle, options, &progress).map_err(failure)?;
     clock.stop();
     let gouging = clock.on_the_clock(&["gouging", "built"]);

@@ -146,7 +146,7 @@ pub fn study(
     study.verified = [&near, &on].map(|all| [all.len(), all.iter().filter(|sample| sample.collides).count()]);
     let options = SamplingOptions {
         initial: SamplingOptions::default().initial.min(amount.training / 3),
-        most: amount.training,
+        max_samples: amount.training,
         ..SamplingOptions::default()
     };
     let ours = training_set(&space, &options)?.samples;

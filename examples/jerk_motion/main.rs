@@ -29,7 +29,7 @@ use curvlay_examples::motion::{OnCell, STEP_S, Studied, centred, dissertation_ce
 use curvlay_examples::output::OutputFolder;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
 use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
-use curvlay_trajectory::{LadderSearch, PathOptions, PathPiece, TimedPath, Timing, timed_path};
+use curvlay_trajectory::{LadderSearch, PathOptions, PathSegment, TimedPath, Timing, timed_path};
 use path::Path6;
 use planning::{Finer, METHODS, Plan, Planned, plan};
 use std::path::PathBuf;
@@ -142,7 +142,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
         None => path::spiral(args.count as usize, args.crest_mm),
     };
     let timed = stamped(&given, args.feed_mm_s)?;
-    if timed.pieces.is_empty() {
+    if timed.segments.is_empty() {
         let defect = timed.defects.first().map_or_else(String::new, |defect| format!(" ({defect})"));
         return Err(Failure::new(format!("no piece of the path can be travelled{defect}")));
     }
@@ -182,22 +182,23 @@ fn study_collisions(
     let trajectories = outputs::smoothest(run).map_or(&[][..], |planned| &planned.trajectories);
     let part = args.part.as_deref().map(|file| (file, args.up));
     let amount = Amount { training: args.training_count as usize, verification: args.sample_count as usize };
-    let times: Vec<&[f64]> = timed.pieces.iter().map(|piece| &piece.times[..]).collect();
+    let times: Vec<&[f64]> = timed.segments.iter().map(|piece| &piece.times[..]).collect();
     collisions::study(&robot, &times, &origin, part, trajectories, amount)
 }
 
 /// The median of the seconds from waypoint to waypoint.
 fn middle_step(timed: &TimedPath) -> f64 {
-    let of = |piece: &PathPiece| piece.times.windows(2).map(|ends| ends[1] - ends[0]).collect::<Vec<_>>();
-    let mut steps: Vec<f64> = timed.pieces.iter().flat_map(of).collect();
+    let of = |piece: &PathSegment| piece.times.windows(2).map(|ends| ends[1] - ends[0]).collect::<Vec<_>>();
+    let mut steps: Vec<f64> = timed.segments.iter().flat_map(of).collect();
     steps.sort_by(f64::total_cmp);
     steps.get(steps.len() / 2).copied().unwrap_or(STEP_S)
 }
 
 /// The waypoints of all pieces.
 fn waypoints(timed: &TimedPath) -> Vec<(Point3<f64>, UnitVector3<f64>)> {
-    let of = |piece: &PathPiece| piece.positions.iter().copied().zip(piece.normals.iter().copied()).collect::<Vec<_>>();
-    timed.pieces.iter().flat_map(of).collect()
+    let of =
+        |piece: &PathSegment| piece.positions.iter().copied().zip(piece.normals.iter().copied()).collect::<Vec<_>>();
+    timed.segments.iter().flat_map(of).collect()
 }
 
 fn stamped((positions, normals): &Path6, feed: Option<f64>) -> Result<TimedPath, Failure> {
@@ -225,11 +226,11 @@ where
     let robots = |timed: &TimedPath| -> (Vec<OnCell<W>>, Vec<Vec<f64>>) {
         let whole = OnCell::new(cell.clone(), centred(&waypoints(timed)));
         let mut first = 0;
-        let parts = timed.pieces.iter().map(|piece| {
+        let parts = timed.segments.iter().map(|piece| {
             first += piece.waypoints.len();
             whole.part(first - piece.waypoints.len()..first)
         });
-        (parts.collect(), timed.pieces.iter().map(|piece| piece.times.clone()).collect())
+        (parts.collect(), timed.segments.iter().map(|piece| piece.times.clone()).collect())
     };
     let (parts, times) = robots(timed);
     let (planned, notes) = plan(&parts, &times, &Plan { methods: &METHODS, grid, finer, makers_speeds: false }, bars)?;

@@ -47,12 +47,12 @@ impl Results {
 
     /// Where the path is split, and where ladders break off on it.
     fn splits(&self) -> usize {
-        self.path.pieces.len() - 1 + self.breaks().iter().map(|(_, waypoints)| waypoints.len()).sum::<usize>()
+        self.path.segments.len() - 1 + self.breaks().iter().map(|(_, waypoints)| waypoints.len()).sum::<usize>()
     }
 
     /// What is wrong with the path, and where ladders break off on it: a line each, in the order of the waypoints.
     pub fn faults(&self) -> Vec<String> {
-        let given: Vec<usize> = self.path.pieces.iter().flat_map(|piece| &piece.waypoints).copied().collect();
+        let given: Vec<usize> = self.path.segments.iter().flat_map(|piece| &piece.waypoints).copied().collect();
         let mut faults: Vec<(usize, String)> =
             self.path.defects.iter().map(|defect| (defect.waypoint(), defect.to_string())).collect();
         for (robot, waypoints) in self.breaks() {
@@ -259,8 +259,8 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
         .set("noise_waypoints", args.noise_count)?
         .set("threads", args.common.threads)?
         .set("given", results.given)?
-        .set("waypoints", results.path.pieces.iter().map(|piece| piece.waypoints.len()).sum::<usize>())?
-        .set("pieces", results.path.pieces.len())?
+        .set("waypoints", results.path.segments.iter().map(|piece| piece.waypoints.len()).sum::<usize>())?
+        .set("pieces", results.path.segments.len())?
         .set("defects", results.path.defects.len())?
         .set("splits", results.splits())?;
     for (name, figures) in results.rows() {
@@ -300,7 +300,7 @@ fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Fa
 
 fn report(args: &Args, results: &Results) -> Report {
     let mut report = Report::new("Robot motion with little jerk");
-    let waypoints: usize = results.path.pieces.iter().map(|piece| piece.waypoints.len()).sum();
+    let waypoints: usize = results.path.segments.iter().map(|piece| piece.waypoints.len()).sum();
     report.paragraph(&format!(
         "{waypoints} waypoints, pieces of the path: {}. A waypoint leaves the turn about the nozzle's axis free, over the table \
          its tilt and turn; the nozzle on the arm turns with joint 6 alone, which rests. The ladder takes the shortest path \
@@ -309,7 +309,7 @@ fn report(args: &Args, results: &Results) -> Report {
          4.10); the integral and the greatest jerk are those of the C2 spline everywhere, from rest to rest. Bounds: 1 \
          rad/s, 5 rad/s^2, 1 rad/s^3. Where the local filter passes those on speed or acceleration, \"global freed\" is \
          the global filter within what the local one reaches.",
-        results.path.pieces.len()
+        results.path.segments.len()
     ));
     told(results.faults()).iter().for_each(|fault| _ = report.notice(fault));
     results.failed_checks().iter().for_each(|check| _ = report.notice(&format!("check failed: {check}")));

@@ -65,7 +65,7 @@ pub struct Figures {
     pub violations: Vec<Violation>,
     /// What the global filter proves of its last linearised problem: no lower greatest jerk over its bound.
     pub jerk_lower_bound: Option<f64>,
-    /// Of the stretches about breaks, by [`Studied::least_speed`]: every motion needs so many times a speed limit.
+    /// Of the segments about breaks, by [`Studied::min_speed`]: every motion needs so many times a speed limit.
     pub speed_lower_bound: Option<f64>,
 }
 
@@ -298,7 +298,7 @@ fn needed_speed<const N: usize, const F: usize, R: Studied<N, F>>(
     let mut most = None;
     for run in &motion.runs[1..] {
         let around = run.start.saturating_sub(ABOUT_BREAK)..(run.start + ABOUT_BREAK).min(times.len());
-        most = greater(most, robot.least_speed(times, bounds, around)?.map(|found| found.at_least));
+        most = greater(most, robot.min_speed(times, bounds, around)?.map(|found| found.lower_bound));
     }
     Ok(most)
 }

@@ -79,7 +79,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Stag
     let space = arm::space();
     let options = SamplingOptions {
         initial: args.initial as usize,
-        most: args.samples.max(args.initial) as usize,
+        max_samples: args.samples.max(args.initial) as usize,
         seed: args.seed,
         ..SamplingOptions::default()
     };

@@ -10,7 +10,7 @@ use curvlay_kinematics::workcell::{
     self, AnyWorkcell, EightAxisCell, LimitsModel, SixAxisCell, Workcell, WorkcellFileError, WorkcellModel,
 };
 use curvlay_trajectory::print::{PrintRobot, Waypoint};
-use curvlay_trajectory::{Bounds, FreeRange, LadderError, LeastSpeed, Posture, Robot, least_speed};
+use curvlay_trajectory::{Bounds, FreeRange, LadderError, MinSpeed, Posture, Robot, min_speed};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
@@ -140,13 +140,13 @@ pub trait Studied<const N: usize, const F: usize>: Robot<N, F> + PrintRobot<N, F
     /// What speeds every motion through these waypoints needs; `None` with more than one free parameter.
     ///
     /// # Errors
-    /// As of [`least_speed`].
-    fn least_speed(
+    /// As of [`min_speed`].
+    fn min_speed(
         &self,
         times: &[f64],
         bounds: &Bounds<N>,
         waypoints: Range<usize>,
-    ) -> Result<Option<LeastSpeed>, LadderError>;
+    ) -> Result<Option<MinSpeed>, LadderError>;
 }
 
 impl Studied<6, 1> for PartInHand {
@@ -158,13 +158,13 @@ impl Studied<6, 1> for PartInHand {
         of_figures(self.cell.limits(), makers_speeds)
     }
 
-    fn least_speed(
+    fn min_speed(
         &self,
         times: &[f64],
         bounds: &Bounds<6>,
         waypoints: Range<usize>,
-    ) -> Result<Option<LeastSpeed>, LadderError> {
-        least_speed(self, times, bounds, waypoints, CELLS, &|_| ControlFlow::Continue(())).map(Some)
+    ) -> Result<Option<MinSpeed>, LadderError> {
+        min_speed(self, times, bounds, waypoints, CELLS, &|_| ControlFlow::Continue(())).map(Some)
     }
 }
 
@@ -177,7 +177,7 @@ impl Studied<8, 2> for OverTable {
         of_figures(self.cell.limits(), makers_speeds)
     }
 
-    fn least_speed(&self, _: &[f64], _: &Bounds<8>, _: Range<usize>) -> Result<Option<LeastSpeed>, LadderError> {
+    fn min_speed(&self, _: &[f64], _: &Bounds<8>, _: Range<usize>) -> Result<Option<MinSpeed>, LadderError> {
         Ok(None)
     }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Longest line of a file in bytes, and the most waypoints: beyond them it is another kind of file.
 const LONGEST_LINE: u64 = 4096;
-const MOST_WAYPOINTS: usize = 200_000;
+const MAX_WAYPOINTS: usize = 200_000;
 
 /// A line of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +57,8 @@ pub fn read_waypoints(path: &Path) -> Result<Vec<Line>, Failure> {
             }
             return Err(failed(&format!("line {number} must be six numbers `px py pz nx ny nz`")));
         };
-        if lines.len() == MOST_WAYPOINTS {
-            return Err(failed(&format!("more than {MOST_WAYPOINTS} waypoints")));
+        if lines.len() == MAX_WAYPOINTS {
+            return Err(failed(&format!("more than {MAX_WAYPOINTS} waypoints")));
         }
         lines.push(Line { number, values });
     }

@@ -7,12 +7,12 @@
 //! on calibration, uses the "touching point" method as well.)
 //!
 //! Poses that turn about one direction only say nothing of where along it the tip is. The eigenvalues of the normal
-//! equations tell: they are mean squares of how far a unit of tip moves over the poses.
+//! equations determine: they are mean squares of how far a unit of tip moves over the poses.
 
 use crate::pose::parts;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitVector3, Vector3};
 
-/// What touching told.
+/// What the touching poses determine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// The tip in the flange frame, in millimetres.

@@ -30,7 +30,7 @@ pub struct JointLimits<const N: usize> {
     pub jerk: [f64; N],
 }
 
-/// Limits that cannot be.
+/// Why limits are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LimitError {

@@ -44,7 +44,7 @@ pub enum PositionerError {
         /// Its coordinates.
         value: [f64; 3],
     },
-    /// The limits cannot be.
+    /// The limits are invalid.
     #[error(transparent)]
     Limits(#[from] LimitError),
 }
@@ -72,7 +72,7 @@ impl Positioner {
     /// Checks the numbers and puts the positioner where `base_positioner` says.
     ///
     /// # Errors
-    /// [`PositionerError`] names the number that cannot be.
+    /// [`PositionerError`] names the invalid number.
     pub fn new(model: &PositionerModel, base_positioner: &Isometry3<f64>) -> Result<Self, PositionerError> {
         let named = [
             ("tilt_origin", model.tilt_origin),

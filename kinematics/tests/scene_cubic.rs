@@ -291,7 +291,7 @@ fn bad_cubics_are_named() {
     // There and back: the ends are the same, the way is too long.
     let mut control = [good; 4];
     control[1].joints[4] += 51.0;
-    let too_long = SweepError::TooLong { table: false, joint: 4, turn: 102.0, most: 100.0 };
+    let too_long = SweepError::TooLong { table: false, joint: 4, turn: 102.0, max: 100.0 };
     let error = scene.sweep_cubic(&control, 1.0).unwrap_err();
     assert!(matches!(error, SweepError::TooLong { table: false, joint: 4, turn, .. } if (turn - 102.0).abs() < 1e-9));
     assert_eq!(error.to_string().split(':').nth(1), too_long.to_string().split(':').nth(1));

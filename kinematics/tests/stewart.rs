@@ -321,7 +321,7 @@ fn legs_that_touch_are_told() {
     // Turned about the vertical until legs come together in the middle, as lines still free.
     let over = at(0.0, 0.0, 250.0, [0.0, 0.0, 2.9]);
     assert_eq!(lines.fault(&over), None);
-    assert!(matches!(table.fault(&over), Some(StewartFault::Legs { least: 50.0, .. })));
+    assert!(matches!(table.fault(&over), Some(StewartFault::Legs { min: 50.0, .. })));
     // Legs that share a joint do not touch there: three pairs on the platform, as on the octahedral machine.
     let shared = StewartModel { leg_radius: 25.0, ..StewartModel::hexagon(325.0, 0.2, 125.0, PI / 3.0) };
     assert_eq!(stewart(&shared).fault(&at(0.0, 0.0, 350.0, [0.0; 3])), None);

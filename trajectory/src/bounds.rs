@@ -15,7 +15,7 @@ pub struct Bounds<const N: usize> {
     pub jerk: [f64; N],
 }
 
-/// Bounds that cannot be.
+/// The bounds are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundsError {

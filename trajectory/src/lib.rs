@@ -1,7 +1,12 @@
-//! From timed waypoints with free tool angles to joint trajectories of least jerk.
+#![doc = include_str!("../README.md")]
 //!
-//! Lengths in millimetres, angles in radians, seconds. Joints are `[f64; N]`; the robot is a small trait of this
-//! crate's own, so any arm will do.
+//! # Where to find what
+//!
+//! * [`timed_path`]: waypoints to segments with times. [`plan_ladder`], [`min_speed`]: a posture for each waypoint.
+//! * [`filter_locally`], [`smooth_globally`], [`smooth_clear_of`]: less jerk.
+//! * [`Timeline`], [`Trajectory`], [`Bounds`]: the spline that is executed, and its limits.
+//! * [`time_path`], [`time_path_free`]: the fastest timing.
+//! * [`indicator`], [`transfer`], [`verify`], [`mod@print`], [`check`]: collisions, transfers, whole prints.
 
 mod bounds;
 pub mod check;
@@ -24,17 +29,18 @@ pub mod verify;
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
 pub use global::{
-    Avoid, BandedQp, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport, QpError,
-    QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
+    Avoid, BandedQp, BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport,
+    PeakReport, QpError, QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{
-    Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, LeastSpeed, MAX_SAMPLES, Norm, least_speed,
-    plan_ladder,
+    Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, MAX_SAMPLES, MinSpeed, Norm, min_speed, plan_ladder,
 };
 pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};
 pub use nalgebra;
-pub use path::{Defect, MIN_WAYPOINTS, PathError, PathOptions, PathPiece, TimedPath, Timing, timed_path};
+pub use path::{
+    Defect, IncompletePath, MIN_WAYPOINTS, PathError, PathOptions, PathSegment, TimedPath, Timing, timed_path,
+};
 pub use progress::Progress;
 pub use robot::{FreeRange, Posture, Robot};
 pub use spline::{
@@ -45,8 +51,3 @@ pub use timing::{
     FlowLimits, FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, TimePathError, TimePathOptions,
     TimePathStatus, TimedMotion, time_path, time_path_free,
 };
-
-/// The snippet of the README, compiled and run with the examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;

@@ -1,4 +1,4 @@
-//! From waypoints as they come to pieces that can be travelled: time stamps, and the defects found on the way.
+//! From waypoints as they come to segments that can be travelled: time stamps, and the defects found on the way.
 //!
 //! Times come from arc length and feed (C. Dai, *Material Deposition in 3D Space*, TU Delft 2020, section 3.5.3), or
 //! are given. Nothing here slows the feed down or moves a waypoint. Published tool paths have repeated points, jumps
@@ -8,13 +8,13 @@
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::fmt;
 
-/// The fewest waypoints of a piece: one stencil of five for the derivatives (section 4.3.2).
+/// The fewest waypoints of a segment: one stencil of five for the derivatives (section 4.3.2).
 pub const MIN_WAYPOINTS: usize = 5;
 
 /// Where time stamps come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timing<'a> {
-    /// A feed in mm/s: each piece begins at time 0 and follows its arc length.
+    /// A feed in mm/s: each segment begins at time 0 and follows its arc length.
     Feed(f64),
     /// One time a waypoint, in seconds.
     Given(&'a [f64]),
@@ -120,7 +120,7 @@ impl fmt::Display for Defect {
             }
             Defect::Time { time, before, .. } => write!(out, "time {time} s is not after {before} s; path split"),
             Defect::Short { count, .. } => {
-                write!(out, "a piece of {count} waypoints, at least {MIN_WAYPOINTS} are needed; left out")
+                write!(out, "a segment of {count} waypoints, at least {MIN_WAYPOINTS} are needed; left out")
             }
         }
     }
@@ -128,7 +128,7 @@ impl fmt::Display for Defect {
 
 /// Waypoints that one motion can follow.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PathPiece {
+pub struct PathSegment {
     /// Which of the given waypoints they are, rising.
     pub waypoints: Vec<usize>,
     /// Places, in millimetres.
@@ -139,13 +139,68 @@ pub struct PathPiece {
     pub times: Vec<f64>,
 }
 
-/// A path in pieces, and what was found.
+/// A path in segments, and what was found. Waypoints with a defect, and segments of fewer than [`MIN_WAYPOINTS`], are in
+/// no segment: check [`TimedPath::left_out`], or take the segments by [`TimedPath::require_complete`].
 #[derive(Clone, Debug, PartialEq)]
+#[must_use = "waypoints may be left out: see `left_out` and `require_complete`"]
 pub struct TimedPath {
-    /// The pieces, in order, each of at least [`MIN_WAYPOINTS`].
-    pub pieces: Vec<PathPiece>,
+    /// The segments, in order, each of at least [`MIN_WAYPOINTS`].
+    pub segments: Vec<PathSegment>,
     /// The defects, in the order of the waypoints.
     pub defects: Vec<Defect>,
+}
+
+/// Waypoints of a path are in no segment although they are not repeated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{left_out} waypoints are in no segment, first {}; repair them, or print without them", defects[0])]
+pub struct IncompletePath {
+    /// How many they are.
+    pub left_out: usize,
+    /// The defects that left them out, in the order of the waypoints; at least one.
+    pub defects: Vec<Defect>,
+}
+
+impl Defect {
+    /// How many waypoints it leaves out.
+    pub fn left_out(&self) -> usize {
+        match *self {
+            Defect::NotFinite { .. } | Defect::NoNormal { .. } | Defect::Repeated { .. } => 1,
+            Defect::Short { count, .. } => count,
+            Defect::Jump { .. } | Defect::Flip { .. } | Defect::Time { .. } => 0,
+        }
+    }
+}
+
+impl TimedPath {
+    /// How many of the given waypoints are in no segment; repeated ones count.
+    pub fn left_out(&self) -> usize {
+        self.defects.iter().map(Defect::left_out).sum()
+    }
+
+    /// The segments, if they hold every waypoint that is not a repetition of the one before. Splits are allowed.
+    ///
+    /// # Errors
+    /// [`IncompletePath`] for waypoints with invalid numbers and for segments of fewer than [`MIN_WAYPOINTS`].
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_trajectory::nalgebra::{Point3, Vector3};
+    /// use curvlay_trajectory::{PathOptions, Timing, timed_path};
+    /// let mut positions: Vec<_> = (0..12).map(|k| Point3::new(f64::from(k), 0.0, 0.0)).collect();
+    /// positions[9..].iter_mut().for_each(|p| p.y += 40.0); // a jump: the last three are too few
+    /// let path = timed_path(&positions, &[Vector3::z(); 12], Timing::Feed(5.0), &PathOptions::default())?;
+    /// assert_eq!((path.segments.len(), path.left_out()), (1, 3));
+    /// assert!(path.require_complete().is_err());
+    /// # Ok::<(), curvlay_trajectory::PathError>(())
+    /// ```
+    pub fn require_complete(self) -> Result<Vec<PathSegment>, IncompletePath> {
+        let leaves_out = |defect: &Defect| defect.left_out() > 0 && !matches!(defect, Defect::Repeated { .. });
+        let defects: Vec<Defect> = self.defects.into_iter().filter(leaves_out).collect();
+        if defects.is_empty() {
+            return Ok(self.segments);
+        }
+        Err(IncompletePath { left_out: defects.iter().map(Defect::left_out).sum(), defects })
+    }
 }
 
 /// Why there is no path.
@@ -153,7 +208,7 @@ pub struct TimedPath {
 #[non_exhaustive]
 pub enum PathError {
     /// Places, normals and times are not of one number.
-    #[error("{positions} positions, {normals} normals and {times} times: there must be one of each a waypoint")]
+    #[error("{positions} positions, {normals} normals and {times} times: pass one of each per waypoint")]
     Count {
         /// Number of places.
         positions: usize,
@@ -177,8 +232,12 @@ pub enum PathError {
 /// # Arguments
 /// * `positions`, `normals`: one of each a waypoint, in millimetres and of any length, in the order of travel.
 ///
+/// # Returns
+/// The segments and the defects. Waypoints that are in no segment are not an error: [`TimedPath::left_out`] counts them,
+/// [`TimedPath::require_complete`] makes them one.
+///
 /// # Errors
-/// [`PathError`] for lists that do not fit and options that cannot be. What is wrong with a waypoint is a [`Defect`].
+/// [`PathError`] for lists that do not fit and invalid options. What is wrong with a waypoint is a [`Defect`].
 ///
 /// # Cost
 /// Linear time and memory.
@@ -190,8 +249,8 @@ pub enum PathError {
 /// let mut positions: Vec<_> = (0..12).map(|k| Point3::new(f64::from(k), 0.0, 0.0)).collect();
 /// positions[6..].iter_mut().for_each(|p| p.y += 40.0);
 /// let path = timed_path(&positions, &[Vector3::z(); 12], Timing::Feed(5.0), &PathOptions::default())?;
-/// assert_eq!(path.pieces.len(), 2);
-/// assert!((path.pieces[1].times[5] - 1.0).abs() < 1e-12);
+/// assert_eq!(path.segments.len(), 2);
+/// assert!((path.segments[1].times[5] - 1.0).abs() < 1e-12);
 /// assert!(matches!(path.defects[..], [Defect::Jump { waypoint: 6, .. }]));
 /// # Ok::<(), curvlay_trajectory::PathError>(())
 /// ```
@@ -214,7 +273,7 @@ pub fn timed_path(
             return Err(PathError::Option { what, value });
         }
     }
-    let mut sorter = Sorter { path: TimedPath { pieces: Vec::new(), defects: Vec::new() }, open: PathPiece::NONE };
+    let mut sorter = Sorter { path: TimedPath { segments: Vec::new(), defects: Vec::new() }, open: PathSegment::NONE };
     for (waypoint, (&position, normal)) in positions.iter().zip(normals).enumerate() {
         let time = if let Timing::Given(times) = timing { times[waypoint] } else { 0.0 };
         if !(position.iter().chain(normal.iter()).all(|x| x.is_finite()) && time.is_finite()) {
@@ -259,15 +318,15 @@ pub fn timed_path(
     Ok(sorter.path)
 }
 
-impl PathPiece {
-    const NONE: PathPiece =
-        PathPiece { waypoints: Vec::new(), positions: Vec::new(), normals: Vec::new(), times: Vec::new() };
+impl PathSegment {
+    const NONE: PathSegment =
+        PathSegment { waypoints: Vec::new(), positions: Vec::new(), normals: Vec::new(), times: Vec::new() };
 }
 
 struct Sorter {
     path: TimedPath,
-    /// The piece that is being filled.
-    open: PathPiece,
+    /// The segment that is being filled.
+    open: PathSegment,
 }
 
 impl Sorter {
@@ -277,11 +336,11 @@ impl Sorter {
     }
 
     fn close(&mut self) {
-        let piece = std::mem::replace(&mut self.open, PathPiece::NONE);
-        match piece.waypoints.first() {
-            Some(_) if piece.waypoints.len() >= MIN_WAYPOINTS => self.path.pieces.push(piece),
+        let segment = std::mem::replace(&mut self.open, PathSegment::NONE);
+        match segment.waypoints.first() {
+            Some(_) if segment.waypoints.len() >= MIN_WAYPOINTS => self.path.segments.push(segment),
             Some(&waypoint) => {
-                self.path.defects.push(Defect::Short { waypoint, count: piece.waypoints.len() });
+                self.path.defects.push(Defect::Short { waypoint, count: segment.waypoints.len() });
             }
             None => {}
         }

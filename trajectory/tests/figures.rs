@@ -31,7 +31,7 @@ fn synthetic_paths_are_one_piece_and_smoothed() {
         let times: Vec<f64> = (0..path.len()).map(|k| STEP * k as f64).collect();
         let (positions, normals): (Vec<_>, Vec<_>) = path.iter().copied().unzip();
         let timed = timed_path(&positions, &normals, Timing::Given(&times), &PathOptions::default()).unwrap();
-        assert_eq!((timed.pieces.len(), timed.defects.len()), (1, 0), "{:?}", timed.defects);
+        assert_eq!((timed.segments.len(), timed.defects.len()), (1, 0), "{:?}", timed.defects);
         let robot = Ur3::new(&path[..600]);
         let (times, bounds) = (robot.times(), robot.bounds());
         let ladder = plan_ladder(&robot, &times, &bounds, &LadderOptions::default(), &quiet).unwrap();
@@ -63,9 +63,9 @@ fn the_defects_of_published_paths_are_found() {
         let path = read(&format!("maxis_{name}.txt"));
         let (positions, normals): (Vec<_>, Vec<_>) = path.iter().copied().unzip();
         let timed = timed_path(&positions, &normals, Timing::Feed(5.0), &PathOptions::default()).unwrap();
-        let kept: usize = timed.pieces.iter().map(|piece| piece.waypoints.len()).sum();
+        let kept: usize = timed.segments.iter().map(|piece| piece.waypoints.len()).sum();
         assert!(kept > path.len() * 9 / 10, "{kept} of {}", path.len());
-        all[0] += timed.pieces.len();
+        all[0] += timed.segments.len();
         all[1] += timed.defects.len();
     }
     assert!(all[0] > names.len() && all[1] > 0);

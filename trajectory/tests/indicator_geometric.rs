@@ -6,7 +6,7 @@ mod common;
 use common::{Fixed, cell};
 use curvlay_trajectory::indicator::geometric::{
     Ball, Bodies, BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricError, GeometricIndicator, GeometricModel,
-    GridError, MOST_BODIES, Plane, Twist,
+    GridError, MAX_BODIES, Plane, Twist,
 };
 use curvlay_trajectory::indicator::{CollisionIndicator, Rates, verification_samples};
 use curvlay_trajectory::nalgebra::{IsometryMatrix3, Point3, Unit, Vector3};
@@ -251,7 +251,7 @@ fn grid_errors() {
     assert!(matches!(cells([u32::MAX; 3], &[1], 1.0, &origin, 1), GridError::Words { .. }));
     assert!(matches!(cells([1, 1, 1], &[1], 1.0, &origin, u32::MAX), GridError::TooLarge { .. }));
     assert!(matches!(cells([1, 1, 1], &[1], 0.0, &origin, 1), GridError::Length { what: "cell", .. }));
-    assert!(matches!(cells([1, 1, 1], &[1], 1.0, &origin, 0), GridError::Length { what: "room", .. }));
+    assert!(matches!(cells([1, 1, 1], &[1], 1.0, &origin, 0), GridError::Length { what: "margin", .. }));
     assert_eq!(cells([1, 1, 1], &[1], 1.0, &Point3::new(f64::NAN, 0.0, 0.0), 1), GridError::Point { point: 0 });
     let (points, triangles) = dented();
     let mesh = |points: &[Point3<f64>], triangles: &[[u32; 3]], spacing, room| {
@@ -265,7 +265,7 @@ fn grid_errors() {
     assert_eq!(mesh(&wild, &triangles, 1.0, 1.0), GridError::Point { point: 4 });
     assert!(matches!(mesh(&points, &triangles, 1e-6, 1.0), GridError::TooLarge { .. }));
     assert!(matches!(mesh(&points, &triangles, -1.0, 1.0), GridError::Length { what: "spacing", .. }));
-    assert!(matches!(mesh(&points, &triangles, 1.0, f64::NAN), GridError::Length { what: "room", .. }));
+    assert!(matches!(mesh(&points, &triangles, 1.0, f64::NAN), GridError::Length { what: "margin", .. }));
 }
 
 /// Values against all shapes compared one by one, gradients against differences.
@@ -536,10 +536,10 @@ fn model_errors() {
     assert_eq!(error(&|m| m.margin = f64::INFINITY), GeometricError::Margin(f64::INFINITY));
     assert_eq!(error(&|m| m.ignored = vec![[1, 0]]), GeometricError::Nothing);
     let many = BodiesFn {
-        carriers: vec![[false]; MOST_BODIES + 1],
+        carriers: vec![[false]; MAX_BODIES + 1],
         place: |_: &[f64; 1], _: &mut [IsometryMatrix3<f64>]| {},
         twists: |_: &[f64; 1], _: &[IsometryMatrix3<f64>]| [Twist::sliding(&Vector3::x())],
     };
     let error = GeometricIndicator::new(many, GeometricModel::default()).map(|_| ()).unwrap_err();
-    assert_eq!(error, GeometricError::TooManyBodies { count: MOST_BODIES + 1 });
+    assert_eq!(error, GeometricError::TooManyBodies { count: MAX_BODIES + 1 });
 }

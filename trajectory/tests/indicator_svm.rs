@@ -170,7 +170,7 @@ fn a_small_cache_changes_nothing() {
 
 #[test]
 fn few_steps_are_told() {
-    let svm = Svm::train(&fixed_data(), &SvmOptions { most_steps: 5, ..SvmOptions::default() }).unwrap();
+    let svm = Svm::train(&fixed_data(), &SvmOptions { max_steps: 5, ..SvmOptions::default() }).unwrap();
     assert!(!svm.training().converged && svm.training().steps == 5 && svm.training().gap > 1e-3);
 }
 
@@ -219,7 +219,7 @@ fn training_errors() {
 #[test]
 fn planar_arm_is_learned_better_from_our_samples_than_from_random_ones() {
     let space = planar::space();
-    let set = training_set(&space, &SamplingOptions { initial: 500, most: 1698, ..Default::default() }).unwrap();
+    let set = training_set(&space, &SamplingOptions { initial: 500, max_samples: 1698, ..Default::default() }).unwrap();
     for (sample, on_contact) in set.samples.iter().zip(&set.on_contact) {
         assert_eq!(sample.collides, planar::collides(&sample.joints));
         assert!(!on_contact || planar::gap(&sample.joints).abs() <= 1e-4);
@@ -249,7 +249,7 @@ fn planar_arm_is_learned_better_from_our_samples_than_from_random_ones() {
 #[test]
 fn sampling_is_deterministic_and_keeps_its_distances() {
     let space = planar::space();
-    let options = SamplingOptions { initial: 100, most: 500, ..Default::default() };
+    let options = SamplingOptions { initial: 100, max_samples: 500, ..Default::default() };
     let set = training_set(&space, &options).unwrap();
     assert_eq!(training_set(&space, &options).unwrap(), set);
     assert_ne!(training_set(&space, &SamplingOptions { seed: 2, ..options }).unwrap(), set);
@@ -314,7 +314,7 @@ fn sampling_errors() {
         (SamplingOptions { contact_tolerance: 0.0, ..options }, "contact_tolerance"),
         (SamplingOptions { initial: 0, ..options }, "initial"),
         (SamplingOptions { neighbours: 0, ..options }, "neighbours"),
-        (SamplingOptions { most: 0, ..options }, "most"),
+        (SamplingOptions { max_samples: 0, ..options }, "max_samples"),
     ] {
         let error = training_set(&never, &options).unwrap_err();
         assert!(matches!(error, SamplesError::Option { what, .. } if what == name), "{error}");

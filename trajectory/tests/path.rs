@@ -17,9 +17,9 @@ fn with_feed((positions, normals): &(Vec<Point3<f64>>, Vec<Vector3<f64>>)) -> Ti
 #[test]
 fn a_sound_path_is_one_piece() {
     let path = with_feed(&line(11));
-    assert_eq!((path.pieces.len(), path.defects.len()), (1, 0));
-    assert_eq!(path.pieces[0].waypoints, (0..11).collect::<Vec<_>>());
-    assert_abs_diff_eq!(path.pieces[0].times[10], 1.0, epsilon = 1e-12);
+    assert_eq!((path.segments.len(), path.defects.len()), (1, 0));
+    assert_eq!(path.segments[0].waypoints, (0..11).collect::<Vec<_>>());
+    assert_abs_diff_eq!(path.segments[0].times[10], 1.0, epsilon = 1e-12);
 }
 
 #[test]
@@ -60,10 +60,10 @@ fn every_defect_is_named_and_split_at() {
         (36, "short"),
     ];
     assert_eq!(found, expected);
-    let ends: Vec<_> = path.pieces.iter().map(|p| (p.waypoints[0], *p.waypoints.last().unwrap())).collect();
+    let ends: Vec<_> = path.segments.iter().map(|p| (p.waypoints[0], *p.waypoints.last().unwrap())).collect();
     assert_eq!(ends, [(0, 9), (11, 19), (21, 25), (26, 31)]);
-    assert!(path.pieces.iter().all(|p| p.times[0].abs() < 1e-15 && p.times.windows(2).all(|t| t[0] < t[1])));
-    assert!(path.pieces.iter().flat_map(|p| &p.normals).all(|n| (n.norm() - 1.0).abs() < 1e-12));
+    assert!(path.segments.iter().all(|p| p.times[0].abs() < 1e-15 && p.times.windows(2).all(|t| t[0] < t[1])));
+    assert!(path.segments.iter().flat_map(|p| &p.normals).all(|n| (n.norm() - 1.0).abs() < 1e-12));
     assert_eq!(path.defects[3].to_string(), "waypoint 26: the normal turns by 180.0 degrees; path split");
 }
 
@@ -74,8 +74,8 @@ fn given_times_that_do_not_rise_split() {
     times[6..].iter_mut().for_each(|t| *t -= 0.125);
     let path = timed_path(&positions, &normals, Timing::Given(&times), &PathOptions::default()).unwrap();
     assert_eq!(path.defects, [Defect::Time { waypoint: 6, time: times[6], before: times[5] }]);
-    assert_eq!(path.pieces.len(), 2);
-    assert_eq!(path.pieces[1].times, times[6..]);
+    assert_eq!(path.segments.len(), 2);
+    assert_eq!(path.segments[1].times, times[6..]);
     times[8] = f64::NAN;
     let path = timed_path(&positions, &normals, Timing::Given(&times), &PathOptions::default()).unwrap();
     assert!(path.defects.contains(&Defect::NotFinite { waypoint: 8 }));
@@ -101,7 +101,7 @@ fn lists_and_options_that_cannot_be() {
     let found = timed_path(&positions, &normals, Timing::Feed(5.0), &bad);
     assert!(matches!(found, Err(PathError::Option { what: "jump", .. })));
     let nothing = timed_path(&[], &[], Timing::Feed(5.0), &options).unwrap();
-    assert_eq!((nothing.pieces.len(), nothing.defects.len()), (0, 0));
+    assert_eq!((nothing.segments.len(), nothing.defects.len()), (0, 0));
     assert_eq!(with_feed(&line(4)).defects, [Defect::Short { waypoint: 0, count: 4 }]);
 }
 
@@ -117,7 +117,7 @@ proptest! {
         let normals: Vec<_> = moves.iter().map(|m| Vector3::new(m.1.sin(), 0.0, m.1.cos())).collect();
         let options = PathOptions::default();
         let path = timed_path(&positions, &normals, Timing::Feed(2.0), &options).unwrap();
-        let mut seen: Vec<usize> = path.pieces.iter().flat_map(|p| p.waypoints.clone()).collect();
+        let mut seen: Vec<usize> = path.segments.iter().flat_map(|p| p.waypoints.clone()).collect();
         prop_assert!(seen.is_sorted());
         for defect in &path.defects {
             match *defect {
@@ -127,7 +127,11 @@ proptest! {
             }
         }
         prop_assert_eq!(seen.len(), moves.len());
-        for piece in &path.pieces {
+        let kept: usize = path.segments.iter().map(|p| p.waypoints.len()).sum();
+        prop_assert_eq!(kept + path.left_out(), moves.len());
+        let short = path.defects.iter().any(|defect| matches!(defect, Defect::Short { .. }));
+        prop_assert_eq!(path.clone().require_complete().is_err(), short);
+        for piece in &path.segments {
             for k in 1..piece.times.len() {
                 let distance = (piece.positions[k] - piece.positions[k - 1]).norm();
                 prop_assert!(distance <= options.jump && distance >= options.repeat);

@@ -87,7 +87,7 @@ pub struct Solutions {
 }
 
 /// Solutions that lie closer than this in every joint are one, in radians. Two branches come together at a stretched
-/// elbow and where the shoulder folds; below this distance the pose does not tell them apart (the square of it
+/// elbow and where the shoulder folds; below this distance the pose does not distinguish them (the square of it
 /// shows).
 pub const SAME: f64 = 1e-6;
 

@@ -144,7 +144,7 @@ pub enum ArmError {
         /// The sign.
         value: f64,
     },
-    /// The limits cannot be.
+    /// The limits are invalid.
     #[error(transparent)]
     Limits(#[from] LimitError),
 }
@@ -168,7 +168,7 @@ impl Arm {
     /// Checks the numbers of an arm.
     ///
     /// # Errors
-    /// [`ArmError`] names the number that cannot be.
+    /// [`ArmError`] names the invalid number.
     pub fn new(model: &ArmModel) -> Result<Self, ArmError> {
         let ArmModel { geometry, offsets, signs, limits } = *model;
         for joint in 0..6 {

@@ -160,7 +160,7 @@ fn halton(mut index: usize, base: usize) -> f64 {
 /// moved so that its points lie in its middle.
 ///
 /// # Errors
-/// [`PlacementError`]; [`PlacementError::Cancelled`] when `progress` breaks off.
+/// [`PlacementError`]; [`PlacementError::Cancelled`] when `progress` returns `Break`.
 ///
 /// # Cost
 /// Half a second for 10,000 points of an arm and a box of a third of its reach; memory `O(n)`.
@@ -303,7 +303,7 @@ impl Search {
     }
 }
 
-/// A segment tree: adds to ranges, tells the maximum and where it first is.
+/// A segment tree: adds to ranges, gives the maximum and its first place.
 struct Tree {
     leaves: usize,
     /// Of each node what was added to all of it, and the maximum in it with that.

@@ -44,7 +44,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
     /// * `scene`: of the cell. What is in it does not move with the place of the part, so leave the part out; allow the pairs
     ///   that may touch while the nozzle prints.
     /// * `samples`: of each free parameter: even over a turn, or from one end of the range to the other.
-    /// * `max_clearance`: in millimetres; more is not looked for. What is clear is then told by its manipulability.
+    /// * `max_clearance`: in millimetres; more is not looked for. A posture with more clearance is rated by its manipulability.
     ///
     /// # Errors
     /// [`PlaceError::Option`] names the argument.

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 pub const FARTHEST: f64 = 1e6;
 
 /// More cells than this along an axis are a mistake.
-const MOST_CELLS: u32 = 1 << 24;
+const MAX_CELLS: u32 = 1 << 24;
 
 /// What a body is fixed to; its coordinates are those of that frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,7 +112,7 @@ pub struct Body {
     pub shape: Shape,
 }
 
-/// A scene that cannot be.
+/// Why a scene is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -170,7 +170,7 @@ pub enum SceneError {
         /// Its value.
         value: f64,
     },
-    /// There are no points, no triangles or no room for cells.
+    /// There are no points, no triangles or no cells.
     #[error("body `{body}` has no {what}")]
     Empty {
         /// The body.
@@ -303,7 +303,7 @@ fn check_points(body: &str, points: &[Point3<f64>]) -> Result<(), SceneError> {
 pub(super) fn check_rows(body: &str, dims: [u32; 3], rows: &[u64]) -> Result<(), SceneError> {
     let words = dims[0].div_ceil(64);
     let expected = u128::from(words) * u128::from(dims[1]) * u128::from(dims[2]);
-    if expected != rows.len() as u128 || dims.iter().any(|&n| n > MOST_CELLS) {
+    if expected != rows.len() as u128 || dims.iter().any(|&n| n > MAX_CELLS) {
         return Err(SceneError::Words { body: body.into(), dims, expected, found: rows.len() });
     }
     let beyond = if dims[0].is_multiple_of(64) { 0 } else { u64::MAX << (dims[0] % 64) };

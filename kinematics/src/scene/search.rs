@@ -27,8 +27,8 @@ pub(super) struct Found {
 /// Gaps of boxes are rounded by less than this, in millimetres.
 const ROUNDING: f64 = 1e-8;
 
-/// Room for the corners of one body in the frame of the other.
-const ROOM: usize = 32;
+/// Space for the corners of one body in the frame of the other.
+const BUFFER: usize = 32;
 
 impl<'a> Meeting<'a> {
     pub fn new(a: &'a Piece, b: &'a Piece, a_b: Isometry3<f64>) -> Self {
@@ -75,16 +75,16 @@ impl<'a> Meeting<'a> {
     fn in_one_frame<T>(&self, a: &Node, b: &Node, ask: impl Fn(&[Point3<f64>], &[Point3<f64>], bool) -> T) -> T {
         let (corners_a, corners_b) = (self.a.corners(a), self.b.corners(b));
         let (a, b) = (corners_a.points(), corners_b.points());
-        let mut room = [Point3::origin(); ROOM];
+        let mut buffer = [Point3::origin(); BUFFER];
         let mut more = Vec::new();
         let (few, pose) = if a.len() < b.len() { (a, self.a_b.inverse()) } else { (b, self.a_b) };
         let (rotation, shift) = (pose.rotation.to_rotation_matrix(), pose.translation.vector);
         let moved = |point: &Point3<f64>| rotation * point + shift;
-        let moved: &[Point3<f64>] = if few.len() <= ROOM {
-            for (to, from) in room.iter_mut().zip(few) {
+        let moved: &[Point3<f64>] = if few.len() <= BUFFER {
+            for (to, from) in buffer.iter_mut().zip(few) {
                 *to = moved(from);
             }
-            &room[..few.len()]
+            &buffer[..few.len()]
         } else {
             more.extend(few.iter().map(moved));
             &more

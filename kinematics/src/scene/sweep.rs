@@ -47,7 +47,7 @@ pub enum Sweep<'a> {
     },
 }
 
-/// A sweep that cannot be.
+/// Why a motion cannot be swept.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
@@ -66,7 +66,7 @@ pub enum SweepError {
         source: PostureError,
     },
     /// A joint turns so far that it can only be a mistake.
-    #[error("{} {} turns by {turn} rad in one motion: at most {most} rad can be swept", if *table { "axis of the table" } else { "joint" }, joint + 1)]
+    #[error("{} {} turns by {turn} rad in one motion: at most {max} rad can be swept", if *table { "axis of the table" } else { "joint" }, joint + 1)]
     TooLong {
         /// Whether it is one of the table.
         table: bool,
@@ -75,15 +75,15 @@ pub enum SweepError {
         /// How far it turns; of a cubic, along its control polygon.
         turn: f64,
         /// How far it may.
-        most: f64,
+        max: f64,
     },
     /// The resolution is no length.
-    #[error("the resolution is {value}: it must be from {least} to 1e6 mm")]
+    #[error("the resolution is {value}: it must be from {min} to 1e6 mm")]
     Resolution {
         /// Its value.
         value: f64,
         /// The least one that rounding allows.
-        least: f64,
+        min: f64,
     },
 }
 
@@ -96,7 +96,7 @@ const FARTHEST_TURN: f64 = 100.0;
 /// How far points of the bodies move at most from the middle of an interval: of each body, by all joints from each on.
 struct Travel(Vec<[f64; 7]>);
 
-/// Down to this half-width middles are looked at for what is in the way, and not for room only.
+/// Down to this half-width middles are looked at for what is in the way, and not for clearance only.
 const COARSE: f64 = 1.0 / 16.0;
 
 impl Scene {
@@ -110,7 +110,7 @@ impl Scene {
     /// [`SweepError`] names the joint that is no angle or turns by more than 100 rad, or a resolution that is none.
     ///
     /// # Cost
-    /// A few checks of the pairs in question where there is room; at most `travel / resolution` checks in a pass that is
+    /// A few checks of the pairs in question where there is clearance; at most `travel / resolution` checks in a pass that is
     /// just wide enough. Nothing depends on the speed of the motion.
     pub fn sweep(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<Sweep<'_>, SweepError> {
         Ok(self.first_near(&self.straight(from, to, resolution)?, resolution))
@@ -192,8 +192,8 @@ impl Scene {
         Sweep::Free
     }
 
-    /// Whether the motion from one posture to another is free, as [`Scene::sweep`] says it, but not where it ends: sooner
-    /// told where it is not.
+    /// Whether the motion from one posture to another is free. The same answer as [`Scene::sweep`], without the place of the
+    /// contact, and faster where it is not free.
     ///
     /// # Errors
     /// Those of [`Scene::sweep`].
@@ -204,8 +204,8 @@ impl Scene {
         Ok(self.all_apart(&self.straight(from, to, resolution)?, resolution))
     }
 
-    /// Whether a cubic motion is free, as [`Scene::sweep_cubic`] says it, but not where it ends: sooner told where it is
-    /// not.
+    /// Whether a cubic motion is free. The same answer as [`Scene::sweep_cubic`], without the place of the contact, and
+    /// faster where it is not free.
     ///
     /// # Errors
     /// Those of [`Scene::sweep_cubic`].
@@ -269,12 +269,12 @@ impl Scene {
     /// Checks a motion through postures that have been checked.
     fn checked(&self, motion: Motion, resolution: f64) -> Result<Motion, SweepError> {
         if !(MIN_RESOLUTION..=super::FARTHEST).contains(&resolution) {
-            return Err(SweepError::Resolution { value: resolution, least: MIN_RESOLUTION });
+            return Err(SweepError::Resolution { value: resolution, min: MIN_RESOLUTION });
         }
         let (arm, on_table) = motion.lengths();
         let long = |table, angles: &[f64]| {
             let joint = angles.iter().position(|&turn| turn > FARTHEST_TURN)?;
-            Some(SweepError::TooLong { table, joint, turn: angles[joint], most: FARTHEST_TURN })
+            Some(SweepError::TooLong { table, joint, turn: angles[joint], max: FARTHEST_TURN })
         };
         let long_table = || long(true, &on_table).filter(|_| self.positioner.is_some());
         match long(false, &arm).or_else(long_table) {

@@ -21,6 +21,6 @@ impl Stewart {
             .filter(|&[i, k]| !one_joint(&self.base, i, k) && !one_joint(&self.platform, i, k))
             .map(|legs| (legs, distance_segment_segment(&Pose::IDENTITY, &axis(legs[0]), &axis(legs[1]))))
             .find(|&(_, distance)| distance < least)
-            .map(|(legs, distance)| StewartFault::Legs { legs, distance, least })
+            .map(|(legs, distance)| StewartFault::Legs { legs, distance, min: least })
     }
 }

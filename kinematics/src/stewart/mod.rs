@@ -162,34 +162,34 @@ pub enum StewartFault {
         longest: f64,
     },
     /// A leg leans too far in its joint on the base.
-    #[error("leg {} leans {angle} rad in its joint on the base; the joint allows {most}", leg + 1)]
+    #[error("leg {} leans {angle} rad in its joint on the base; the joint allows {max}", leg + 1)]
     BaseJoint {
         /// The leg.
         leg: usize,
         /// How far.
         angle: f64,
         /// How far it may.
-        most: f64,
+        max: f64,
     },
     /// A leg leans too far in its joint on the platform.
-    #[error("leg {} leans {angle} rad in its joint on the platform; the joint allows {most}", leg + 1)]
+    #[error("leg {} leans {angle} rad in its joint on the platform; the joint allows {max}", leg + 1)]
     PlatformJoint {
         /// The leg.
         leg: usize,
         /// How far.
         angle: f64,
         /// How far it may.
-        most: f64,
+        max: f64,
     },
     /// Two legs touch.
-    #[error("legs {} and {} are {distance} mm apart from axis to axis; they touch at {least}", legs[0] + 1, legs[1] + 1)]
+    #[error("legs {} and {} are {distance} mm apart from axis to axis; they touch at {min}", legs[0] + 1, legs[1] + 1)]
     Legs {
         /// The legs.
         legs: [usize; 2],
         /// Between their axes.
         distance: f64,
         /// What their girth needs.
-        least: f64,
+        min: f64,
     },
 }
 
@@ -232,7 +232,7 @@ impl Stewart {
     /// Checks the numbers of a platform.
     ///
     /// # Errors
-    /// [`StewartModelError`] names the number that cannot be.
+    /// [`StewartModelError`] names the invalid number.
     pub fn new(model: &StewartModel) -> Result<Self, StewartModelError> {
         let named = [
             ("base", model.base),
@@ -334,11 +334,11 @@ impl Stewart {
             }
             let angle = self.base_axes[leg].angle(vector);
             if angle > self.base_cone {
-                return Some(StewartFault::BaseJoint { leg, angle, most: self.base_cone });
+                return Some(StewartFault::BaseJoint { leg, angle, max: self.base_cone });
             }
             let angle = self.platform_axes[leg].angle(&-(r.transpose() * vector));
             if angle > self.platform_cone {
-                return Some(StewartFault::PlatformJoint { leg, angle, most: self.platform_cone });
+                return Some(StewartFault::PlatformJoint { leg, angle, max: self.platform_cone });
             }
         }
         self.touching_legs(&vectors)

@@ -109,10 +109,10 @@ impl Stewart {
     /// image of each included where there is one. In the order in which they were found; the same `seed` gives the
     /// same. An empty list says that none was found, not that there is none; nor is a longer list all there are.
     ///
-    /// Limits and cones are not looked at: [`Stewart::fault`] tells which modes are real.
+    /// Limits and cones are not looked at: [`Stewart::fault`] reports which modes are possible.
     ///
     /// # Errors
-    /// [`StewartError::Length`] names the leg that cannot be.
+    /// [`StewartError::Length`] names the invalid leg.
     ///
     /// # Cost
     /// Some 5 microseconds a start, so less than a second.

@@ -65,15 +65,15 @@ const LONGEST: f64 = 1e7;
 /// the farthest joint: rounding is some 1e-15.
 const DONE: f64 = 1e-12;
 /// Steps after which a start counts as hopeless. From a near pose it takes 3 to 5.
-const MOST_STEPS: u32 = 60;
+const MAX_STEPS: u32 = 60;
 /// Halvings of a step after which it counts as stuck.
-const MOST_HALVINGS: u32 = 12;
+const MAX_HALVINGS: u32 = 12;
 /// Largest turn in a step, in radians: beyond it the derivatives say nothing.
 const LARGEST_TURN: f64 = 1.0;
 /// A pivot below this share of the largest entry is none.
 const PIVOT: f64 = 1e-14;
 /// Halvings of the way between two sets of lengths, when the platform is followed.
-const MOST_SPLITS: u32 = 16;
+const MAX_SPLITS: u32 = 16;
 
 /// A pose on its way.
 #[derive(Clone, Copy)]
@@ -94,7 +94,7 @@ impl Stewart {
     /// from pose to pose, the pose that goes on from the last. Limits are not looked at.
     ///
     /// # Errors
-    /// [`StewartError`] names the leg that cannot be, or stays off.
+    /// [`StewartError`] names the invalid leg, or stays off.
     ///
     /// # Cost
     /// Under a microsecond from a near pose, no allocation.
@@ -116,7 +116,7 @@ impl Stewart {
                 return Ok(FoundPose { pose, residual_mm, iterations });
             }
             let failed = StewartError::NoPose { leg, residual_mm };
-            if iterations == MOST_STEPS {
+            if iterations == MAX_STEPS {
                 return Err(failed);
             }
             iterations += 1;
@@ -134,7 +134,7 @@ impl Stewart {
                 // Not with NaN either.
                 halvings += 1;
                 share *= 0.5;
-                if halvings > MOST_HALVINGS {
+                if halvings > MAX_HALVINGS {
                     return Err(failed);
                 }
             }
@@ -205,7 +205,7 @@ impl Stewart {
                 return Ok(found.pose);
             }
         }
-        if depth == MOST_SPLITS {
+        if depth == MAX_SPLITS {
             return Err(found.err().unwrap_or(StewartError::Singular));
         }
         let middle: [f64; 6] = std::array::from_fn(|k| 0.5 * (have[k] + wanted[k]));

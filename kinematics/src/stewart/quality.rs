@@ -37,14 +37,14 @@ pub enum PathError {
         fault: StewartFault,
     },
     /// A pose is too near to a singular one.
-    #[error("pose {index}: the singularity measure is {measure}, less than {least}")]
+    #[error("pose {index}: the singularity measure is {measure}, less than {min}")]
     Singular {
         /// The pose.
         index: usize,
         /// Its measure.
         measure: f64,
         /// What was asked for.
-        least: f64,
+        min: f64,
     },
     /// Between a pose and the one before there is a singular one: the legs lose the platform on the way.
     #[error("there is a singular pose between pose {index} and the one before it")]
@@ -86,12 +86,12 @@ pub enum WorkspaceError {
     #[error("the box must have finite corners, the upper one above the lower one, and at least one cell each way")]
     Box,
     /// More than a thousand million cells.
-    #[error("{cells} cells are more than {most}")]
+    #[error("{cells} cells are more than the {max} allowed: take fewer cells")]
     TooMany {
         /// Cells asked for.
         cells: u128,
         /// Cells allowed.
-        most: u128,
+        max: u128,
     },
     /// No rotation was given.
     #[error("no rotation was given")]
@@ -101,7 +101,7 @@ pub enum WorkspaceError {
     Cancelled,
 }
 
-const MOST_CELLS: u128 = 1_000_000_000;
+const MAX_CELLS: u128 = 1_000_000_000;
 
 impl Stewart {
     /// How fast the legs grow: the lengths' derivatives by the velocity of the platform's origin and the platform's
@@ -143,7 +143,7 @@ impl Stewart {
     /// sides of a singular pose.
     ///
     /// # Errors
-    /// [`PathError`] with the index of the first pose that cannot be.
+    /// [`PathError`] with the index of the first pose that the platform cannot take.
     pub fn check_path(&self, poses: &[Isometry3<f64>], min_singularity: f64) -> Result<PathQuality, PathError> {
         let mut quality =
             PathQuality { legs: Vec::with_capacity(poses.len()), min_singularity: f64::INFINITY, min_at: 0 };
@@ -154,7 +154,7 @@ impl Stewart {
             }
             let measure = self.singularity(pose);
             if measure < min_singularity {
-                return Err(PathError::Singular { index, measure, least: min_singularity });
+                return Err(PathError::Singular { index, measure, min: min_singularity });
             }
             let now = self.side(pose);
             if now * side < 0.0 {
@@ -189,8 +189,8 @@ impl Stewart {
             return Err(WorkspaceError::Box);
         }
         let count: u128 = cells.iter().map(|&n| u128::from(n)).product();
-        if count > MOST_CELLS {
-            return Err(WorkspaceError::TooMany { cells: count, most: MOST_CELLS });
+        if count > MAX_CELLS {
+            return Err(WorkspaceError::TooMany { cells: count, max: MAX_CELLS });
         }
         if rotations.is_empty() {
             return Err(WorkspaceError::NoRotation);

@@ -279,7 +279,7 @@ pub enum CheckError {
 /// * `progress`: called before each motion, in units of motions; may stop the work.
 ///
 /// # Errors
-/// [`CheckError`] for data that are no print, limits or options that cannot be, and when `progress` breaks off. That a print is
+/// [`CheckError`] for motions that are no print, invalid limits or options, and when `progress` returns `Break`. That a print is
 /// faulty is no error: [`PrintReport::findings`].
 ///
 /// # Cost

@@ -12,7 +12,7 @@ use crate::indicator::CollisionIndicator;
 pub struct Avoid<'a, const N: usize> {
     /// Predicts collisions.
     pub indicator: &'a dyn CollisionIndicator<N>,
-    /// How far below zero the indicator's value shall be, in its own unit: millimetres for the geometric one. Some room
+    /// How far below zero the indicator's value shall be, in its own unit: millimetres for the geometric one. Some margin
     /// makes up for what linear steps leave, and for what happens between waypoints.
     pub clear: f64,
     /// Price of each unit of the value above that, in units of the squared jerk. About [`penalty`] over the joint angle

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// A pivot is at least this, relative to its entry on the diagonal before elimination. Smaller pivots are
 /// rounding; what is put in their place is taken back by iterative refinement.
-const LEAST_PIVOT: f64 = 1e-13;
+const MIN_PIVOT: f64 = 1e-13;
 
 /// A block-tridiagonal symmetric matrix, or its factors.
 #[derive(Clone, Debug)]
@@ -111,7 +111,7 @@ impl Band {
                 take(own, &self.scaled, (height, column), column, |before| left[before * height + column]);
                 let sign = self.signs[start + column];
                 let mut pivot = own[0];
-                let least = LEAST_PIVOT * self.pivots[start + column];
+                let least = MIN_PIVOT * self.pivots[start + column];
                 if pivot * sign <= least {
                     pivot = sign * least.max(f64::MIN_POSITIVE.sqrt());
                     replaced += 1;

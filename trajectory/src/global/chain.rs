@@ -17,7 +17,7 @@ const TOO_FAST: f64 = 1.2;
 
 /// Shares of the bounds on speed and acceleration up to which nothing is paid: the spline goes beyond the means of its
 /// pieces.
-const ROOM: f64 = 0.8;
+const MARGIN: f64 = 0.8;
 
 /// What a squared share beyond that costs, in units of the squared bound on acceleration.
 const BEYOND: f64 = 1e3;
@@ -57,7 +57,7 @@ impl<'a, const N: usize> Price<'a, N> {
     }
 
     fn beyond(&self, share: f64) -> f64 {
-        BEYOND * self.unit * (share.abs() - ROOM).max(0.0).powi(2)
+        BEYOND * self.unit * (share.abs() - MARGIN).max(0.0).powi(2)
     }
 
     /// The mean speeds of a step and their price; `None` if it is too fast.
@@ -86,7 +86,7 @@ impl<'a, const N: usize> Price<'a, N> {
     /// The greatest acceleration of a joint that costs no more than `most`.
     fn reach(&self, joint: usize, most: f64) -> f64 {
         let most = most.max(0.0) * (1.0 + ROUNDING);
-        most.sqrt().min(self.bounds.acceleration[joint] * (ROOM + (most / (BEYOND * self.unit)).sqrt()))
+        most.sqrt().min(self.bounds.acceleration[joint] * (MARGIN + (most / (BEYOND * self.unit)).sqrt()))
     }
 
     /// The price of a chain; infinite if it is too fast.
@@ -110,7 +110,7 @@ impl<'a, const N: usize> Price<'a, N> {
 /// The pairs that end at a sample.
 #[derive(Default)]
 struct Arrivals<const N: usize> {
-    /// By the speed of the joint that tells them apart best.
+    /// By the speed of the joint that separates them best.
     pairs: Vec<usize>,
     by: usize,
     /// Their least cost.
@@ -137,7 +137,7 @@ impl<const N: usize> Arrivals<N> {
     }
 }
 
-/// One sample a waypoint, so that speeds and accelerations are least beyond their room, and then accelerations; among
+/// One sample a waypoint, so that speeds and accelerations are least beyond their limits, and then accelerations; among
 /// chains that cost no more than `most`.
 pub(super) fn best_chain<const N: usize, const F: usize>(
     nodes: &[Vec<Node<N, F>>],

@@ -119,7 +119,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
                 self.branches,
                 (&step.waypoints, &step.run),
                 (share, self.steep),
-                &model.room,
+                &model.domain,
             );
             match next {
                 Ok(next) => {

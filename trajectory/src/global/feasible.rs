@@ -1,6 +1,6 @@
 //! Whether the hard rows of a quadratic program contradict each other.
 //!
-//! The least sum by which they must be missed is a linear program that always has a solution, with room around it: each
+//! The least sum by which they must be missed is a linear program that always has a solution, with an interior: each
 //! row is made soft at the price 1. Where the sum is not zero, its multipliers are a proof (J. Farkas, 1902): with these
 //! factors the rows add up to one that has no variable left and cannot hold.
 //!

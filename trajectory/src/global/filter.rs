@@ -23,7 +23,7 @@ use crate::{
 use std::ops::ControlFlow;
 
 /// Rounds in a row without a step after which nothing more is hoped for.
-pub(super) const MOST_STUCK: usize = 4;
+pub(super) const MAX_STUCK: usize = 4;
 
 /// Two free parameters that tilt the tool, and how far they may.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +70,10 @@ impl Default for GlobalOptions {
     }
 }
 
-/// How it ended.
+/// How it ended. `smooth_globally` returns `Ok` with each of them: check the status, or call
+/// [`GlobalMotion::require_bounds`], before a robot runs the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use = "a motion that misses its bounds is returned as `Ok`, too"]
 pub enum GlobalStatus {
     /// No further decrease, and all bounds hold everywhere.
     Solved,
@@ -105,8 +107,9 @@ pub struct MissedReport {
     pub lower_bound: f64,
 }
 
-/// A smooth motion.
+/// A smooth motion. It may miss its bounds: see [`GlobalMotion::status`] and [`GlobalMotion::require_bounds`].
 #[derive(Clone, Debug, PartialEq)]
+#[must_use = "check `status`, or call `require_bounds`"]
 pub struct GlobalMotion<const N: usize, const F: usize> {
     /// One a waypoint, on the branches of the start: none is ever left.
     pub nodes: Vec<LadderNode<N, F>>,
@@ -130,6 +133,49 @@ pub struct GlobalMotion<const N: usize, const F: usize> {
     pub rounds: [usize; 2],
 }
 
+/// A motion is not within its bounds everywhere.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the motion misses {} bounds, first {}; raise the bounds, the times or `rounds`", violations.len(), violations[0])]
+pub struct BoundsMissed {
+    /// Where bounds are passed; at least one.
+    pub violations: Vec<Violation>,
+}
+
+impl<const N: usize, const F: usize> GlobalMotion<N, F> {
+    /// The motion, if its spline keeps all bounds everywhere: with the status `Solved` or `Rounds`.
+    ///
+    /// # Errors
+    /// [`BoundsMissed`] with the status [`GlobalStatus::BoundsMissed`].
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_trajectory::{
+    ///     Bounds, FreeRange, GlobalOptions, LadderNode, Posture, RobotFn, RunIn, Timeline, smooth_globally,
+    /// };
+    /// use std::ops::ControlFlow;
+    /// // One joint that has to follow the waypoints, whatever the free parameter is.
+    /// let at = |i: usize| 0.1 * i as f64;
+    /// let robot = RobotFn {
+    ///     waypoints: 20,
+    ///     free: [FreeRange::Turn],
+    ///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, [at(i), free[0]]),
+    ///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: [at(i), free[0]], rates: [[0.0, 1.0]] }),
+    /// };
+    /// let times: Vec<f64> = (0..20).map(|i| 0.1 * f64::from(i)).collect();
+    /// let line = Timeline::new(&times, RunIn::default())?;
+    /// let start = vec![LadderNode { joints: [0.0; 2], free: [0.0], branch: 0 }; 20];
+    /// // The waypoints need 1 rad/s of the first joint.
+    /// let slow = Bounds { velocity: [0.5; 2], ..Bounds::NONE };
+    /// let quiet = |_| ControlFlow::Continue(());
+    /// let found = smooth_globally(&robot, &line, &start, &slow, &GlobalOptions::default(), &quiet)?;
+    /// assert!(found.require_bounds().is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn require_bounds(self) -> Result<Self, BoundsMissed> {
+        if self.violations.is_empty() { Ok(self) } else { Err(BoundsMissed { violations: self.violations }) }
+    }
+}
+
 /// Why nothing could be smoothed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -144,7 +190,7 @@ pub enum GlobalError {
         /// Number of nodes in `start`.
         nodes: usize,
     },
-    /// Bounds that cannot be.
+    /// The bounds are invalid.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// The start is out of reach, singular, or not a number there.
@@ -165,8 +211,8 @@ pub enum GlobalError {
         /// Its value.
         value: f64,
     },
-    /// An option cannot be.
-    #[error("`{what}` is {value}, which cannot be")]
+    /// An option is invalid.
+    #[error("option `{what}` is {value}: out of its range")]
     Option {
         /// Its name.
         what: &'static str,
@@ -177,7 +223,7 @@ pub enum GlobalError {
     #[error("smoothing was cancelled")]
     Cancelled,
     /// A linearised problem had a number that is not finite: rates of the robot are out of any scale.
-    #[error("a linearised problem cannot be put down: {0}")]
+    #[error("invalid linearised problem: {0}")]
     Linear(#[from] QpError),
     /// The motion found is no trajectory.
     #[error(transparent)]
@@ -341,7 +387,7 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         (true, false) => GlobalStatus::Rounds,
     };
     let predicted = |joints: &[f64; N]| avoid.is_some_and(|avoid| avoid.indicator.predicts(joints));
-    let report = MissedReport { total: first.missed, lower_bound: first.least_missed.min(first.missed) };
+    let report = MissedReport { total: first.missed, lower_bound: first.min_missed.min(first.missed) };
     let misses = violations.iter().any(|violation| violation.quantity != Quantity::Jerk);
     let is_steep = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.steep);
     Ok(GlobalMotion {

@@ -13,7 +13,7 @@
 use super::avoid::Avoid;
 use super::descent::{Descent, Merit, Round};
 use super::detour::detour;
-use super::filter::{GlobalError, GlobalOptions, MOST_STUCK};
+use super::filter::{GlobalError, GlobalOptions, MAX_STUCK};
 use super::model::{Model, Step};
 use super::point::Point;
 use super::solution::QpStatus;
@@ -25,7 +25,7 @@ const HOPELESS: f64 = 0.9;
 /// The tolerance while bounds are not looked at, or at a price that will still rise, at least.
 const ROUGH: f64 = 1e-3;
 
-/// Damping up to this, in units of the squared jerk, does not touch what linearised problems tell in its first digits.
+/// Damping up to this, in units of the squared jerk, does not touch the first digits of linearised problems.
 const UNDAMPED: f64 = 1e-6;
 
 /// The tolerance at the first price, before other ways are tried.
@@ -35,11 +35,11 @@ const SKETCH: f64 = 1e-2;
 /// share of the tolerance: the linearised problem holds a bound, the spline through the exact waypoints passes it by a
 /// hair.
 const SLIGHT: f64 = 1e-2;
-const MOST_TIGHTENED: usize = 3;
+const MAX_TIGHTENED: usize = 3;
 const FINE: f64 = 1e-2;
 
 /// With fewer rounds other ways are not tried: these begin rough.
-const FEWEST_FOR_DETOUR: usize = 10;
+const MIN_FOR_DETOUR: usize = 10;
 
 /// So many rounds before the last one bounds are tightened, come to rest or not.
 const LAST_ROUNDS: [usize; 3] = [8, 5, 2];
@@ -57,7 +57,7 @@ pub(super) struct FirstPass {
     pub settled: bool,
     /// What is missed of the bounds, all in all, and what every path of the last linearised problem misses at least.
     pub missed: f64,
-    pub least_missed: f64,
+    pub min_missed: f64,
 }
 
 /// Runs it, and leaves the descent at its end.
@@ -98,14 +98,14 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let mut start = descent.point.with_easy_ends(model.line).map(|start| (start, model.tightened));
     model.penalty = penalty;
     descent.value(model);
-    let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, least_missed: 0.0 };
+    let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, min_missed: 0.0 };
     let (mut stuck, mut still) = (0, false);
     // At the last price the last digits count.
     let mut last_price = false;
     let mut tightened = 0;
     let mut missed_before = f64::INFINITY;
     let mut straight: Option<(Point<N, F>, Merit)> = None;
-    let mut detoured = avoid.is_some() || options.rounds < FEWEST_FOR_DETOUR;
+    let mut detoured = avoid.is_some() || options.rounds < MIN_FOR_DETOUR;
     // A path that collides does not wait at a low price until the last digits have come to rest.
     let mut hurries_from = options.rounds / PRICES;
     let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));
@@ -137,11 +137,11 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             }
         };
         pass.rounds += 1;
-        let tells = |step: &Step<N, F>| step.solution.status == QpStatus::Solved && model.penalty > 0.0;
-        if let Some(step) = step.filter(|step| tells(step) && damped <= UNDAMPED * before.squared_jerk) {
+        let is_usable = |step: &Step<N, F>| step.solution.status == QpStatus::Solved && model.penalty > 0.0;
+        if let Some(step) = step.filter(|step| is_usable(step) && damped <= UNDAMPED * before.squared_jerk) {
             // What is minimised is the squared jerk and the price times what is missed.
             let most = before.squared_jerk * (1.0 + options.rise);
-            pass.least_missed = ((step.solution.lower_bound - most) / model.penalty).max(0.0);
+            pass.min_missed = ((step.solution.lower_bound - most) / model.penalty).max(0.0);
         }
         let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
         let hurries = collides_yet && pass.rounds >= hurries_from;
@@ -149,7 +149,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         if ends && tighten(descent, model, &mut tightened) {
             last_price = true;
         }
-        if stuck < MOST_STUCK && !still && !hurries {
+        if stuck < MAX_STUCK && !still && !hurries {
             continue;
         }
         (stuck, still) = (0, false);
@@ -158,7 +158,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         if last_price {
             pass.settled = !tighten(descent, model, &mut tightened);
             if pass.settled && go_back(descent, model, &mut start) {
-                (pass.settled, pass.least_missed) = (false, 0.0);
+                (pass.settled, pass.min_missed) = (false, 0.0);
             }
         } else if priced && descent.merit.price <= options.tolerance * descent.merit.squared_jerk {
             last_price = true;
@@ -184,7 +184,7 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
     }
     if go_back(descent, model, &mut start) {
-        pass.least_missed = 0.0;
+        pass.min_missed = 0.0;
     }
     if model.penalty <= 0.0 {
         model.penalty = options.penalty;
@@ -201,7 +201,7 @@ fn tighten<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     tightened: &mut usize,
 ) -> bool {
     let over = model.farthest(&descent.point);
-    let slightly = over > 0.0 && over < SLIGHT && *tightened < MOST_TIGHTENED;
+    let slightly = over > 0.0 && over < SLIGHT && *tightened < MAX_TIGHTENED;
     if slightly {
         *tightened += 1;
         model.tightened += 2.0 * over;

@@ -168,8 +168,8 @@ impl<'a> Interior<'a> {
         }
     }
 
-    /// The first sides. Soft ones begin on the central path: `s - p` is the room that the row has, and `s z = p w` is
-    /// one number for all. The slacks of hard ones are the room, or a tenth of the row's width where there is none.
+    /// The first sides. Soft ones begin on the central path: `s - p` is the slack that the row has, and `s z = p w` is
+    /// one number for all. The slacks of hard ones are that slack, or a tenth of the row's width where there is none.
     fn first_sides(&mut self, x: &[f64]) {
         let qp = self.qp;
         let gradient = qp.times_hessian(x).into_iter().zip(&qp.linear);
@@ -177,29 +177,29 @@ impl<'a> Interior<'a> {
         let steepest = qp.linear.iter().fold(0.0f64, |most, g| most.max(g.abs()));
         let mut price = 0.0;
         for side in &mut self.sides {
-            let room = side.sign * (side.bound - dot(qp.terms_of(side.row as usize), x));
-            side.miss = room;
-            price += if side.is_soft() { side.penalty * (-room).max(0.0) } else { 0.0 };
+            let slack = side.sign * (side.bound - dot(qp.terms_of(side.row as usize), x));
+            side.miss = slack;
+            price += if side.is_soft() { side.penalty * (-slack).max(0.0) } else { 0.0 };
         }
         let share = (value.abs() + price) / self.sides.len().max(1) as f64;
         let usual = share.max(0.1 * (1.0 + steepest).min(10.0));
         let mean = if self.large_multipliers { LARGE_START * usual } else { usual };
         for side in &mut self.sides {
-            let room = side.miss;
+            let slack = side.miss;
             if side.is_soft() {
-                let across = side.penalty * room;
+                let across = side.penalty * slack;
                 let root = across.hypot(2.0 * mean);
-                // The root of `penalty p^2 + (penalty room - 2 mean) p = mean room`, without cancellation.
+                // The root of `penalty p^2 + (penalty slack - 2 mean) p = mean slack`, without cancellation.
                 let sum = if across > 0.0 { 4.0 * mean * mean / (root + across) } else { root - across };
                 side.p = (2.0 * mean + sum) / (2.0 * side.penalty);
-                side.s = if room > 0.0 { side.p + room } else { mean * side.p / (side.penalty * side.p - mean) };
+                side.s = if slack > 0.0 { side.p + slack } else { mean * side.p / (side.penalty * side.p - mean) };
                 side.z = mean / side.s;
                 side.w = mean / side.p;
             } else {
                 let row = &qp.rows[side.row as usize];
                 let width = row.upper - row.lower;
                 let least = if width.is_finite() { 0.1 * width } else { 0.1 * (1.0 + side.bound.abs()) };
-                side.s = room.max(least.clamp(1e-3, 1.0));
+                side.s = slack.max(least.clamp(1e-3, 1.0));
                 side.z = mean / side.s;
             }
         }

@@ -22,8 +22,8 @@ mod system;
 
 pub use avoid::Avoid;
 pub use filter::{
-    Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport, smooth_clear_of,
-    smooth_globally,
+    BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport,
+    smooth_clear_of, smooth_globally,
 };
 pub use qp::{BandedQp, QpError, QpOptions};
 pub use solution::{QpSolution, QpStatus};

@@ -8,7 +8,7 @@
 //! Collisions that an indicator predicts are kept clear of by a soft row a knot, see [`super::avoid`].
 
 use super::limits::{Place, extremes};
-use super::point::{Point, Room};
+use super::point::{Domain, Point};
 use super::qp::{BandedQp, QpError, QpOptions};
 use super::solution::QpSolution;
 use super::{Avoid, GlobalOptions};
@@ -43,7 +43,7 @@ pub(super) struct PeakTerm {
 pub(super) struct Model<'a, const N: usize, const F: usize> {
     pub line: &'a Timeline,
     pub bounds: &'a Bounds<N>,
-    pub room: Room<F>,
+    pub domain: Domain<F>,
     /// Price of passing a bound, a whole bound a unit.
     pub penalty: f64,
     /// The share by which bounds are tightened.
@@ -85,7 +85,7 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
         Model {
             line,
             bounds,
-            room: Room { ranges, cone: options.cone },
+            domain: Domain { ranges, cone: options.cone },
             penalty: options.penalty,
             tightened: TIGHTENED_AT_FIRST,
             full_penalty: options.penalty,
@@ -200,25 +200,25 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
             for f in 0..F {
                 self.qp.add_quadratic(at + f, at + f, damping);
                 let (value, norm) = (point.free[waypoint][f], point.norms[waypoint][f]);
-                if let FreeRange::Within(low, high) = self.room.ranges[f]
+                if let FreeRange::Within(low, high) = self.domain.ranges[f]
                     && (value - low).min(high - value) < NEAR_END
                 {
                     let (low, high) = (((low - value) * norm).min(0.0), ((high - value) * norm).max(0.0));
                     self.qp.add_row(&[(at + f, 1.0)], low, high);
                 }
             }
-            if let Some(cone) = self.room.cone {
+            if let Some(cone) = self.domain.cone {
                 let [a, b] = cone.tilts;
                 let (value, norm) = (point.free[waypoint], point.norms[waypoint]);
                 let reach = cone.half_angle * (0.5 * TAU / CONE_SIDES as f64).cos();
                 for side in 0..CONE_SIDES {
                     let (sin, cos) = (TAU * (side as f64 + 0.5) / CONE_SIDES as f64).sin_cos();
-                    let room = (reach - cos * value[a] - sin * value[b]).max(0.0);
+                    let left = (reach - cos * value[a] - sin * value[b]).max(0.0);
                     // A tilt that leans the other way does not come so far in a step.
-                    if room > reach {
+                    if left > reach {
                         continue;
                     }
-                    self.qp.add_row(&[(at + a, cos / norm[a]), (at + b, sin / norm[b])], f64::NEG_INFINITY, room);
+                    self.qp.add_row(&[(at + a, cos / norm[a]), (at + b, sin / norm[b])], f64::NEG_INFINITY, left);
                 }
             }
         }

@@ -10,7 +10,7 @@
 
 use super::avoid::Avoid;
 use super::descent::{Descent, Round};
-use super::filter::{GlobalError, GlobalOptions, MOST_STUCK, PeakReport};
+use super::filter::{GlobalError, GlobalOptions, MAX_STUCK, PeakReport};
 use super::model::Model;
 use super::solution::QpStatus;
 use crate::{Bounds, FreeRange, Robot, Timeline, jerk_measure};
@@ -26,7 +26,7 @@ const GAP: f64 = 0.005;
 
 /// It also ends after so many rounds in a row that lower the best peak by less than this share, when that is within this
 /// share of its lower bound.
-const MOST_SLOW: usize = 3;
+const MAX_SLOW: usize = 3;
 const SLOW: f64 = 0.005;
 const FAR: f64 = 0.05;
 
@@ -65,7 +65,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
     let mut lower_bound = 1.0f64;
     let (mut rounds, mut stuck, mut slow) = (0, 0, 0);
     let mut settled = false;
-    while rounds < options.rounds && !settled && stuck < MOST_STUCK {
+    while rounds < options.rounds && !settled && stuck < MAX_STUCK {
         report("lower the peak", rounds)?;
         rounds += 1;
         let damped = descent.damping[0];
@@ -108,7 +108,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
             settled = still;
         } else {
             let near = (still || damped <= UNDAMPED) && best.1.peak <= (1.0 + GAP) * low;
-            let end = if best.1.peak <= (1.0 + FAR) * low { MOST_SLOW } else { FAR_SLOW };
+            let end = if best.1.peak <= (1.0 + FAR) * low { MAX_SLOW } else { FAR_SLOW };
             settled = near || slow >= end;
             let (rise, wanted) = (step.squared_jerk - before.squared_jerk, aim - before.squared_jerk);
             price *= (wanted / rise.max(1e-3 * wanted)).clamp(1.0 / PRICE_STEP, PRICE_STEP);

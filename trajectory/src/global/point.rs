@@ -5,19 +5,19 @@ use crate::{Bounds, FreeRange, LadderNode, Robot, Timeline, run_in_and_out};
 use std::f64::consts::TAU;
 
 /// Column norms of `dq/dfree` below this count as this: parameters that hardly move the joints take no giant steps.
-const LEAST_RATE: f64 = 1e-2;
+const MIN_RATE: f64 = 1e-2;
 
 /// Newton steps with which a steep waypoint is projected back onto what the robot can do.
 const PROJECTIONS: usize = 12;
 
 /// Where free parameters may be.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room<const F: usize> {
+pub(super) struct Domain<const F: usize> {
     pub ranges: [FreeRange; F],
     pub cone: Option<Cone>,
 }
 
-impl<const F: usize> Room<F> {
+impl<const F: usize> Domain<F> {
     /// The nearest values within.
     fn nearest(&self, mut free: [f64; F]) -> [f64; F] {
         for (value, range) in free.iter_mut().zip(&self.ranges) {
@@ -125,7 +125,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
             return None;
         }
         for f in 0..F {
-            let norm = posture.rates[f].iter().map(|rate| rate * rate).sum::<f64>().sqrt().max(LEAST_RATE);
+            let norm = posture.rates[f].iter().map(|rate| rate * rate).sum::<f64>().sqrt().max(MIN_RATE);
             self.norms[waypoint][f] = norm;
             self.columns[waypoint][f] = posture.rates[f].map(|rate| rate / norm);
         }
@@ -144,7 +144,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         branches: &[u32],
         (steps, run_steps): (&[[f64; F]], &[[f64; N]]),
         (share, steep): (f64, f64),
-        room: &Room<F>,
+        domain: &Domain<F>,
     ) -> Result<Self, Unreachable> {
         let range = line.waypoints();
         let mut next = self.clone();
@@ -160,10 +160,10 @@ impl<const N: usize, const F: usize> Point<N, F> {
                     *aim += by * column;
                 }
             }
-            next.free[waypoint] = room.nearest(next.free[waypoint]);
+            next.free[waypoint] = domain.nearest(next.free[waypoint]);
             let placed = next.place(robot, branches, range.start, waypoint, Some(aim));
             if is_steep {
-                self.project(&mut next, robot, branches, (range.start, waypoint), &aim, room);
+                self.project(&mut next, robot, branches, (range.start, waypoint), &aim, domain);
             } else if placed.is_none() {
                 return Err(Unreachable(waypoint));
             }
@@ -202,7 +202,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         branches: &[u32],
         (run, waypoint): (usize, usize),
         aim: &[f64; N],
-        room: &Room<F>,
+        domain: &Domain<F>,
     ) {
         let distance = |joints: &[f64; N]| joints.iter().zip(aim).map(|(q, aim)| (q - aim).powi(2)).sum::<f64>();
         let mut best = (self.free[waypoint], self.columns[waypoint], self.norms[waypoint], self.knots[run + waypoint]);
@@ -219,7 +219,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
             let mut nearer = false;
             while share > 1e-3 && !nearer {
                 let part = std::array::from_fn(|f| best.0[f] + share * (wanted[f] - best.0[f]));
-                next.free[waypoint] = room.nearest(part);
+                next.free[waypoint] = domain.nearest(part);
                 if let Some(joints) = next.place(robot, branches, run, waypoint, Some(*aim))
                     && distance(&joints) < distance(&best.3)
                 {

@@ -1,4 +1,4 @@
-//! Convex quadratic programs whose rows join neighbouring stages: how they are put down, and what comes back.
+//! Convex quadratic programs whose rows join neighbouring stages: input and result.
 //!
 //! `minimise 1/2 x^T H x + g^T x` subject to `lower <= A x <= upper`, row by row. The variables come in stages: an
 //! entry of `H` and a row of `A` join variables of one stage or of two neighbours (a row that is an equation, of three).
@@ -27,7 +27,7 @@ impl Row {
     }
 }
 
-/// Why a quadratic program cannot be solved as put down.
+/// Why a quadratic program is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QpError {
@@ -38,7 +38,7 @@ pub enum QpError {
         variable: usize,
     },
     /// A coefficient or a bound of a row is NaN, or a coefficient is infinite, or a penalty is not positive.
-    #[error("row {row} has a number that cannot be: NaN, an infinite coefficient, or a penalty that is not positive")]
+    #[error("row {row} has an invalid number: NaN, an infinite coefficient, or a penalty that is not positive")]
     Row {
         /// The row.
         row: usize,
@@ -219,7 +219,7 @@ impl BandedQp {
     /// # Returns
     /// The solution with its status: an infeasible or unbounded problem is a status, not an error.
     /// # Errors
-    /// [`QpError`] names what cannot be: not finite, beyond the variables, too far apart, crossed bounds.
+    /// [`QpError`] names what is invalid: not finite, beyond the variables, too far apart, crossed bounds.
     /// # Cost
     /// `O(stages * size^3)` time for the greatest size, equations of the stage included, and the same for each iteration over
     /// the stages alone that an inequality joins; memory `O(stages * size^2)`. Deterministic, one thread.

@@ -6,7 +6,7 @@ use super::qp::{BandedQp, Row};
 const ROUNDING: f64 = 3e-14;
 
 /// Weights of rows are cut at one over this. Heavier rows drown the others in rounding; a tenth of the weight, and what
-/// has no room inside its bounds comes to its end too slowly.
+/// has no slack inside its bounds comes to its end too slowly.
 const LIGHTEST: f64 = 1e-14;
 
 /// One finite bound of a row.

@@ -77,9 +77,9 @@ where
 }
 
 /// Steps along the surface; it takes three to ten where that is smooth.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 /// Halvings of a step.
-const MOST_HALVINGS: usize = 30;
+const MAX_HALVINGS: usize = 30;
 /// The nearest posture is found when what is left to go along the surface is shorter than this, in radians.
 const STILL: f64 = 1e-6;
 
@@ -98,13 +98,13 @@ pub fn project<const N: usize>(
     let (mut at, slope) = onto(space, *joints, tolerance)?;
     let mut along = tangential(joints, &at, &slope);
     let mut stride = 1.0;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if dot(&along, &along) < STILL * STILL {
             break;
         }
         let before = square(joints, &at);
         let mut next = None;
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..MAX_HALVINGS {
             let moved = std::array::from_fn(|j| at[j] + stride * along[j]);
             next = onto(space, moved, tolerance).filter(|(next, _)| square(joints, next) < before);
             if next.is_some() {
@@ -138,7 +138,7 @@ fn onto<const N: usize>(
     mut at: [f64; N],
     tolerance: f64,
 ) -> Option<([f64; N], [f64; N])> {
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (gap, slope) = space.gap_gradient(&at);
         if gap.abs() <= tolerance {
             return Some((at, slope));

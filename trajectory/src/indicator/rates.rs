@@ -74,7 +74,7 @@ fn share(part: usize, rest: usize) -> Option<f64> {
 /// `within` radians (evenly in the ball; 0 leaves them on contact), and the exact answer for each.
 ///
 /// # Errors
-/// [`SamplesError`] for a step that is none, or when the surface is out of reach.
+/// [`SamplesError`] for an invalid step, or when the surface is out of reach.
 pub fn verification_samples<const N: usize>(
     space: &(impl ContactSpace<N> + ?Sized),
     count: usize,

@@ -28,11 +28,11 @@ pub struct Sample<const N: usize> {
 /// How samples are gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplingOptions {
-    /// Random samples on the contact space to begin with: `m`, which the paper does not tell.
+    /// Random samples on the contact space to begin with: `m`, which the paper does not state.
     pub initial: usize,
-    /// Most samples.
-    pub most: usize,
-    /// The share of `most` that up-scaling may fill: 0.3, since in the paper's planar example it made 474 of 1698.
+    /// At most so many samples.
+    pub max_samples: usize,
+    /// The share of `max_samples` that up-scaling may fill: 0.3, since in the paper's planar example it made 474 of 1698.
     pub coarse_share: f64,
     /// Up-scaling halves pairs of neighbours farther apart than this, in radians: 0.8 in the paper.
     pub coarse: f64,
@@ -54,7 +54,7 @@ impl Default for SamplingOptions {
     fn default() -> Self {
         SamplingOptions {
             initial: 1000,
-            most: 3020,
+            max_samples: 3020,
             coarse_share: 0.3,
             coarse: 0.8,
             fine: 0.05,
@@ -75,7 +75,7 @@ pub struct Samples<const N: usize> {
     pub on_contact: Vec<bool>,
     /// The number of samples after the initial ones, the first up-scaling, the first refinement, the second up-scaling ...
     pub stages: Vec<usize>,
-    /// Whether the end came because nothing was left to halve, not by [`SamplingOptions::most`].
+    /// Whether the end came because nothing was left to halve, not by [`SamplingOptions::max_samples`].
     pub exhausted: bool,
 }
 
@@ -121,7 +121,9 @@ impl SamplingOptions {
                 return Err(SamplesError::Option { what, value, must: "from 0 to 1" });
             }
         }
-        for (what, value) in [("initial", self.initial), ("neighbours", self.neighbours), ("most", self.most)] {
+        for (what, value) in
+            [("initial", self.initial), ("neighbours", self.neighbours), ("max_samples", self.max_samples)]
+        {
             if value == 0 {
                 return Err(SamplesError::Option { what, value: 0.0, must: "at least 1" });
             }
@@ -177,28 +179,28 @@ pub fn training_set<const N: usize>(
 ) -> Result<Samples<N>, SamplesError> {
     options.check()?;
     let mut random = Random::new(options.seed);
-    let first = contacts(space, options.initial.min(options.most), &mut random)?;
+    let first = contacts(space, options.initial.min(options.max_samples), &mut random)?;
     let mut set = Samples {
         on_contact: vec![true; first.len()],
         stages: vec![first.len()],
         samples: first.into_iter().map(|joints| Sample { joints, collides: space.collides(&joints) }).collect(),
         exhausted: false,
     };
-    let coarse_most = (options.coarse_share * options.most as f64) as usize;
+    let coarse_most = (options.coarse_share * options.max_samples as f64) as usize;
     loop {
         let before = set.samples.len();
         while set.pass(space, options, options.coarse, false, coarse_most, &mut random) {}
         set.stages.push(set.samples.len());
         let mut threshold = options.coarse.max(options.fine);
         loop {
-            while set.pass(space, options, threshold, true, options.most, &mut random) {}
+            while set.pass(space, options, threshold, true, options.max_samples, &mut random) {}
             if threshold <= options.fine {
                 break;
             }
             threshold = (0.5 * threshold).max(options.fine);
         }
         set.stages.push(set.samples.len());
-        if set.samples.len() >= options.most {
+        if set.samples.len() >= options.max_samples {
             return Ok(set);
         }
         if set.samples.len() == before {

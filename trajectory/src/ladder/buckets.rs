@@ -10,7 +10,7 @@ use super::nodes::Kind;
 use std::f64::consts::{PI, TAU};
 
 /// Cells along one joint are at most this many; more cost time to lay out and separate nothing.
-const MOST_CELLS: usize = 64;
+const MAX_CELLS: usize = 64;
 
 /// So few nodes are sooner compared than laid out in cells.
 const FEW: usize = 64;
@@ -69,11 +69,11 @@ impl Axis {
         // No narrower than the limit, so that the box touches three cells; but where the limit says little, as many as
         // leave a few nodes in each.
         let limit = limit * (1.0 + 1e-9);
-        let by_limit = ((range / limit).floor() as usize).min(MOST_CELLS);
-        let by_nodes = ((nodes.len() as f64).sqrt() as usize / 2).min(MOST_CELLS / 4);
+        let by_limit = ((range / limit).floor() as usize).min(MAX_CELLS);
+        let by_nodes = ((nodes.len() as f64).sqrt() as usize / 2).min(MAX_CELLS / 4);
         let count = by_limit.max(by_nodes).max(1);
         let size = if range > 0.0 { range / count as f64 } else { 1.0 };
-        let reach = ((limit / size).ceil().min(MOST_CELLS as f64) as usize).max(1);
+        let reach = ((limit / size).ceil().min(MAX_CELLS as f64) as usize).max(1);
         Axis { joint, origin, size, count, circular, reach }
     }
 
@@ -291,7 +291,7 @@ impl<const N: usize> Buckets<N> {
     }
 }
 
-/// The two joints whose cells tell these nodes apart best: with the least sum of squares of the nodes a cell.
+/// The two joints whose cells separate these nodes best: with the least sum of squares of the nodes a cell.
 pub(super) fn best_pair<const N: usize>(nodes: &[[f64; N]], kinds: &[Kind; N], limits: &[f64; N]) -> [usize; 2] {
     let axes: Vec<Axis> = (0..N).map(|joint| Axis::new(joint, kinds, nodes, limits[joint])).collect();
     let mut best = (u64::MAX, [0, 0]);

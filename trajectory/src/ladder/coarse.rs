@@ -1,7 +1,7 @@
 //! From a coarse path to a fine one.
 //!
 //! The coarse path goes through every eighth waypoint, which leaves the joints eight times as far to move, so that an
-//! eighth of the samples is fine enough to tell good paths from bad ones. Then come every fourth waypoint with a fourth
+//! eighth of the samples is fine enough to separate good paths from bad ones. Then come every fourth waypoint with a fourth
 //! of the samples, every second, and all. Squared steps add up alike on all these levels: a step of so many waypoints
 //! costs the square of their number, and so does one of so many samples. So the path of one level lies near the best one
 //! of the next, and a narrow band of samples around it, on the branches that it uses, holds that. Where the result touches
@@ -42,7 +42,7 @@ const FEWEST: u32 = 8;
 const ABOUT: usize = 32;
 
 /// A search that is stuck again and again goes back so many waypoints at most.
-const MOST_BACK: usize = 256;
+const MAX_BACK: usize = 256;
 
 /// No band becomes wider than so many samples.
 const WIDEST: u32 = 1000;
@@ -54,7 +54,7 @@ const LITTLE: f64 = 1e-4;
 const ROUNDS: usize = 12;
 
 /// How near a path comes to the stops of joints with a turn or more between them, in radians: a smooth motion sways.
-const STOP_ROOM: f64 = 0.05;
+const STOP_MARGIN: f64 = 0.05;
 
 /// What is looked at around each waypoint.
 struct Guide<const N: usize, const F: usize> {
@@ -78,7 +78,7 @@ impl<const N: usize, const F: usize> Default for Known<N, F> {
     }
 }
 
-/// A robot that solves every sample once, on the branches of the guide, and tells of each joint the image next to it.
+/// A robot that solves every sample once, on the branches of the guide, and gives the image of each joint next to it.
 struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
     robot: &'a R,
     guide: &'a Guide<N, F>,
@@ -90,7 +90,7 @@ struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
 impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
     /// The image of a solution next to the guide, if it is within the stops.
     fn image(&self, waypoint: usize, mut joints: [f64; N]) -> Option<[f64; N]> {
-        for j in (0..N).filter(|&j| self.kinds[j] == Kind::Told) {
+        for j in (0..N).filter(|&j| self.kinds[j] == Kind::AsGiven) {
             let (lower, upper) = (self.bounds.lower[j], self.bounds.upper[j]);
             joints[j] += TAU * ((self.guide.joints[waypoint][j] - joints[j]) / TAU).round();
             if !(lower - ON_STOP..=upper + ON_STOP).contains(&joints[j]) {
@@ -142,7 +142,7 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     samples: [u32; F],
 ) -> Result<Path<N, F>, Stuck> {
     let waypoints = plan.times.len();
-    let bounds = with_room(plan.bounds);
+    let bounds = with_margin(plan.bounds);
     let plan = Plan { bounds: &bounds, ..*plan };
     let mut passed = every(STRIDE, waypoints);
     let mut path = coarse(&plan, &passed, samples)?;
@@ -199,13 +199,13 @@ fn coarse<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     }
 }
 
-/// Bounds that leave room beside the stops of joints that wind up, but to every angle an image.
-fn with_room<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
+/// Bounds that leave a margin beside the stops of joints that wind up, but to every angle an image.
+fn with_margin<const N: usize>(bounds: &Bounds<N>) -> Bounds<N> {
     let mut narrower = *bounds;
     for j in 0..N {
-        let room = STOP_ROOM.min((bounds.upper[j] - bounds.lower[j] - TAU) / 2.0).max(0.0);
-        narrower.lower[j] += room;
-        narrower.upper[j] -= room;
+        let margin = STOP_MARGIN.min((bounds.upper[j] - bounds.lower[j] - TAU) / 2.0).max(0.0);
+        narrower.lower[j] += margin;
+        narrower.upper[j] -= margin;
     }
     narrower
 }
@@ -261,7 +261,7 @@ impl<const F: usize> Windows<F> for Bands<F> {
     }
 
     fn back(&self) -> usize {
-        if self.widens { MOST_BACK } else { 0 }
+        if self.widens { MAX_BACK } else { 0 }
     }
 
     fn widen(&mut self, at: usize, earliest: usize) -> Option<usize> {
@@ -286,7 +286,7 @@ fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     guide: &Guide<N, F>,
 ) -> Result<Path<N, F>, Stuck> {
     let kinds = Kind::of(plan.bounds, &[true; N]).map(|kind| match kind {
-        Kind::Images { .. } => Kind::Told,
+        Kind::Images { .. } => Kind::AsGiven,
         kind => kind,
     });
     let known = guide.free.iter().map(|_| Mutex::default()).collect();

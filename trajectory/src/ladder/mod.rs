@@ -29,7 +29,7 @@ use crate::{Bounds, Progress};
 use buckets::Measure;
 use nodes::{Kind, Window, wrapped};
 use search::{Path, Search, Stuck, Windows};
-pub use slowest::{LeastSpeed, least_speed};
+pub use slowest::{MinSpeed, min_speed};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
 
@@ -105,12 +105,12 @@ impl<const N: usize, const F: usize> Default for LadderOptions<N, F> {
 /// Samples of all free parameters together are at most this many a waypoint.
 pub const MAX_SAMPLES: u64 = 1 << 20;
 
-/// Refined more often, samples would be told apart no more.
-const MOST_REFINEMENTS: u32 = 10;
+/// Refined more often, samples would no longer differ.
+const MAX_REFINEMENTS: u32 = 10;
 
 /// From coarse to fine: up to so many samples a waypoint, all of them are searched where no path is found. That takes
 /// some ten seconds for 2,500 waypoints of six or eight joints.
-const MOST_EXACT: u64 = 1 << 10;
+const MAX_EXACT: u64 = 1 << 10;
 
 /// The node chosen at a waypoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,7 +154,7 @@ impl<const N: usize, const F: usize> Ladder<N, F> {
 #[non_exhaustive]
 pub enum LadderError {
     /// Times and waypoints do not fit.
-    #[error("{times} times for {waypoints} waypoints: there must be one each, and one waypoint at least")]
+    #[error("{times} times for {waypoints} waypoints: pass one time per waypoint, and at least one waypoint")]
     Count {
         /// Number of times.
         times: usize,
@@ -169,7 +169,7 @@ pub enum LadderError {
         /// Its time.
         time: f64,
     },
-    /// An option cannot be.
+    /// An option is invalid.
     #[error("`{what}` is {value}")]
     Option {
         /// What it is and what it must be.
@@ -177,7 +177,7 @@ pub enum LadderError {
         /// Its value.
         value: f64,
     },
-    /// The bounds cannot be.
+    /// The bounds are invalid.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// No sample of the free parameters has a solution within the bounds.
@@ -203,8 +203,10 @@ pub enum LadderError {
         /// reached and those of the waypoint. Little above 1: more samples may find a way.
         needed: f64,
     },
-    /// From coarse to fine no path was found; that there is none is not said.
-    #[error("no path from coarse to fine with {samples} samples a waypoint: it was stuck at waypoint {waypoint}")]
+    /// The search from coarse to fine found no path. One may exist.
+    #[error(
+        "no path from coarse to fine with {samples} samples a waypoint: it was stuck at waypoint {waypoint}; try `LadderSearch::Exact` with few samples"
+    )]
     NotFound {
         /// The waypoint, counted from 0.
         waypoint: usize,
@@ -212,12 +214,12 @@ pub enum LadderError {
         samples: u64,
     },
     /// A waypoint has too many solutions to compare.
-    #[error("waypoint {waypoint} has {most} nodes or more; take fewer samples")]
+    #[error("waypoint {waypoint} has {max} nodes or more: take fewer samples")]
     TooLarge {
         /// The waypoint, counted from 0.
         waypoint: usize,
         /// The most that are allowed.
-        most: usize,
+        max: usize,
     },
     /// The progress callback cancelled the work.
     #[error("the search for a path was cancelled")]
@@ -231,7 +233,7 @@ pub enum LadderError {
 /// * `bounds`: positions and velocities count; accelerations and jerks are not looked at.
 ///
 /// # Errors
-/// [`LadderError`] names the waypoint that is out of reach, or the option that cannot be.
+/// [`LadderError`] names the waypoint that is out of reach, or the invalid option.
 ///
 /// # Cost
 /// One inverse a sample, and a look at the nodes in reach for each; memory 4 bytes a node. The dense grid (360 angles,
@@ -315,7 +317,7 @@ fn check<const N: usize, const F: usize>(
     if let Some(&value) = options.from.iter().flatten().find(|value| !value.is_finite()) {
         return Err(LadderError::Option { what: "joints before the path must be finite; one", value });
     }
-    if options.refinements > MOST_REFINEMENTS {
+    if options.refinements > MAX_REFINEMENTS {
         let what = "refinements must be at most 10; their number";
         return Err(LadderError::Option { what, value: f64::from(options.refinements) });
     }
@@ -359,7 +361,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Plan<'_, N, F, R> 
             return exact();
         }
         match coarse::search(self, samples) {
-            Err(Stuck::Apart(..) | Stuck::Unreachable(_)) if count(&samples) <= MOST_EXACT => exact(),
+            Err(Stuck::Apart(..) | Stuck::Unreachable(_)) if count(&samples) <= MAX_EXACT => exact(),
             Err(Stuck::Apart(waypoint, _) | Stuck::Unreachable(waypoint)) => Err(Stuck::Lost(waypoint)),
             found => found,
         }
@@ -421,7 +423,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Plan<'_, N, F, R> 
                     }
                     None => 0.0,
                 };
-                // Inside a lone stop there is always room.
+                // A lone stop never excludes every image.
                 let by = match (lower.is_finite(), upper.is_finite()) {
                     (true, false) => wanted.max(((lower - least) / TAU).ceil()),
                     (false, true) => wanted.min(((upper - most) / TAU).floor()),

@@ -9,9 +9,9 @@ use std::f64::consts::{PI, TAU};
 pub(super) const ON_STOP: f64 = 1e-10;
 
 /// Images of one angle, at most.
-const MOST_IMAGES: f64 = (1 << 22) as f64;
+const MAX_IMAGES: f64 = (1 << 22) as f64;
 
-/// How angles of one joint are told apart.
+/// How angles of one joint are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
     /// Angles a whole turn apart are one: no stop, or stops that have not mattered yet.
@@ -20,12 +20,12 @@ pub(super) enum Kind {
     Single { lower: f64, upper: f64 },
     /// A turn or more between the stops: each image is a node of its own.
     Images { lower: f64, upper: f64 },
-    /// The angle as it is told, whole turns and all: the robot has chosen the image.
-    Told,
+    /// The angle as the robot gives it, whole turns included: the robot has chosen the image.
+    AsGiven,
 }
 
 impl Kind {
-    /// Joints with a turn or more of room begin as circular; those in `imaged` have turned out to meet a stop.
+    /// Joints with a range of a turn or more begin as circular; those in `imaged` have turned out to meet a stop.
     pub fn of<const N: usize>(bounds: &Bounds<N>, imaged: &[bool; N]) -> [Kind; N] {
         std::array::from_fn(|joint| {
             let (lower, upper) = (bounds.lower[joint], bounds.upper[joint]);
@@ -47,13 +47,13 @@ impl Kind {
     fn images(self, angle: f64) -> Option<(f64, u32)> {
         let (lower, upper) = match self {
             Kind::Circular => return Some((wrapped(angle), 0)),
-            Kind::Told => return Some((angle, 0)),
+            Kind::AsGiven => return Some((angle, 0)),
             Kind::Single { lower, upper } | Kind::Images { lower, upper } => (lower, upper),
         };
         let least = angle + TAU * ((lower - ON_STOP - angle) / TAU).ceil();
         let more = ((upper + ON_STOP - least) / TAU).floor();
         // A cap for stops that are absurdly far apart; `TooLarge` will say so.
-        (more >= 0.0).then(|| (least.clamp(lower, upper), more.min(MOST_IMAGES) as u32))
+        (more >= 0.0).then(|| (least.clamp(lower, upper), more.min(MAX_IMAGES) as u32))
     }
 }
 

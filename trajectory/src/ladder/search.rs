@@ -13,10 +13,10 @@ use std::collections::VecDeque;
 use std::ops::{ControlFlow, Range};
 
 /// A waypoint may have this many nodes; more is a mistake in the options.
-pub(super) const MOST_NODES: usize = 1 << 22;
+pub(super) const MAX_NODES: usize = 1 << 22;
 
 /// Nodes of a waypoint that are compared when there is no way on; of more, as many evenly spaced ones.
-const MOST_COMPARED: usize = 8192;
+const MAX_COMPARED: usize = 8192;
 
 /// After so many waypoints the joints to sort by are chosen anew.
 const CHOOSE_AFTER: usize = 256;
@@ -25,7 +25,7 @@ const CHOOSE_AFTER: usize = 256;
 const START: u32 = u32::MAX;
 
 /// A break costs more than all ways together, but no more than this: costs keep their digits.
-const MOST_FOR_A_BREAK: f64 = 1e12;
+const MAX_BREAK_COST: f64 = 1e12;
 
 /// The samples of each waypoint, and what to do where they do not lead on.
 pub(super) trait Windows<const F: usize> {
@@ -132,9 +132,9 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
             if at.is_multiple_of(16) && (self.progress)(step).is_break() {
                 return Err(Stuck::Failed(LadderError::Cancelled));
             }
-            nodes.fill(self.robot, waypoint, &windows.at(at), &self.kinds, MOST_NODES);
-            if nodes.joints.len() >= MOST_NODES {
-                return Err(Stuck::Failed(LadderError::TooLarge { waypoint, most: MOST_NODES }));
+            nodes.fill(self.robot, waypoint, &windows.at(at), &self.kinds, MAX_NODES);
+            if nodes.joints.len() >= MAX_NODES {
+                return Err(Stuck::Failed(LadderError::TooLarge { waypoint, max: MAX_NODES }));
             }
             let costs_before = recent.back().map_or(&[][..], Vec::as_slice);
             let reached = if at == 0 {
@@ -156,7 +156,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                     columns.truncate(first);
                     if first > 0 && first < at {
                         let waypoint = self.waypoints[first - 1];
-                        before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MOST_NODES);
+                        before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MAX_NODES);
                     }
                     continue;
                 }
@@ -188,13 +188,13 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
                     let from = self.from.map_or(lower, |from| from[j]);
                     (upper - lower).max(from - lower).max(upper - from)
                 }
-                Kind::Circular | Kind::Told => self.measure.period[j] / 2.0,
+                Kind::Circular | Kind::AsGiven => self.measure.period[j] / 2.0,
             };
             (0..N).map(|j| self.measure.cost(j, limits[j].min(farthest(j)))).sum()
         };
         let steps = (1..self.waypoints.len()).map(|at| way(self.limits(at)));
         let all = way([f64::INFINITY; N]) + steps.sum::<f64>();
-        (2.0 * all).clamp(1.0, MOST_FOR_A_BREAK)
+        (2.0 * all).clamp(1.0, MAX_BREAK_COST)
     }
 
     /// How far the joints may move to a waypoint from the one before, Eq. 4.4; what is on the limit but for rounding is within.
@@ -247,7 +247,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
     fn nearest(&self, from: &[[f64; N]], costs: &[f64], to: &[[f64; N]], limits: &[f64; N]) -> f64 {
         let reached: Vec<&[f64; N]> =
             from.iter().zip(costs).filter(|(_, cost)| cost.is_finite()).map(|(node, _)| node).collect();
-        let thinned = |count: usize| count.div_ceil(MOST_COMPARED).max(1);
+        let thinned = |count: usize| count.div_ceil(MAX_COMPARED).max(1);
         let mut least = f64::INFINITY;
         for a in reached.iter().step_by(thinned(reached.len())) {
             for b in to.iter().step_by(thinned(to.len())) {

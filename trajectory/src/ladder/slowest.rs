@@ -7,10 +7,10 @@
 //! are apart, so the bottleneck path over cells is a lower bound; over the middles of cells it is what can be had. Cells through
 //! which no chain is below what can be had are dropped, the others halved, until the two meet.
 //!
-//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends tell it, taken twice
+//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends predict it, taken twice
 //! ([`SAFETY`]). That is no proof: a robot is a closure, of which nothing is known between the places where it is
 //! asked, and there is no interval arithmetic. What bends sharply between two ends that look smooth can be outside its
-//! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast to tell, the cell counts as near
+//! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast for that, the cell counts as near
 //! everything.
 
 use super::nodes::{Kind, wrapped};
@@ -26,25 +26,25 @@ const FIRST: u32 = 64;
 /// Both bounds as near as this are one.
 const MET: f64 = 1e-3;
 
-/// How much more than the derivatives at its ends tell a bow may be.
+/// How much more than the derivatives at its ends predict a bow may be.
 const SAFETY: f64 = 2.0;
 
-/// A bow beyond this, in radians, tells nothing.
+/// A bow beyond this, in radians, gives no bound.
 const WILD: f64 = 0.5;
 
 /// Cells at all waypoints together; with more the bounds are returned as they are.
-const MOST_CELLS: usize = 1 << 17;
+const MAX_CELLS: usize = 1 << 17;
 
-/// How slow joints can be on a stretch of a path; speeds are in shares of the speed limits.
+/// How slow joints can be on a segment of a path; speeds are in shares of the speed limits.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeastSpeed {
+pub struct MinSpeed {
     /// Every motion has a joint that somewhere goes at this many times its speed limit: above 1 no motion keeps them. As
-    /// sure as boxes made from derivatives are; see [`least_speed`].
-    pub at_least: f64,
+    /// sure as boxes made from derivatives are; see [`min_speed`].
+    pub lower_bound: f64,
     /// What a chain of solutions needs for its mean speeds, whole turns between stops not counted; infinite where none
-    /// was found. Over all waypoints asked for, or where `at_least` is above 1 over some about the stretch below.
+    /// was found. Over all waypoints asked for, or where `lower_bound` is above 1 over some about the segment below.
     pub reached: f64,
-    /// Waypoints of a stretch that needs `at_least` by itself.
+    /// Waypoints of a segment that needs `lower_bound` by itself.
     pub waypoints: Range<usize>,
 }
 
@@ -67,17 +67,17 @@ struct Cell<const N: usize> {
 
 /// A lower bound of the speeds that every motion through some waypoints needs, on all branches and from any start.
 ///
-/// It answers why [`plan_ladder`](crate::plan_ladder) breaks off: a stretch that needs more than the limits breaks off with
+/// It answers why [`plan_ladder`](crate::plan_ladder) breaks off: a segment that needs more than the limits breaks off with
 /// any number of samples.
 ///
-/// The bound is not proved as interval arithmetic would prove it. How far joints go within a cell is told by their
+/// The bound is not proved as interval arithmetic would prove it. How far joints go within a cell follows from their
 /// derivatives at its ends, and twice that is allowed for. An inverse that bends sharply within a cell and is smooth at its ends
 /// would go unseen.
 ///
 /// # Arguments
 /// * `times`: one a waypoint of the robot, rising, in seconds.
 /// * `bounds`: velocities count, and positions where a joint has less than a turn.
-/// * `waypoints`: the stretch to look at; some dozens around a break.
+/// * `waypoints`: the segment to look at; some dozens around a break.
 /// * `samples`: the finest cells, of which so many make up the range: 4,096 for three digits.
 /// # Returns
 /// The bound and what can be had. They meet with ever finer cells, but where a branch ends or passes a singularity.
@@ -87,7 +87,7 @@ struct Cell<const N: usize> {
 /// For `m` cells left at a waypoint `O(m^2)`, and two inverses a cell. The same input gives the same result.
 /// # Example
 /// ```
-/// use curvlay_trajectory::{Bounds, FreeRange, Posture, RobotFn, least_speed};
+/// use curvlay_trajectory::{Bounds, FreeRange, Posture, RobotFn, min_speed};
 /// use std::ops::ControlFlow;
 /// // Two joints share what is asked of them, which rises by 0.3 rad and once by 0.5, in a tenth of a second.
 /// let asked = |i: usize| if i < 4 { 0.3 * i as f64 } else { 0.3 * i as f64 + 0.2 };
@@ -101,23 +101,23 @@ struct Cell<const N: usize> {
 /// };
 /// let times: Vec<f64> = (0..8).map(|i| 0.1 * f64::from(i)).collect();
 /// let bounds = Bounds { velocity: [2.0; 2], ..Bounds::NONE };
-/// let found = least_speed(&robot, &times, &bounds, 0..8, 4096, &|_| ControlFlow::Continue(()))?;
+/// let found = min_speed(&robot, &times, &bounds, 0..8, 4096, &|_| ControlFlow::Continue(()))?;
 /// // Half of 0.5 rad for each joint is 2.5 rad/s for 2.
-/// assert!(found.at_least <= 1.25 && found.at_least > 1.24 && found.waypoints == (3..5));
+/// assert!(found.lower_bound <= 1.25 && found.lower_bound > 1.24 && found.waypoints == (3..5));
 /// assert!(found.reached >= 1.25 && found.reached < 1.26);
 /// # Ok::<(), curvlay_trajectory::LadderError>(())
 /// ```
-pub fn least_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
+pub fn min_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
     robot: &R,
     times: &[f64],
     bounds: &Bounds<N>,
     waypoints: Range<usize>,
     samples: u32,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<LeastSpeed, LadderError> {
+) -> Result<MinSpeed, LadderError> {
     check(robot.waypoints(), times, bounds, &LadderOptions { samples: [samples], ..LadderOptions::default() })?;
     if waypoints.end > times.len() || waypoints.is_empty() {
-        let what = "the stretch must have waypoints of the path; its end";
+        let what = "the segment must have waypoints of the path; its end";
         return Err(LadderError::Option { what, value: waypoints.end as f64 });
     }
     let (start, length) = match robot.free()[0] {
@@ -137,7 +137,7 @@ pub fn least_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
     }
     let mut times = &times[waypoints.clone()];
     let mut start_at = waypoints.start;
-    let mut found = LeastSpeed { at_least: 0.0, reached: f64::INFINITY, waypoints: waypoints.clone() };
+    let mut found = MinSpeed { lower_bound: 0.0, reached: f64::INFINITY, waypoints: waypoints.clone() };
     loop {
         let step = Progress { stage: "least speed", done: u64::from(count), total: u64::from(samples) };
         if progress(step).is_break() {
@@ -146,28 +146,28 @@ pub fn least_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
         cut.propagate(&mut columns, times, found.reached, true);
         columns.iter_mut().flatten().for_each(|cell| cell.back = cell.least);
         let ahead = cut.propagate(&mut columns, times, found.reached, false);
-        found.at_least = found.at_least.max(ahead.0);
+        found.lower_bound = found.lower_bound.max(ahead.0);
         found.reached = ahead.1;
         // The last waypoint from which, and the first one to which every chain needs as much.
-        let needed = found.at_least * (1.0 - 1e-9);
+        let needed = found.lower_bound * (1.0 - 1e-9);
         let from = columns.iter().rposition(|cells| cells.iter().all(|cell| cell.back >= needed)).unwrap_or(0);
         let to = columns.iter().position(|cells| cells.iter().all(|cell| cell.least >= needed));
         let to = to.unwrap_or(columns.len() - 1);
         // Two bottlenecks as narrow as each other: both are kept.
-        let stretch = if from < to { from..to + 1 } else { 0..columns.len() };
-        found.waypoints = start_at + stretch.start..start_at + stretch.end;
-        if found.at_least > 1.0 {
-            // The speed limits do not hold on this stretch; the rest only takes time.
-            columns = columns.drain(stretch.clone()).collect();
-            times = &times[stretch.clone()];
-            start_at += stretch.start;
+        let segment = if from < to { from..to + 1 } else { 0..columns.len() };
+        found.waypoints = start_at + segment.start..start_at + segment.end;
+        if found.lower_bound > 1.0 {
+            // The speed limits do not hold on this segment; the rest only takes time.
+            columns = columns.drain(segment.clone()).collect();
+            times = &times[segment.clone()];
+            start_at += segment.start;
         }
         count = count.saturating_mul(2);
         for cells in &mut columns {
             cells.retain(|cell| cell.back.max(cell.least) <= found.reached);
         }
         let left: usize = columns.iter().map(Vec::len).sum();
-        if count > samples || found.reached - found.at_least < MET || 2 * left > MOST_CELLS {
+        if count > samples || found.reached - found.lower_bound < MET || 2 * left > MAX_CELLS {
             return Ok(found);
         }
         for (waypoint, cells) in (start_at..).zip(&mut columns) {
@@ -240,7 +240,7 @@ impl<const N: usize, R: Robot<N, 1> + ?Sized> Cut<'_, N, R> {
         (!out).then_some(cell)
     }
 
-    /// The way from one angle to another: the short one where a joint has a turn of room.
+    /// The way from one angle to another: the short one where a joint can turn at least once.
     fn apart(&self, joint: usize, way: f64) -> f64 {
         if self.kinds[joint] == Kind::Circular { wrapped(way) } else { way }
     }
@@ -248,7 +248,7 @@ impl<const N: usize, R: Robot<N, 1> + ?Sized> Cut<'_, N, R> {
     /// The greatest step of the best chain from the first waypoint (or the last, backwards) to each cell; returns the least of
     /// the waypoint where they end, over boxes and over solutions.
     ///
-    /// `most`: chains above it need not be told from each other.
+    /// `most`: chains above it need not be distinguished.
     fn propagate(&self, columns: &mut [Vec<Cell<N>>], times: &[f64], most: f64, backwards: bool) -> (f64, f64) {
         let count = columns.len();
         let order = |k: usize| if backwards { count - 1 - k } else { k };

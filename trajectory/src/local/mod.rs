@@ -37,7 +37,7 @@ pub struct FilterOptions<const N: usize> {
     /// By how many a window grows to either side. Default 5.
     pub growth: usize,
     /// The largest margin, `d_max`. Default 20.
-    pub most_margin: usize,
+    pub max_margin: usize,
     /// Share by which a window's sum of squared jerks must fall to count as a success. Default 1e-3.
     pub gain: f64,
     /// Weight of each joint, the diagonal of `W`. Default 1.
@@ -46,7 +46,7 @@ pub struct FilterOptions<const N: usize> {
 
 impl<const N: usize> Default for FilterOptions<N> {
     fn default() -> Self {
-        FilterOptions { iterations: 100, margin: 5, growth: 5, most_margin: 20, gain: 1e-3, weights: [1.0; N] }
+        FilterOptions { iterations: 100, margin: 5, growth: 5, max_margin: 20, gain: 1e-3, weights: [1.0; N] }
     }
 }
 
@@ -81,7 +81,7 @@ pub struct Filtered<const N: usize, const F: usize> {
 #[non_exhaustive]
 pub enum FilterError {
     /// Waypoints, times and start do not fit.
-    #[error("{times} times and {nodes} nodes for {waypoints} waypoints: there must be one of each")]
+    #[error("{times} times and {nodes} nodes in `start` for {waypoints} waypoints: pass one of each per waypoint")]
     Count {
         /// Number of waypoints of the robot.
         waypoints: usize,
@@ -105,12 +105,14 @@ pub enum FilterError {
         time: f64,
     },
     /// The joints of the start are not what the robot says for its branch and free parameters.
-    #[error("the start at waypoint {waypoint} is no posture of the robot with a derivative")]
+    #[error(
+        "waypoint {waypoint}: the joints in `start` are not the robot's on that branch at those free parameters, or have no derivative there"
+    )]
     Start {
         /// The waypoint, counted from 0.
         waypoint: usize,
     },
-    /// An option cannot be.
+    /// An option is invalid.
     #[error("`{what}` is {value}: it must be finite and not below 0")]
     Option {
         /// Its name.
@@ -118,7 +120,7 @@ pub enum FilterError {
         /// Its value.
         value: f64,
     },
-    /// The bounds cannot be.
+    /// The bounds are invalid.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// The progress callback cancelled the work.
@@ -133,7 +135,7 @@ pub enum FilterError {
 /// * `start`: one a waypoint, such as a [`Ladder`](crate::Ladder)'s, without breaks.
 ///
 /// # Errors
-/// [`FilterError`] names what cannot be.
+/// [`FilterError`] names what is invalid.
 ///
 /// # Cost
 /// A few quadratic programs of `2 d + 1` waypoints for each window: seconds for a hundred windows of six axes. The
@@ -199,7 +201,7 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
                 successes += 1;
                 break;
             }
-            if options.growth == 0 || margin + options.growth > options.most_margin {
+            if options.growth == 0 || margin + options.growth > options.max_margin {
                 locked[window].fill(true);
                 break;
             }

@@ -15,8 +15,8 @@ use std::ops::Range;
 const FARTHEST: f64 = 0.3;
 
 /// Steps of the sequence, and halvings of one step.
-const MOST_STEPS: usize = 30;
-const MOST_HALVINGS: usize = 10;
+const MAX_STEPS: usize = 30;
+const MAX_HALVINGS: usize = 10;
 
 /// The sequence ends when a step lowers the sum by less than this share.
 const CONVERGED: f64 = 1e-4;
@@ -86,7 +86,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         let start = self.jerk(&motion.postures, window.touched.clone());
         let mut trial = motion.clone();
         let mut now = start;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let Some(step) = self.step(&trial, &window) else { break };
             let Some((next, value)) = self.moved(&trial, &window, &step, now) else { break };
             let done = value > now * (1.0 - CONVERGED);
@@ -236,7 +236,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     fn moved(&self, motion: &Motion<N, F>, window: &Window<N>, step: &[f64], now: f64) -> Option<(Motion<N, F>, f64)> {
         let range = self.robot.free();
         let mut share = 1.0;
-        'halving: for _ in 0..MOST_HALVINGS {
+        'halving: for _ in 0..MAX_HALVINGS {
             let mut next = motion.clone();
             for (at, i) in window.inner.clone().enumerate() {
                 for f in 0..F {

@@ -118,7 +118,7 @@ impl<const N: usize, const F: usize, R: PrintRobot<N, F>> Robot<N, F> for OnPath
 pub enum Clearance {
     /// Enough for a smooth motion to leave the straight way between two waypoints, and for the arm to leave the path.
     Wide,
-    /// Less, for paths that cannot be followed so.
+    /// Less, for paths that cannot be followed otherwise.
     Narrow,
     /// As little as proofs need.
     Least,

@@ -26,10 +26,10 @@ const GOUGING_LOOKS: u32 = 8;
 const LOOKS: u32 = 8;
 
 /// Parts of a step at most, when it is split.
-const MOST_PARTS: f64 = 8.0;
+const MAX_PARTS: f64 = 8.0;
 
 /// Steps towards a posture at most.
-const MOST_STEPS: usize = 5;
+const MAX_STEPS: usize = 5;
 
 /// What planning goes by, the same for all paths.
 #[derive(Clone, Copy)]
@@ -166,7 +166,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
             let mut put = |waypoint, time, node| split.put(split.times.len(), waypoint, time, node, self.of[k]);
             put(self.waypoints[k], self.times[k], self.nodes[k]);
             let Some((_, mm)) = steps.next_if(|step| step.0 == k) else { continue };
-            let parts = (mm / (AIM * task.limits.tolerance_mm)).sqrt().ceil().clamp(2.0, MOST_PARTS);
+            let parts = (mm / (AIM * task.limits.tolerance_mm)).sqrt().ceil().clamp(2.0, MAX_PARTS);
             let between = |times: &[f64], share: f64| times[k] + (times[k + 1] - times[k]) * share;
             for part in 1..parts as u32 {
                 let share = f64::from(part) / parts;
@@ -288,7 +288,7 @@ fn nearest<const N: usize, const F: usize>(
 ) -> Option<LadderNode<N, F>> {
     let ranges = robot.free();
     let mut best: Option<LadderNode<N, F>> = None;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let Some(Posture { joints, rates }) = robot.posture(0, &free, branch) else { break };
         let joints = std::array::from_fn(|j| joints[j] + TAU * ((near[j] - joints[j]) / TAU).round());
         let node = LadderNode { joints, free, branch };

@@ -136,7 +136,7 @@ pub enum PrintError {
         /// The length it must have, or the least.
         expected: usize,
     },
-    /// A number of a path cannot be.
+    /// A number of a path is invalid.
     #[error("path {path}: `{field}` of waypoint {waypoint} is {value}: it must be finite and not fall")]
     Waypoint {
         /// The path, counted from 0.

@@ -105,7 +105,7 @@ impl LayerPlan {
     }
 }
 
-/// Something that cannot be printed as it is, or not be reached.
+/// A place that cannot be printed as it is, or not be reached.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The layer.
@@ -120,7 +120,7 @@ pub struct Fault {
     pub what: String,
 }
 
-/// What cannot be had.
+/// Why a path is not printed as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FaultKind {

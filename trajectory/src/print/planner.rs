@@ -26,11 +26,11 @@ const PATHS_A_THREAD: usize = 2;
 /// * `progress`: is called with the number of paths that have postures, from any thread, and may stop the work.
 ///
 /// # Returns
-/// Motions and what cannot be had, in [`PrintPlan`]: a waypoint out of reach, something in the way or a transfer that
+/// Motions and faults, in [`PrintPlan`]: a waypoint out of reach, something in the way or a transfer that
 /// was not found are faults there, not errors.
 ///
 /// # Errors
-/// [`PrintError`] names the path and the field; [`PrintError::Cancelled`] when `progress` breaks off. With
+/// [`PrintError`] names the path and the field; [`PrintError::Cancelled`] when `progress` returns `Break`. With
 /// [`PrintPlanner`] what is planned by then is kept.
 ///
 /// # Cost

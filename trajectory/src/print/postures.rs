@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
 /// Waypoints nearer in time than this, in seconds, are one: a controller's cycle is longer.
-const LEAST_STEP_S: f64 = 1e-3;
+const MIN_STEP_S: f64 = 1e-3;
 
 /// A robot without the postures at which something touches (section 3.5.3).
 struct Guarded<'a, R, C> {
@@ -96,7 +96,7 @@ pub(super) fn prepare<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     let start = Instant::now();
     let (mut waypoints, mut kept, mut times) = (vec![path.waypoints[0]], vec![0], vec![path.times[0]]);
     for (place, (waypoint, &now)) in path.waypoints.iter().zip(path.times).enumerate().skip(1) {
-        if now - times[times.len() - 1] >= LEAST_STEP_S {
+        if now - times[times.len() - 1] >= MIN_STEP_S {
             waypoints.push(*waypoint);
             kept.push(place);
             times.push(now);
@@ -168,7 +168,7 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
         let (wide, narrow) = (Clearance::Wide, Clearance::Narrow);
         let tries = [(wide, same, few), (wide, None, few), (narrow, same, few), (narrow, same, many)];
         let found = tries.iter().find_map(|&(enough, branch, samples)| plan(enough, branch, samples, false).ok());
-        // Broken off it is as well with fewer samples, and on one branch: all of them together take minutes on a long path.
+        // A path that breaks off anyway gets fewer samples and one branch: all together take minutes on a long path.
         let broken_off = |branch| plan(narrow, branch, (task.options.near_samples, 0), true);
         let ladder = found.map_or_else(|| broken_off(same).or_else(|_| broken_off(None)), Ok);
         let ladder = ladder.map_err(|error| match error {

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 const RUN_SPACING: f64 = 0.05;
 
 /// How often steps of a run are split.
-const MOST_SPLIT: usize = 4;
+const MAX_SPLIT: usize = 4;
 
 /// What came of a path.
 pub(super) struct Planned<const N: usize, const F: usize> {
@@ -154,7 +154,7 @@ fn split<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     cell: &impl PrintCell<N>,
 ) -> Result<(Course<N, F>, Timed<N>), PrintError> {
     let mut motion = course.timed(path, task)?;
-    for _ in 0..MOST_SPLIT {
+    for _ in 0..MAX_SPLIT {
         let Some(split) = course.split(&motion, task, cell) else { break };
         motion = split.timed(path, task)?;
         course = split;

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 /// How far the nozzle lifts off before a transfer, in millimetres, the least first; and where not even that is free.
 const LIFTS_MM: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
-const LEAST_LIFT_MM: f64 = 2.5;
+const MIN_LIFT_MM: f64 = 2.5;
 
 /// Postures on the way are so far apart, in millimetres, so that the nozzle goes straight; and how fast it goes at most.
 const LIFT_STEP_MM: f64 = 1.0;
@@ -169,7 +169,7 @@ fn lift<const N: usize, const F: usize>(
         is_free.then_some(postures)
     };
     let first = |turn: f64| {
-        ways.clone().find_map(|way| lifts.iter().chain([&LEAST_LIFT_MM]).find_map(|&height| along(turn, &way, height)))
+        ways.clone().find_map(|way| lifts.iter().chain([&MIN_LIFT_MM]).find_map(|&height| along(turn, &way, height)))
     };
     effort.turns.iter().find_map(|&turn| first(turn))
 }

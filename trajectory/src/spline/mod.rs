@@ -4,7 +4,7 @@
 //! the squared jerk, have closed forms: what is said of a trajectory holds between its knots as well.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.1.1, looks at samples only
-//! (Eq. 4.2); here the trajectory is a curve. How times become a linear map, and what run-in and run-out are, is told
+//! (Eq. 4.2); here the trajectory is a curve. How times become a linear map, and what run-in and run-out are, is described
 //! at [`Timeline`].
 
 mod check;

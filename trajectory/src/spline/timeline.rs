@@ -23,7 +23,7 @@ use std::ops::Range;
 /// 1 rad/s without acceleration, the speed at which the works run their arms. Fewer or shorter pieces cost jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunIn {
-    /// Number of pieces at each end, 1 to [`RunIn::MOST_PIECES`].
+    /// Number of pieces at each end, 1 to [`RunIn::MAX_PIECES`].
     pub pieces: usize,
     /// Time of each, in seconds.
     pub spacing: f64,
@@ -31,7 +31,7 @@ pub struct RunIn {
 
 impl RunIn {
     /// The most pieces at each end.
-    pub const MOST_PIECES: usize = 64;
+    pub const MAX_PIECES: usize = 64;
 }
 
 impl Default for RunIn {
@@ -45,7 +45,7 @@ impl Default for RunIn {
 #[non_exhaustive]
 pub enum TimelineError {
     /// There is no waypoint.
-    #[error("no waypoint: a trajectory needs one at least")]
+    #[error("no waypoint: a trajectory needs at least one")]
     Empty,
     /// A time is infinite or not a number.
     #[error("the time of waypoint {waypoint} is {time}, not a finite number")]
@@ -65,10 +65,10 @@ pub enum TimelineError {
         /// The time of the waypoint before.
         before: f64,
     },
-    /// Run-in and run-out cannot be.
+    /// The run-in or run-out is invalid.
     #[error(
         "run-in of {pieces} pieces of {spacing} s: from 1 to {} pieces of a finite time above 0 are needed",
-        RunIn::MOST_PIECES
+        RunIn::MAX_PIECES
     )]
     RunIn {
         /// Number of pieces.
@@ -118,7 +118,7 @@ impl Timeline {
     /// Linear time and memory.
     pub fn new(waypoint_times: &[f64], run: RunIn) -> Result<Self, TimelineError> {
         let RunIn { pieces, spacing } = run;
-        if !((1..=RunIn::MOST_PIECES).contains(&pieces) && spacing > 0.0 && spacing.is_finite()) {
+        if !((1..=RunIn::MAX_PIECES).contains(&pieces) && spacing > 0.0 && spacing.is_finite()) {
             return Err(TimelineError::RunIn { pieces, spacing });
         }
         check_times(waypoint_times)?;

@@ -11,7 +11,7 @@ const UNLIMITED: f64 = 1e3;
 
 /// A window is at least this share of the outermost piece: without limits of acceleration and jerk that is where the
 /// motion gets up to its pace.
-const LEAST_WINDOW: f64 = 0.1;
+const MIN_WINDOW: f64 = 0.1;
 
 /// A piece that takes this many times longer than speeds, feed and flow ask for is limited by accelerations or jerks.
 const SLOWED: f64 = 1.1;
@@ -85,7 +85,7 @@ impl<const N: usize> Task<'_, N> {
                 }
             }
             let covered = 0.5 * pace * longest;
-            let least = LEAST_WINDOW * step_of(piece);
+            let least = MIN_WINDOW * step_of(piece);
             if covered.is_finite() { covered.max(least) } else { length }
         };
         let warp = Warp::new(length, [window(0, 0.0), window(last - 1, step_of(last - 1))]);

@@ -29,7 +29,7 @@ use curve::{Curve, Grid};
 pub use free::{FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, time_path_free};
 use std::ops::ControlFlow;
 
-/// Tolerance of the first timing, which only tells where knots are needed.
+/// Tolerance of the first timing, which only finds where knots are needed.
 const ROUGH: f64 = 0.02;
 
 /// How a path is timed.
@@ -121,14 +121,14 @@ impl<const N: usize> TimedMotion<N> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TimePathError {
-    /// A path has two postures at least.
-    #[error("a path of {postures} postures: two are needed at least")]
+    /// Fewer than two postures.
+    #[error("a path of {postures} postures: at least two are needed")]
     TooFew {
         /// Postures that were given.
         postures: usize,
     },
-    /// A list has not one entry for each posture or piece.
-    #[error("{given} entries in `{field}`, {expected} are needed")]
+    /// A list does not have one entry for each posture or piece.
+    #[error("{given} entries in `{field}`: pass {expected}")]
     Count {
         /// `planned`, `max_pace` or `flow_mm3_s`.
         field: &'static str,
@@ -149,7 +149,7 @@ pub enum TimePathError {
     },
     /// A planned time is not finite, or not after the one before it.
     #[error(
-        "the planned time of posture {posture} is {time} s, it must be finite and after that of the posture before"
+        "the planned time of posture {posture} is {time} s: it must be finite and after that of the posture before"
     )]
     Planned {
         /// The posture, counted from 0.
@@ -157,8 +157,8 @@ pub enum TimePathError {
         /// Its planned time.
         time: f64,
     },
-    /// A number for a piece cannot be.
-    #[error("`{field}` of piece {piece} is {value}")]
+    /// A number for a piece is invalid.
+    #[error("`{field}` of piece {piece} is {value}: a pace must be above 0, a flow finite and not negative")]
     Piece {
         /// `max_pace`, which must be above 0, or `flow_mm3_s`, which must be finite and not negative.
         field: &'static str,
@@ -187,9 +187,9 @@ pub enum TimePathError {
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// Numbers are so large or so small that times or angles are no longer finite or distinct.
-    #[error("the timing is beyond the range of double precision")]
+    #[error("the timing exceeds double precision: bring times, postures and limits to similar scales")]
     Range,
-    /// The callback broke off.
+    /// The progress callback cancelled the work.
     #[error("timing was cancelled")]
     Cancelled,
 }
@@ -211,7 +211,7 @@ pub enum TimePathError {
 /// thousand times what the whole path allows everywhere.
 ///
 /// # Errors
-/// [`TimePathError`] names the argument; [`TimePathError::Cancelled`] when `progress` breaks off.
+/// [`TimePathError`] names the argument; [`TimePathError::Cancelled`] when `progress` returns `Break`.
 ///
 /// # Cost
 /// Linear time and memory in knots, for each step. One thread; the result is the same each time.

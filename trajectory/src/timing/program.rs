@@ -15,7 +15,7 @@ use super::row::{Near, Row};
 const FRACTION: f64 = 0.98;
 
 /// A step leaves of each unknown at least this share: the tangents of `T` say nothing beyond.
-const LEAST_SHARE: f64 = 0.1;
+const MIN_SHARE: f64 = 0.1;
 
 /// A row takes part in the Newton step once less than this share of its limit is left. Other rows only bound the length
 /// of steps. On a print most rows never take part; with a smaller share steps are cut short more often.
@@ -87,7 +87,7 @@ impl Program {
         let [mut constant, mut rooted] = [f64::INFINITY; 2];
         for row in self.rows.iter().filter(|row| !row.is_linear) {
             let least = if row.root.is_some() { &mut rooted } else { &mut constant };
-            *least = least.min(row.room(&self.x));
+            *least = least.min(row.slack(&self.x));
         }
         ((1.0 - left) * constant).min(((1.0 - left) * rooted).powf(2.0 / 3.0))
     }
@@ -332,8 +332,8 @@ impl Program {
             let product = aim(-before[k] * upper_step[k]);
             upper_step[k] = (product + z * dx[k]) / slack - z;
             ahead.look([slack, -dx[k]], [z, upper_step[k]]);
-            if dx[k] * ahead.primal < (LEAST_SHARE - 1.0) * self.x[k] {
-                ahead.primal = (LEAST_SHARE - 1.0) * self.x[k] / dx[k];
+            if dx[k] * ahead.primal < (MIN_SHARE - 1.0) * self.x[k] {
+                ahead.primal = (MIN_SHARE - 1.0) * self.x[k] / dx[k];
             }
         }
         for near in &mut self.near {

@@ -49,7 +49,7 @@ impl Row {
     }
 
     /// Limit over value: how many times the value may grow, with the unknowns as they are.
-    pub fn room(&self, x: &[f64]) -> f64 {
+    pub fn slack(&self, x: &[f64]) -> f64 {
         let value = self.value(x);
         let limit = if value > 0.0 { self.limits[0] } else { self.limits[1] };
         self.rooted().map_or(limit, |root| limit / x[root].sqrt()) / value.abs()

@@ -1,7 +1,7 @@
 //! Repair by dense angles: the tool turned about its axis in steps of `pi / 500`.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.3. There the nearest free posture
-//! replaces the one that collides, whatever lies beside it. Here both sides of a repaired stretch have to be reached
+//! replaces the one that collides, whatever lies beside it. Here both sides of a repaired segment have to be reached
 //! within the bounds on velocity, and the waypoints beside it turn along to make way for that, as far as
 //! [`RepairOptions::widen`] says; where no way is slow enough there is a split.
 
@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 pub const DENSE_STEP: f64 = PI / 500.0;
 
 /// The postures of a waypoint at all angles [`DENSE_STEP`] apart and on all branches, within the bounds, each joint that
-/// turns farther than once put as near to `near` as the bounds allow. Free or not is not asked.
+/// turns farther than once put as near to `near` as the bounds allow. Collisions are not checked.
 ///
 /// # Example
 /// ```
@@ -62,7 +62,7 @@ fn image(angle: f64, near: f64, lower: f64, upper: f64) -> f64 {
     turned.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs())).unwrap_or(f64::NAN)
 }
 
-/// What is free, told by two closures as [`verify`](super::verify) takes them.
+/// What is free, by two closures as [`verify`](super::verify) takes them.
 #[derive(Clone, Copy, Debug)]
 pub struct Checks<P, M> {
     /// Whether waypoint `i` is free at some joints.
@@ -81,13 +81,13 @@ pub struct Checks<P, M> {
 /// # Returns
 /// What [`repair`] does, from the postures of [`dense_postures`] that are free. A motion counts as possible when no joint
 /// has to be faster than its bound on the way, and it is free. The spline through the waypoints may be faster in between:
-/// [`Trajectory::violations`](crate::Trajectory::violations) tells.
+/// [`Trajectory::violations`](crate::Trajectory::violations) reports where.
 ///
 /// # Errors
 /// [`RepairError`] when times, waypoints and robot are not of one length, or the verification does not fit.
 ///
 /// # Cost
-/// A thousand inverses and as many questions to `posture_free` a branch, for each waypoint of a stretch and each beside
+/// A thousand inverses and as many questions to `posture_free` a branch, for each waypoint of a segment and each beside
 /// it that turns along; and what [`repair`] says. Deterministic.
 pub fn repair_by_turning<const N: usize>(
     robot: &(impl Robot<N, 1> + ?Sized),

@@ -2,7 +2,7 @@
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.3, which checks waypoints. Here the
 //! motions between them are checked too, best by a proof for each as a whole. What is exact is the caller's to say, by
-//! closures that are told which waypoint they look at: a part grows while it is printed.
+//! closures that get the index of the waypoint they look at: a part grows while it is printed.
 
 mod dense;
 mod repair;
@@ -19,7 +19,7 @@ pub struct Verification {
     /// Waypoints that collide, in order.
     pub waypoints: Vec<usize>,
     /// Motions that are not shown to be free, in order: `i` is that from waypoint `i` to `i + 1`. Motions to and from a
-    /// waypoint that collides are not among them, and were not asked about.
+    /// waypoint that collides are not among them, and were not checked.
     pub motions: Vec<usize>,
 }
 
@@ -50,7 +50,7 @@ const STRIDE: usize = 64;
 ///   spline. Asked only where both ends are free.
 ///
 /// # Errors
-/// [`VerifyError::Cancelled`] when `progress` breaks off.
+/// [`VerifyError::Cancelled`] when `progress` returns `Break`.
 ///
 /// # Cost
 /// One call of each a waypoint.

@@ -47,7 +47,7 @@ pub struct Repair<const N: usize> {
 #[non_exhaustive]
 pub enum RepairError {
     /// The verification is of another trajectory.
-    #[error("the verification names waypoint {waypoint}, there are {count}")]
+    #[error("the verification names waypoint {waypoint} of a trajectory of {count}: verify this trajectory first")]
     NoWaypoint {
         /// The waypoint.
         waypoint: usize,
@@ -55,7 +55,9 @@ pub enum RepairError {
         count: usize,
     },
     /// Times, waypoints and robot are of different paths.
-    #[error("{times} times and {waypoints} waypoints for a robot with {robot}: one each is needed")]
+    #[error(
+        "{times} times and {waypoints} waypoints for a robot with {robot}: pass one of each per waypoint of the robot"
+    )]
     Lengths {
         /// Number of times.
         times: usize,

@@ -104,7 +104,7 @@ impl Drum {
 /// and so near the slope is that of the value.
 const FINEST_MM: f64 = 1e-4;
 /// Steps of the search along a line; seven are usual.
-const MOST_TANGENTS: usize = 48;
+const MAX_TANGENTS: usize = 48;
 
 /// Where on a segment a capsule's axis comes deepest into a cylinder, if to less than `best`: the distance, its slope,
 /// and the place.
@@ -118,7 +118,7 @@ pub(super) fn segment_drum(
         let (value, slope) = drum.distance(&at);
         (t, value, slope.dot(half), slope, at)
     };
-    // Where the cylinder's middle is nearest one tangent mostly tells that all is beyond.
+    // Where the cylinder's middle is nearest one tangent mostly shows that all is beyond.
     let square = half.norm_squared();
     let share = half.dot(&(drum.middle - middle)) / square;
     let first = ask(if square > 0.0 { share.clamp(-1.0, 1.0) } else { 0.0 });
@@ -127,7 +127,7 @@ pub(super) fn segment_drum(
         return None;
     }
     let (mut a, mut b) = if first.2 > 0.0 { (ask(end), first) } else { (first, ask(end)) };
-    for _ in 0..MOST_TANGENTS {
+    for _ in 0..MAX_TANGENTS {
         if !(a.2 < 0.0 && b.2 > 0.0) {
             // It falls or rises all the way between.
             break;
@@ -160,12 +160,12 @@ pub(super) fn segment_drum(
 }
 
 /// Questions to a field about one segment; two or three are usual, a link that lies along a flat face takes most.
-const MOST_PLACES: usize = 64;
+const MAX_PLACES: usize = 64;
 /// Places in a piece of it.
 const PLACES: f64 = 16.0;
 /// Pieces of it that wait.
-const MOST_OPEN: usize = 24;
-/// How deep a capsule reaches in is told to so much of it.
+const MAX_OPEN: usize = 24;
+/// The depth of a capsule is found to so much of it.
 const SHARE_OF_DEPTH: f64 = 0.1;
 
 /// Where the axis of a capsule comes deepest into a field, if to less than `best`: the distance, and the place. Right
@@ -188,10 +188,10 @@ pub(super) fn segment_field(
         (t, value, least)
     };
     let ends = [ask(0.0), ask(1.0)];
-    let mut open = [[ends[0]; 2]; MOST_OPEN];
+    let mut open = [[ends[0]; 2]; MAX_OPEN];
     open[0] = ends;
     let (mut count, mut places, mut known) = (1, 2, ends[1].2);
-    while count > 0 && places < MOST_PLACES {
+    while count > 0 && places < MAX_PLACES {
         count -= 1;
         let [a, b] = open[count];
         let (share, bound) = below(a.1, b.1, (b.0 - a.0) * length);
@@ -205,7 +205,7 @@ pub(super) fn segment_field(
         let next = ask(a.0 + (b.0 - a.0) * share);
         places += 1;
         known = next.2;
-        if count + 2 <= MOST_OPEN {
+        if count + 2 <= MAX_OPEN {
             // The deeper side is looked at first.
             let (left, right) = ([a, next], [next, b]);
             [open[count], open[count + 1]] = if a.1 <= b.1 { [right, left] } else { [left, right] };
@@ -237,8 +237,8 @@ fn below(a: f64, b: f64, length: f64) -> (f64, f64) {
 /// Projections end with a step shorter than this.
 const FINE_MM: f64 = 0.01;
 /// Projections of a cylinder's point.
-const MOST_ROUNDS: usize = 24;
-/// How deep in the solid the aim lies, in millimetres: overlaps are not told deeper.
+const MAX_ROUNDS: usize = 24;
+/// How deep in the solid the aim lies, in millimetres: deeper overlaps are not resolved.
 const DEEP_MM: f64 = 2.0;
 
 /// Where a cylinder comes deepest into a field, if to less than `best`: the distance, its slope, and the place.
@@ -253,7 +253,7 @@ pub(super) fn drum_field(
         return None;
     }
     let mut found = (value, slope, at);
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let next = drum.onto(&(at - slope * (value + DEEP_MM)));
         if (next - at).norm_squared() < FINE_MM * FINE_MM {
             break;

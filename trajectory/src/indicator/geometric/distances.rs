@@ -5,11 +5,11 @@ use super::closest::{Drum, drum_field, segment_drum, segment_field, segments};
 use super::grid::DistanceGrid;
 use super::model::GeometricModel;
 use super::shapes::{Ball, Plane};
-use super::{MOST_BODIES, Near};
+use super::{MAX_BODIES, Near};
 use nalgebra::{IsometryMatrix3, Point3, Vector3};
 
 /// Frames of the bodies in the world.
-pub(super) type Frames = [IsometryMatrix3<f64>; MOST_BODIES];
+pub(super) type Frames = [IsometryMatrix3<f64>; MAX_BODIES];
 
 /// A capsule or a cylinder, by its middle and half its axis in the frame of its body.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +45,8 @@ impl Placed {
     }
 }
 
-/// Room on the stack for shapes in the world; more of them are put in a list.
-const ROOM: usize = 16;
+/// Space on the stack for shapes in the world; more of them are put in a list.
+const BUFFER: usize = 16;
 /// How near the deepest place in a grid is looked for, in spacings.
 const FINE: f64 = 0.1;
 
@@ -125,12 +125,12 @@ impl Distances {
     /// The nearest two shapes.
     pub fn least(&self, frames: &Frames) -> Near {
         let place = |long: &Long| if long.still { long.at } else { long.at.by(&frames[long.body]) };
-        if self.longs.len() > ROOM {
+        if self.longs.len() > BUFFER {
             return self.among(frames, &self.longs.iter().map(place).collect::<Vec<_>>());
         }
         let nothing = Placed { middle: Point3::origin(), half: Vector3::zeros() };
-        let room: [Placed; ROOM] = std::array::from_fn(|k| self.longs.get(k).map_or(nothing, place));
-        self.among(frames, &room)
+        let buffer: [Placed; BUFFER] = std::array::from_fn(|k| self.longs.get(k).map_or(nothing, place));
+        self.among(frames, &buffer)
     }
 
     fn among(&self, frames: &Frames, placed: &[Placed]) -> Near {

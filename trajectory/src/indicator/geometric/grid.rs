@@ -12,7 +12,7 @@
 //! angle there is never acute), the value is `sqrt(a^2 + d^2)` for a point `a` off the lattice whose nearest point has
 //! the distance `d`: continuous, and at most the truth but for the error above.
 //!
-//! **Near and far.** Up to 16 cells around the solid the lattice is as fine as asked. Where more room is asked for, a
+//! **Near and far.** Up to 16 cells around the solid the lattice is as fine as asked. Where more margin is asked for, a
 //! second lattice four times as coarse reaches as far as that: its nodes are as exact, and between them a distance of
 //! many cells is nearly straight (beside a ball of radius `r` wrong by `(4 h)^2 / 4 r`; the bound above is for grooves).
 //! Over the last four cells of the near lattice its values go over into those of the far one.
@@ -26,7 +26,7 @@ use nalgebra::{Point3, Vector3};
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceGrid {
     near: Lattice,
-    /// Where more room is asked for than the near lattice has.
+    /// Where more margin is asked for than the near lattice has.
     far: Option<Lattice>,
     /// The solid lies between.
     corners: [Point3<f64>; 2],
@@ -36,10 +36,10 @@ pub struct DistanceGrid {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
-    /// The spacing or the room around is no length.
+    /// The spacing or the margin around is no length.
     #[error("{what} is {value}: it must be {must}")]
     Length {
-        /// `cell`, `spacing` or `room`.
+        /// `cell`, `spacing` or `margin`.
         what: &'static str,
         /// Its value.
         value: f64,
@@ -47,10 +47,10 @@ pub enum GridError {
         must: &'static str,
     },
     /// Nothing is solid.
-    #[error("nothing is solid: there is no distance to nothing")]
+    #[error("no solid cell or triangle: the distance is undefined")]
     Empty,
     /// The words are not those of the grid.
-    #[error("{words} words of cells, a grid of {dims:?} has {wanted}")]
+    #[error("{words} words of cells: a grid of {dims:?} needs {wanted}")]
     Words {
         /// Cells along x, y, z.
         dims: [u32; 3],
@@ -59,13 +59,13 @@ pub enum GridError {
         /// Words needed.
         wanted: u64,
     },
-    /// Too many nodes: a coarser spacing or less room is needed.
-    #[error("{nodes} nodes: at most {most} fit, take a coarser spacing or less room around")]
+    /// Too many nodes: a coarser spacing or less margin is needed.
+    #[error("{nodes} nodes: at most {max} fit, take a coarser spacing or less margin around")]
     TooLarge {
         /// How many it would be.
         nodes: f64,
         /// How many may be.
-        most: usize,
+        max: usize,
     },
     /// A point is not finite.
     #[error("point {point} is not finite")]
@@ -84,7 +84,7 @@ pub enum GridError {
         points: usize,
     },
     /// The triangles do not close: what is inside is not said.
-    #[error("the surface is open at the edge from point {from} to point {to}: inside and outside cannot be told")]
+    #[error("the surface is open at the edge from point {from} to point {to}: inside and outside are undefined")]
     Open {
         /// Where the edge starts.
         from: u32,
@@ -94,7 +94,7 @@ pub enum GridError {
 }
 
 /// Cells around the solid with the wanted spacing.
-const NEAR_ROOM: u32 = 16;
+const NEAR_MARGIN: u32 = 16;
 /// Cells from one node of the far lattice to the next. 8 would need an eighth of the memory, and be wrong by a cell at the
 /// edge of the near lattice beside a thin part.
 const FAR_STEP: u32 = 4;
@@ -102,7 +102,7 @@ const FAR_STEP: u32 = 4;
 const BLEND: f64 = 4.0;
 
 /// Most nodes: 256 MB of distances, and the squares of all distances fit 32 bits.
-pub const MOST_NODES: usize = 1 << 26;
+pub const MAX_NODES: usize = 1 << 26;
 
 impl DistanceGrid {
     /// The distance to a set of cells: bit `x % 64` of word `x / 64` of row `y + ny z`.
@@ -111,7 +111,7 @@ impl DistanceGrid {
     /// * `dims`, `rows`: the set; rows are padded to whole words, bits beyond `dims[0]` do not count.
     /// * `cell`: side of a cell in millimetres; also the spacing of the lattice.
     /// * `corner`: where the grid begins.
-    /// * `room`: cells of lattice around the grid, at least 1: as many as the thickest ball or capsule is wide from its
+    /// * `margin`: cells of lattice around the grid, at least 1: as many as the thickest ball or capsule is wide from its
     ///   axis, and a few more. Beyond it distances are only bounded from below.
     ///
     /// # Errors
@@ -137,22 +137,22 @@ impl DistanceGrid {
         rows: &[u64],
         cell: f64,
         corner: &Point3<f64>,
-        room: u32,
+        margin: u32,
     ) -> Result<Self, GridError> {
         check_length("cell", cell)?;
         if !corner.iter().all(|x| x.is_finite()) {
             return Err(GridError::Point { point: 0 });
         }
-        if room == 0 {
-            return Err(GridError::Length { what: "room", value: 0.0, must: "at least 1" });
+        if margin == 0 {
+            return Err(GridError::Length { what: "margin", value: 0.0, must: "at least 1" });
         }
         let words = u64::from(dims[0].div_ceil(64));
         let wanted = words.saturating_mul(u64::from(dims[1])).saturating_mul(u64::from(dims[2]));
         if rows.len() as u64 != wanted {
             return Err(GridError::Words { dims, words: rows.len(), wanted });
         }
-        let around = room.min(NEAR_ROOM);
-        let beyond = (room - around).div_ceil(FAR_STEP);
+        let around = margin.min(NEAR_MARGIN);
+        let beyond = (margin - around).div_ceil(FAR_STEP);
         let nodes = dims.map(|n| f64::from(n) + 2.0 * f64::from(around) + 1.0);
         check_nodes(&nodes)?;
         let size = nodes.map(|n| n as usize);
@@ -163,7 +163,7 @@ impl DistanceGrid {
             check_nodes(&[far_nodes[0], nodes[1], nodes[2]])?;
             check_nodes(&[far_nodes[0], far_nodes[1], nodes[2]])?;
         }
-        // Each cell marks its eight corners, solid or empty. Cells of the room are empty.
+        // Each cell marks its eight corners, solid or empty. Cells of the margin are empty.
         let (solid, empty) = mark(dims, rows, around as usize, &size);
         if !solid.contains(&0) {
             return Err(GridError::Empty);
@@ -190,7 +190,7 @@ impl DistanceGrid {
         Ok(DistanceGrid { near: Lattice::new(origin, cell, size, &values), far, corners: [*corner, high.into()] })
     }
 
-    /// The distance to a solid bounded by triangles, sampled every `spacing` millimetres with `room` millimetres around.
+    /// The distance to a solid bounded by triangles, sampled every `spacing` millimetres with `margin` millimetres around.
     ///
     /// The triangles must close: each edge as often one way as the other. Where the surface winds about a point, in
     /// either direction, the point is inside, so overlapping parts and both orientations do no harm; what lies inside
@@ -216,10 +216,10 @@ impl DistanceGrid {
         points: &[Point3<f64>],
         triangles: &[[u32; 3]],
         spacing: f64,
-        room: f64,
+        margin: f64,
     ) -> Result<Self, GridError> {
         check_length("spacing", spacing)?;
-        check_length("room", room)?;
+        check_length("margin", margin)?;
         surface::check(points, triangles)?;
         let used = || triangles.iter().flatten().map(|&corner| points[corner as usize]);
         let low = used().fold(Point3::from([f64::INFINITY; 3]), |a, b| a.inf(&b));
@@ -227,8 +227,8 @@ impl DistanceGrid {
         if triangles.is_empty() {
             return Err(GridError::Empty);
         }
-        let steps = (room / spacing).ceil();
-        let around = steps.min(f64::from(NEAR_ROOM));
+        let steps = (margin / spacing).ceil();
+        let around = steps.min(f64::from(NEAR_MARGIN));
         let beyond = ((steps - around) / f64::from(FAR_STEP)).ceil();
         let nodes = [0, 1, 2].map(|d| ((high[d] - low[d]) / spacing).ceil() + 2.0 * around + 1.0);
         check_nodes(&nodes)?;
@@ -257,7 +257,7 @@ impl DistanceGrid {
         (0.75f64.sqrt() + 4e-6) * self.far.as_ref().map_or(self.near.spacing, |far| far.spacing)
     }
 
-    /// Whether all points within `radius` of a segment are as far from the solid as `best`, as far as that can be told
+    /// Whether all points within `radius` of a segment are as far from the solid as `best`, as far as that is known
     /// from the box of the solid, without a look at the lattice: by the middle of the segment, else by the plane through
     /// the point of the box that is nearest to one of the segment.
     #[inline]
@@ -336,10 +336,10 @@ fn check_length(what: &'static str, value: f64) -> Result<(), GridError> {
 fn check_nodes(nodes: &[f64; 3]) -> Result<(), GridError> {
     let all: f64 = nodes.iter().product();
     // Squares of three sides fit 32 bits: a long thin grid is refused too.
-    if all <= MOST_NODES as f64 && nodes.iter().all(|&n| n <= LONGEST) {
+    if all <= MAX_NODES as f64 && nodes.iter().all(|&n| n <= LONGEST) {
         return Ok(());
     }
-    Err(GridError::TooLarge { nodes: all, most: MOST_NODES })
+    Err(GridError::TooLarge { nodes: all, max: MAX_NODES })
 }
 
 /// Most nodes along one side.

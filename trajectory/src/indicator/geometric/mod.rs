@@ -27,7 +27,7 @@ mod surface;
 mod transform;
 
 pub use bodies::{Bodies, BodiesFn, Twist};
-pub use grid::{DistanceGrid, GridError, MOST_NODES};
+pub use grid::{DistanceGrid, GridError, MAX_NODES};
 pub use model::{GeometricError, GeometricModel};
 pub use shapes::{Ball, Capsule, Cylinder, Plane};
 
@@ -36,7 +36,7 @@ use distances::{Distances, Frames};
 use nalgebra::{IsometryMatrix3, Point3, Vector3};
 
 /// Most bodies of an indicator; their frames are kept on the stack.
-pub const MOST_BODIES: usize = 16;
+pub const MAX_BODIES: usize = 16;
 
 /// The geometric indicator; see the [module](self).
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ pub struct GeometricIndicator<const N: usize, B> {
     bodies: B,
     count: usize,
     distances: Distances,
-    carriers: [[bool; N]; MOST_BODIES],
+    carriers: [[bool; N]; MAX_BODIES],
     margin: f64,
 }
 
@@ -68,11 +68,11 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
     /// [`GeometricError`] names the shape.
     pub fn new(bodies: B, model: GeometricModel) -> Result<Self, GeometricError> {
         let count = bodies.count();
-        if count > MOST_BODIES {
+        if count > MAX_BODIES {
             return Err(GeometricError::TooManyBodies { count });
         }
         model::check(&model, count)?;
-        let mut carriers = [[false; N]; MOST_BODIES];
+        let mut carriers = [[false; N]; MAX_BODIES];
         (0..count).for_each(|body| carriers[body] = bodies.carriers(body));
         let margin = model.margin;
         // What the same joints carry never moves against each other.
@@ -80,7 +80,7 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
         let meet =
             |a: usize, b: usize| carriers[a] != carriers[b] && !ignored.contains(&[a, b]) && !ignored.contains(&[b, a]);
         // What no joint carries is where it is at any posture.
-        let mut frames = [IsometryMatrix3::identity(); MOST_BODIES];
+        let mut frames = [IsometryMatrix3::identity(); MAX_BODIES];
         bodies.place(&[0.0; N], &mut frames[..count]);
         let still = |body: usize| (!carriers[body].contains(&true)).then_some(frames[body]);
         let distances = Distances::new(model, count, &meet, &still).ok_or(GeometricError::Nothing)?;
@@ -94,7 +94,7 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
 
     /// The nearest two bodies.
     pub fn nearest(&self, joints: &[f64; N]) -> Near {
-        let mut frames: Frames = [IsometryMatrix3::identity(); MOST_BODIES];
+        let mut frames: Frames = [IsometryMatrix3::identity(); MAX_BODIES];
         self.bodies.place(joints, &mut frames[..self.count]);
         self.distances.least(&frames)
     }
@@ -106,7 +106,7 @@ impl<const N: usize, B: Bodies<N>> CollisionIndicator<N> for GeometricIndicator<
     }
 
     fn gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]) {
-        let mut frames: Frames = [IsometryMatrix3::identity(); MOST_BODIES];
+        let mut frames: Frames = [IsometryMatrix3::identity(); MAX_BODIES];
         let twists = self.bodies.place_moving(joints, &mut frames[..self.count]);
         let Near { distance, bodies: [a, b], slope, points } = self.distances.least(&frames);
         let along = |k: usize| {

@@ -1,6 +1,6 @@
 //! What an indicator compares with what, and which models are none.
 
-use super::MOST_BODIES;
+use super::MAX_BODIES;
 use super::grid::DistanceGrid;
 use super::shapes::{Ball, Capsule, Cylinder, Plane};
 use nalgebra::Point3;
@@ -15,7 +15,7 @@ pub struct GeometricModel {
     /// Capsules, compared with everything but balls: links, a nozzle, obstacles.
     pub capsules: Vec<Capsule>,
     /// Cylinders, compared with everything but balls: a foot, a flange. Where they overlap with each other or with a
-    /// grid, by more than 2 mm, how much is not told.
+    /// grid, by more than 2 mm, how much is not reported.
     pub cylinders: Vec<Cylinder>,
     /// Planes, compared with capsules and cylinders.
     pub planes: Vec<Plane>,
@@ -29,8 +29,8 @@ pub struct GeometricModel {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GeometricError {
-    /// More bodies than there is room for.
-    #[error("{count} bodies: at most {MOST_BODIES} can be told apart")]
+    /// Too many bodies.
+    #[error("{count} bodies: at most {MAX_BODIES} are supported")]
     TooManyBodies {
         /// How many.
         count: usize,
@@ -48,7 +48,7 @@ pub enum GeometricError {
         count: usize,
     },
     /// A shape has a number that is not finite, a radius below 0, or is a cylinder between a point and itself.
-    #[error("{what} {index} is no shape: numbers must be finite, its radius not below 0, ends of a cylinder apart")]
+    #[error("{what} {index} is invalid: numbers must be finite, its radius not below 0, ends of a cylinder apart")]
     Shape {
         /// `ball`, `capsule`, `cylinder` or `plane`.
         what: &'static str,

@@ -4,7 +4,7 @@
 pub(super) const FAR: i32 = 1 << 29;
 
 /// Of each node 0 where it is a corner of a solid cell, and where it is one of an empty cell; else `FAR`.
-pub(super) fn mark(dims: [u32; 3], rows: &[u64], room: usize, size: &[usize; 3]) -> (Vec<i32>, Vec<i32>) {
+pub(super) fn mark(dims: [u32; 3], rows: &[u64], margin: usize, size: &[usize; 3]) -> (Vec<i32>, Vec<i32>) {
     let [nx, ny, nz] = dims.map(|n| n as usize);
     let words = nx.div_ceil(64);
     let [sx, sy, sz] = *size;
@@ -14,7 +14,7 @@ pub(super) fn mark(dims: [u32; 3], rows: &[u64], room: usize, size: &[usize; 3])
     for (z, y) in (0..sz).flat_map(|z| (0..sy).map(move |y| (z, y))) {
         for x in 0..sx {
             let node = x + sx * (y + sy * z);
-            let within = |at: usize, n: usize| (room..=room + n).contains(&at);
+            let within = |at: usize, n: usize| (margin..=margin + n).contains(&at);
             if !(within(x, nx) && within(y, ny) && within(z, nz)) {
                 empty[node] = 0;
                 continue;
@@ -22,7 +22,7 @@ pub(super) fn mark(dims: [u32; 3], rows: &[u64], room: usize, size: &[usize; 3])
             // The up to eight cells around it; beyond the grid they are empty.
             let mut filled = 0;
             for around in 0..8 {
-                let cell = |at: usize, bit: usize, n: usize| (at + bit).checked_sub(room + 1).filter(|&k| k < n);
+                let cell = |at: usize, bit: usize, n: usize| (at + bit).checked_sub(margin + 1).filter(|&k| k < n);
                 let [x, y, z] = [cell(x, around & 1, nx), cell(y, around >> 1 & 1, ny), cell(z, around >> 2, nz)];
                 if let (Some(x), Some(y), Some(z)) = (x, y, z) {
                     filled += usize::from(is_solid(x, y, z));

@@ -1,4 +1,4 @@
-//! A support vector machine that tells colliding postures from free ones.
+//! A support vector machine that separates colliding postures from free ones.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.4.1, Eq. 4.14: the value is
 //! `sum_i a_i exp(-gamma |q - q_i|^2) + b`. Trained on postures labelled free or colliding, by the soft-margin machine of
@@ -28,7 +28,7 @@ pub struct SvmOptions {
     /// Added to `b` after training: above 0 more collisions are predicted. The paper takes 1.0, a whole margin.
     pub bias_shift: f64,
     /// Most steps of two coefficients each; [`Training::converged`] says whether they sufficed.
-    pub most_steps: u64,
+    pub max_steps: u64,
     /// Memory for rows of kernels, in bytes.
     pub cache_bytes: usize,
 }
@@ -42,7 +42,7 @@ impl Default for SvmOptions {
             cost: 100.0,
             tolerance: 1e-3,
             bias_shift: 0.0,
-            most_steps: 10_000_000,
+            max_steps: 10_000_000,
             cache_bytes: 128 << 20,
         }
     }

@@ -21,7 +21,7 @@ pub(super) struct Solution {
 }
 
 /// Curvature taken where two samples coincide.
-const LEAST_CURVATURE: f64 = 1e-12;
+const MIN_CURVATURE: f64 = 1e-12;
 
 pub(super) fn solve<const N: usize>(samples: &[Sample<N>], options: &SvmOptions) -> Solution {
     let cost = options.cost;
@@ -53,7 +53,7 @@ pub(super) fn solve<const N: usize>(samples: &[Sample<N>], options: &SvmOptions)
             let difference = most - violation;
             if difference > 0.0 {
                 // The kernel of a posture with itself is 1.
-                let curvature = (2.0 - 2.0 * rows.at(row_i, t)).max(LEAST_CURVATURE);
+                let curvature = (2.0 - 2.0 * rows.at(row_i, t)).max(MIN_CURVATURE);
                 let gain = difference * difference / curvature;
                 if gain > second.0 {
                     second = (gain, t);
@@ -61,24 +61,24 @@ pub(super) fn solve<const N: usize>(samples: &[Sample<N>], options: &SvmOptions)
             }
         }
         let gap = most - least;
-        if gap <= options.tolerance || steps >= options.most_steps {
+        if gap <= options.tolerance || steps >= options.max_steps {
             break gap.max(0.0);
         }
         let j = second.1;
         let row_j = rows.row_beside(j, i);
         // Along y: a_i grows by y_i d, a_j shrinks by y_j d.
-        let curvature = (2.0 - 2.0 * rows.at(row_i, j)).max(LEAST_CURVATURE);
+        let curvature = (2.0 - 2.0 * rows.at(row_i, j)).max(MIN_CURVATURE);
         let wanted = (most + y[j] * gradient[j]) / curvature;
-        let room = |t: usize, growing: bool| if growing { cost - alphas[t] } else { alphas[t] };
-        let (room_i, room_j) = (room(i, y[i] > 0.0), room(j, y[j] < 0.0));
-        let step = wanted.min(room_i).min(room_j);
+        let slack = |t: usize, growing: bool| if growing { cost - alphas[t] } else { alphas[t] };
+        let (slack_i, slack_j) = (slack(i, y[i] > 0.0), slack(j, y[j] < 0.0));
+        let step = wanted.min(slack_i).min(slack_j);
         let moved = |t: usize, by: f64, is_all: bool| match (is_all, by > 0.0) {
             (true, true) => cost,
             (true, false) => 0.0,
             (false, _) => (alphas[t] + by).clamp(0.0, cost),
         };
-        let next_i = moved(i, y[i] * step, step >= room_i);
-        let next_j = moved(j, -y[j] * step, step >= room_j);
+        let next_i = moved(i, y[i] * step, step >= slack_i);
+        let next_j = moved(j, -y[j] * step, step >= slack_j);
         let (change_i, change_j) = (y[i] * (next_i - alphas[i]), y[j] * (next_j - alphas[j]));
         (alphas[i], alphas[j]) = (next_i, next_j);
         let (kernels_i, kernels_j) = (rows.slice(row_i), rows.slice(row_j));

@@ -88,7 +88,7 @@ pub struct FreeMotion<const N: usize, const F: usize> {
 #[non_exhaustive]
 pub enum TimeFreeError {
     /// The start has not one node for each waypoint.
-    #[error("{nodes} nodes in `start` for {waypoints} waypoints: there must be one each")]
+    #[error("{nodes} nodes in `start` for {waypoints} waypoints: pass one per waypoint")]
     Count {
         /// Waypoints of the robot.
         waypoints: usize,
@@ -121,7 +121,7 @@ pub enum TimeFreeError {
         /// Its value.
         value: f64,
     },
-    /// The start cannot be timed, or the callback broke off.
+    /// The start cannot be timed, or the callback cancelled the work.
     #[error(transparent)]
     Timing(#[from] TimePathError),
 }
@@ -135,7 +135,7 @@ pub enum TimeFreeError {
 ///
 /// # Arguments
 /// * `robot`: the waypoints, two at least, with their free parameters.
-/// * `start`: one node a waypoint, of a ladder or of the global filter. Joints tell which image of an angle is meant.
+/// * `start`: one node a waypoint, of a ladder or of the global filter. The joints select the image of an angle.
 /// * `planned`, `max_pace`, `flow`, `bounds`: as of [`time_path`]. `lower` and `upper` hold at the waypoints, and on the
 ///   whole motion as far as they hold on the start.
 ///
@@ -144,7 +144,7 @@ pub enum TimeFreeError {
 /// (the first and the last: as by [`time_path`]), on the branches of the start, within the ranges of the free parameters.
 ///
 /// # Errors
-/// [`TimeFreeError`] names the argument; [`TimePathError::Cancelled`] when `progress` breaks off.
+/// [`TimeFreeError`] names the argument; [`TimePathError::Cancelled`] when `progress` returns `Break`.
 ///
 /// # Cost
 /// Linear time and memory in the waypoints. [`time_path`] twice, and in each round some ten factorisations of a band of

@@ -6,7 +6,7 @@ mod common;
 use common::ur3::{Ur3, read};
 use common::{Planar, quiet, wrapped};
 use curvlay_trajectory::{
-    Bounds, FreeRange, LadderError, LadderOptions, Posture, Robot, RobotFn, least_speed, plan_ladder,
+    Bounds, FreeRange, LadderError, LadderOptions, Posture, Robot, RobotFn, min_speed, plan_ladder,
 };
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -42,20 +42,20 @@ fn no_motion_follows_the_hard_path_at_one_radian_a_second() {
     let robot = Ur3::new(&path);
     let (times, bounds) = (robot.times(), robot.bounds());
     for (around, stretch, least) in [(20..44, 30..33, 1.0425), (4630..4670, 4649..4652, 1.039)] {
-        let found = least_speed(&robot, &times, &bounds, around, 8192, &quiet).unwrap();
+        let found = min_speed(&robot, &times, &bounds, around, 8192, &quiet).unwrap();
         assert_eq!(found.waypoints, stretch);
-        assert!(found.at_least > least && found.reached < found.at_least + 2e-3, "{found:?}");
+        assert!(found.lower_bound > least && found.reached < found.lower_bound + 2e-3, "{found:?}");
         // No chain of 1,440 solutions a waypoint is below, and some are hardly above.
         let needed = sampled(&robot, &times, stretch, 180);
-        assert!(needed >= found.at_least && needed < found.at_least + 0.03, "{needed} {found:?}");
+        assert!(needed >= found.lower_bound && needed < found.lower_bound + 0.03, "{needed} {found:?}");
     }
 }
 
 #[test]
 fn a_smooth_path_needs_far_less() {
     let robot = Ur3::dome(200);
-    let found = least_speed(&robot, &robot.times(), &robot.bounds(), 0..40, 256, &quiet).unwrap();
-    assert!(found.at_least <= found.reached && found.reached < 0.5, "{found:?}");
+    let found = min_speed(&robot, &robot.times(), &robot.bounds(), 0..40, 256, &quiet).unwrap();
+    assert!(found.lower_bound <= found.reached && found.reached < 0.5, "{found:?}");
 }
 
 proptest! {
@@ -68,19 +68,19 @@ proptest! {
         let robot = Planar { links: [1.0, 0.8, 0.4], tips };
         let times: Vec<f64> = (0..robot.tips.len()).map(|k| k as f64).collect();
         let bounds = Bounds { velocity: [1.0; 3], ..Bounds::NONE };
-        let found = least_speed(&robot, &times, &bounds, 0..times.len(), 1024, &quiet).unwrap();
-        prop_assert!(found.at_least <= found.reached, "{:?}", found);
+        let found = min_speed(&robot, &times, &bounds, 0..times.len(), 1024, &quiet).unwrap();
+        prop_assert!(found.lower_bound <= found.reached, "{:?}", found);
         for samples in [32, 200] {
             let needed = sampled(&robot, &times, found.waypoints.clone(), samples);
-            prop_assert!(needed >= found.at_least - 1e-12, "{} {:?}", needed, found);
+            prop_assert!(needed >= found.lower_bound - 1e-12, "{} {:?}", needed, found);
         }
         let on = |range: Range<usize>| sampled(&robot, &times, range, 200);
         prop_assert!(found.reached <= on(0..times.len()) + 0.05, "{:?}", found);
         prop_assert!(found.reached >= on(found.waypoints.clone()) - 0.05, "{:?}", found);
         // The ladder agrees: below the bound there is no path.
-        let slow = Bounds { velocity: [0.999 * found.at_least; 3], ..Bounds::NONE };
+        let slow = Bounds { velocity: [0.999 * found.lower_bound; 3], ..Bounds::NONE };
         let options = LadderOptions { samples: [256], doublings: 0, ..LadderOptions::default() };
-        prop_assert!(found.at_least < 1e-6 || plan_ladder(&robot, &times, &slow, &options, &quiet).is_err());
+        prop_assert!(found.lower_bound < 1e-6 || plan_ladder(&robot, &times, &slow, &options, &quiet).is_err());
     }
 }
 
@@ -103,12 +103,12 @@ fn stops_and_wrong_stretches_are_seen() {
     };
     let times = [0.0, 1.0, 2.0, 3.0];
     let bounds = Bounds { lower: [0.0], upper: [2.0], velocity: [0.5], ..Bounds::NONE };
-    let found = least_speed(&robot, &times, &bounds, 0..4, 1 << 14, &quiet).unwrap();
+    let found = min_speed(&robot, &times, &bounds, 0..4, 1 << 14, &quiet).unwrap();
     // Both ends of the way lie in cells in which a branch ends, about which nothing is known.
-    assert!(found.at_least <= 1.2 && found.reached >= 1.2 && found.reached < 1.201, "{found:?}");
-    let none = least_speed(&robot, &times, &bounds, 2..5, 64, &quiet);
+    assert!(found.lower_bound <= 1.2 && found.reached >= 1.2 && found.reached < 1.201, "{found:?}");
+    let none = min_speed(&robot, &times, &bounds, 2..5, 64, &quiet);
     assert!(matches!(none, Err(LadderError::Option { .. })), "{none:?}");
-    let cancelled = least_speed(&robot, &times, &bounds, 0..4, 64, &|_| ControlFlow::Break(()));
+    let cancelled = min_speed(&robot, &times, &bounds, 0..4, 64, &|_| ControlFlow::Break(()));
     assert_eq!(cancelled, Err(LadderError::Cancelled));
     let nowhere = RobotFn {
         waypoints: 4,
@@ -116,6 +116,6 @@ fn stops_and_wrong_stretches_are_seen() {
         solutions: |_: usize, _: &[f64; 1], _: &mut dyn FnMut(u32, [f64; 1])| {},
         posture: |_: usize, _: &[f64; 1], _: u32| None,
     };
-    let unreachable = least_speed(&nowhere, &times, &bounds, 1..3, 64, &quiet);
+    let unreachable = min_speed(&nowhere, &times, &bounds, 1..3, 64, &quiet);
     assert_eq!(unreachable, Err(LadderError::Unreachable { waypoint: 1, samples: 64 }));
 }
