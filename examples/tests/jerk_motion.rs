@@ -244,7 +244,7 @@ fn bad_files_are_told() {
         ("empty", String::new(), "there are no waypoints in it"),
         ("words", "0 0 0 0 0 one\n".to_owned(), "line 1 must be six numbers"),
         ("few_numbers", "0 0 0 0 0 1\n1 2 3\n".to_owned(), "line 2 must be six numbers"),
-        ("few", few, "no piece of the path can be travelled (waypoint 0: a piece of 4"),
+        ("few", few, "no piece of the path can be travelled (waypoint 0: a segment of 4"),
         ("nan", "NaN 0 0 0 0 1\n".repeat(9), "waypoint 0: a number that is not finite"),
         // 500 mm over the lowest point.
         ("far", far + &"900 0 500 0 0 1\n901 0 500 0 0 1\n".repeat(4), "out of reach"),
