@@ -12,6 +12,7 @@ pub mod plot;
 pub mod render;
 pub mod report;
 pub mod shapes;
+pub mod spiral;
 pub mod summary;
 pub mod table;
 pub mod waypoints;

@@ -1,8 +1,12 @@
 //! Timings together with free parameters: closed forms, properties on a planar arm and on a UR3, and bad input.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use curvlay_kinematics::{Arm, Branch, Cell, Waypoint, nozzle_frame, robots};
+mod common;
+
+use common::quiet;
+use common::ur3::Ur3;
+use curvlay_kinematics::Waypoint;
+use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_trajectory::transfer::SCurve;
 use curvlay_trajectory::{
     Bounds, BoundsError, FlowLimits, FreeMotion, FreeRange, LadderNode, Posture, Progress, Robot, RobotFn,
@@ -11,10 +15,6 @@ use curvlay_trajectory::{
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-fn quiet(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn bounds<const N: usize>(velocity: f64, acceleration: f64, jerk: f64) -> Bounds<N> {
     Bounds { velocity: [velocity; N], acceleration: [acceleration; N], jerk: [jerk; N], ..Bounds::NONE }
@@ -290,51 +290,21 @@ fn limits_of_the_flow_hold() {
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-struct PartInHand {
-    cell: Cell,
-    waypoints: Vec<Waypoint>,
-}
-
-impl PartInHand {
-    fn new(count: usize) -> Self {
-        let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
-        let arm = Arm::new(&robots::UR3).unwrap();
-        let cell = Cell::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).unwrap();
-        let point = |k: usize| {
-            let radius = (16.0 + k as f64 / std::f64::consts::PI).sqrt();
-            let (sin, cos) = (TAU * radius).sin_cos();
-            let position = Point3::new(radius * cos, radius * sin, 30.0 - radius * radius / 60.0);
-            let axis = UnitVector3::new_normalize(Vector3::new(position.x / 30.0, position.y / 30.0, 1.0));
-            Waypoint { position, axis }
-        };
-        PartInHand { cell, waypoints: (0..count).map(point).collect() }
-    }
-}
-
-impl Robot<6, 1> for PartInHand {
-    fn waypoints(&self) -> usize {
-        self.waypoints.len()
-    }
-
-    fn free(&self) -> [FreeRange; 1] {
-        [FreeRange::Turn]
-    }
-
-    fn solutions(&self, waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
-        let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
-        self.cell.arm().inverse(&flange).iter().for_each(|(branch, joints)| each(branch.slot() as u32, *joints));
-    }
-
-    fn posture(&self, waypoint: usize, free: &[f64; 1], branch: u32) -> Option<Posture<6, 1>> {
-        let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
-        let joints = *self.cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
-        Some(Posture { joints, rates: [self.cell.tool_rates(&joints)?.first] })
-    }
+/// A spiral over a steep dome.
+fn dome(count: usize) -> Ur3 {
+    let point = |k: usize| {
+        let radius = (16.0 + k as f64 / std::f64::consts::PI).sqrt();
+        let (sin, cos) = (TAU * radius).sin_cos();
+        let position = Point3::new(radius * cos, radius * sin, 30.0 - radius * radius / 60.0);
+        let axis = UnitVector3::new_normalize(Vector3::new(position.x / 30.0, position.y / 30.0, 1.0));
+        Waypoint { position, axis }
+    };
+    Ur3 { waypoints: (0..count).map(point).collect(), ..Ur3::dome(1) }
 }
 
 #[test]
 fn a_ur3_prints_a_dome_sooner() {
-    let robot = PartInHand::new(200);
+    let robot = dome(200);
     let limits = robot.cell.arm().limits();
     let bounds = Bounds {
         lower: limits.lower,
@@ -437,7 +407,7 @@ fn errors_name_what_is_wrong() {
         ("jerk_weight", TimeFreeOptions { jerk_weight: f64::NAN, ..default }),
     ] {
         assert!(
-            matches!(run(&start, &times, &sound, options), TimeFreeError::Option { field: named, .. } if named == field)
+            matches!(run(&start, &times, &sound, options), TimeFreeError::Timing(TimePathError::Option { field: named, .. }) if named == field)
         );
     }
     let count = TimePathError::Count { field: "planned", given: 4, expected: 5 };

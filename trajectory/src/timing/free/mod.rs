@@ -113,15 +113,7 @@ pub enum TimeFreeError {
         /// Its value.
         value: f64,
     },
-    /// An option is out of its range.
-    #[error("option `{field}` is {value}")]
-    Option {
-        /// The option.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// The start cannot be timed, or the callback cancelled the work.
+    /// An option is out of its range, the start cannot be timed, or the callback cancelled the work.
     #[error(transparent)]
     Timing(#[from] TimePathError),
 }
@@ -235,7 +227,7 @@ fn check<const N: usize, const F: usize>(
         ("jerk_weight", jerk_weight, (0.0..=1e3).contains(&jerk_weight)),
     ];
     match sound.iter().find(|(_, _, sound)| !sound) {
-        Some(&(field, value, _)) => Err(TimeFreeError::Option { field, value }),
+        Some(&(field, value, _)) => Err(TimePathError::Option { field, value }.into()),
         None => Ok(()),
     }
 }
