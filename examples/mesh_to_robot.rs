@@ -10,10 +10,10 @@ use curvlay_examples::{mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
-use curvlay_toolpath::surface::{Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
+use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
 use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
-use std::{env, fs::File, io::BufWriter, ops::ControlFlow::Continue, path::Path};
+use std::{env, fs, fs::File, io::BufWriter, ops::ControlFlow::Continue, path::Path};
 
 /// Diameter of a plate that the workcell leaves open; edge of a cell, height of a layer and width of a bead, in millimetres.
 const PLATE_MM: f64 = 127.5;
@@ -24,11 +24,9 @@ type Failure = Box<dyn std::error::Error>;
 fn main() -> Result<(), Failure> {
     let mut args = env::args().skip(1);
     let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?;
-    let cell = match args.next() {
-        Some(path) => AnyWorkcell::from_json(File::open(path)?)?,
-        None => AnyWorkcell::from_json(UR3_CELL.as_bytes())?,
-    };
-    let out = args.next().unwrap_or_else(|| ".".to_owned());
+    let cell = args.next().map_or_else(|| Ok(UR3_CELL.to_owned()), fs::read_to_string)?;
+    let cell = AnyWorkcell::from_json(cell.as_bytes())?;
+    let out = args.next().unwrap_or_else(|| "target/out/mesh_to_robot".to_owned());
 
     // Cells, layers and tool paths: see mesh_to_gcode.rs. The nozzle is that of the workcell.
     let options = VoxelOptions { resolution: Resolution::Cell(CELL_MM), ..VoxelOptions::default() };
@@ -49,7 +47,8 @@ fn main() -> Result<(), Failure> {
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
     let filled = fill_layers(&surfaces, &PathOptions { bead: CELL_MM, ..PathOptions::default() }, &|_| Continue(()))?;
     let nozzle = nozzle_of(cell.equipment())?;
-    let plan = filled.plan(&surfaces, &nozzle, &Default::default(), &|_| Continue(()))?;
+    let options = surface::PrintOptions::for_robot();
+    let plan = filled.plan(&surfaces, &nozzle, &options, &|_| Continue(()))?;
 
     // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
     let grown = PartCells {
@@ -57,13 +56,13 @@ fn main() -> Result<(), Failure> {
         rows: cells.rows(),
         cell_mm: CELL_MM,
         origin: part.origin,
-        frame_part: in_the_middle(&plan),
+        frame_part: in_the_middle(&plan.resolved.paths),
         layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
     };
     let stack = filled.stack(&surfaces)?;
     let options = GougingOptions { plate: false, ..GougingOptions::default() };
     let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &|_| Continue(()))?;
-    println!("{} cells missed, {} waypoints gouge", layered.growth.missed.len(), plan.resolved.left.len());
+    println!("{} cells missed, {} pieces left out", layered.growth.missed.len(), plan.resolved.left_out.len());
     match &cell {
         AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), &out),
         AnyWorkcell::Eight(cell) => print(cell, &grown, &plan, &contacts, &table_options(), &out),
@@ -90,6 +89,7 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     for Fault { layer, path, waypoint, kind, what } in &motion.faults {
         println!("layer {}, path {path}, waypoint {waypoint}: {} {what}", layer + 1, kind.name());
     }
+    fs::create_dir_all(out)?;
     for (number, piece) in programs::pieces(&motion, u64::MAX, |_, _| 0.0).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
         let create = |file: &str| File::create(Path::new(out).join(file)).map(BufWriter::new);

@@ -6,7 +6,8 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_kinematics::workcell::NozzleModel;
+use curvlay_examples::motion::nozzle_of;
+use curvlay_kinematics::workcell::{Equipment, NozzleModel};
 use curvlay_toolpath::surface::{
     Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, ToolPath, Travels, Turns,
 };
@@ -31,10 +32,12 @@ pub struct Shape {
 
 impl Shape {
     /// That of a workcell.
-    pub fn of(model: &NozzleModel) -> Result<Self, Failure> {
-        let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } = *model;
+    pub fn of(equipment: &Equipment) -> Result<Self, Failure> {
+        let nozzle = nozzle_of(equipment).map_err(failure)?;
+        let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
+            equipment.model().nozzle;
         let numbers = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
-        shape(&numbers.map(|number| number.to_string()).join(",")).map_err(|why| failure(format!("nozzle: {why}")))
+        Ok(Shape { nozzle, numbers, text: numbers.map(|number| number.to_string()).join(",") })
     }
 }
 

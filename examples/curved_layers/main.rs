@@ -24,7 +24,7 @@ use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{Prevention, Strategy};
-use curvlay_toolpath::surface::{GougingOptions, PathOptions, Pattern, PrintOptions};
+use curvlay_toolpath::surface::{PathOptions, Pattern, PrintOptions};
 use curvlay_voxel::Resolution;
 use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
@@ -123,12 +123,9 @@ impl Args {
     }
 
     fn print_options(&self) -> PrintOptions {
-        let mut options = PrintOptions::default();
+        let is_for_robot = self.stage >= Stage::Motion;
+        let mut options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
         options.deposition.filament_diameter = self.filament;
-        // A robot's motion gouges nowhere: what it cannot print so is left out.
-        if self.stage >= Stage::Motion {
-            options.gouging.max_depth = GougingOptions::default().allowed_depth;
-        }
         options
     }
 }
@@ -199,7 +196,7 @@ impl Setup {
     fn of(args: &Args) -> Result<Self, Failure> {
         let cell = args.motion.cell(args.nozzle.as_ref())?;
         let format = args.motion.format(&cell)?;
-        let nozzle = args.nozzle.clone().map_or_else(|| machine::Shape::of(&cell.equipment().model().nozzle), Ok)?;
+        let nozzle = args.nozzle.clone().map_or_else(|| machine::Shape::of(cell.equipment()), Ok)?;
         Ok(Setup { cell, format, nozzle })
     }
 }

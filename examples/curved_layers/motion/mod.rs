@@ -16,7 +16,9 @@ use check::Checked;
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, table_options};
+use curvlay_examples::motion::{
+    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, programs, table_options,
+};
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
     AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
@@ -117,17 +119,17 @@ impl MotionArgs {
 
     /// The format that is wanted.
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
-        let is_ur = cell.equipment().arm().is_ur();
-        match (self.program, is_ur, cell.equipment().positioner().is_some()) {
-            (None, true, false) => Ok(ProgramFormat::Urscript),
-            (None, true, true) => Ok(ProgramFormat::Csv),
-            (None, false, _) => Ok(ProgramFormat::Rapid),
-            (Some(ProgramFormat::Urscript), false, _) => Err(failure("--program urscript: not for an ABB arm")),
-            (Some(ProgramFormat::Urscript), true, true) => {
-                Err(failure("--program urscript: the controller of a UR moves no table"))
+        let takes_stream = programs::takes_stream(cell.equipment());
+        match (self.program, takes_stream) {
+            (None, Ok(true)) => Ok(ProgramFormat::Urscript),
+            (None, Ok(false)) => Ok(ProgramFormat::Rapid),
+            (None, Err(_)) => Ok(ProgramFormat::Csv),
+            (Some(ProgramFormat::Urscript), Ok(false)) => Err(failure("--program urscript: not for an ABB arm")),
+            (Some(ProgramFormat::Urscript), Err(why)) => Err(failure(format!("--program urscript: {why}"))),
+            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => {
+                Err(failure("--program rapid: only for ABB arms, not for a UR"))
             }
-            (Some(ProgramFormat::Rapid), true, _) => Err(failure("--program rapid: only for ABB arms, not for a UR")),
-            (Some(format), ..) => Ok(format),
+            (Some(format), _) => Ok(format),
         }
     }
 }

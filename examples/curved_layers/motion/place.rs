@@ -4,13 +4,14 @@ use super::Print;
 use crate::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::motion::in_the_middle;
 use curvlay_kinematics::scene::{Mount, Scene};
 use curvlay_kinematics::workcell::{PLATE, Workcell, nozzle_pairs};
 use curvlay_kinematics::{
     Assessment, BestPosture, JointLimits, Waypoint, best_place, place_grid, representative_waypoints,
 };
 use curvlay_trajectory::print::PrintOptions;
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::Isometry3;
 use std::ops::ControlFlow;
 
 /// Waypoints that stand for the whole print, and how many millimetres a radian between directions counts among them: about
@@ -33,12 +34,13 @@ impl Print<'_> {
         options: &PrintOptions<N, F>,
         bars: &Bars,
     ) -> Result<Isometry3<f64>, Failure> {
-        let waypoints = self.machine.resolved.paths.iter().flat_map(|path| &path.waypoints);
-        let tips = || waypoints.clone().map(|waypoint| waypoint.tip);
-        let mean = tips().map(|tip| tip.coords).sum::<Vector3<f64>>() / tips().count().max(1) as f64;
-        let middle = Vector3::new(mean.x, mean.y, 0.0);
-        let all: Vec<Waypoint> =
-            waypoints.map(|waypoint| Waypoint { position: waypoint.tip - middle, axis: waypoint.direction }).collect();
+        let paths = &self.machine.resolved.paths;
+        let middle = in_the_middle(paths);
+        let all: Vec<Waypoint> = paths
+            .iter()
+            .flat_map(|path| &path.waypoints)
+            .map(|waypoint| Waypoint { position: middle * waypoint.tip, axis: waypoint.direction })
+            .collect();
         let chosen = representative_waypoints(&all, WAYPOINTS, LEVER_MM).map_err(failure)?;
         let few: Vec<Waypoint> = chosen.waypoints.iter().map(|&index| all[index]).collect();
 
@@ -64,6 +66,6 @@ impl Print<'_> {
             ControlFlow::Continue(())
         };
         let best = best_place(&places, &few, comfortable, |_, at| assess(at), &progress).map_err(failure)?;
-        Ok(best.place.pose() * Translation3::from(-middle))
+        Ok(best.place.pose() * middle)
     }
 }

@@ -37,8 +37,8 @@ pub fn nozzle_of(equipment: &Equipment) -> Result<Nozzle, NozzleError> {
 }
 
 /// Maps the part to the part frame so that the mean of its waypoints is in the middle of the plate.
-pub fn in_the_middle(plan: &surface::PrintPlan) -> Isometry3<f64> {
-    let tips = || plan.resolved.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip.coords);
+pub fn in_the_middle(paths: &[ToolPath]) -> Isometry3<f64> {
+    let tips = || paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip.coords);
     let mean = tips().sum::<Vector3<f64>>() / tips().count().max(1) as f64;
     Isometry3::translation(-mean.x, -mean.y, 0.0)
 }

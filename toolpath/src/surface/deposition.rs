@@ -158,15 +158,6 @@ impl PathSchedule {
     pub fn filament_mm(&self) -> &[f64] {
         &self.filament
     }
-
-    /// Filament that is laid by a time, in millimetres: evenly between two waypoints, none before the first, all after the last.
-    pub fn filament(&self, time: f64) -> f64 {
-        let Some(last) = self.times.len().checked_sub(1).filter(|&last| last > 0) else { return 0.0 };
-        let after = self.times.partition_point(|known| *known <= time).clamp(1, last);
-        let [a, b] = [self.times[after - 1], self.times[after]];
-        let share = if b > a { ((time - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
-        self.filament[after - 1] + (self.filament[after] - self.filament[after - 1]) * share
-    }
 }
 
 impl Deposition {
@@ -182,7 +173,6 @@ impl Deposition {
     /// let plan = deposit(&[path], &DepositionOptions::default())?;
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
     /// assert!(schedule.times().iter().zip([0.0, 0.5, 1.5]).all(|(a, b)| (a - b).abs() < 1e-12));
-    /// assert!((schedule.filament(1.0) - plan.filament_mm * 2.0 / 3.0).abs() < 1e-12);
     /// assert!((schedule.filament_mm()[2] - plan.filament_mm).abs() < 1e-12);
     /// # Ok::<(), curvlay_toolpath::surface::DepositionError>(())
     /// ```

@@ -49,6 +49,16 @@ impl Default for PrintOptions {
     }
 }
 
+impl PrintOptions {
+    /// For a robot, whose motion gouges nowhere: what it cannot print without being deeper than a quarter of a layer in what is built
+    /// is left out and listed, not printed.
+    pub fn for_robot() -> Self {
+        let mut options = PrintOptions::default();
+        options.gouging.max_depth = GougingOptions::default().allowed_depth;
+        options
+    }
+}
+
 /// A whole print.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrintPlan {
