@@ -306,13 +306,14 @@ fn scene(robot: &PartInHand, obstacle: &Obstacle) -> Result<Scene, Failure> {
     let head = HEAD.map(|(name, from, to, radius)| Body {
         name: name.into(),
         mount: Mount::Base,
-        mount_body: cell.other(),
+        mount_body: cell.nozzle_frame().1,
         shape: Shape::Capsule { from: z(from), to: z(to), radius },
     });
     let part = Body {
         name: "part".into(),
         mount: Mount::Link(6),
-        mount_body: cell.held() * Isometry3::translation(obstacle.corner.x, obstacle.corner.y, obstacle.corner.z),
+        mount_body: cell.part_frame().1
+            * Isometry3::translation(obstacle.corner.x, obstacle.corner.y, obstacle.corner.z),
         shape: obstacle.shape.clone(),
     };
     let bodies = head.into_iter().chain([part]).collect();
@@ -322,7 +323,7 @@ fn scene(robot: &PartInHand, obstacle: &Obstacle) -> Result<Scene, Failure> {
 /// The part as a grid; head and links as capsules, foot and flange as cylinders, against it and each other.
 fn geometric(robot: &PartInHand, obstacle: &Obstacle) -> Result<impl CollisionIndicator<6>, Failure> {
     let cell = *robot.workcell().cell();
-    let held = nalgebra::convert::<_, IsometryMatrix3<f64>>(cell.held());
+    let held = nalgebra::convert::<_, IsometryMatrix3<f64>>(cell.part_frame().1);
     // Bodies 0 to 6 are the frames of the arm, body 7 is the part.
     let bodies = BodiesFn {
         carriers: (0..8).map(|body: usize| std::array::from_fn(|joint| joint < body.min(6))).collect(),
@@ -336,7 +337,7 @@ fn geometric(robot: &PartInHand, obstacle: &Obstacle) -> Result<impl CollisionIn
             std::array::from_fn(|k| Twist::turning(&frames[k].translation.vector.into(), &axis(k)))
         },
     };
-    let base_nozzle = cell.other();
+    let base_nozzle = cell.nozzle_frame().1;
     let at = |z: f64| base_nozzle * Point3::new(0.0, 0.0, z);
     let (mut capsules, mut cylinders) = (vec![], vec![]);
     for link in links(&robots::UR3) {

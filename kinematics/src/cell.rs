@@ -175,16 +175,6 @@ impl Cell {
         &self.arm
     }
 
-    /// Where what the arm holds is on its flange: the part, or the nozzle.
-    pub fn held(&self) -> Isometry3<f64> {
-        self.flange_held
-    }
-
-    /// Where what the arm does not hold is in the base: the nozzle, or the part.
-    pub fn other(&self) -> Isometry3<f64> {
-        self.base_other
-    }
-
     /// What the part is fixed to, flange or base, and its frame there.
     /// ```
     /// use curvlay_kinematics::{Arm, Cell, nalgebra::Isometry3, robots, scene::Mount};

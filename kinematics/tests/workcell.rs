@@ -190,7 +190,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
                 assert_eq!((pose.table, pose.joints), (Some(table), arm));
                 assert_eq!(cell.scene_posture(&joints), Posture { joints: arm, table });
                 let stance = cell.stance(&joints).unwrap();
-                assert_eq!(stance.part, at.other());
+                assert_eq!(stance.part, at.part_frame().1);
                 count += 1;
             }
         }

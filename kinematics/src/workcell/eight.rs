@@ -93,11 +93,11 @@ impl EightAxisCell {
         match self.tool {
             Tool::OnAxis { .. } => cell.flange(waypoint, turn),
             Tool::Heading(angle) => {
-                let base_part = cell.other();
+                let base_part = cell.part_frame().1;
                 let tip = base_part * waypoint.position;
                 let growth = UnitVector3::new_unchecked(base_part.rotation * waypoint.axis.into_inner());
                 let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle + turn);
-                nozzle_frame(&tip, &-growth) * heading * cell.held().inverse()
+                nozzle_frame(&tip, &-growth) * heading * cell.nozzle_frame().1.inverse()
             }
         }
     }
@@ -113,7 +113,7 @@ impl EightAxisCell {
 
     /// How fast the nozzle, if it moved with the table, would turn about itself against its heading: by tilt and turn.
     fn spin(&self, table: &[f64; 2], cell: &Cell, waypoint: &Waypoint) -> Option<[f64; 2]> {
-        let a = cell.other().rotation * waypoint.axis.into_inner();
+        let a = cell.part_frame().1.rotation * waypoint.axis.into_inner();
         let risen = 1.0 + a.z;
         if risen < DOWN {
             return None;

@@ -176,10 +176,10 @@ fn controller_pose(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> C
 
 fn stance(cell: &Cell, joints: &[f64; 6], held: Held) -> Stance {
     let arm = cell.arm().frames(joints);
-    let in_hand = arm[6] * cell.held();
+    let ((_, part), (_, nozzle)) = (cell.part_frame(), cell.nozzle_frame());
     match held {
-        Held::Part => Stance { arm, carrier: arm[6], part: in_hand, nozzle: cell.other() },
-        Held::Nozzle => Stance { arm, carrier: cell.other(), part: cell.other(), nozzle: in_hand },
+        Held::Part => Stance { arm, carrier: arm[6], part: arm[6] * part, nozzle },
+        Held::Nozzle => Stance { arm, carrier: part, part, nozzle: arm[6] * nozzle },
     }
 }
 
