@@ -1,6 +1,7 @@
 //! Growth by un-building: the part is taken apart in such an order that nothing is missed when it is put together again.
 //!
-//! Ours; the sheets are those of Dai 2020, section 3.4.4 (Algorithm 4), the rules those of his Definitions 1 to 3.
+//! Builds have been planned backwards before, in other settings (Atomizer, SGP 2025; Chen et al., arXiv 2509.10599); by
+//! exact convex hulls, with a proof for each cell, is ours. The sheets are those of Dai 2020, section 3.4.4 (Algorithm 4), the rules those of his Definitions 1 to 3.
 //!
 //! A cell less than `eps` below the surface of the hull of what remains, itself and the platform included, can be removed: when it is put back,
 //! nothing that is there by then shadows it. So the cells come off in sheets ([`removal`]), but for those that something
