@@ -10,9 +10,10 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use curvlay_benches::part_in_hand::{PartInHand, STEP};
+use curvlay_trajectory::qp::{BandedQp, QpOptions};
 use curvlay_trajectory::{
-    BandedQp, FilterOptions, GlobalOptions, LadderOptions, Progress, QpOptions, RunIn, Timeline, Trajectory,
-    filter_locally, plan_ladder, smooth_globally,
+    FilterOptions, GlobalOptions, LadderOptions, Progress, RunIn, Timeline, Trajectory, filter_locally, plan_ladder,
+    smooth_globally,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -6,6 +6,7 @@
 //! * [`filter_locally`], [`smooth_globally`], [`smooth_clear_of`]: less jerk.
 //! * [`Timeline`], [`Trajectory`], [`Bounds`]: the spline that is executed, and its limits.
 //! * [`time_path`], [`time_path_free`]: the fastest timing.
+//! * [`qp`]: the quadratic programs in stages that the global filter solves.
 //! * [`indicator`], [`transfer`], [`verify`], [`mod@print`], [`check`]: collisions, transfers, whole prints.
 
 mod bounds;
@@ -19,18 +20,20 @@ mod local;
 mod path;
 pub mod print;
 mod progress;
+pub mod qp;
 mod random;
 mod robot;
 mod spline;
 mod timing;
 pub mod transfer;
+mod vectors;
 pub mod verify;
 
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
 pub use global::{
-    Avoid, BandedQp, BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport,
-    PeakReport, QpError, QpOptions, QpSolution, QpStatus, smooth_clear_of, smooth_globally,
+    Avoid, BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport,
+    smooth_clear_of, smooth_globally,
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{

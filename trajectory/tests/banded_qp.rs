@@ -5,7 +5,8 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT, ZeroConeT,
 };
-use curvlay_trajectory::{BandedQp, QpError, QpOptions, QpStatus, RunIn, Timeline};
+use curvlay_trajectory::qp::{BandedQp, MAX_VARIABLES, QpError, QpOptions, QpStatus};
+use curvlay_trajectory::{RunIn, Timeline};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -346,6 +347,16 @@ fn without_rows_one_step_and_its_refinement_are_enough() {
     assert_eq!(empty.solve(&QpOptions::default(), None).unwrap().status, QpStatus::Solved);
     empty.add_row(&[], 1.0, 2.0);
     assert_eq!(empty.solve(&QpOptions::default(), None).unwrap().status, QpStatus::Infeasible);
+}
+
+#[test]
+fn more_variables_than_fit_are_refused_without_memory_for_them() {
+    for (stages, border) in [(vec![usize::MAX], 0), (vec![usize::MAX, usize::MAX], 1), (vec![3], MAX_VARIABLES - 2)] {
+        let mut qp = BandedQp::new(&stages, border);
+        qp.add_linear(0, 1.0);
+        let wanted = stages.iter().fold(border, |sum: usize, &size| sum.saturating_add(size));
+        assert_eq!(qp.solve(&QpOptions::default(), None), Err(QpError::Size { variables: wanted }));
+    }
 }
 
 #[test]

@@ -11,8 +11,8 @@ use curvlay_trajectory::indicator::geometric::{BodiesFn, Capsule, GeometricIndic
 use curvlay_trajectory::indicator::{CollisionIndicator, IndicatorFn};
 use curvlay_trajectory::nalgebra::{Isometry3, IsometryMatrix3, Point3, Vector3};
 use curvlay_trajectory::{
-    Avoid, GlobalError, GlobalOptions, LadderNode, LadderOptions, Robot, RunIn, Timeline, plan_ladder, smooth_clear_of,
-    smooth_globally,
+    Avoid, Bounds, FreeRange, GlobalError, GlobalOptions, LadderNode, LadderOptions, Posture, Robot, RobotFn, RunIn,
+    Timeline, plan_ladder, smooth_clear_of, smooth_globally,
 };
 
 fn ladder(robot: &Ur3) -> Vec<LadderNode<6, 1>> {
@@ -94,6 +94,41 @@ fn a_path_that_collides_comes_clear() {
     let avoid = Avoid { indicator: &nothing, clear: 0.5, price: 1e3 };
     let same = smooth_clear_of(&robot, &line, &start, &bounds, &options, &avoid, &quiet).unwrap();
     assert_eq!(same, plain);
+}
+
+#[test]
+fn the_clearance_is_kept_where_the_indicator_is_linear() {
+    // Two joints share a sine, and the second must stay 0.2 below 0.1: on the best path it would not.
+    let joints = |i: usize, free: f64| [(0.2 * i as f64).sin() + free, -free];
+    let robot = RobotFn {
+        waypoints: 60,
+        free: [FreeRange::Turn],
+        solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free[0])),
+        posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free[0]), rates: [[1.0, -1.0]] }),
+    };
+    let times: Vec<f64> = (0..60).map(|i| 0.2 * f64::from(i)).collect();
+    let line = Timeline::new(&times, RunIn::default()).unwrap();
+    let start: Vec<LadderNode<2, 1>> =
+        (0..60).map(|i| LadderNode { joints: joints(i, 0.0), free: [0.0], branch: 0 }).collect();
+    let value = |q: &[f64; 2]| q[1] - 0.1;
+    let wall = IndicatorFn { value, gradient: |q: &[f64; 2]| (value(q), [0.0, 1.0]) };
+    let avoid = Avoid { indicator: &wall, clear: 0.2, price: 1e4 };
+    let options = GlobalOptions::default();
+    let found = smooth_clear_of(&robot, &line, &start, &Bounds::NONE, &options, &avoid, &quiet).unwrap();
+    let nearest = found.nodes.iter().map(|node| value(&node.joints)).fold(f64::NEG_INFINITY, f64::max);
+    // The clearance costs jerk, so it is kept, and hardly more than it.
+    assert!(nearest <= -0.2 + 1e-6 && nearest > -0.205, "{nearest}");
+}
+
+#[test]
+fn an_indicator_without_an_answer_counts_as_a_collision() {
+    let robot = Ur3::arc(30);
+    let line = Timeline::new(&robot.times(), RunIn::default()).unwrap();
+    let silent = IndicatorFn { value: |_: &[f64; 6]| f64::NAN, gradient: |_: &[f64; 6]| (f64::NAN, [f64::NAN; 6]) };
+    let avoid = Avoid { indicator: &silent, clear: 0.0, price: 1e3 };
+    let options = GlobalOptions::default();
+    let found = smooth_clear_of(&robot, &line, &ladder(&robot), &robot.bounds(), &options, &avoid, &quiet).unwrap();
+    assert_eq!(found.collisions, (0..30).collect::<Vec<_>>());
 }
 
 #[test]

@@ -84,6 +84,28 @@ fn a_ur3_over_a_dome_moves_more_smoothly() {
     assert!(found.successes > 0 && found.jerk[1] < 0.97 * found.jerk[0], "{:?}", found.jerk);
 }
 
+#[test]
+fn tangents_do_not_lead_beyond_an_acceleration() {
+    // Far steps of a short arm: the linearised bound holds, and the bound itself would not.
+    let mut moved = 0;
+    for seed in 0..12 {
+        let robot = Planar::circle(40, [1.0 + 0.05 * f64::from(seed), 0.2], 0.45);
+        let times: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+        let options = LadderOptions { samples: [12], ..LadderOptions::default() };
+        let free = Bounds { jerk: [1e-3; 3], ..Bounds::NONE };
+        let start = plan_ladder(&robot, &times, &free, &options, &quiet).unwrap();
+        // Bounds just where the start has its largest accelerations: every step that smooths meets them.
+        let most = rates(&times, &joints(&start.nodes))
+            .into_iter()
+            .fold([0.0; 3], |most: [f64; 3], at| std::array::from_fn(|j| most[j].max(0.3 * at[1][j].abs())));
+        let bounds = Bounds { acceleration: most, ..free };
+        let found = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet).unwrap();
+        assert_kept(&robot, &times, &bounds, &start.nodes, &found);
+        moved += found.successes;
+    }
+    assert!(moved > 0);
+}
+
 /// Two joints that share what is asked of them, and a tool angle that goes from one to the other: linear, so one
 /// window has a closed form.
 fn shared(asked: &[f64]) -> impl Robot<2, 1> + '_ {

@@ -329,6 +329,14 @@ fn planning_errors() {
     assert!(matches!(error, TransferError::Option { what: "spacing", .. }));
     let far = TransferOptions { reach: f64::INFINITY, ..options };
     assert_eq!(plan([0.0; 2], [0.0; 2], &sound, &far), TransferError::Option { what: "reach", value: f64::INFINITY });
+    // What would take steps without end is refused before the first one.
+    let free = Bounds { lower: [f64::NEG_INFINITY; 2], upper: [f64::INFINITY; 2], ..sound };
+    for goal in [1e300, -f64::MAX, 1e6] {
+        let error = plan([0.0; 2], [goal, 0.0], &free, &options);
+        assert!(matches!(error, TransferError::TooFar { step: 0.1, .. }), "{error}");
+    }
+    let wide = TransferOptions { reach: 1e300, ..options };
+    assert!(matches!(plan([0.0; 2], [0.5; 2], &free, &wide), TransferError::TooFar { .. }));
     let corners = vec![[0.0; 2], [0.0, f64::INFINITY]];
     let error = Transfer::through(corners, &sound).unwrap_err();
     assert!(matches!(error, TransferError::OutOfBounds { end: End::Goal, joint: 1, .. }));

@@ -190,6 +190,19 @@ fn a_motion_that_collides_moves_its_ends() {
 }
 
 #[test]
+fn a_segment_may_widen_over_all_there_is() {
+    let waypoints = [[0.0], [0.0], [9.0], [0.0], [0.0]];
+    let found = Verification { waypoints: vec![2], motions: vec![] };
+    let fits = |_: usize, from: &[f64; 1], to: &[f64; 1]| (from[0] - to[0]).abs() < 1.5;
+    let candidates = |i: usize| vec![[[0.0], [1.0], [2.0], [1.0], [0.0]][i]];
+    for widen in [16, usize::MAX / 2 + 1, usize::MAX] {
+        let options = RepairOptions { widen, ..RepairOptions::default() };
+        let repaired = repair(&waypoints, &found, &candidates, &fits, &options).unwrap();
+        assert_eq!((repaired.changed, repaired.splits), (vec![1, 2, 3], vec![]));
+    }
+}
+
+#[test]
 fn repair_errors() {
     let fits = |_: usize, _: &[f64; 1], _: &[f64; 1]| true;
     let with = |waypoints: Vec<usize>, motions: Vec<usize>, nearest| {

@@ -26,9 +26,11 @@ pub struct Avoid<'a, const N: usize> {
 const NEAR: f64 = 0.2;
 
 impl<const N: usize> Avoid<'_, N> {
-    /// How far the value is above its limit; none where it is not.
+    /// How far the value is above its limit; none where it is not. Infinite where the indicator has no answer (NaN), so
+    /// that no step leads there.
     pub(super) fn excess(&self, joints: &[f64; N]) -> f64 {
-        (self.indicator.value(joints) + self.clear).max(0.0)
+        let over = self.indicator.value(joints) + self.clear;
+        if over.is_nan() { f64::INFINITY } else { over.max(0.0) }
     }
 
     /// The value over its limit and its gradient, where a step can bring it there.

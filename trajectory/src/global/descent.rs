@@ -8,8 +8,8 @@
 
 use super::model::{Model, PeakTerm, Step};
 use super::point::{Point, Unreachable};
-use super::qp::{QpError, QpOptions};
 use crate::Robot;
+use crate::qp::{QpError, QpOptions};
 
 /// Share of the promised decrease that a step must bring.
 const ENOUGH: f64 = 1e-4;

@@ -13,222 +13,12 @@ use super::avoid::Avoid;
 use super::descent::Descent;
 use super::first::smooth_first;
 use super::model::Model;
+use super::motion::{GlobalMotion, GlobalStatus, MissedReport};
+use super::options::{GlobalError, GlobalOptions, check};
 use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
-use super::qp::QpError;
-use crate::{
-    Bounds, BoundsError, FreeRange, LadderNode, Progress, Quantity, Robot, Timeline, Trajectory, TrajectoryError,
-    Violation,
-};
+use crate::{Bounds, LadderNode, Progress, Quantity, Robot, Timeline, Trajectory};
 use std::ops::ControlFlow;
-
-/// Rounds in a row without a step after which nothing more is hoped for.
-pub(super) const MAX_STUCK: usize = 4;
-
-/// Two free parameters that tilt the tool, and how far they may.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone {
-    /// The free parameters, as the two components of a tilt.
-    pub tilts: [usize; 2],
-    /// The greatest length of the tilt, in radians.
-    pub half_angle: f64,
-}
-
-/// How to smooth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GlobalOptions {
-    /// Most rounds of the first pass, of its second try where bounds are missed, and of the second pass. Default 40.
-    pub rounds: usize,
-    /// A round that promises to lower what is minimised by less than this share ends a pass, and so do four in a row that
-    /// bring less. Default 1e-4. While prices of bounds still rise, 1e-3 is enough.
-    pub tolerance: f64,
-    /// Price of passing a bound on position, speed or acceleration by a radian or by the whole bound, in units of the
-    /// squared jerk. Default 1e5. Too low, and a bound is passed although it need not be.
-    pub penalty: f64,
-    /// Waypoints where the joints change by more than this, in radians a unit of a free parameter, are near a
-    /// singularity: there the step is taken in the joints and projected back. Default 10.
-    pub steep: f64,
-    /// Whether to lower the greatest jerk to its bound in a second pass. Default true.
-    pub lower_peak: bool,
-    /// By which share the second pass may raise the integral of the squared jerk, and the sum of Eq. 4.10. Default 0.05.
-    pub rise: f64,
-    /// A cone for two of the free parameters. Default none.
-    pub cone: Option<Cone>,
-}
-
-impl Default for GlobalOptions {
-    fn default() -> Self {
-        GlobalOptions {
-            rounds: 40,
-            tolerance: 1e-4,
-            penalty: 1e5,
-            steep: 10.0,
-            lower_peak: true,
-            rise: 0.05,
-            cone: None,
-        }
-    }
-}
-
-/// How it ended. `smooth_globally` returns `Ok` with each of them: check the status, or call
-/// [`GlobalMotion::require_bounds`], before a robot runs the motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[must_use = "a motion that misses its bounds is returned as `Ok`, too"]
-pub enum GlobalStatus {
-    /// No further decrease, and all bounds hold everywhere.
-    Solved,
-    /// No further decrease, but bounds are passed: [`GlobalMotion::violations`] says where.
-    BoundsMissed,
-    /// The rounds are used up; the bounds hold.
-    Rounds,
-}
-
-/// What the second pass did.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PeakReport {
-    /// The greatest jerk over its bound, before.
-    pub before: f64,
-    /// The greatest jerk over its bound, after.
-    pub after: f64,
-    /// No point of the last linearised problem has less, at that rise of the squared jerk; at most `after`. 1 where the
-    /// bound is met.
-    pub lower_bound: f64,
-}
-
-/// What is missed of the bounds on position, speed and acceleration where they do not hold: how far they are passed,
-/// in shares of the bound (radians for positions), summed over joints and pieces of the spline.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MissedReport {
-    /// On the motion after the first pass.
-    pub total: f64,
-    /// No path of the last linearised problem has less, unless its squared jerk is more than
-    /// [`GlobalOptions::rise`] above. Next to `total`: on these branches no path nearby holds the bounds. Other
-    /// branches, other turns of the tool and other times may.
-    pub lower_bound: f64,
-}
-
-/// A smooth motion. It may miss its bounds: see [`GlobalMotion::status`] and [`GlobalMotion::require_bounds`].
-#[derive(Clone, Debug, PartialEq)]
-#[must_use = "check `status`, or call `require_bounds`"]
-pub struct GlobalMotion<const N: usize, const F: usize> {
-    /// One a waypoint, on the branches of the start: none is ever left.
-    pub nodes: Vec<LadderNode<N, F>>,
-    /// The spline, run-in and run-out included.
-    pub trajectory: Trajectory<N>,
-    /// How it ended.
-    pub status: GlobalStatus,
-    /// How far bounds are missed, where they are and nothing is to be kept clear of.
-    pub missed: Option<MissedReport>,
-    /// Where bounds are passed.
-    pub violations: Vec<Violation>,
-    /// The integral of the squared jerk at the start and after the first pass.
-    pub squared_jerk: [f64; 2],
-    /// The second pass, where there was one.
-    pub peak: Option<PeakReport>,
-    /// Waypoints at which a collision is predicted all the same; none where nothing was to be kept clear of.
-    pub collisions: Vec<usize>,
-    /// Waypoints that stand near a singularity at the end.
-    pub steep: Vec<usize>,
-    /// Rounds of the first and of the second pass.
-    pub rounds: [usize; 2],
-}
-
-/// A motion is not within its bounds everywhere.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("the motion misses {} bounds, first {}; raise the bounds, the times or `rounds`", violations.len(), violations[0])]
-pub struct BoundsMissed {
-    /// Where bounds are passed; at least one.
-    pub violations: Vec<Violation>,
-}
-
-impl<const N: usize, const F: usize> GlobalMotion<N, F> {
-    /// The motion, if its spline keeps all bounds everywhere: with the status `Solved` or `Rounds`.
-    ///
-    /// # Errors
-    /// [`BoundsMissed`] with the status [`GlobalStatus::BoundsMissed`].
-    ///
-    /// # Example
-    /// ```
-    /// use curvlay_trajectory::{
-    ///     Bounds, FreeRange, GlobalOptions, LadderNode, Posture, RobotFn, RunIn, Timeline, smooth_globally,
-    /// };
-    /// use std::ops::ControlFlow;
-    /// // One joint that has to follow the waypoints, whatever the free parameter is.
-    /// let at = |i: usize| 0.1 * i as f64;
-    /// let robot = RobotFn {
-    ///     waypoints: 20,
-    ///     free: [FreeRange::Turn],
-    ///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, [at(i), free[0]]),
-    ///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: [at(i), free[0]], rates: [[0.0, 1.0]] }),
-    /// };
-    /// let times: Vec<f64> = (0..20).map(|i| 0.1 * f64::from(i)).collect();
-    /// let line = Timeline::new(&times, RunIn::default())?;
-    /// let start = vec![LadderNode { joints: [0.0; 2], free: [0.0], branch: 0 }; 20];
-    /// // The waypoints need 1 rad/s of the first joint.
-    /// let slow = Bounds { velocity: [0.5; 2], ..Bounds::NONE };
-    /// let quiet = |_| ControlFlow::Continue(());
-    /// let found = smooth_globally(&robot, &line, &start, &slow, &GlobalOptions::default(), &quiet)?;
-    /// assert!(found.require_bounds().is_err());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn require_bounds(self) -> Result<Self, BoundsMissed> {
-        if self.violations.is_empty() { Ok(self) } else { Err(BoundsMissed { violations: self.violations }) }
-    }
-}
-
-/// Why nothing could be smoothed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum GlobalError {
-    /// Lists do not fit.
-    #[error("{times} times and {nodes} nodes in `start` for {waypoints} waypoints: pass one of each per waypoint")]
-    Count {
-        /// Waypoints of the robot.
-        waypoints: usize,
-        /// Times of waypoints.
-        times: usize,
-        /// Number of nodes in `start`.
-        nodes: usize,
-    },
-    /// The bounds are invalid.
-    #[error(transparent)]
-    Bounds(#[from] BoundsError),
-    /// The start is out of reach, singular, or not a number there.
-    #[error("waypoint {waypoint}: no posture on its branch {branch} at the parameters of the start")]
-    Start {
-        /// The waypoint.
-        waypoint: usize,
-        /// Its branch.
-        branch: u32,
-    },
-    /// A parameter of the start is outside its range or cone.
-    #[error("waypoint {waypoint}: free parameter {parameter} is {value}, outside its range")]
-    Range {
-        /// The waypoint.
-        waypoint: usize,
-        /// The parameter.
-        parameter: usize,
-        /// Its value.
-        value: f64,
-    },
-    /// An option is invalid.
-    #[error("option `{what}` is {value}: out of its range")]
-    Option {
-        /// Its name.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// The progress callback cancelled the work.
-    #[error("smoothing was cancelled")]
-    Cancelled,
-    /// A linearised problem had a number that is not finite: rates of the robot are out of any scale.
-    #[error("invalid linearised problem: {0}")]
-    Linear(#[from] QpError),
-    /// The motion found is no trajectory.
-    #[error(transparent)]
-    Trajectory(#[from] TrajectoryError),
-}
 
 /// Smooths a path as a whole.
 ///
@@ -336,10 +126,10 @@ pub fn smooth_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
     if !avoid.clear.is_finite() {
-        return Err(GlobalError::Option { what: "clear", value: avoid.clear });
+        return Err(GlobalError::Option { what: "clear", value: avoid.clear, must: "finite" });
     }
     if !(avoid.price.is_finite() && avoid.price > 0.0) {
-        return Err(GlobalError::Option { what: "price", value: avoid.price });
+        return Err(GlobalError::Option { what: "price", value: avoid.price, must: "finite and above 0" });
     }
     smooth(robot, line, start, bounds, options, Some(*avoid), progress)
 }
@@ -406,48 +196,4 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         peak,
         rounds,
     })
-}
-
-fn check<const N: usize, const F: usize>(
-    waypoints: usize,
-    line: &Timeline,
-    start: &[LadderNode<N, F>],
-    bounds: &Bounds<N>,
-    ranges: &[FreeRange; F],
-    options: &GlobalOptions,
-) -> Result<(), GlobalError> {
-    let times = line.waypoints().len();
-    if start.len() != times || waypoints != times {
-        return Err(GlobalError::Count { waypoints, times, nodes: start.len() });
-    }
-    bounds.check()?;
-    let positive = [("tolerance", options.tolerance), ("penalty", options.penalty), ("steep", options.steep)];
-    let cone = options.cone.map_or(1.0, |cone| cone.half_angle);
-    for (what, value) in positive.into_iter().chain([("rise", options.rise), ("half_angle", cone)]) {
-        if value.is_nan() || value <= 0.0 || (what != "steep" && value.is_infinite()) {
-            return Err(GlobalError::Option { what, value });
-        }
-    }
-    if let Some(cone) = options.cone
-        && let Some(&tilt) = cone.tilts.iter().find(|&&tilt| tilt >= F)
-    {
-        return Err(GlobalError::Option { what: "tilts", value: tilt as f64 });
-    }
-    for (waypoint, LadderNode { free: values, .. }) in start.iter().enumerate() {
-        for (parameter, (&value, range)) in values.iter().zip(ranges).enumerate() {
-            let inside = match *range {
-                FreeRange::Turn => value.is_finite(),
-                FreeRange::Within(low, high) => low <= value && value <= high,
-            };
-            if !inside {
-                return Err(GlobalError::Range { waypoint, parameter, value });
-            }
-        }
-        if let Some(Cone { tilts: [a, b], half_angle }) = options.cone
-            && values[a].hypot(values[b]) > half_angle
-        {
-            return Err(GlobalError::Range { waypoint, parameter: a, value: values[a].hypot(values[b]) });
-        }
-    }
-    Ok(())
 }

@@ -13,11 +13,11 @@
 use super::avoid::Avoid;
 use super::descent::{Descent, Merit, Round};
 use super::detour::detour;
-use super::filter::{GlobalError, GlobalOptions, MAX_STUCK};
-use super::model::{Model, Step};
+use super::model::Model;
+use super::options::{GlobalError, GlobalOptions, MAX_STUCK};
 use super::point::Point;
-use super::solution::QpStatus;
 use crate::Robot;
+use crate::qp::QpStatus;
 
 /// Bounds that a higher price brings nearer by less than to this share cannot be met.
 const HOPELESS: f64 = 0.9;
@@ -95,140 +95,220 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     avoid: Option<Avoid<'_, N>>,
     report: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
 ) -> Result<FirstPass, GlobalError> {
-    let mut start = descent.point.with_easy_ends(model.line).map(|start| (start, model.tightened));
+    let start = descent.point.with_easy_ends(model.line).map(|start| (start, model.tightened));
     model.penalty = penalty;
     descent.value(model);
-    let mut pass = FirstPass { rounds: 0, settled: false, missed: 0.0, min_missed: 0.0 };
-    let (mut stuck, mut still) = (0, false);
-    // At the last price the last digits count.
-    let mut last_price = false;
-    let mut tightened = 0;
-    let mut missed_before = f64::INFINITY;
-    let mut straight: Option<(Point<N, F>, Merit)> = None;
-    let mut detoured = avoid.is_some() || options.rounds < MIN_FOR_DETOUR;
-    // A path that collides does not wait at a low price until the last digits have come to rest.
-    let mut hurries_from = options.rounds / PRICES;
-    let collides = |joints: &[[f64; N]]| avoid.is_some_and(|avoid| joints.iter().any(|q| avoid.excess(q) > 0.0));
-    while pass.rounds < options.rounds && !pass.settled {
-        report("smooth", pass.rounds)?;
-        let rough = if model.penalty > 0.0 && !detoured { SKETCH } else { ROUGH };
-        let tolerance = match (last_price, tightened) {
-            (false, _) => options.tolerance.max(rough),
-            (true, 0) => options.tolerance,
-            (true, _) => FINE * options.tolerance,
-        };
-        let (before, damped) = (descent.merit, descent.damping[0]);
-        let step = match descent.round(model, 0.0, tolerance)? {
-            Round::Fell(step) => {
-                let fall = before.total(0.0) - descent.merit.total(0.0);
-                stuck = if fall > tolerance * before.total(0.0) { 0 } else { stuck + 1 };
-                Some(step)
+    let search = Search {
+        descent,
+        model,
+        options,
+        avoid,
+        phase: if penalty > 0.0 { Phase::Rising } else { Phase::Unbounded },
+        rounds: 0,
+        stuck: 0,
+        start,
+        detoured: avoid.is_some() || options.rounds < MIN_FOR_DETOUR,
+        straight: None,
+        missed_before: f64::INFINITY,
+        min_missed: 0.0,
+        tightened: 0,
+        hurries_from: options.rounds / PRICES,
+    };
+    search.run(report)
+}
+
+/// Where the search stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Bounds are not looked at.
+    Unbounded,
+    /// Passed bounds have a price, which will rise.
+    Rising,
+    /// The price rises no more: the last digits count.
+    Last,
+    /// Nothing more is to be had.
+    Settled,
+}
+
+/// The search of a pass.
+struct Search<'s, 'd, 'm, R: ?Sized, const N: usize, const F: usize> {
+    descent: &'s mut Descent<'d, R, N, F>,
+    model: &'s mut Model<'m, N, F>,
+    options: &'s GlobalOptions,
+    avoid: Option<Avoid<'s, N>>,
+    phase: Phase,
+    rounds: usize,
+    /// Rounds in a row that brought next to nothing.
+    stuck: usize,
+    /// The start and how far its bounds were tightened, until the search has been compared with it.
+    start: Option<(Point<N, F>, f64)>,
+    /// Whether other ways around what is missed were tried; and where the search was before.
+    detoured: bool,
+    straight: Option<(Point<N, F>, Merit)>,
+    /// What was missed at the price before.
+    missed_before: f64,
+    /// What every path of the last linearised problem misses at least.
+    min_missed: f64,
+    /// How often bounds were tightened.
+    tightened: usize,
+    /// A path that collides does not wait at a low price until the last digits have come to rest: from this round on.
+    hurries_from: usize,
+}
+
+impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_, R, N, F> {
+    fn run(
+        mut self,
+        report: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
+    ) -> Result<FirstPass, GlobalError> {
+        while self.rounds < self.options.rounds && self.phase != Phase::Settled {
+            report("smooth", self.rounds)?;
+            if self.round()? {
+                self.advance();
             }
+        }
+        self.go_back();
+        if self.model.penalty <= 0.0 {
+            self.model.penalty = self.options.penalty;
+            self.descent.value(self.model);
+        }
+        let missed = self.descent.merit.price / self.model.penalty;
+        let settled = self.phase == Phase::Settled;
+        Ok(FirstPass { rounds: self.rounds, settled, missed, min_missed: self.min_missed })
+    }
+
+    /// One round; says whether the phase has come to its end.
+    fn round(&mut self) -> Result<bool, GlobalError> {
+        let (tolerance, options) = (self.tolerance(), self.options);
+        let (before, damped) = (self.descent.merit, self.descent.damping[0]);
+        let round = self.descent.round(self.model, 0.0, tolerance)?;
+        self.rounds += 1;
+        let fall = before.total(0.0) - self.descent.merit.total(0.0);
+        match &round {
+            Round::Fell(_) if fall > tolerance * before.total(0.0) => self.stuck = 0,
+            Round::Fell(_) | Round::Stuck => self.stuck += 1,
             Round::Still(step) => {
-                still = true;
-                last_price |= model.penalty > 0.0
-                    && before.price <= options.tolerance * before.squared_jerk
-                    && before.total(0.0) - step.solution.value <= options.tolerance * before.total(0.0);
-                Some(step)
+                let is_within = before.price <= options.tolerance * before.squared_jerk;
+                let promised = before.total(0.0) - step.solution.value;
+                if self.phase == Phase::Rising && is_within && promised <= options.tolerance * before.total(0.0) {
+                    self.phase = Phase::Last;
+                }
             }
-            Round::Stuck => {
-                stuck += 1;
-                None
-            }
-        };
-        pass.rounds += 1;
-        let is_usable = |step: &Step<N, F>| step.solution.status == QpStatus::Solved && model.penalty > 0.0;
-        if let Some(step) = step.filter(|step| is_usable(step) && damped <= UNDAMPED * before.squared_jerk) {
+        }
+        if let Round::Fell(step) | Round::Still(step) = &round
+            && step.solution.status == QpStatus::Solved
+            && self.phase != Phase::Unbounded
+            && damped <= UNDAMPED * before.squared_jerk
+        {
             // What is minimised is the squared jerk and the price times what is missed.
             let most = before.squared_jerk * (1.0 + options.rise);
-            pass.min_missed = ((step.solution.lower_bound - most) / model.penalty).max(0.0);
+            self.min_missed = ((step.solution.lower_bound - most) / self.model.penalty).max(0.0);
         }
-        let collides_yet = model.penalty < options.penalty && collides(&descent.point.knots);
-        let hurries = collides_yet && pass.rounds >= hurries_from;
-        let ends = LAST_ROUNDS.contains(&(options.rounds - pass.rounds)) && model.penalty > 0.0;
-        if ends && tighten(descent, model, &mut tightened) {
-            last_price = true;
+        let hurries = self.rounds >= self.hurries_from && self.collides_yet();
+        let ends = LAST_ROUNDS.contains(&(options.rounds - self.rounds)) && self.phase != Phase::Unbounded;
+        if ends && self.tighten() {
+            self.phase = Phase::Last;
         }
-        if stuck < MAX_STUCK && !still && !hurries {
-            continue;
-        }
-        (stuck, still) = (0, false);
-        hurries_from = pass.rounds + options.rounds / PRICES;
-        let priced = model.penalty > 0.0;
-        if last_price {
-            pass.settled = !tighten(descent, model, &mut tightened);
-            if pass.settled && go_back(descent, model, &mut start) {
-                (pass.settled, pass.min_missed) = (false, 0.0);
+        Ok(self.stuck >= MAX_STUCK || matches!(round, Round::Still(_)) || hurries)
+    }
+
+    /// A promised decrease below this share of the merit is nothing.
+    fn tolerance(&self) -> f64 {
+        let wanted = self.options.tolerance;
+        match self.phase {
+            Phase::Rising if !self.detoured => wanted.max(SKETCH),
+            Phase::Unbounded | Phase::Rising => wanted.max(ROUGH),
+            Phase::Last | Phase::Settled => {
+                if self.tightened == 0 {
+                    wanted
+                } else {
+                    FINE * wanted
+                }
             }
-        } else if priced && descent.merit.price <= options.tolerance * descent.merit.squared_jerk {
-            last_price = true;
-        } else if priced && !detoured {
-            detoured = true;
-            straight = try_detour(descent, model);
-        } else {
-            if let Some((point, merit)) =
-                straight.take().filter(|(_, merit)| merit.total(0.0) < descent.merit.total(0.0))
-            {
-                (descent.point, descent.merit) = (point, merit);
-            }
-            let missed = if priced { descent.merit.price / model.penalty } else { f64::INFINITY };
-            last_price = model.penalty >= options.penalty || (!collides_yet && missed > HOPELESS * missed_before);
-            missed_before = missed;
-            if !last_price {
-                model.penalty =
-                    (PRICE_STEP * model.penalty).max(descent.merit.squared_jerk).max(1.0).min(options.penalty);
-                descent.value(model);
+        }
+    }
+
+    /// From a phase that has come to its end to the next.
+    fn advance(&mut self) {
+        self.stuck = 0;
+        self.hurries_from = self.rounds + self.options.rounds / PRICES;
+        let is_within = self.descent.merit.price <= self.options.tolerance * self.descent.merit.squared_jerk;
+        match self.phase {
+            Phase::Unbounded => {
+                self.raise_price();
                 // Nothing passed, nothing to be priced by steps.
-                last_price = !priced && descent.merit.price <= 0.0;
+                self.phase = if self.descent.merit.price <= 0.0 { Phase::Last } else { Phase::Rising };
+            }
+            Phase::Rising if is_within => self.phase = Phase::Last,
+            Phase::Rising if !self.detoured => {
+                self.detoured = true;
+                self.straight = try_detour(self.descent, self.model);
+            }
+            Phase::Rising => {
+                let collides_yet = self.collides_yet();
+                let total = self.descent.merit.total(0.0);
+                if let Some((point, merit)) = self.straight.take().filter(|(_, merit)| merit.total(0.0) < total) {
+                    (self.descent.point, self.descent.merit) = (point, merit);
+                }
+                let missed = self.descent.merit.price / self.model.penalty;
+                let is_hopeless = !collides_yet && missed > HOPELESS * self.missed_before;
+                self.missed_before = missed;
+                if self.model.penalty >= self.options.penalty || is_hopeless {
+                    self.phase = Phase::Last;
+                } else {
+                    self.raise_price();
+                }
+            }
+            Phase::Last | Phase::Settled => {
+                if !self.tighten() && !self.go_back() {
+                    self.phase = Phase::Settled;
+                }
             }
         }
     }
-    if go_back(descent, model, &mut start) {
-        pass.min_missed = 0.0;
-    }
-    if model.penalty <= 0.0 {
-        model.penalty = options.penalty;
-        descent.value(model);
-    }
-    pass.missed = descent.merit.price / model.penalty;
-    Ok(pass)
-}
 
-/// Draws the bounds in where some are passed slightly, but not again and again; says whether they were.
-fn tighten<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    descent: &mut Descent<'_, R, N, F>,
-    model: &mut Model<'_, N, F>,
-    tightened: &mut usize,
-) -> bool {
-    let over = model.farthest(&descent.point);
-    let slightly = over > 0.0 && over < SLIGHT && *tightened < MAX_TIGHTENED;
-    if slightly {
-        *tightened += 1;
-        model.tightened += 2.0 * over;
-        descent.value(model);
+    fn raise_price(&mut self) {
+        let raised = (PRICE_STEP * self.model.penalty).max(self.descent.merit.squared_jerk).max(1.0);
+        self.model.penalty = raised.min(self.options.penalty);
+        self.descent.value(self.model);
     }
-    slightly
-}
 
-/// Puts the descent back to the start, once, if that is better with bounds tightened as little as at first; says whether it was.
-fn go_back<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    descent: &mut Descent<'_, R, N, F>,
-    model: &mut Model<'_, N, F>,
-    start: &mut Option<(Point<N, F>, f64)>,
-) -> bool {
-    let total = descent.merit.total(0.0);
-    let Some((start, tightened)) = start.take().filter(|(start, _)| start.squared_jerk(model.line) < total) else {
-        return false;
-    };
-    let tightened = std::mem::replace(&mut model.tightened, tightened);
-    let better = Merit::of(model, &start).total(0.0) < total;
-    if better {
-        descent.point = start;
-        descent.value(model);
-    } else {
-        model.tightened = tightened;
+    /// Whether the path collides while prices may still rise.
+    fn collides_yet(&self) -> bool {
+        let collides = |avoid: Avoid<'_, N>| self.descent.point.knots.iter().any(|knot| avoid.excess(knot) > 0.0);
+        self.model.penalty < self.options.penalty && self.avoid.is_some_and(collides)
     }
-    better
+
+    /// Draws the bounds in where some are passed slightly, but not again and again; says whether they were.
+    fn tighten(&mut self) -> bool {
+        let over = self.model.farthest(&self.descent.point);
+        let slightly = over > 0.0 && over < SLIGHT && self.tightened < MAX_TIGHTENED;
+        if slightly {
+            self.tightened += 1;
+            self.model.tightened += 2.0 * over;
+            self.descent.value(self.model);
+        }
+        slightly
+    }
+
+    /// Puts the descent back to the start, once, if that is better with bounds tightened as little as at first; says
+    /// whether it was.
+    fn go_back(&mut self) -> bool {
+        let total = self.descent.merit.total(0.0);
+        let line = self.model.line;
+        let Some((start, tightened)) = self.start.take().filter(|(start, _)| start.squared_jerk(line) < total) else {
+            return false;
+        };
+        let tightened = std::mem::replace(&mut self.model.tightened, tightened);
+        let better = Merit::of(self.model, &start).total(0.0) < total;
+        if better {
+            self.descent.point = start;
+            self.descent.value(self.model);
+            self.min_missed = 0.0;
+        } else {
+            self.model.tightened = tightened;
+        }
+        better
+    }
 }
 
 /// Puts the descent on another way around what is missed, if there is one; returns where it was.

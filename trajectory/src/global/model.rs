@@ -7,11 +7,12 @@
 //!
 //! Collisions that an indicator predicts are kept clear of by a soft row a knot, see [`super::avoid`].
 
+use super::avoid::Avoid;
 use super::limits::{Place, extremes};
+use super::options::GlobalOptions;
 use super::point::{Domain, Point};
-use super::qp::{BandedQp, QpError, QpOptions};
-use super::solution::QpSolution;
-use super::{Avoid, GlobalOptions};
+use crate::qp::QpSolution;
+use crate::qp::{BandedQp, QpError, QpOptions};
 use crate::{Bounds, FreeRange, Quantity, Timeline};
 use std::f64::consts::TAU;
 

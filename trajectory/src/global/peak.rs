@@ -10,9 +10,10 @@
 
 use super::avoid::Avoid;
 use super::descent::{Descent, Round};
-use super::filter::{GlobalError, GlobalOptions, MAX_STUCK, PeakReport};
 use super::model::Model;
-use super::solution::QpStatus;
+use super::motion::PeakReport;
+use super::options::{GlobalError, GlobalOptions, MAX_STUCK};
+use crate::qp::QpStatus;
 use crate::{Bounds, FreeRange, Robot, Timeline, jerk_measure};
 
 /// The price rises or falls by at most this factor in a round.

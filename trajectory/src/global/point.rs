@@ -1,6 +1,6 @@
 //! A point of the search: free parameters at the waypoints, joints at all knots, and the spline through them.
 
-use super::Cone;
+use super::options::Cone;
 use crate::{Bounds, FreeRange, LadderNode, Robot, Timeline, run_in_and_out};
 use std::f64::consts::TAU;
 

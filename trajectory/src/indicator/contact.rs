@@ -3,6 +3,8 @@
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.4.2: `dist(f(q), S)` is
 //! [`ContactSpace::gap`], the projection operator of Eq. 4.15 is [`project`].
 
+use crate::vectors::{dot, square};
+
 /// Where a tool touches a working surface, and what collides there; given by the caller.
 pub trait ContactSpace<const N: usize>: Sync {
     /// Whether anything touches that must not: the exact answer.
@@ -150,12 +152,4 @@ fn onto<const N: usize>(
         at = std::array::from_fn(|j| at[j] - slope[j] * gap / steep);
     }
     None
-}
-
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn square<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }

@@ -24,15 +24,16 @@ pub use samples::{Sample, Samples, SamplesError, SamplingOptions, random_samples
 ///
 /// Any robot, any unit: the filter that minimises jerk asks for nothing but the sign and a gradient.
 pub trait CollisionIndicator<const N: usize>: Sync {
-    /// Above 0 where a collision is predicted.
+    /// Above 0 where a collision is predicted; NaN where there is no answer, as for joints that are not finite.
     fn value(&self, joints: &[f64; N]) -> f64;
 
     /// The value and its derivative by each joint.
     fn gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]);
 
-    /// Whether a collision is predicted.
+    /// Whether a collision is predicted, or there is no answer.
     fn predicts(&self, joints: &[f64; N]) -> bool {
-        self.value(joints) > 0.0
+        let value = self.value(joints);
+        value > 0.0 || value.is_nan()
     }
 }
 

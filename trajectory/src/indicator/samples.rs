@@ -15,6 +15,7 @@
 
 use super::contact::{ContactSpace, project};
 use crate::random::Random;
+use crate::vectors::square;
 
 /// A posture, and whether it collides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -270,10 +271,6 @@ impl<const N: usize> Samples<N> {
         all.sort_unstable_by(order);
         all.into_iter().map(|(_, i)| i).collect()
     }
-}
-
-fn square<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 /// Samples drawn evenly between two corners of joint space: what Algorithm 7 is compared with.

@@ -174,7 +174,8 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 ) -> Result<Filtered<N, F>, FilterError> {
     let mut motion = check(robot, times, start, bounds, options)?;
     let stencils = times.array_windows::<5>().map(stencil).collect();
-    let filter = Filter { robot, bounds, weights: options.weights, stencils };
+    let filter = Filter { robot, bounds, weights: options.weights, stencils, caps: vec![] };
+    let filter = filter.with_caps_of(&motion.postures);
     let waypoints = times.len();
     let before = filter.jerk(&motion.postures, 0..waypoints);
     let mut locked = vec![false; waypoints];

@@ -45,6 +45,9 @@ pub(super) struct Filter<'a, const N: usize, const F: usize, R: ?Sized> {
     pub weights: [f64; N],
     /// Of waypoints `2..M - 2`, the first being that of waypoint 2.
     pub stencils: Vec<[[f64; 5]; 3]>,
+    /// What speeds and accelerations may be at the same waypoints: their bounds, or what they are at the start if that is
+    /// beyond.
+    pub caps: Vec<[[f64; N]; 2]>,
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R> {
@@ -58,6 +61,17 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     /// The waypoints in the range that have a whole stencil.
     fn whole(&self, range: Range<usize>) -> Range<usize> {
         range.start.max(2)..range.end.min(self.stencils.len() + 2)
+    }
+
+    /// Lets the path be as far beyond its bounds as it is, and no farther.
+    pub fn with_caps_of(mut self, postures: &[Posture<N, F>]) -> Self {
+        let cap = |i: usize, order: usize, bounds: &[f64; N]| {
+            let values = self.derivative(postures, i, order);
+            std::array::from_fn(|j| bounds[j].max(values[j].abs()))
+        };
+        let both = |i| [cap(i, 1, &self.bounds.velocity), cap(i, 2, &self.bounds.acceleration)];
+        self.caps = self.whole(0..postures.len()).map(both).collect();
+        self
     }
 
     /// The weighted sum of squared jerks over the waypoints in the range.
@@ -106,11 +120,13 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     /// beyond.
     fn window(&self, postures: &[Posture<N, F>], inner: Range<usize>) -> Window<N> {
         let touched = self.whole(inner.start.saturating_sub(2)..inner.end + 2);
-        let cap = |bounds: &[f64; N], values: [f64; N]| -> [f64; N] {
-            std::array::from_fn(|j| bounds[j].max(values[j].abs()))
+        let cap = |bounds: &[f64; N], i: usize, order: usize| -> [f64; N] {
+            let (values, most) = (self.derivative(postures, i, order), &self.caps[i - 2][order - 1]);
+            // What rounding lets pass in one window does not add up over many.
+            std::array::from_fn(|j| bounds[j].max(values[j].abs()).min(most[j]))
         };
-        let speed = |i| cap(&self.bounds.velocity, self.derivative(postures, i, 1));
-        let acceleration = |i| cap(&self.bounds.acceleration, self.derivative(postures, i, 2));
+        let speed = |i| cap(&self.bounds.velocity, i, 1);
+        let acceleration = |i| cap(&self.bounds.acceleration, i, 2);
         let lower = |i: usize| std::array::from_fn(|j| self.bounds.lower[j].min(postures[i].joints[j]));
         let upper = |i: usize| std::array::from_fn(|j| self.bounds.upper[j].max(postures[i].joints[j]));
         Window {

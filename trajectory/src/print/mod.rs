@@ -34,6 +34,5 @@ pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, Print
 pub use course::path_deviations;
 pub use legs::{Leg, LegKind};
 pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath};
-pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run};
+pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
 pub use planner::{PrintPlanner, plan_print};
-pub use travel::Travel;

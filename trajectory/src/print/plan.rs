@@ -1,8 +1,8 @@
 //! What comes of planning: runs, travels, and what cannot be printed as it is.
 
 use super::cell::Waypoint;
-use super::travel::Travel;
 use crate::spline::Trajectory;
+use crate::transfer::Transfer;
 use std::time::Duration;
 
 /// The whole print.
@@ -202,4 +202,40 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
         self.runs.iter().flat_map(Run::steps).collect()
     }
+}
+
+/// The motion between two runs, each piece from rest to rest.
+#[derive(Clone, Debug)]
+pub struct Travel<const N: usize> {
+    /// Off the end of the run.
+    pub lift: Trajectory<N>,
+    /// From there to above the start of the next.
+    pub way: Transfer<N>,
+    /// Down to it.
+    pub approach: Trajectory<N>,
+}
+
+impl<const N: usize> Travel<N> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        seconds(&self.lift) + self.way.duration() + seconds(&self.approach)
+    }
+
+    /// Postures by which the travel is followed in straight motions of the joints: `count` along the lift at even times, the last
+    /// at its end, the corners of the transfer, and as many along the approach. Without those the nozzle would not leave and
+    /// reach the part along its direction.
+    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
+        let sampled = |motion: &Trajectory<N>| {
+            let (first, last) = motion.span();
+            let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(count)).position;
+            (1..=count).map(at).collect::<Vec<_>>()
+        };
+        let corners = self.way.corners().iter().copied();
+        sampled(&self.lift).into_iter().chain(corners).chain(sampled(&self.approach)).collect()
+    }
+}
+
+fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
+    let (first, last) = motion.span();
+    last - first
 }

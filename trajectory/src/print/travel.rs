@@ -7,7 +7,7 @@
 
 use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
 use super::course::Task;
-use super::plan::Run;
+use super::plan::{Run, Travel};
 use crate::transfer::{Transfer, TransferError, TransferOptions, plan_transfer};
 use crate::{Bounds, TimePathOptions, Trajectory, time_path};
 use nalgebra::Vector3;
@@ -47,42 +47,6 @@ struct Effort {
     /// Random postures, and the longest edge in radians.
     iterations: usize,
     step: f64,
-}
-
-/// The motion between two runs, each piece from rest to rest.
-#[derive(Clone, Debug)]
-pub struct Travel<const N: usize> {
-    /// Off the end of the run.
-    pub lift: Trajectory<N>,
-    /// From there to above the start of the next.
-    pub way: Transfer<N>,
-    /// Down to it.
-    pub approach: Trajectory<N>,
-}
-
-impl<const N: usize> Travel<N> {
-    /// In seconds.
-    pub fn duration(&self) -> f64 {
-        seconds(&self.lift) + self.way.duration() + seconds(&self.approach)
-    }
-
-    /// Postures by which the travel is followed in straight motions of the joints: `count` along the lift at even times, the last
-    /// at its end, the corners of the transfer, and as many along the approach. Without those the nozzle would not leave and
-    /// reach the part along its direction.
-    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
-        let sampled = |motion: &Trajectory<N>| {
-            let (first, last) = motion.span();
-            let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(count)).position;
-            (1..=count).map(at).collect::<Vec<_>>()
-        };
-        let corners = self.way.corners().iter().copied();
-        sampled(&self.lift).into_iter().chain(corners).chain(sampled(&self.approach)).collect()
-    }
-}
-
-fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
-    let (first, last) = motion.span();
-    last - first
 }
 
 /// A way from the end of one run to the start of the next, or why there is none.

@@ -11,7 +11,8 @@
 use super::band::{Band, inner};
 use super::interior::{Interior, NEARLY};
 use super::layout::Layout;
-use super::qp::{BandedQp, QpOptions};
+use super::options::QpOptions;
+use super::problem::BandedQp;
 use super::solution::{QpSolution, QpStatus};
 use std::ops::Range;
 

@@ -9,7 +9,8 @@
 //! have bounds of their own. Of the others it says how far out a point would have to lie.
 
 use super::interior::Interior;
-use super::qp::{BandedQp, QpOptions};
+use super::options::QpOptions;
+use super::problem::BandedQp;
 use super::system::largest;
 
 /// A sum of misses up to this, relative to the largest bound, is rounding.

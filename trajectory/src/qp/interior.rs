@@ -7,7 +7,8 @@
 //! costs no more unknowns than a hard one. What is left is `(H + A^T S A) dx + E^T dl`, `E dx`: block-tridiagonal with
 //! the multiplier of each equation in a stage that it touches, and bordered by the few variables that all may share.
 
-use super::qp::{BandedQp, QpOptions};
+use super::options::QpOptions;
+use super::problem::BandedQp;
 use super::side::Side;
 use super::solution::{QpSolution, QpStatus};
 use super::system::{System, dot, largest};

@@ -1,7 +1,7 @@
 //! Where the unknowns of a quadratic program lie: stage by stage its variables, and behind them the multipliers of the
 //! equations of that stage.
 
-use super::qp::BandedQp;
+use super::problem::BandedQp;
 
 pub(super) struct Layout {
     /// Unknown of each variable before the border.

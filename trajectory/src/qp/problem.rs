@@ -3,13 +3,7 @@
 //! `minimise 1/2 x^T H x + g^T x` subject to `lower <= A x <= upper`, row by row. The variables come in stages: an
 //! entry of `H` and a row of `A` join variables of one stage or of two neighbours (a row that is an equation, of three).
 //! A few *border* variables may stand in any entry and any row. A soft row may be missed at a price: `penalty` times
-//! the distance is added to what is minimised. [`super::interior`] solves it, after [`super::condensed`] has eliminated the
-//! stages without inequalities.
-
-use super::condensed::Condensed;
-use super::feasible::contradiction;
-use super::interior::Interior;
-use super::solution::{QpSolution, QpStatus};
+//! the distance is added to what is minimised. [`super::solve`] solves it.
 
 /// A row of `A` with its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +37,12 @@ pub enum QpError {
         /// The row.
         row: usize,
     },
+    /// There are more variables than fit.
+    #[error("{variables} variables: at most {MAX_VARIABLES} fit")]
+    Size {
+        /// How many were asked for; `usize::MAX` stands for more.
+        variables: usize,
+    },
     /// A row or an entry of the objective names a variable that there is not.
     #[error("there is no variable {variable}; there are {variables}")]
     Variable {
@@ -67,26 +67,13 @@ pub enum QpError {
     },
 }
 
-/// How long and how exactly to solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QpOptions {
-    /// Most iterations. Default 60; a sound problem takes 8 to 30. One that comes to no end, and is not proved to be
-    /// infeasible, gets as many again from a start for large multipliers.
-    pub iterations: usize,
-    /// Residuals and gap relative to the numbers that they are differences of. Default 1e-9.
-    pub tolerance: f64,
-}
-
-impl Default for QpOptions {
-    fn default() -> Self {
-        QpOptions { iterations: 60, tolerance: 1e-9 }
-    }
-}
+/// Most variables of a quadratic program, border included: 16,777,216.
+pub const MAX_VARIABLES: usize = 1 << 24;
 
 /// A quadratic program with variables in stages.
 ///
 /// ```
-/// use curvlay_trajectory::{BandedQp, QpOptions, QpStatus};
+/// use curvlay_trajectory::qp::{BandedQp, QpOptions, QpStatus};
 /// // Three numbers, each near its neighbour, the first 0 and the last at least 3; the step to it at most 1.
 /// let mut qp = BandedQp::new(&[1, 1, 1], 0);
 /// qp.add_square(&[(0, -1.0), (1, 1.0)], 0.0, 1.0);
@@ -97,7 +84,7 @@ impl Default for QpOptions {
 /// let found = qp.solve(&QpOptions::default(), None)?;
 /// assert_eq!(found.status, QpStatus::Solved);
 /// assert!((found.x[1] - 2.0).abs() < 1e-6 && (found.value - 2.5).abs() < 1e-6);
-/// # Ok::<(), curvlay_trajectory::QpError>(())
+/// # Ok::<(), curvlay_trajectory::qp::QpError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct BandedQp {
@@ -119,11 +106,18 @@ pub struct BandedQp {
     pub(super) constant: f64,
     /// The first variable named that there is not.
     beyond: Option<usize>,
+    /// The number of variables, where it is more than [`MAX_VARIABLES`]; the program has none then.
+    oversized: Option<usize>,
 }
 
 impl BandedQp {
-    /// No rows and nothing to minimise, over stages of these sizes and `border` more variables, numbered on.
+    /// No rows and nothing to minimise, over stages of these sizes and `border` more variables, numbered on. With more
+    /// than [`MAX_VARIABLES`] in all, [`BandedQp::solve`] answers [`QpError::Size`].
     pub fn new(stages: &[usize], border: usize) -> Self {
+        let wanted = stages.iter().fold(border, |sum, &size| sum.saturating_add(size));
+        if wanted > MAX_VARIABLES {
+            return BandedQp { oversized: Some(wanted), ..BandedQp::new(&[], 0) };
+        }
         let mut first = vec![0];
         let mut variables = 0;
         let mut stage = Vec::new();
@@ -144,6 +138,7 @@ impl BandedQp {
             terms: Vec::new(),
             constant: 0.0,
             beyond: None,
+            oversized: None,
         }
     }
 
@@ -212,43 +207,6 @@ impl BandedQp {
         self.rows.len() - 1
     }
 
-    /// Solves it.
-    ///
-    /// # Arguments
-    /// * `start`: a guess of all variables; zero where there is none. It need not keep the rows.
-    /// # Returns
-    /// The solution with its status: an infeasible or unbounded problem is a status, not an error.
-    /// # Errors
-    /// [`QpError`] names what is invalid: not finite, beyond the variables, too far apart, crossed bounds.
-    /// # Cost
-    /// `O(stages * size^3)` time for the greatest size, equations of the stage included, and the same for each iteration over
-    /// the stages alone that an inequality joins; memory `O(stages * size^2)`. Deterministic, one thread.
-    pub fn solve(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
-        let mut found = self.solve_once(options, start)?;
-        let stuck = |found: &QpSolution| matches!(found.status, QpStatus::Stalled | QpStatus::Iterations);
-        if stuck(&found) {
-            if let Some(proof) = contradiction(self, options) {
-                found.status = QpStatus::Infeasible;
-                found.duals = proof;
-                return Ok(found);
-            }
-            let again = Interior::with_large_multipliers(self).solve(options, start);
-            let iterations = found.iterations + again.iterations;
-            if !stuck(&again) {
-                found = again;
-            }
-            found.iterations = iterations;
-        }
-        Ok(found)
-    }
-
-    /// As [`BandedQp::solve`], but what comes to no end is returned as it is: for steps of which any part is welcome.
-    pub(super) fn solve_once(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
-        self.check()?;
-        let condensed = Condensed::new(self).and_then(|condensed| condensed.solve(options, start));
-        Ok(condensed.unwrap_or_else(|| Interior::new(self).solve(options, start)))
-    }
-
     /// `H x`.
     pub(super) fn times_hessian(&self, x: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; x.len()];
@@ -286,7 +244,10 @@ impl BandedQp {
         known
     }
 
-    fn check(&self) -> Result<(), QpError> {
+    pub(super) fn check(&self) -> Result<(), QpError> {
+        if let Some(variables) = self.oversized {
+            return Err(QpError::Size { variables });
+        }
         if let Some(variable) = self.beyond {
             return Err(QpError::Variable { variable, variables: self.linear.len() });
         }

@@ -1,6 +1,6 @@
 //! A side of a row in the interior-point method: its slack, its multiplier, and for a soft row the miss and its price.
 
-use super::qp::{BandedQp, Row};
+use super::problem::{BandedQp, Row};
 
 /// Least slack, relative to the bound: what is less is rounding, and would cut all later steps short.
 const ROUNDING: f64 = 3e-14;

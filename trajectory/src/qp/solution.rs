@@ -1,6 +1,6 @@
 //! What comes back of a quadratic program, and how good it is.
 
-use super::qp::BandedQp;
+use super::problem::BandedQp;
 use super::system::{dot, largest};
 
 /// How a solution came to its end.

@@ -5,7 +5,7 @@
 
 use super::band::Band;
 use super::layout::Layout;
-use super::qp::BandedQp;
+use super::problem::BandedQp;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Added to the diagonal, so that the matrix is quasi-definite. It stays in the step, which so is one of the proximal

@@ -148,6 +148,9 @@ impl<const N: usize> Trajectory<N> {
     }
 
     /// The jerks on piece `k`, that from knot `k` to knot `k + 1` (the resting ones counted), in rad/s^3.
+    ///
+    /// # Panics
+    /// If there is no such piece: `k` must be below [`Trajectory::pieces`].
     pub fn jerk(&self, piece: usize) -> [f64; N] {
         std::array::from_fn(|joint| self.piece(piece, joint).j)
     }
@@ -163,6 +166,9 @@ impl<const N: usize> Trajectory<N> {
     /// assert!((motion.at(0.5).position[0] - (a + 3.0 * b + 3.0 * c + d) / 8.0).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    ///
+    /// # Panics
+    /// If there is no such piece: `k` must be below [`Trajectory::pieces`].
     pub fn control(&self, piece: usize) -> [[f64; N]; 4] {
         let (from, to) = (self.joints[piece], self.joints[piece + 1]);
         let cubics: [Piece; N] = std::array::from_fn(|joint| self.piece(piece, joint));

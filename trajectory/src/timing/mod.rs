@@ -176,12 +176,14 @@ pub enum TimePathError {
         value: f64,
     },
     /// An option is out of its range.
-    #[error("option `{field}` is {value}")]
+    #[error("option `{field}` is {value}: it must be {must}")]
     Option {
         /// The option.
         field: &'static str,
         /// Its value.
         value: f64,
+        /// What it must be.
+        must: &'static str,
     },
     /// Joints cannot move.
     #[error(transparent)]
@@ -305,14 +307,14 @@ fn check<const N: usize>(
     }
     let TimePathOptions { tolerance, iterations, rounds: _, subdivision, ramp, step } = *options;
     let sound = [
-        ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0),
-        ("iterations", iterations as f64, iterations > 0),
-        ("subdivision", subdivision as f64, (1..=TimePathOptions::MAX_SUBDIVISION).contains(&subdivision)),
-        ("ramp", ramp as f64, (4..=4096).contains(&ramp)),
-        ("step", step, step > 0.0),
+        ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0, "between 0 and 1"),
+        ("iterations", iterations as f64, iterations > 0, "at least 1"),
+        ("subdivision", subdivision as f64, (1..=TimePathOptions::MAX_SUBDIVISION).contains(&subdivision), "1 to 64"),
+        ("ramp", ramp as f64, (4..=4096).contains(&ramp), "4 to 4096"),
+        ("step", step, step > 0.0, "above 0"),
     ];
-    match sound.iter().find(|(_, _, sound)| !sound) {
-        Some(&(field, value, _)) => Err(TimePathError::Option { field, value }),
+    match sound.iter().find(|(_, _, sound, _)| !sound) {
+        Some(&(field, value, _, must)) => Err(TimePathError::Option { field, value, must }),
         None => Ok(()),
     }
 }

@@ -5,7 +5,7 @@
 //! Bohlin, L. Kavraki, *Path planning using lazy PRM*, ICRA 2000). What was proven is remembered.
 
 use super::space::FreeSpace;
-use super::tree::square;
+use crate::vectors::square;
 use std::collections::HashMap;
 
 /// What a search asks of the caller's space.

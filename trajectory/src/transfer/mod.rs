@@ -21,6 +21,7 @@ pub use timing::{SCurve, SState};
 use crate::bounds::Bounds;
 use crate::random::Random;
 use crate::spline::State;
+use crate::vectors::square;
 
 /// How a transfer is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,6 +147,19 @@ pub enum TransferError {
         /// Its value.
         value: f64,
     },
+    /// Ends, bounds and reach lie so far apart that steps do not get there.
+    #[error(
+        "transfer {name}: the search spans {span} rad, more than {MAX_STEPS} steps of {step} rad: bring start and goal closer, \
+         lower `reach`, or raise `step` and `spacing`"
+    )]
+    TooFar {
+        /// The name of the transfer.
+        name: String,
+        /// Diagonal of the box of joints that the search draws from, in radians.
+        span: f64,
+        /// The smaller of [`TransferOptions::step`] and [`TransferOptions::spacing`].
+        step: f64,
+    },
     /// An option is out of range.
     #[error("{what} is {value}: it must be finite and above 0")]
     Option {
@@ -244,6 +258,9 @@ impl<const N: usize> Transfer<N> {
     }
 }
 
+/// The longest line that is searched has at most so many steps.
+const MAX_STEPS: f64 = 1e6;
+
 /// Bounds are kept by this much, so that rounding does not break them.
 const KEPT: f64 = 1.0 - 1e-9;
 
@@ -282,7 +299,7 @@ fn check_bounds<const N: usize>(bounds: &Bounds<N>) -> Result<(), TransferError>
 /// * `space`: which lines in joint space are free; a closure will do.
 ///
 /// # Errors
-/// [`TransferError`] for ends out of bounds, bounds that are missing, options out of range. That an end collides, or
+/// [`TransferError`] for ends out of bounds or too far apart, bounds that are missing, options out of range. That an end collides, or
 /// that no way is found, is a result: [`Planned`].
 ///
 /// # Cost
@@ -328,18 +345,19 @@ pub fn plan_transfer<const N: usize>(
             }
         }
     }
+    let low: [f64; N] = std::array::from_fn(|j| (from[j].min(to[j]) - options.reach).max(bounds.lower[j]));
+    let high: [f64; N] = std::array::from_fn(|j| (from[j].max(to[j]) + options.reach).min(bounds.upper[j]));
+    let (span, step) = (square(&low, &high).sqrt(), options.step.min(options.spacing));
+    if span > MAX_STEPS * step {
+        return Err(TransferError::TooFar { name: name.into(), span, step });
+    }
     for (end, joints) in [(End::Start, from), (End::Goal, to)] {
         if let Some(with) = space.obstruction(joints) {
             return Ok(Planned::Collides { name: name.into(), end, with });
         }
     }
     let mut random = Random::new(options.seed);
-    let search = tree::Search {
-        low: std::array::from_fn(|j| (from[j].min(to[j]) - options.reach).max(bounds.lower[j])),
-        high: std::array::from_fn(|j| (from[j].max(to[j]) + options.reach).min(bounds.upper[j])),
-        longest: options.step,
-        iterations: options.iterations,
-    };
+    let search = tree::Search { low, high, longest: options.step, iterations: options.iterations };
     let mut checks = checks::Checks::new(space, options.spacing);
     match tree::connect(from, to, &mut checks, &search, &mut random) {
         tree::Way::None { iterations, trees } => {

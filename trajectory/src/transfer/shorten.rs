@@ -6,9 +6,9 @@
 use super::checks::Checks;
 use super::curve;
 use super::space::FreeSpace;
-use super::tree::square;
 use crate::bounds::Bounds;
 use crate::random::Random;
+use crate::vectors::square;
 
 /// After so many attempts lines that only seem free are proven: at first, and at most. With fewer, lines are proven that are
 /// soon gone again; with more, one that is blocked takes more of what was gained after it. So it doubles with each proof that

@@ -9,6 +9,7 @@
 use super::checks::Checks;
 use super::space::FreeSpace;
 use crate::random::Random;
+use crate::vectors::square;
 
 /// A way between two postures, or why there is none.
 pub(super) enum Way<const N: usize> {
@@ -161,10 +162,6 @@ pub(super) fn connect<const N: usize, S: FreeSpace<N> + ?Sized>(
     }
     let trees = trees.map(|tree| tree.nodes.len());
     Way::None { iterations: search.iterations, trees }
-}
-
-pub(super) fn square<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 #[cfg(test)]

@@ -148,13 +148,13 @@ pub fn repair<const N: usize>(
     let known: RefCell<BTreeMap<usize, Vec<[f64; N]>>> = RefCell::default();
     let candidates = |i: usize| known.borrow_mut().entry(i).or_insert_with(|| candidates(i)).clone();
     let mut repair = Repair { waypoints: waypoints.to_vec(), changed: vec![], splits: vec![], stuck: vec![] };
-    let mut next = 0;
+    let (mut next, widen) = (0, options.widen.min(count));
     while let Some(first) = (next..count).find(|&i| wanted[i]) {
         let last = (first..count).take_while(|&i| wanted[i]).last().unwrap_or(first);
         let run = Run { waypoints, collides: &collides, candidates: &candidates, fits, nearest: options.nearest };
         let mut best = run.solve(&repair, first, last);
         let wider = std::iter::successors(Some(1), |wider: &usize| wider.checked_mul(2));
-        for wider in wider.take_while(|&wider| wider < 2 * options.widen).map(|wider| wider.min(options.widen)) {
+        for wider in wider.take_while(|&wider| wider < 2 * widen).map(|wider| wider.min(widen)) {
             if best.splits.is_empty() {
                 break;
             }

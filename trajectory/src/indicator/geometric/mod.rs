@@ -20,6 +20,7 @@ mod bodies;
 mod closest;
 mod distances;
 mod grid;
+mod grid_error;
 mod lattice;
 mod model;
 mod shapes;
@@ -27,7 +28,8 @@ mod surface;
 mod transform;
 
 pub use bodies::{Bodies, BodiesFn, Twist};
-pub use grid::{DistanceGrid, GridError, MAX_NODES};
+pub use grid::{DistanceGrid, MAX_NODES};
+pub use grid_error::GridError;
 pub use model::{GeometricError, GeometricModel};
 pub use shapes::{Ball, Capsule, Cylinder, Plane};
 
@@ -92,12 +94,17 @@ impl<const N: usize, B: Bodies<N>> GeometricIndicator<N, B> {
         self.distances.replace_grid(grid, new)
     }
 
-    /// The nearest two bodies.
+    /// The nearest two bodies; at a distance of NaN where a joint is not finite.
     pub fn nearest(&self, joints: &[f64; N]) -> Near {
         let mut frames: Frames = [IsometryMatrix3::identity(); MAX_BODIES];
         self.bodies.place(joints, &mut frames[..self.count]);
-        self.distances.least(&frames)
+        answer_for(joints, self.distances.least(&frames))
     }
+}
+
+/// The answer for a posture: none where a joint is not finite, since comparisons with NaN would find nothing near.
+fn answer_for<const N: usize>(joints: &[f64; N], near: Near) -> Near {
+    if joints.iter().all(|angle| angle.is_finite()) { near } else { Near { distance: f64::NAN, ..near } }
 }
 
 impl<const N: usize, B: Bodies<N>> CollisionIndicator<N> for GeometricIndicator<N, B> {
@@ -108,7 +115,7 @@ impl<const N: usize, B: Bodies<N>> CollisionIndicator<N> for GeometricIndicator<
     fn gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]) {
         let mut frames: Frames = [IsometryMatrix3::identity(); MAX_BODIES];
         let twists = self.bodies.place_moving(joints, &mut frames[..self.count]);
-        let Near { distance, bodies: [a, b], slope, points } = self.distances.least(&frames);
+        let Near { distance, bodies: [a, b], slope, points } = answer_for(joints, self.distances.least(&frames));
         let along = |k: usize| {
             let by = |body: usize, point: &Point3<f64>| {
                 if self.carriers[body][k] { slope.dot(&twists[k].velocity(point)) } else { 0.0 }

@@ -6,7 +6,7 @@
 //! numbers (points are rounded to 2^-20 of the spacing), with the row shifted by (e, e^2) in y and z for an e that is
 //! smaller than anything: so a row through an edge or a corner meets one of the triangles there, never two, never none.
 
-use super::grid::GridError;
+use super::grid_error::GridError;
 use nalgebra::{Point3, Vector3};
 
 /// Whether the triangles make sense, and close.

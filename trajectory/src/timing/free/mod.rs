@@ -222,12 +222,12 @@ fn check<const N: usize, const F: usize>(
     }
     let TimeFreeOptions { rounds: _, tolerance, max_step, jerk_weight, timing: _ } = *options;
     let sound = [
-        ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0),
-        ("max_step", max_step, max_step > 0.0 && max_step.is_finite()),
-        ("jerk_weight", jerk_weight, (0.0..=1e3).contains(&jerk_weight)),
+        ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0, "between 0 and 1"),
+        ("max_step", max_step, max_step > 0.0 && max_step.is_finite(), "finite and above 0"),
+        ("jerk_weight", jerk_weight, (0.0..=1e3).contains(&jerk_weight), "0 to 1000"),
     ];
-    match sound.iter().find(|(_, _, sound)| !sound) {
-        Some(&(field, value, _)) => Err(TimePathError::Option { field, value }.into()),
+    match sound.iter().find(|(_, _, sound, _)| !sound) {
+        Some(&(field, value, _, must)) => Err(TimePathError::Option { field, value, must }.into()),
         None => Ok(()),
     }
 }
