@@ -58,6 +58,7 @@
 mod check;
 mod eight;
 mod equipment;
+mod file;
 mod growing;
 mod model;
 mod six;
@@ -65,10 +66,11 @@ mod six;
 pub use check::WorkcellError;
 pub use eight::EightAxisCell;
 pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE, PlateContact};
+pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
 pub use model::{
     ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, MountModel, NozzleModel, PlateModel, PositionerGeometry,
-    PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellFileError, WorkcellModel,
+    PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellModel,
 };
 pub use six::SixAxisCell;
 

@@ -1,0 +1,84 @@
+//! A workcell as a JSON file.
+
+use super::check::WorkcellError;
+#[cfg(feature = "serde")]
+use super::model::{VERSION, WorkcellModel};
+
+/// Why a file is no workcell.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorkcellFileError {
+    /// The file cannot be read or written.
+    #[error("{what}")]
+    Io {
+        /// What the system says.
+        what: String,
+    },
+    /// The file is not JSON, a field is missing, unknown or of another kind.
+    #[error("line {line}, column {column}: {what}")]
+    Json {
+        /// The line, counted from 1.
+        line: usize,
+        /// The column, counted from 1.
+        column: usize,
+        /// What is wrong there.
+        what: String,
+    },
+    /// A value makes no workcell.
+    #[error(transparent)]
+    Workcell(#[from] WorkcellError),
+}
+
+#[cfg(feature = "serde")]
+impl From<serde_json::Error> for WorkcellFileError {
+    fn from(error: serde_json::Error) -> Self {
+        let what = error.to_string();
+        if error.is_io() {
+            return WorkcellFileError::Io { what };
+        }
+        let (line, column) = (error.line(), error.column());
+        // The place is told by the fields.
+        let place = format!(" at line {line} column {column}");
+        let what = what.strip_suffix(&place).map(str::to_owned).unwrap_or(what);
+        WorkcellFileError::Json { line, column, what }
+    }
+}
+
+/// A file of any version.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Versioned {
+    version: u32,
+}
+
+#[cfg(feature = "serde")]
+impl WorkcellModel {
+    /// Reads a model from a JSON file, as `docs/formats.md` describes it. Its numbers are not checked yet:
+    /// [`AnyWorkcell::from_json`](super::AnyWorkcell::from_json) reads and checks.
+    ///
+    /// # Errors
+    /// [`WorkcellFileError::Io`]; [`WorkcellFileError::Json`] with line and column; [`WorkcellError::Version`] where a file of
+    /// another version does not have the fields of this one.
+    pub fn from_json(mut input: impl std::io::Read) -> Result<Self, WorkcellFileError> {
+        let mut text = String::new();
+        input.read_to_string(&mut text).map_err(|error| WorkcellFileError::Io { what: error.to_string() })?;
+        serde_json::from_str(&text).map_err(|error| match serde_json::from_str(&text) {
+            // Another version has other fields; these are not what is wrong then.
+            Ok(Versioned { version }) if version != VERSION => WorkcellError::Version { found: version }.into(),
+            _ => error.into(),
+        })
+    }
+
+    /// Writes the model as JSON. Read again it is the same to the last bit.
+    ///
+    /// # Errors
+    /// [`WorkcellFileError::Io`]; [`WorkcellFileError::Workcell`] names the number that is not finite, which JSON does not
+    /// have, or another value that makes no workcell.
+    pub fn write_json(&self, mut output: impl std::io::Write) -> Result<(), WorkcellFileError> {
+        super::AnyWorkcell::new(self.clone())?;
+        let io = |error: std::io::Error| WorkcellFileError::Io { what: error.to_string() };
+        serde_json::to_writer_pretty(&mut output, self)?;
+        writeln!(output).map_err(io)?;
+        output.flush().map_err(io)
+    }
+}
