@@ -10,20 +10,20 @@ use std::f64::consts::TAU;
 
 /// The tool turns no faster than this, in radians a second: half a turn takes one. Joints are often faster, but who turns
 /// faster has no smooth way in mind, and pairs of samples grow with it.
-const FASTEST_TURN: f64 = 3.0;
+const MAX_TURN_SPEED: f64 = 3.0;
 
 /// Steps faster than this many times the bound are no part of a chain.
-const TOO_FAST: f64 = 1.2;
+const MAX_SPEED_RATIO: f64 = 1.2;
 
 /// Shares of the bounds on speed and acceleration up to which nothing is paid: the spline goes beyond the means of its
 /// pieces.
-const MARGIN: f64 = 0.8;
+const FREE_SHARE: f64 = 0.8;
 
 /// What a squared share beyond that costs, in units of the squared bound on acceleration.
-const BEYOND: f64 = 1e3;
+const EXCESS_WEIGHT: f64 = 1e3;
 
 /// Chains up to this share dearer than a known one are looked at, since it is one of them.
-const ROUNDING: f64 = 1e-9;
+const COST_TOLERANCE: f64 = 1e-9;
 
 /// A sample at a waypoint.
 pub(super) struct Node<const N: usize, const F: usize> {
@@ -57,12 +57,12 @@ impl<'a, const N: usize> Price<'a, N> {
     }
 
     fn beyond(&self, share: f64) -> f64 {
-        BEYOND * self.unit * (share.abs() - MARGIN).max(0.0).powi(2)
+        EXCESS_WEIGHT * self.unit * (share.abs() - FREE_SHARE).max(0.0).powi(2)
     }
 
     /// The mean speeds of a step and their price; `None` if it is too fast.
     fn step(&self, from: &[f64; N], to: &[f64; N], time: f64) -> Option<([f64; N], f64)> {
-        let fast = |j: usize| short_way(to[j] - from[j]).abs() > TOO_FAST * self.bounds.velocity[j] * time;
+        let fast = |j: usize| short_way(to[j] - from[j]).abs() > MAX_SPEED_RATIO * self.bounds.velocity[j] * time;
         if (0..N).any(fast) {
             return None;
         }
@@ -85,8 +85,8 @@ impl<'a, const N: usize> Price<'a, N> {
 
     /// The greatest acceleration of a joint that costs no more than `most`.
     fn reach(&self, joint: usize, most: f64) -> f64 {
-        let most = most.max(0.0) * (1.0 + ROUNDING);
-        most.sqrt().min(self.bounds.acceleration[joint] * (MARGIN + (most / (BEYOND * self.unit)).sqrt()))
+        let most = most.max(0.0) * (1.0 + COST_TOLERANCE);
+        most.sqrt().min(self.bounds.acceleration[joint] * (FREE_SHARE + (most / (EXCESS_WEIGHT * self.unit)).sqrt()))
     }
 
     /// The price of a chain; infinite if it is too fast.
@@ -146,7 +146,7 @@ pub(super) fn best_chain<const N: usize, const F: usize>(
     price: &Price<'_, N>,
     most: f64,
 ) -> Option<Vec<[f64; F]>> {
-    let most = most * (1.0 + ROUNDING);
+    let most = most * (1.0 + COST_TOLERANCE);
     let mut lists: Vec<Vec<Pair<N>>> = Vec::with_capacity(nodes.len());
     for at in 1..nodes.len() {
         let step = times[at] - times[at - 1];
@@ -164,7 +164,7 @@ pub(super) fn best_chain<const N: usize, const F: usize>(
             // The best pair before, for the sample before.
             let mut like = None;
             for (to, b) in nodes[at].iter().enumerate() {
-                if short_way(b.free[angle] - a.free[angle]).abs() > FASTEST_TURN * step {
+                if short_way(b.free[angle] - a.free[angle]).abs() > MAX_TURN_SPEED * step {
                     continue;
                 }
                 let Some((velocity, own)) = price.step(&a.joints, &b.joints, step) else { continue };
@@ -231,7 +231,8 @@ mod tests {
             let count = |at: usize| if (2..5).contains(&at) { 7 } else { 1 };
             let nodes: Vec<Vec<_>> = (0..7).map(|at| (0..count(at)).map(|_| node(&mut rng)).collect()).collect();
             let times: Vec<f64> = (0..7).map(|at| 0.3 * f64::from(at) + rng.random_range(0.0..0.05)).collect();
-            let slow = |a: &Node<2, 1>, b: &Node<2, 1>, time: f64| (b.free[0] - a.free[0]).abs() <= FASTEST_TURN * time;
+            let slow =
+                |a: &Node<2, 1>, b: &Node<2, 1>, time: f64| (b.free[0] - a.free[0]).abs() <= MAX_TURN_SPEED * time;
             // All of them, one after the other.
             let mut least = f64::INFINITY;
             let mut costs = Vec::new();

@@ -12,10 +12,10 @@ use crate::Robot;
 use crate::qp::{QpError, QpOptions};
 
 /// Share of the promised decrease that a step must bring.
-const ENOUGH: f64 = 1e-4;
+const SUFFICIENT_DECREASE: f64 = 1e-4;
 
 /// Shares tried for one step.
-const HALVINGS: usize = 8;
+const MAX_HALVINGS: usize = 8;
 
 /// Damping before the first step, and its least and greatest value, in units of the squared jerk over squared joints.
 /// The stiffest motions, to and fro at neighbouring waypoints, resist with about `100 / h^5`; the softest with nothing.
@@ -23,8 +23,8 @@ const DAMPING: [f64; 3] = [1e-2, 1e-9, 1e9];
 
 /// Damping at which a step fell short, times this, is the least from then on; each step that does not lessens that to this
 /// share. Without it every other round goes back to where the one before has failed: two to four times as many.
-const ABOVE_FAILED: f64 = 4.0;
-const FORGETS: f64 = 0.9;
+const FAILED_DAMPING_FACTOR: f64 = 4.0;
+const DAMPING_DECAY: f64 = 0.9;
 
 /// Waypoints on each side that share the damping of one out of reach.
 const NEIGHBOURS: usize = 8;
@@ -33,8 +33,8 @@ const NEIGHBOURS: usize = 8;
 const EXACT: QpOptions = QpOptions { iterations: 40, tolerance: 1e-8 };
 
 /// Tolerance of a linearised problem in tolerances of the round, and the greatest.
-const DIGITS: f64 = 1e-2;
-const ROUGHEST: f64 = 1e-5;
+const QP_TOLERANCE_SHARE: f64 = 1e-2;
+const MAX_QP_TOLERANCE: f64 = 1e-5;
 
 /// The merit of a point and its parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,8 +103,11 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
     ) -> Result<Round<N, F>, QpError> {
         let peak = (peak_price > 0.0).then_some(PeakTerm { price: peak_price, height: self.merit.peak });
         // A promise that counts from `tolerance` on needs two more digits; bounds of the peak need all that there are.
-        let digits =
-            if peak.is_some() { EXACT.tolerance } else { (DIGITS * tolerance).clamp(EXACT.tolerance, ROUGHEST) };
+        let digits = if peak.is_some() {
+            EXACT.tolerance
+        } else {
+            (QP_TOLERANCE_SHARE * tolerance).clamp(EXACT.tolerance, MAX_QP_TOLERANCE)
+        };
         let step = model.step(&self.point, &self.damping, peak, &QpOptions { tolerance: digits, ..EXACT })?;
         let before = self.merit.total(peak_price);
         let promised = before - step.solution.value;
@@ -112,7 +115,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
             return Ok(Round::Still(step));
         }
         let mut share = 1.0;
-        for halving in 0..HALVINGS {
+        for halving in 0..MAX_HALVINGS {
             let next = self.point.moved(
                 self.robot,
                 model.line,
@@ -125,7 +128,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
                 Ok(next) => {
                     let merit = Merit::of(model, &next);
                     let fall = before - merit.total(peak_price);
-                    if fall >= ENOUGH * share * promised {
+                    if fall >= SUFFICIENT_DECREASE * share * promised {
                         self.point = next;
                         self.merit = merit;
                         let by = match halving {
@@ -136,9 +139,9 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
                         };
                         let least = self.damping.iter().copied().fold(f64::INFINITY, f64::min);
                         self.least_damping = if by > 1.0 {
-                            self.least_damping.max(ABOVE_FAILED * least).min(DAMPING[2])
+                            self.least_damping.max(FAILED_DAMPING_FACTOR * least).min(DAMPING[2])
                         } else {
-                            (FORGETS * self.least_damping).max(DAMPING[1])
+                            (DAMPING_DECAY * self.least_damping).max(DAMPING[1])
                         };
                         self.damp(by);
                         return Ok(Round::Fell(step));

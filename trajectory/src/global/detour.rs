@@ -14,14 +14,14 @@ use std::ops::Range;
 
 /// Waypoints on either side of what is missed that may go another way: about seven seconds at 0.18 s a step, in which
 /// the tool turns once at 1 rad/s. With fewer a turn does not fit in; time grows with them.
-const REACH: usize = 40;
+const WINDOW_WAYPOINTS: usize = 40;
 
 /// Values of the angle, 2 degrees apart. Coarser ones bend the chain by more than bounds allow, finer ones take the cube
 /// of the time.
-const SAMPLES: usize = 180;
+const ANGLE_SAMPLES: usize = 180;
 
 /// Waypoints that are gone through at most; paths with more to mend are beyond mending.
-const MOST: usize = 400;
+const MAX_WINDOW: usize = 400;
 
 /// The free parameters of all waypoints with other ways around the `missed` ones; `None` where no parameter is an
 /// angle, or too much is missed, or no way is found.
@@ -35,7 +35,7 @@ pub(super) fn detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 ) -> Option<Vec<[f64; F]>> {
     let angle = robot.free().iter().position(|range| *range == FreeRange::Turn)?;
     let windows = windows(missed, point.free.len());
-    if windows.is_empty() || windows.iter().map(Range::len).sum::<usize>() > MOST {
+    if windows.is_empty() || windows.iter().map(Range::len).sum::<usize>() > MAX_WINDOW {
         return None;
     }
     let mut free = point.free.clone();
@@ -66,7 +66,7 @@ pub(super) fn detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 fn windows(missed: &[usize], count: usize) -> Vec<Range<usize>> {
     let mut windows: Vec<Range<usize>> = Vec::new();
     for &waypoint in missed {
-        let (start, end) = (waypoint.saturating_sub(REACH), (waypoint + REACH + 1).min(count));
+        let (start, end) = (waypoint.saturating_sub(WINDOW_WAYPOINTS), (waypoint + WINDOW_WAYPOINTS + 1).min(count));
         match windows.last_mut() {
             Some(last) if start <= last.end => last.end = last.end.max(end),
             _ => windows.push(start..end),
@@ -86,10 +86,10 @@ fn nodes<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     bounds: &Bounds<N>,
 ) -> Vec<Node<N, F>> {
     let mut found = Vec::new();
-    for sample in 0..angle.map_or(1, |_| SAMPLES) {
+    for sample in 0..angle.map_or(1, |_| ANGLE_SAMPLES) {
         let mut free = *present;
         if let Some(angle) = angle {
-            free[angle] += TAU * sample as f64 / SAMPLES as f64;
+            free[angle] += TAU * sample as f64 / ANGLE_SAMPLES as f64;
         }
         robot.solutions(waypoint, &free, &mut |of, joints| {
             let inside = |j: usize| {

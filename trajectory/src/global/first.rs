@@ -20,26 +20,26 @@ use crate::Robot;
 use crate::qp::QpStatus;
 
 /// Bounds that a higher price brings nearer by less than to this share cannot be met.
-const HOPELESS: f64 = 0.9;
+const UNMET_SHARE: f64 = 0.9;
 
 /// The tolerance while bounds are not looked at, or at a price that will still rise, at least.
-const ROUGH: f64 = 1e-3;
+const COARSE_TOLERANCE: f64 = 1e-3;
 
 /// Damping up to this, in units of the squared jerk, does not touch the first digits of linearised problems.
-const UNDAMPED: f64 = 1e-6;
+const NEGLIGIBLE_DAMPING: f64 = 1e-6;
 
 /// The tolerance at the first price, before other ways are tried.
-const SKETCH: f64 = 1e-2;
+const DETOUR_TOLERANCE: f64 = 1e-2;
 
 /// What passes its bound by less than this share in the end is brought within by tightened bounds, so often, at this
 /// share of the tolerance: the linearised problem holds a bound, the spline through the exact waypoints passes it by a
 /// hair.
-const SLIGHT: f64 = 1e-2;
+const SLIGHT_VIOLATION: f64 = 1e-2;
 const MAX_TIGHTENED: usize = 3;
-const FINE: f64 = 1e-2;
+const TIGHTENED_TOLERANCE_SHARE: f64 = 1e-2;
 
 /// With fewer rounds other ways are not tried: these begin rough.
-const MIN_FOR_DETOUR: usize = 10;
+const MIN_ROUNDS_FOR_DETOUR: usize = 10;
 
 /// So many rounds before the last one bounds are tightened, come to rest or not.
 const LAST_ROUNDS: [usize; 3] = [8, 5, 2];
@@ -48,7 +48,7 @@ const LAST_ROUNDS: [usize; 3] = [8, 5, 2];
 const PRICE_STEP: f64 = 10.0;
 
 /// Rounds are shared out to so many prices of collisions.
-const PRICES: usize = 8;
+const COLLISION_PRICES: usize = 8;
 
 /// How the pass went.
 pub(super) struct FirstPass {
@@ -70,7 +70,7 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
 ) -> Result<FirstPass, GlobalError> {
     let (start, tightened) = (descent.point.clone(), model.tightened);
     let first = smooth_from(descent, model, 0.0, options, avoid, report)?;
-    if avoid.is_some() || model.farthest(&descent.point) < SLIGHT {
+    if avoid.is_some() || model.farthest(&descent.point) < SLIGHT_VIOLATION {
         return Ok(first);
     }
     let found = (std::mem::replace(&mut descent.point, start), std::mem::replace(&mut model.tightened, tightened));
@@ -107,12 +107,12 @@ fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         rounds: 0,
         stuck: 0,
         start,
-        detoured: avoid.is_some() || options.rounds < MIN_FOR_DETOUR,
+        detoured: avoid.is_some() || options.rounds < MIN_ROUNDS_FOR_DETOUR,
         straight: None,
         missed_before: f64::INFINITY,
         min_missed: 0.0,
         tightened: 0,
-        hurries_from: options.rounds / PRICES,
+        hurries_from: options.rounds / COLLISION_PRICES,
     };
     search.run(report)
 }
@@ -197,7 +197,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
         if let Round::Fell(step) | Round::Still(step) = &round
             && step.solution.status == QpStatus::Solved
             && self.phase != Phase::Unbounded
-            && damped <= UNDAMPED * before.squared_jerk
+            && damped <= NEGLIGIBLE_DAMPING * before.squared_jerk
         {
             // What is minimised is the squared jerk and the price times what is missed.
             let most = before.squared_jerk * (1.0 + options.rise);
@@ -215,13 +215,13 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
     fn tolerance(&self) -> f64 {
         let wanted = self.options.tolerance;
         match self.phase {
-            Phase::Rising if !self.detoured => wanted.max(SKETCH),
-            Phase::Unbounded | Phase::Rising => wanted.max(ROUGH),
+            Phase::Rising if !self.detoured => wanted.max(DETOUR_TOLERANCE),
+            Phase::Unbounded | Phase::Rising => wanted.max(COARSE_TOLERANCE),
             Phase::Last | Phase::Settled => {
                 if self.tightened == 0 {
                     wanted
                 } else {
-                    FINE * wanted
+                    TIGHTENED_TOLERANCE_SHARE * wanted
                 }
             }
         }
@@ -230,7 +230,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
     /// From a phase that has come to its end to the next.
     fn advance(&mut self) {
         self.stuck = 0;
-        self.hurries_from = self.rounds + self.options.rounds / PRICES;
+        self.hurries_from = self.rounds + self.options.rounds / COLLISION_PRICES;
         let is_within = self.descent.merit.price <= self.options.tolerance * self.descent.merit.squared_jerk;
         match self.phase {
             Phase::Unbounded => {
@@ -250,7 +250,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
                     (self.descent.point, self.descent.merit) = (point, merit);
                 }
                 let missed = self.descent.merit.price / self.model.penalty;
-                let is_hopeless = !collides_yet && missed > HOPELESS * self.missed_before;
+                let is_hopeless = !collides_yet && missed > UNMET_SHARE * self.missed_before;
                 self.missed_before = missed;
                 if self.model.penalty >= self.options.penalty || is_hopeless {
                     self.phase = Phase::Last;
@@ -281,7 +281,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
     /// Draws the bounds in where some are passed slightly, but not again and again; says whether they were.
     fn tighten(&mut self) -> bool {
         let over = self.model.farthest(&self.descent.point);
-        let slightly = over > 0.0 && over < SLIGHT && self.tightened < MAX_TIGHTENED;
+        let slightly = over > 0.0 && over < SLIGHT_VIOLATION && self.tightened < MAX_TIGHTENED;
         if slightly {
             self.tightened += 1;
             self.model.tightened += 2.0 * over;

@@ -23,22 +23,22 @@ const PRICE_STEP: f64 = 8.0;
 const FIRST_PRICE: f64 = 8.0;
 
 /// The pass ends when the peak is within this share of its lower bound.
-const GAP: f64 = 0.005;
+const PEAK_GAP: f64 = 0.005;
 
 /// It also ends after so many rounds in a row that lower the best peak by less than this share, when that is within this
 /// share of its lower bound.
-const MAX_SLOW: usize = 3;
-const SLOW: f64 = 0.005;
-const FAR: f64 = 0.05;
+const MAX_SLOW_ROUNDS: usize = 3;
+const SLOW_DECREASE: f64 = 0.005;
+const FAR_GAP: f64 = 0.05;
 
 /// And after so many wherever it is.
-const FAR_SLOW: usize = 8;
+const MAX_FAR_SLOW_ROUNDS: usize = 8;
 
 /// Damping up to this does not touch the bound in its first digits.
-const UNDAMPED: f64 = 1e-4;
+const NEGLIGIBLE_DAMPING: f64 = 1e-4;
 
 /// The last part of the allowed rise that is not asked for.
-const SPARE: f64 = 0.002;
+const RISE_RESERVE: f64 = 0.002;
 
 /// Lowers the peak of the descent's point, within the rise that is allowed. Returns the report, the rounds used,
 /// and whether it came to rest.
@@ -79,7 +79,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
             allowed = whole / (rise_measured * before.squared_jerk / rise).max(1.0);
         }
         let most = before.squared_jerk + allowed;
-        let aim = most - SPARE * allowed;
+        let aim = most - RISE_RESERVE * allowed;
         let peak_before = best.1.peak;
         let kept = merit.squared_jerk <= most && rise_measured <= options.rise;
         let passes = merit.price > best.1.price + options.tolerance * merit.squared_jerk;
@@ -88,7 +88,7 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
         }
         // What has too much squared jerk yet comes back with the price; a lower peak for bounds passed farther does not.
         let awaited = best.1.peak > 1.1 * merit.peak && !passes;
-        slow = if best.1.peak < (1.0 - SLOW) * peak_before || awaited { 0 } else { slow + 1 };
+        slow = if best.1.peak < (1.0 - SLOW_DECREASE) * peak_before || awaited { 0 } else { slow + 1 };
         let (step, still) = match round {
             Round::Fell(step) => (step, false),
             Round::Still(step) => (step, true),
@@ -108,8 +108,8 @@ pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized
             // The bound can be met, and nothing is asked beyond it.
             settled = still;
         } else {
-            let near = (still || damped <= UNDAMPED) && best.1.peak <= (1.0 + GAP) * low;
-            let end = if best.1.peak <= (1.0 + FAR) * low { MAX_SLOW } else { FAR_SLOW };
+            let near = (still || damped <= NEGLIGIBLE_DAMPING) && best.1.peak <= (1.0 + PEAK_GAP) * low;
+            let end = if best.1.peak <= (1.0 + FAR_GAP) * low { MAX_SLOW_ROUNDS } else { MAX_FAR_SLOW_ROUNDS };
             settled = near || slow >= end;
             let (rise, wanted) = (step.squared_jerk - before.squared_jerk, aim - before.squared_jerk);
             price *= (wanted / rise.max(1e-3 * wanted)).clamp(1.0 / PRICE_STEP, PRICE_STEP);

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Free parameters move at most this far in a step, in radians: tangents of an arm say little beyond.
-const FARTHEST: f64 = 0.3;
+const MAX_FREE_STEP: f64 = 0.3;
 
 /// Steps of the sequence, and halvings of one step.
 const MAX_STEPS: usize = 30;
@@ -22,7 +22,7 @@ const MAX_HALVINGS: usize = 10;
 const CONVERGED: f64 = 1e-4;
 
 /// Rounds in which bounds that a step would break are taken into its program.
-const ROUNDS: usize = 6;
+const MAX_CUT_ROUNDS: usize = 6;
 
 /// Share of the largest diagonal entry that is added to all: it decides nothing but what jerk does not see.
 const DAMPING: f64 = 1e-9;
@@ -159,7 +159,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         let bounds = self.bound_rows(motion, window);
         let mut taken = vec![false; bounds.len()];
         let mut step = least(&p, &q, &rows)?;
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_CUT_ROUNDS {
             let broken: Vec<usize> = (0..bounds.len())
                 .filter(|&k| !taken[k] && bounds[k].value(&step) > bounds[k].most + SLACK / 10.0)
                 .collect();
@@ -206,10 +206,10 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         for (at, i) in window.clone().enumerate() {
             for (f, range) in range.iter().enumerate() {
                 let (down, up) = match *range {
-                    FreeRange::Turn => (FARTHEST, FARTHEST),
+                    FreeRange::Turn => (MAX_FREE_STEP, MAX_FREE_STEP),
                     FreeRange::Within(from, to) => {
                         let free = motion.free[i][f];
-                        ((free - from).clamp(0.0, FARTHEST), (to - free).clamp(0.0, FARTHEST))
+                        ((free - from).clamp(0.0, MAX_FREE_STEP), (to - free).clamp(0.0, MAX_FREE_STEP))
                     }
                 };
                 rows.push(Row { coefficients: vec![(at * F + f, 1.0)], most: up });

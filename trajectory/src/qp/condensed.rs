@@ -9,7 +9,7 @@
 //! the method is the same.
 
 use super::band::{Band, inner};
-use super::interior::{Interior, NEARLY};
+use super::interior::{ACCEPTABLE_TOLERANCES, Interior};
 use super::layout::Layout;
 use super::options::QpOptions;
 use super::problem::BandedQp;
@@ -17,7 +17,7 @@ use super::solution::{QpSolution, QpStatus};
 use std::ops::Range;
 
 /// Fewer stages in a row than this stay: eliminating them would save nothing.
-const FEWEST: usize = 3;
+const MIN_ELIMINATED_STAGES: usize = 3;
 
 /// Where an unknown went, and its number there.
 #[derive(Clone, Copy, Debug)]
@@ -209,7 +209,7 @@ impl<'a> Condensed<'a> {
             duals[row as usize] = value_of(multiplier as usize);
         }
         let (solution, worst) = QpSolution::judged(self.full, x, duals, found.status, found.iterations);
-        (solution.status == QpStatus::Solved && worst <= NEARLY * options.tolerance).then_some(solution)
+        (solution.status == QpStatus::Solved && worst <= ACCEPTABLE_TOLERANCES * options.tolerance).then_some(solution)
     }
 
     /// What went, given what stayed; refined once.
@@ -256,12 +256,12 @@ fn kept(qp: &BandedQp, layout: &Layout) -> Vec<bool> {
     }
     let mut start = 0;
     while let Some(length) = kept[start..].iter().position(|&kept| kept) {
-        if length < FEWEST {
+        if length < MIN_ELIMINATED_STAGES {
             kept[start..start + length].fill(true);
         }
         start += length + 1;
     }
-    if kept.len() - start < FEWEST {
+    if kept.len() - start < MIN_ELIMINATED_STAGES {
         kept[start..].fill(true);
     }
     kept

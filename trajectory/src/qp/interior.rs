@@ -14,31 +14,31 @@ use super::solution::{QpSolution, QpStatus};
 use super::system::{System, dot, largest};
 
 /// How near to the boundary a step may come: with more, later steps are short; with less, all are.
-const FRACTION: f64 = 0.995;
+const BOUNDARY_FRACTION: f64 = 0.995;
 
 /// A corrected step shorter than this is replaced by one towards the central path.
-const SHORT: f64 = 0.1;
+const MIN_CORRECTED_STEP: f64 = 0.1;
 
 /// A corrected step aims at products `s z` of at most this many times their mean: what the second order of a short
 /// step foretells is not worth more.
-const MOST: f64 = 10.0;
+const MAX_CENTRALITY_RATIO: f64 = 10.0;
 
 /// Share by which a step towards the central path lessens the products and the residuals.
-const TO_THE_MIDDLE: f64 = 0.5;
+const CENTERING: f64 = 0.5;
 
 /// Where rounding allows no further step, the best iterate counts as a solution up to this many tolerances.
-pub(super) const NEARLY: f64 = 100.0;
+pub(super) const ACCEPTABLE_TOLERANCES: f64 = 100.0;
 
 /// To which share of the right-hand side a step is refined. The predictor only foretells lengths and products.
-const REFINED: f64 = 1e-11;
-const SKETCHED: f64 = 1e-3;
+const REFINEMENT_TOLERANCE: f64 = 1e-11;
+const PREDICTOR_TOLERANCE: f64 = 1e-3;
 
 /// A proof of infeasibility or unboundedness holds to this, relative to its own size.
-const PROOF: f64 = 1e-8;
+const CERTIFICATE_TOLERANCE: f64 = 1e-8;
 
 /// The first products `s z` where multipliers are expected to be large, in those of any other problem: with what is
 /// hardly feasible, a start far below its multipliers is left in tiny steps, and one far above costs an iteration a digit.
-const LARGE_START: f64 = 1e4;
+const LARGE_INITIAL_PRODUCTS: f64 = 1e4;
 
 /// The working state.
 pub(super) struct Interior<'a> {
@@ -113,7 +113,7 @@ impl<'a> Interior<'a> {
                 let mut end = if lost { QpStatus::Stalled } else { QpStatus::Iterations };
                 if let Some(best) = best {
                     (x, multipliers, self.sides) = (best.x, best.multipliers, best.sides);
-                    if best.worst <= NEARLY {
+                    if best.worst <= ACCEPTABLE_TOLERANCES {
                         end = QpStatus::Solved;
                     }
                 }
@@ -124,7 +124,8 @@ impl<'a> Interior<'a> {
             self.system.assemble(self.sides.iter_mut().map(|side| (side.row, side.weigh())));
             // Predictor.
             self.aim(|_| 0.0);
-            let (mut dx, mut dl) = self.direction(&residuals, 1.0, if count > 0 { SKETCHED } else { REFINED });
+            let (mut dx, mut dl) =
+                self.direction(&residuals, 1.0, if count > 0 { PREDICTOR_TOLERANCE } else { REFINEMENT_TOLERANCE });
             if count > 0 {
                 let reach = self.reach().min(1.0);
                 let after = self.complementarity_after(reach) / count as f64;
@@ -133,17 +134,19 @@ impl<'a> Interior<'a> {
                 let kept = (after / mean).powi(3).min(1.0);
                 let centre = (kept * mean).max(least);
                 // The products of the predictor's steps, as far as these can be gone.
-                self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MOST * mean));
-                (dx, dl) = self.direction(&residuals, 1.0 - kept, REFINED);
+                self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MAX_CENTRALITY_RATIO * mean));
+                (dx, dl) = self.direction(&residuals, 1.0 - kept, REFINEMENT_TOLERANCE);
                 let reach = self.reach();
-                if reach < SHORT || self.complementarity_after((FRACTION * reach).min(1.0)) > products {
+                if reach < MIN_CORRECTED_STEP
+                    || self.complementarity_after((BOUNDARY_FRACTION * reach).min(1.0)) > products
+                {
                     // They mislead from a badly centred point: back to the middle.
-                    self.aim(|_| TO_THE_MIDDLE * mean);
-                    (dx, dl) = self.direction(&residuals, TO_THE_MIDDLE, REFINED);
+                    self.aim(|_| CENTERING * mean);
+                    (dx, dl) = self.direction(&residuals, CENTERING, REFINEMENT_TOLERANCE);
                 }
             }
             let reach = self.reach();
-            let step = if reach >= 1.0 / FRACTION { 1.0 } else { FRACTION * reach };
+            let step = if reach >= 1.0 / BOUNDARY_FRACTION { 1.0 } else { BOUNDARY_FRACTION * reach };
             stuck = if step < 1e-6 { stuck + 1 } else { 0 };
             for (value, by) in x.iter_mut().zip(&dx) {
                 *value += step * by;
@@ -184,7 +187,7 @@ impl<'a> Interior<'a> {
         }
         let share = (value.abs() + price) / self.sides.len().max(1) as f64;
         let usual = share.max(0.1 * (1.0 + steepest).min(10.0));
-        let mean = if self.large_multipliers { LARGE_START * usual } else { usual };
+        let mean = if self.large_multipliers { LARGE_INITIAL_PRODUCTS * usual } else { usual };
         for side in &mut self.sides {
             let slack = side.miss;
             if side.is_soft() {
@@ -335,7 +338,10 @@ impl<'a> Interior<'a> {
         for (&(row, _), &push) in self.system.equations().iter().zip(multipliers) {
             take(row, push, qp.rows[row as usize].upper);
         }
-        if size > 0.0 && value < -PROOF * size && largest(&combined) * (1.0 + largest(x)) <= PROOF * -value {
+        if size > 0.0
+            && value < -CERTIFICATE_TOLERANCE * size
+            && largest(&combined) * (1.0 + largest(x)) <= CERTIFICATE_TOLERANCE * -value
+        {
             return Some(QpStatus::Infeasible);
         }
         let falls: f64 = -x.iter().zip(&qp.linear).map(|(x, g)| x * g).sum::<f64>();
@@ -346,7 +352,7 @@ impl<'a> Interior<'a> {
         }
         let hx = qp.times_hessian(x);
         let keeps = |row: u32, sign: f64| sign * dot(qp.terms_of(row as usize), x) <= 1e-6 * reach;
-        let flat = largest(&hx) <= PROOF * falls
+        let flat = largest(&hx) <= CERTIFICATE_TOLERANCE * falls
             && self.sides.iter().all(|side| side.is_soft() || keeps(side.row, side.sign))
             && self.system.equations().iter().all(|&(row, _)| keeps(row, 1.0) && keeps(row, -1.0));
         let price: f64 = self.sides.iter().filter(|side| side.is_soft()).map(|side| side.p * side.penalty).sum();
