@@ -26,6 +26,9 @@
 mod check;
 mod csv;
 mod dome;
+mod external;
+mod merge;
+mod names;
 mod prints;
 mod rapid;
 mod servo;
@@ -37,17 +40,21 @@ mod urscript;
 pub use check::{ProgramLimits, WriteError};
 pub use csv::{CsvReader, write_csv};
 pub use dome::DomeRig;
+pub use external::{ExternalAxes, Payload};
 pub use prints::{
     PrintKnot, PrintPiece, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream,
     print_targets,
 };
 pub use rapid::{
-    RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten, read_rapid, write_rapid,
+    FilamentOutput, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten,
+    ReadWarning, read_rapid, write_rapid,
 };
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use strokes::{StrokeOptions, lifted, strokes};
 pub use tokens::ReadError;
-pub use urscript::{FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, write_urscript};
+pub use urscript::{
+    FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
+};
 
 use crate::arm::Arm;
 use nalgebra::Isometry3;
@@ -132,8 +139,8 @@ pub enum Zone {
 pub struct Move {
     /// Where to.
     pub goal: Goal,
-    /// Tilt and turn of a positioner that moves along, in radians.
-    pub table: Option<[f64; 2]>,
+    /// A positioner, or other external axes, that move along.
+    pub table: Option<ExternalAxes>,
     /// How fast.
     pub speed: Speed,
     /// How exactly.
