@@ -4,7 +4,7 @@
 
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use curvlay_kinematics::program::*;
-use curvlay_kinematics::{Arm, robots};
+use curvlay_kinematics::{Arm, ArmModel, JointLimits, robots};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -16,6 +16,11 @@ fn script(steps: &[Step], options: &UrScriptOptions) -> Result<(String, UrScript
 
 fn read(script: &str) -> Vec<Step> {
     UrScriptReader::new(script.as_bytes()).unwrap().collect::<Result<_, _>>().unwrap()
+}
+
+/// A UR5 without stops and speeds, for any joints.
+fn endless_ur5() -> Arm {
+    Arm::new(&ArmModel { limits: JointLimits::NONE, ..robots::UR5 }).unwrap()
 }
 
 /// Any steps; speeds of joints are not what is looked at.
@@ -93,7 +98,7 @@ proptest! {
     fn urscript_comes_back(steps in steps(), is_line in any::<bool>(), work in pose(), tool in pose(), part_in_hand in any::<bool>(), has_arm in any::<bool>()) {
         let straight = if is_line { Straight::MoveL } else { Straight::MoveP };
         let payload = Some(Payload { mass_kg: 1.25, centre: Point3::new(0.0, -3.5, 40.0) });
-        let arm = has_arm.then(|| Arm::new(&robots::UR5).unwrap());
+        let arm = has_arm.then(endless_ur5);
         let options = UrScriptOptions { straight, work, tool, part_in_hand, payload, arm, ..free() };
         let (text, written) = script(&steps, &options).unwrap();
         let reader = UrScriptReader::new(text.as_bytes()).unwrap();
@@ -165,7 +170,7 @@ proptest! {
     /// Read by itself, the file has no blends that overlap, none without two known ways, none before a stream or the end.
     #[test]
     fn blends_do_not_overlap(steps in steps(), has_arm in any::<bool>()) {
-        let arm = has_arm.then(|| Arm::new(&robots::UR5).unwrap());
+        let arm = has_arm.then(endless_ur5);
         let options = UrScriptOptions { arm, tool: Isometry3::translation(0.0, 30.0, 120.0), ..free() };
         let again = read(&script(&steps, &options).unwrap().0);
         let motions: Vec<&Step> = again.iter().filter(|s| matches!(s, Step::Move(_) | Step::Servo { .. })).collect();
@@ -218,7 +223,7 @@ fn blends_are_reduced_and_the_last_move_stops() {
     assert_eq!(script(&[steps[0], steps[1], stream], &free()).unwrap().1.stops_added, 1);
     let to_joints = [steps[0], steps[1], joints([0.0, -1.0, 1.0, 0.0, 0.5, 0.0])];
     assert_eq!(script(&to_joints, &free()).unwrap().1.stops_added, 1);
-    let known = UrScriptOptions { arm: Some(Arm::new(&robots::UR5).unwrap()), ..free() };
+    let known = UrScriptOptions { arm: Some(endless_ur5()), ..free() };
     let (_, written) = script(&to_joints, &known).unwrap();
     assert_eq!((written.stops_added, written.blends_reduced), (0, 1));
     // Endless signals behind a blend do not fill the memory: the move stops then.
@@ -259,7 +264,12 @@ fn payloads_and_limits_of_arms() {
     assert!(matches!(error, WriteError::Option { what: "payload.mass_kg", .. }), "{error}");
     // By default no joint goes beyond what any of these arms can.
     let error = script(&[joints([0.0, 0.0, 6.3, 0.0, 0.0, 0.0])], &UrScriptOptions::default()).unwrap_err();
-    assert!(matches!(error, WriteError::JointLimit { index: 0, joint: 2, upper, .. } if upper == TAU), "{error}");
+    assert!(matches!(error, WriteError::JointLimit { index: 0, joint: 2, upper, .. } if upper <= TAU), "{error}");
+    // An arm that is given has its own.
+    let stops = ArmModel { limits: JointLimits { upper: [1.0; 6], ..robots::UR5.limits }, ..robots::UR5 };
+    let options = UrScriptOptions { arm: Some(Arm::new(&stops).unwrap()), ..Default::default() };
+    let error = script(&[joints([1.1; 6])], &options).unwrap_err();
+    assert!(matches!(error, WriteError::JointLimit { index: 0, joint: 0, .. }), "{error}");
     let fast = [0.0, 0.06].map(|x| Step::Servo { joints: [x; 6], seconds: 0.008 });
     let error = script(&fast, &UrScriptOptions::default()).unwrap_err();
     assert!(matches!(error, WriteError::JointSpeed { index: 1, joint: 0, .. }), "{error}");

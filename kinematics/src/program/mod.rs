@@ -8,12 +8,16 @@
 //! programs.
 //!
 //! * RAPID ([`write_rapid`], [`read_rapid`]): `MoveL`, `MoveJ`, `MoveAbsJ` with robtargets, jointtargets, speed and
-//!   zone data inside the instruction, one line a move; `SetDO` and `SetAO` for the extruder. B. Brooks (*3D printing a
-//!   transposed design*, ME thesis, Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a
-//!   program is split into modules of a chosen size, and a main loads them in turn.
+//!   zone data inside the instruction, one line a move; `SetDO`, `SetAO` or `SetGO` for the extruder. B. Brooks (*3D
+//!   printing a transposed design in biopolymer materials using an articulated robot and pellet-based extrusion*, ME thesis,
+//!   Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a program is split into modules of
+//!   a chosen size, and a main loads them in turn. [`RapidOptions`] states frames, units and signals. What people write is
+//!   read as well.
 //! * URScript ([`write_urscript`], [`UrScriptReader`]): `movel` or `movep`, `movej`, `servoj`;
-//!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder.
+//!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder. [`UrScriptOptions`] states the same.
 //! * CSV ([`write_csv`], [`CsvReader`]): every bit of a step, for other programs.
+//!
+//! No reader gives a number that is not finite, or one beyond 1e6 (mm, rad, s).
 //!
 //! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget.
 //!
@@ -61,6 +65,9 @@ use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
 
 /// RAPID's configuration data: in which quarter turn joints 1, 4 and 6 lie, and on which branch the arm is.
+///
+/// Quarter turns are those of the maker's angles: 0 from 0 to 90 degrees, -1 from -90 to 0. `cfx` is the slot of
+/// [`Branch`](crate::Branch), `4 shoulder + 2 elbow + wrist`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConfData {
     /// Quarter turn of joint 1: 0 from 0 to 90 degrees, -1 from -90 to 0, and so on.

@@ -82,7 +82,7 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
         let (from, to) = (begin, begin + leg.duration_s);
         begin = to;
         let of_leg = move |tick: &u64| *tick as f64 * period <= to;
-        let first = (from / period).floor() as u64 + 1;
+        let first = ((from / period).floor() as u64).saturating_add(1);
         let prints = leg.filament_mm.is_some();
         let signal = move |on| prints.then_some(Step::Extruder(on));
         let mut speed = 0.0;

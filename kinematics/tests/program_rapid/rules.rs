@@ -321,7 +321,7 @@ fn numbers(value: &Value, count: usize) -> Result<Vec<f64>, String> {
         .collect()
 }
 
-fn parts<'a>(value: &'a Value, count: usize) -> Result<&'a [Value], String> {
+fn parts(value: &Value, count: usize) -> Result<&[Value], String> {
     match value {
         Value::List(all) if all.len() == count => Ok(all),
         other => Err(format!("{other:?} has not {count} parts")),

@@ -63,7 +63,7 @@ pub struct UrScriptOptions {
     pub tool: Isometry3<f64>,
     /// All that the flange carries: `set_payload`. Default `None`: what is set on the controller stays.
     pub payload: Option<Payload>,
-    /// The arm, by which the places of moves to joints are known. Default `None`.
+    /// The arm, by which the places of moves to joints are known; its limits hold as well as `limits`. Default `None`.
     pub arm: Option<Arm>,
     /// Straight lines.
     pub straight: Straight,

@@ -74,7 +74,10 @@ pub fn write_urscript(
     check_options(options)?;
     let failed = |source| WriteError::Io { file: options.name.clone(), source };
     let filament_mm_s = options.limits.filament_mm_s.min(options.filament_full_scale_mm_s);
-    let limits = ProgramLimits { filament_mm_s, ..options.limits };
+    let mut limits = ProgramLimits { filament_mm_s, ..options.limits };
+    if let Some(arm) = &options.arm {
+        tighten(&mut limits, &ProgramLimits::of_arm(arm));
+    }
     let mut checker = Checker::new(&limits);
     let mut program = Program::begin(options);
     for step in steps {
@@ -100,6 +103,16 @@ pub fn write_urscript(
     program.finish();
     out.write_all(&program.text.0).and_then(|()| out.flush()).map_err(failed)?;
     Ok(program.written)
+}
+
+/// Joints within both limits.
+fn tighten(limits: &mut ProgramLimits, other: &ProgramLimits) {
+    let (joints, other) = (&mut limits.joints, &other.joints);
+    for joint in 0..6 {
+        joints.lower[joint] = joints.lower[joint].max(other.lower[joint]);
+        joints.upper[joint] = joints.upper[joint].min(other.upper[joint]);
+        joints.velocity[joint] = joints.velocity[joint].min(other.velocity[joint]);
+    }
 }
 
 /// Where the tip and the TCP are behind a motion.
