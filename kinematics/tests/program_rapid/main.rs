@@ -460,3 +460,22 @@ fn what_is_not_known_is_named_with_its_place() {
     let result: Result<Vec<Step>, _> = read_rapid(doubling.as_bytes(), |_| Ok::<&[u8], _>(b"")).unwrap().collect();
     assert!(result.unwrap_err().to_string().contains("calls that come to an end"));
 }
+
+/// What comes of the workcells of the examples, both of them: an arm over a table, and a part in the hand.
+#[cfg(feature = "serde")]
+#[test]
+fn what_a_workcell_gives_keeps_the_rules() {
+    use curvlay_kinematics::workcell::AnyWorkcell;
+    let table = include_str!("../../../examples/cells/irb1200-table.json");
+    let hand = include_str!("../../../examples/cells/ur3.json");
+    for (file, in_hand, unit) in [(table, true, Some("STN1")), (hand, false, None)] {
+        let cell = AnyWorkcell::from_json(file.as_bytes()).unwrap();
+        let options = RapidOptions::of_workcell(cell.equipment());
+        assert_eq!((options.tool.in_hand, options.work_object.in_hand), (in_hand, !in_hand));
+        assert_eq!(options.work_object.unit.as_deref(), unit);
+        let steps = [line(1.0), Step::FilamentSpeed(2.0), Step::Extruder(true), line(2.0), Step::FilamentSpeed(0.0)];
+        let files = written(&steps, &options).unwrap();
+        assert_eq!(judged(&files, &options), Ok(()));
+        assert!(text(&files, "curvlay.mod").contains("! The mass of nozzle is not known"));
+    }
+}
