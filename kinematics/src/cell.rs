@@ -1,17 +1,5 @@
-//! Cells: an arm, a part and a nozzle, and which of the two the arm holds.
-//!
-//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.5, Fig. 2.7, Eq. 2.3 `T_E^B
-//! T_P^E T_O^P = T_N^B`, and section 4.3.1 (the free turn about the tool axis, Eq. 4.3). Symbols: `T_E^B` is
-//! `base_flange` here, `T_P^E` is `flange_part`, `T_O^P` comes from a [`Waypoint`] and the tool angle, `T_N^B` is
-//! `base_nozzle`.
-//!
-//! The nozzle frame N has its origin at the tip; its z axis runs from the tip up into the nozzle, against the flow,
-//! so that it coincides with the deposition frame O, whose z axis is the direction in which material grows. The tool
-//! angle turns O about z. At angle 0, O is the part frame turned by the shortest way that takes z to the waypoint's
-//! axis (about x where the axis is -z).
-//!
-//! Departs from the dissertation: the nozzle may be in the hand and the part on its stand as well, and the stand may
-//! be the table of a [`Positioner`].
+//! Cells: an arm, a part and a nozzle, and which of the two the arm holds. [`CellFrames`] states frames and the zero of
+//! the tool angle.
 
 use crate::arm::{Arm, Branch, Rates, Solutions};
 use crate::pose::parts;
@@ -90,7 +78,20 @@ enum Held {
     Nozzle,
 }
 
-/// The frames of Fig. 2.7, all in the base.
+/// The frames of a cell, all in the base, which is the world: those of C. Dai, *Material Deposition in 3D Space*
+/// (dissertation, TU Delft 2020), section 2.5, Fig. 2.7.
+///
+/// Symbols of Eq. 2.3, `T_E^B T_P^E T_O^P = T_N^B`, and section 4.3.1 (the free turn about the tool axis, Eq. 4.3):
+/// `T_E^B` is `base_flange` in this crate, `T_P^E` is `flange_part`, `T_O^P` comes from a [`Waypoint`] and the tool angle,
+/// `T_N^B` is `base_nozzle`.
+///
+/// The nozzle frame N has its origin at the tip; its z axis runs from the tip up into the nozzle, against the flow, so that
+/// it coincides with the deposition frame O, whose z axis is the direction in which material grows. The tool angle turns
+/// O about z, in radians. At angle 0, O is the part frame turned by the shortest way that takes z to the waypoint's axis
+/// (about x where the axis is -z).
+///
+/// Departs from the dissertation: the nozzle may be in the hand and the part on its stand as well, and the stand may be the
+/// table of a [`Positioner`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellFrames {
     /// B: the base of the arm, which is the world.

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 #![allow(clippy::float_cmp, clippy::type_complexity)] // times of ticks are exact; legs are closures
 
+use curvlay_kinematics::Waypoint;
+use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
 use curvlay_kinematics::program::{
     Goal, Move, PrintKnot, ProgramLimits, RapidOptions, ServoRate, Speed, Step, StreamLeg, StreamOptions, TargetMotion,
     TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream, print_targets, read_rapid,
@@ -166,7 +168,7 @@ fn targets_are_where_the_joints_are_and_as_fast_as_the_plan() {
     let (motion, mut expected) = (motion(), vec![]);
     let by_joints = |joints: &[f64; 8]| {
         let goal = Goal::Joints(joints[..6].try_into().unwrap());
-        Step::Move(Move { goal, table: Some([joints[6], joints[7]]), speed: Speed::default(), zone: Zone::Stop })
+        Step::Move(Move { goal, table: Some([joints[6], joints[7]].into()), speed: Speed::default(), zone: Zone::Stop })
     };
     expected.extend([by_joints(&motion.knots[0].joints), Step::Extruder(true)]);
     for k in 1..5 {
@@ -174,7 +176,7 @@ fn targets_are_where_the_joints_are_and_as_fast_as_the_plan() {
         let moved = (from.pose.translation.vector - to.pose.translation.vector).norm();
         let turned = from.pose.rotation.angle_to(&to.pose.rotation);
         let joints = motion.knots[k].joints;
-        let (table, zone) = (Some([joints[6], joints[7]]), if k == 4 { Zone::Stop } else { Zone::Blend(0.3) });
+        let (table, zone) = (Some([joints[6], joints[7]].into()), if k == 4 { Zone::Stop } else { Zone::Blend(0.3) });
         let speed = Speed { mm_s: moved, rad_s: f64::max(0.5, 2.0 * turned) };
         expected.extend([Step::FilamentSpeed(1.5), Step::Move(Move { goal: Goal::Line(to), table, speed, zone })]);
     }
@@ -224,8 +226,117 @@ fn rapid_of_a_workcell_comes_back() {
     write_rapid(steps.clone(), &options, open).unwrap();
     let file = |name: &str| Cursor::new(files.borrow()[name].clone());
     let read = read_rapid(file("curvlay.mod"), |name| Ok(file(name))).unwrap();
-    assert_eq!(read.collect::<Result<Vec<Step>, _>>().unwrap().len(), steps.len());
+    // Main switches off filament and extruder at the begin and at the end.
+    assert_eq!(read.collect::<Result<Vec<Step>, _>>().unwrap().len(), steps.len() + 4);
 
     let ur3 = RapidOptions::of_workcell(ur3().equipment());
     assert_eq!((ur3.tool.in_hand, ur3.work_object.in_hand, ur3.work_object.unit), (false, true, None));
+}
+
+/// A path on the part of a UR3, a waypoint a millimetre at 20 mm/s: 100 mm along x, then around a corner along y.
+fn path_on_part(cell: &SixAxisCell, corner: bool) -> Vec<PrintKnot<6>> {
+    let at = |k: u32| {
+        let (x, y) = if corner && k > 50 { (0.0, f64::from(k - 50)) } else { (f64::from(k) - 50.0, 0.0) };
+        Waypoint { position: Point3::new(x, y, 20.0), axis: Vector3::z_axis() }
+    };
+    let mut first = None;
+    cell.solutions(&at(0), &[0.4], &mut |_, joints| {
+        first = first.or(cell.limits().contains(&joints).then_some(joints))
+    });
+    let mut joints = first.unwrap();
+    let knot = |k: u32| {
+        joints = cell.continuing(&at(k), &[0.4], 0.0, &joints).unwrap();
+        PrintKnot { time_s: 0.05 * f64::from(k), joints, filament_mm: 0.04 * f64::from(k) }
+    };
+    (0..=100).map(knot).collect()
+}
+
+/// A tenth of a metre was 3,206 lines.
+#[test]
+fn a_straight_path_is_a_few_lines_of_urscript() {
+    let cell = ur3();
+    let options = UrScriptOptions::of_workcell(cell.equipment());
+    assert!(options.part_in_hand && options.arm.is_some());
+    let lines = |knots: Vec<PrintKnot<6>>, targets: TargetOptions| {
+        let motion = TargetMotion { knots, onward: vec![] };
+        let mut out = Vec::new();
+        let written = write_urscript(print_targets(&cell, [motion], targets), &options, &mut out).unwrap();
+        (String::from_utf8(out).unwrap(), written)
+    };
+    let merge = TargetOptions { merge_mm: 0.05, ..TargetOptions::default() };
+    let (text, written) = lines(path_on_part(&cell, false), merge);
+    assert_eq!((written.moves, written.servos, text.matches("movel(").count()), (2, 0, 1), "{text}");
+    assert!(text.lines().count() <= 12, "{text}");
+    // 20 mm/s, on the part and of the TCP, for it does not turn.
+    assert!(text.contains(",v=0.02,r=0)"), "{text}");
+    assert_eq!(lines(path_on_part(&cell, false), TargetOptions::default()).1.moves, 101);
+    // Around a corner it is two lines, rounded where they meet.
+    let (text, written) = lines(path_on_part(&cell, true), merge);
+    assert_eq!((written.moves, written.blends_reduced, written.stops_added), (3, 0, 0), "{text}");
+    assert!(text.contains(",r=0.0003)"), "{text}");
+    // What is read leads to the same places on the part.
+    let read: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().collect::<Result<_, _>>().unwrap();
+    let places = read.iter().filter_map(|step| match step {
+        Step::Move(Move { goal: Goal::Line(target), .. }) => Some(target.pose.translation.vector),
+        _ => None,
+    });
+    let expected = [Vector3::new(0.0, 0.0, 20.0), Vector3::new(0.0, 50.0, 20.0)];
+    assert!(places.zip(expected).all(|(a, b)| (a - b).norm() < 1e-4), "{text}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Against all waypoints that are not written: each is near the line that passes it, its speed and its filament, too.
+    #[test]
+    fn merged_lines_pass_their_waypoints(
+        bends in prop::collection::vec((0..5u8, 0.0..1.0f64), 5..120), merge_mm in 0.01..2.0f64,
+    ) {
+        let cell = over_table();
+        let mut joints = [0.0, 0.3, 0.2, 0.1, 0.8, 0.0, 0.2, 0.1];
+        let (mut time_s, mut filament_mm) = (0.0, 0.0);
+        let mut which = 0;
+        let knots: Vec<PrintKnot<8>> = bends
+            .iter()
+            .map(|(kind, by)| {
+                // Mostly on as before.
+                which = if *kind == 0 { (by * 8.0) as usize } else { which };
+                joints[which] += 0.002;
+                (time_s, filament_mm) = (time_s + 0.1, filament_mm + if *kind == 1 { 0.2 * by } else { 0.2 });
+                PrintKnot { time_s, joints, filament_mm }
+            })
+            .collect();
+        let options = TargetOptions { merge_mm, merge_share: 0.2, merge_rad: 0.01, ..TargetOptions::default() };
+        let motion = TargetMotion { knots: knots.clone(), onward: vec![] };
+        let steps: Vec<Step> = print_targets(&cell, [motion], options).collect();
+        let poses: Vec<_> = knots.iter().map(|knot| cell.controller_pose(&knot.joints).unwrap().target.pose).collect();
+        let ends = steps.iter().filter_map(|step| match step {
+            Step::Move(Move { goal: Goal::Line(target), speed, .. }) => {
+                Some((poses.iter().position(|pose| *pose == target.pose).unwrap(), *speed))
+            }
+            _ => None,
+        });
+        let (mut from, mut laid) = (0, 0.0);
+        let mut fed = 0.0;
+        let feeds = steps.iter().filter_map(|step| if let Step::FilamentSpeed(v) = step { Some(*v) } else { None });
+        for ((to, speed), feed) in ends.zip(feeds) {
+            prop_assert!(to > from);
+            let seconds = knots[to].time_s - knots[from].time_s;
+            laid += feed * seconds;
+            fed += knots[to].filament_mm - knots[from].filament_mm;
+            let line = poses[to].translation.vector - poses[from].translation.vector;
+            prop_assert!((speed.mm_s * seconds - line.norm()).abs() < 1e-9 || line.norm() < 0.01 * seconds);
+            for pose in &poses[from + 1..to] {
+                let off = pose.translation.vector - poses[from].translation.vector;
+                // A tool that only turns: the line has no length.
+                let share = off.dot(&line) / line.norm_squared();
+                let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+                prop_assert!((off - line * share).norm() <= merge_mm + 1e-9);
+                let between: UnitQuaternion<f64> = poses[from].rotation.slerp(&poses[to].rotation, share);
+                prop_assert!(between.angle_to(&pose.rotation) <= 0.01 + 1e-9);
+            }
+            from = to;
+        }
+        prop_assert_eq!(from, knots.len() - 1);
+        prop_assert!((laid - fed).abs() < 1e-9);
+    }
 }

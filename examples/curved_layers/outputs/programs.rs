@@ -100,7 +100,7 @@ fn of_streams(
             return write_csv(steps, &limits, out);
         }
         let options = urscript_options(&run.cell, &run.plan, name);
-        write_urscript(steps, &options, out)
+        write_urscript(steps, &options, out).map(|_| ())
     };
     of_pieces(run, &pieces, ending, folder, write)
 }

@@ -1,8 +1,8 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, PrintPiece, ProgramLimits, Step, StreamLeg, StreamOptions, TargetMotion,
-    TargetOptions, UrScriptOptions, print_pieces, print_stream, print_targets,
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, PrintPiece, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
+    UrScriptOptions, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
@@ -57,15 +57,15 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     print_stream(ends.map(|joints| joints.map_or([0.0; 6], arm)), legs, StreamOptions::default())
 }
 
-/// Options of a stream: the limits of the arm, and a range of the filament's signal that holds the whole print.
+/// Options of a stream: the frames, the arm and its limits, and a range of the filament's signal that holds the whole print.
 pub fn urscript_options<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
     name: &str,
 ) -> UrScriptOptions {
-    let limits = ProgramLimits::of_arm(cell.equipment().arm());
     let filament_full_scale_mm_s = plan.max_filament_mm_s().ceil().max(FILAMENT_FULL_SCALE_MM_S);
-    UrScriptOptions { name: name.to_owned(), limits, filament_full_scale_mm_s, ..UrScriptOptions::default() }
+    let options = UrScriptOptions::of_workcell(cell.equipment());
+    UrScriptOptions { name: name.to_owned(), filament_full_scale_mm_s, ..options }
 }
 
 /// Some runs as targets on the part, and the travels behind them by joints.

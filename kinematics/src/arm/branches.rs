@@ -1,7 +1,4 @@
-//! The eight branches of the inverse, by name, in eight fixed slots.
-//!
-//! Each of the three letters changes at one singularity and nowhere else, so a motion that meets no singularity stays
-//! on its branch. The slot is `4 shoulder + 2 elbow + wrist`: for an ABB arm this is its RAPID `cfx`.
+//! The eight branches of the inverse, by name, in eight fixed slots: [`Branch`].
 
 use crate::angle::apart;
 
@@ -34,6 +31,10 @@ pub enum Wrist {
 }
 
 /// One of the eight ways in which an arm reaches a pose.
+///
+/// Each of the three letters changes at one singularity and nowhere else, so a motion that meets no singularity stays on
+/// its branch. The slot is `4 shoulder + 2 elbow + wrist` (0 or 1 each: back, down, flipped): for an ABB arm this is its
+/// RAPID `cfx`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Branch {
     /// Front or back.

@@ -7,6 +7,9 @@ use std::f64::consts::FRAC_PI_2;
 
 /// The table of an arm of the UR type, in millimetres and radians, column by column as the maker prints it.
 ///
+/// The convention is the standard (distal) one, `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`; angles of joints are the
+/// maker's, counted from there.
+///
 /// Free to choose are `d`, `a[1]` and `a[2]`; `alpha` must be `[90, 0, 0, 90, -90, 0]` degrees and the other `a` zero,
 /// since that is what makes the closed form possible.
 #[derive(Clone, Copy, Debug, PartialEq)]

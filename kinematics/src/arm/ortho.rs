@@ -15,8 +15,11 @@ use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
-/// The lengths of an ortho-parallel arm, in millimetres, at the posture with all links upright.
+/// The lengths of an ortho-parallel arm, in millimetres, at the posture with all links upright, where all angles are zero:
+/// axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
 ///
+/// M. Brandstoetter, A. Angerer, M. Hofbaur, "An analytical solution of the inverse kinematics problem of industrial serial
+/// manipulators with an ortho-parallel basis and a spherical wrist", Austrian Robotics Workshop 2014.
 /// These are the numbers that collections of robots print under the same names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrthoLengths {

@@ -1,8 +1,9 @@
 //! What every writer asks of a step before it writes it.
 
-use super::{Goal, Move, Step, Zone};
+use super::{ExternalAxes, Goal, Move, Payload, Step, Zone};
 use crate::limits::JointLimits;
 use nalgebra::Vector3;
+use std::f64::consts::TAU;
 use std::io;
 
 /// What a controller takes.
@@ -12,6 +13,8 @@ pub struct ProgramLimits {
     pub joints: JointLimits<6>,
     /// Greatest speed of the tool, mm/s. Default 7000: the fastest speed that RAPID has a name for.
     pub speed_mm_s: f64,
+    /// Greatest radius of a zone or a blend, mm. Default 200: the widest zone that RAPID has a name for.
+    pub zone_mm: f64,
     /// Greatest speed of the filament, mm/s. Default: no limit.
     pub filament_mm_s: f64,
     /// Most moves and steps of streams in a program. Default: no limit.
@@ -20,7 +23,22 @@ pub struct ProgramLimits {
 
 impl Default for ProgramLimits {
     fn default() -> Self {
-        ProgramLimits { joints: JointLimits::NONE, speed_mm_s: 7000.0, filament_mm_s: f64::INFINITY, moves: u64::MAX }
+        ProgramLimits {
+            joints: JointLimits::NONE,
+            speed_mm_s: 7000.0,
+            zone_mm: 200.0,
+            filament_mm_s: f64::INFINITY,
+            moves: u64::MAX,
+        }
+    }
+}
+
+impl ProgramLimits {
+    /// What no arm of Universal Robots goes beyond: two turns of each joint (-360 to 360 degrees) at 360 degrees a
+    /// second; tool and zones as by default. The limits of one arm are [`ProgramLimits::of_arm`].
+    pub fn universal_robots() -> Self {
+        let joints = JointLimits { lower: [-TAU; 6], upper: [TAU; 6], velocity: [TAU; 6], ..JointLimits::NONE };
+        ProgramLimits { joints, ..ProgramLimits::default() }
     }
 }
 
@@ -106,14 +124,22 @@ pub enum WriteError {
         format: &'static str,
     },
     /// A name that the controller does not take.
-    #[error("`{name}` cannot be the {what}: letters, digits and _ only, a letter first, at most {most} of them")]
+    #[error("the option `{what}` cannot be `{name}`: {need}")]
     Name {
-        /// What it is the name of.
+        /// The option.
         what: &'static str,
         /// The name.
         name: String,
-        /// Greatest length.
-        most: usize,
+        /// What it must be, or why it is refused.
+        need: String,
+    },
+    /// Options that contradict each other, or one that would be lost.
+    #[error("the option `{what}` cannot be as it is: {need}")]
+    Conflict {
+        /// The option.
+        what: &'static str,
+        /// What is wrong, and what to do.
+        need: &'static str,
     },
     /// An option is not possible.
     #[error("the option `{what}` is {value}: {need}")]
@@ -135,8 +161,14 @@ pub enum WriteError {
     },
 }
 
-/// Positions and angles beyond this are no cell's.
-const LARGEST: f64 = 1e6;
+/// Positions, angles, speeds and times beyond this are no cell's: neither written nor read.
+pub(super) const LARGEST: f64 = 1e6;
+
+/// Quarter turns beyond this are no joint's: 250 whole turns.
+const QUARTERS: f64 = 1000.0;
+
+/// The last of the eight branches of an arm.
+const LAST_BRANCH: f64 = 7.0;
 
 /// Speeds, blends and times below this come out as zero, or nearly so, in some format.
 pub(super) const LEAST: f64 = 1e-3;
@@ -223,17 +255,22 @@ impl<'a> Checker<'a> {
                 if !is_unit {
                     return Err(WriteError::Rotation { index, length });
                 }
+                let conf = &target.conf;
+                for (what, quarter) in [("cf1", conf.cf1), ("cf4", conf.cf4), ("cf6", conf.cf6)] {
+                    within(index, what, f64::from(quarter), -QUARTERS, QUARTERS)?;
+                }
+                within(index, "cfx", f64::from(conf.cfx), 0.0, LAST_BRANCH)?;
             }
             Goal::Joints(joints) => self.check_joints(joints)?,
         }
-        for value in to.table.into_iter().flatten() {
+        for value in to.table.iter().flat_map(ExternalAxes::axes).flatten() {
             within(index, "table", value, -LARGEST, LARGEST)?;
         }
         within(index, "mm_s", to.speed.mm_s, LEAST, self.limits.speed_mm_s.min(LARGEST))?;
         within(index, "rad_s", to.speed.rad_s, LEAST, LARGEST)?;
         match to.zone {
             Zone::Stop => Ok(()),
-            Zone::Blend(radius) => within(index, "zone", radius, LEAST, LARGEST),
+            Zone::Blend(radius) => within(index, "zone", radius, LEAST, self.limits.zone_mm.min(LARGEST)),
         }
     }
 
@@ -259,15 +296,6 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Whether a controller takes a name.
-pub(super) fn check_name(what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
-    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if plain && name.len() <= most && name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        return Ok(());
-    }
-    Err(WriteError::Name { what, name: name.to_owned(), most })
-}
-
 /// Whether an option is a number of the kind that is asked for.
 pub(super) fn check_option(what: &'static str, value: f64, fits: bool, need: &'static str) -> Result<(), WriteError> {
     if fits && value.is_finite() { Ok(()) } else { Err(WriteError::Option { what, value, need }) }
@@ -279,6 +307,14 @@ pub(super) fn check_frame(what: &'static str, pose: &nalgebra::Isometry3<f64>) -
     check_option(what, off, off <= UNIT, "its quaternion must be of length 1")?;
     let far = farthest(&pose.translation.vector);
     check_option(what, far, far <= LARGEST, "its place must be finite and within 1e6 mm")
+}
+
+/// Whether the mass of an option can be one: above 0 as it is written, its centre a place.
+pub(super) fn check_payload(what: [&'static str; 2], payload: &Payload) -> Result<(), WriteError> {
+    let mass = payload.mass_kg;
+    check_option(what[0], mass, (1e-3..1e5).contains(&mass), "it must be from 0.001 kg to 1e5 kg")?;
+    let far = farthest(&payload.centre.coords);
+    check_option(what[1], far, far <= 1e5, "it must be finite and within 1e5 mm")
 }
 
 /// The largest coordinate, by size; not a number as soon as one is none.

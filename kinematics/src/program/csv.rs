@@ -1,12 +1,10 @@
-//! CSV: every step with every bit, for other programs.
-//!
-//! A line a step under the header below. `kind` is `line`, `swing`, `joints`, `servo`, `on`, `off` or `filament`; a cell
-//! that the kind does not need is empty; `zone_mm` is `stop` or a radius. The speed of the filament stands in `mm_s`.
-//! Millimetres, radians, seconds, each number with the digits that bring the same double back.
+//! CSV: every step with every bit, for other programs. [`write_csv`] states the format.
 
-use super::check::Checker;
+use super::check::{Checker, LARGEST};
 use super::tokens::Tokens;
-use super::{ConfData, Goal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone, until_error};
+use super::{
+    ConfData, ExternalAxes, Goal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone, until_error,
+};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::io::{BufRead, Write};
 
@@ -30,8 +28,15 @@ const UNIT: f64 = 1e-9;
 
 /// Writes a program as CSV.
 ///
+/// # Format
+/// A header, then a line a step, 24 cells each: `kind`, pose `x_mm` to `qz` (quaternion with the scalar first), `cf1`,
+/// `cf4`, `cf6`, `cfx` ([`ConfData`]), joints `j1` to `j6`, external axes `tilt` and `turn`, `mm_s`, `rad_s`, `zone_mm`
+/// (`stop` or a radius), `seconds`. `kind` is `line`, `swing`, `joints`, `servo`, `on`, `off` or `filament`, whose speed
+/// is in `mm_s`; a cell that the kind does not need is empty, as is that of an axis that is not there. Millimetres,
+/// radians, seconds; each number has the digits that bring the same double back.
+///
 /// # Errors
-/// [`WriteError`] names the step that cannot be.
+/// [`WriteError`] names the step that cannot be. The format has no cells for external axes other than the first two.
 ///
 /// # Cost
 /// Constant memory; about two microseconds a step, for every digit counts.
@@ -58,6 +63,11 @@ pub fn write_csv(
     text.push(b'\n');
     for step in steps {
         checker.check(&step)?;
+        if let Step::Move(Move { table: Some(external), .. }) = &step
+            && external.axes()[2..].iter().any(Option::is_some)
+        {
+            return Err(checker.unsupported("external axis but the first two", "the CSV"));
+        }
         write_step(&mut text, &step).map_err(failed)?;
         if text.len() > CHUNK {
             out.write_all(&text).map_err(failed)?;
@@ -91,9 +101,12 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
                 Some(joints) => numbers(text, joints)?,
                 None => empty(text, TABLE - JOINTS),
             }
-            match to.table {
-                Some(table) => numbers(text, &table)?,
-                None => empty(text, SPEED - TABLE),
+            let axes = to.table.map_or([None; 6], |external| external.axes());
+            for axis in &axes[..SPEED - TABLE] {
+                match axis {
+                    Some(value) => numbers(text, &[*value])?,
+                    None => empty(text, 1),
+                }
             }
             numbers(text, &[to.speed.mm_s, to.speed.rad_s])?;
             match to.zone {
@@ -225,8 +238,13 @@ impl<R: BufRead> Row<R> {
 
     /// Table, speed and zone.
     fn rest(&self, goal: Goal) -> Result<Step, ReadError> {
-        let still = self.cell(TABLE).is_empty() && self.cell(TABLE + 1).is_empty();
-        let table = if still { None } else { Some(self.numbers(TABLE)?) };
+        let mut axes = [None; 6];
+        for (k, axis) in axes[..SPEED - TABLE].iter_mut().enumerate() {
+            if !self.cell(TABLE + k).is_empty() {
+                *axis = Some(self.number(TABLE + k)?);
+            }
+        }
+        let table = ExternalAxes::new(axes);
         let speed =
             Speed { mm_s: self.positive(SPEED, "a speed")?, rad_s: self.positive(SPEED + 1, "a speed of turning")? };
         let zone = match self.cell(ZONE) {
@@ -252,12 +270,14 @@ impl<R: BufRead> Row<R> {
         }
     }
 
+    /// A number that a writer takes: none is beyond 1e6.
     fn number(&self, column: usize) -> Result<f64, ReadError> {
         let text = self.cell(column);
         let value = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
-        value
+        let value = value
             .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| unexpected(&self.lines, self.start(column), "a finite number", text))
+            .ok_or_else(|| unexpected(&self.lines, self.start(column), "a finite number", text))?;
+        if value.abs() <= LARGEST { Ok(value) } else { Err(self.wrong(column, "a number of a program", value)) }
     }
 
     fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], ReadError> {

@@ -1,17 +1,19 @@
-//! From a point on a dome in the robot's hand to the robtarget that brings it under a fixed nozzle.
-//!
-//! B. Brooks, *3D printing a transposed design on a domed platform using an articulated robot and pellet-based
-//! extrusion* (ME thesis, Massey University 2016), section 4.15, Eq. 4-5 to 4-7 and the matrix `R`. Symbols: `proj X`
-//! and `pt.Z` are `radius` and `height` here, `theta` is the arc tangent of `slope`, `phi` is `turn`.
-//!
-//! The thesis leaves the sign of the turn in the plane to its figure; here it makes the tangent level. Its plane is
-//! the robot's YZ plane, radius along -y: so does the turn in the plane agree with `R = Rx(theta) Rz(phi)`, and every
-//! point comes to stand at the contact, with the tangent level (the tests check both).
+//! From a point on a dome in the robot's hand to the robtarget that brings it under a fixed nozzle: [`DomeRig`].
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// The numbers of Brooks' rig, in millimetres.
+/// The numbers of Brooks' rig, in millimetres: from a point on a dome in the robot's hand to the robtarget that brings it
+/// under a fixed nozzle.
+///
+/// B. Brooks, *3D printing a transposed design in biopolymer materials using an articulated robot and pellet-based
+/// extrusion* (ME thesis, Massey University 2016), section 4.15, Eq. 4-5 to 4-7 and the matrix `R`. Symbols: `proj X` and
+/// `pt.Z` are `radius` and `height` here, `theta` is the arc tangent of `slope`, `phi` is `turn`.
+///
+/// The thesis leaves the sign of the turn in the plane to its figure; here it makes the tangent level. Its plane is the
+/// robot's YZ plane, radius along -y: so does the turn in the plane agree with `R = Rx(theta) Rz(phi)`, and every point
+/// comes to stand at the contact, with the tangent level (the tests check both). Angles are in radians, 0 where nothing
+/// turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DomeRig {
     /// Height of the dome's top over the platform's origin, which is where the nozzle touches. 150 in the thesis.

@@ -8,12 +8,16 @@
 //! programs.
 //!
 //! * RAPID ([`write_rapid`], [`read_rapid`]): `MoveL`, `MoveJ`, `MoveAbsJ` with robtargets, jointtargets, speed and
-//!   zone data inside the instruction, one line a move; `SetDO` and `SetAO` for the extruder. B. Brooks (*3D printing a
-//!   transposed design*, ME thesis, Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a
-//!   program is split into modules of a chosen size, and a main loads them in turn.
+//!   zone data inside the instruction, one line a move; `SetDO`, `SetAO` or `SetGO` for the extruder. B. Brooks (*3D
+//!   printing a transposed design in biopolymer materials using an articulated robot and pellet-based extrusion*, ME thesis,
+//!   Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a program is split into modules of
+//!   a chosen size, and a main loads them in turn. [`RapidOptions`] states frames, units and signals. What people write is
+//!   read as well.
 //! * URScript ([`write_urscript`], [`UrScriptReader`]): `movel` or `movep`, `movej`, `servoj`;
-//!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder.
+//!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder. [`UrScriptOptions`] states the same.
 //! * CSV ([`write_csv`], [`CsvReader`]): every bit of a step, for other programs.
+//!
+//! No reader gives a number that is not finite, or one beyond 1e6 (mm, rad, s).
 //!
 //! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget.
 //!
@@ -26,6 +30,9 @@
 mod check;
 mod csv;
 mod dome;
+mod external;
+mod merge;
+mod names;
 mod prints;
 mod rapid;
 mod servo;
@@ -37,23 +44,30 @@ mod urscript;
 pub use check::{ProgramLimits, WriteError};
 pub use csv::{CsvReader, write_csv};
 pub use dome::DomeRig;
+pub use external::{ExternalAxes, Payload};
 pub use prints::{
     PrintKnot, PrintPiece, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream,
     print_targets,
 };
 pub use rapid::{
-    RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten, read_rapid, write_rapid,
+    FilamentOutput, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten,
+    ReadWarning, read_rapid, write_rapid,
 };
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use strokes::{StrokeOptions, lifted, strokes};
 pub use tokens::ReadError;
-pub use urscript::{FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, write_urscript};
+pub use urscript::{
+    FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
+};
 
 use crate::arm::Arm;
 use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
 
 /// RAPID's configuration data: in which quarter turn joints 1, 4 and 6 lie, and on which branch the arm is.
+///
+/// Quarter turns are those of the maker's angles: 0 from 0 to 90 degrees, -1 from -90 to 0. `cfx` is the slot of
+/// [`Branch`](crate::Branch), `4 shoulder + 2 elbow + wrist`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConfData {
     /// Quarter turn of joint 1: 0 from 0 to 90 degrees, -1 from -90 to 0, and so on.
@@ -132,8 +146,8 @@ pub enum Zone {
 pub struct Move {
     /// Where to.
     pub goal: Goal,
-    /// Tilt and turn of a positioner that moves along, in radians.
-    pub table: Option<[f64; 2]>,
+    /// A positioner, or other external axes, that move along.
+    pub table: Option<ExternalAxes>,
     /// How fast.
     pub speed: Speed,
     /// How exactly.

@@ -8,7 +8,10 @@
 //!
 //! Nothing here knows of a planner: a motion is a duration with closures, or a list of knots.
 
-use super::{Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step, Zone};
+use super::merge::merged;
+use super::{
+    ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step, Zone,
+};
 use crate::arm::Arm;
 use crate::scene::Mount;
 use crate::workcell::{Equipment, Workcell, tool_frame};
@@ -79,7 +82,7 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
         let (from, to) = (begin, begin + leg.duration_s);
         begin = to;
         let of_leg = move |tick: &u64| *tick as f64 * period <= to;
-        let first = (from / period).floor() as u64 + 1;
+        let first = ((from / period).floor() as u64).saturating_add(1);
         let prints = leg.filament_mm.is_some();
         let signal = move |on| prints.then_some(Step::Extruder(on));
         let mut speed = 0.0;
@@ -101,6 +104,7 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
 }
 
 fn by_joints(joints: [f64; 6], table: Option<[f64; 2]>) -> Step {
+    let table = table.map(ExternalAxes::from);
     Step::Move(Move { goal: Goal::Joints(joints), table, speed: Speed::default(), zone: Zone::Stop })
 }
 
@@ -136,11 +140,27 @@ pub struct TargetOptions {
     pub min_turn_rad_s: f64,
     /// The tip's speed is written as this at least, in mm/s. Default 0.01: what is slower goes by micrometres.
     pub min_speed_mm_s: f64,
+    /// Waypoints from which the straight line between two others leads by no more than this, in millimetres, are no targets
+    /// of their own. Default 0: each is one. With 0.05 a straight path of 100 mm is a few lines.
+    pub merge_mm: f64,
+    /// And where the tool, or the table, is turned from its interpolation by no more than this, in radians. Default 1e-3.
+    pub merge_rad: f64,
+    /// And where the speed of the tip and the filament for a millimetre are those of the line within this share. Default
+    /// 0.05.
+    pub merge_share: f64,
 }
 
 impl Default for TargetOptions {
     fn default() -> Self {
-        TargetOptions { corner_mm: 0.3, turn_factor: 2.0, min_turn_rad_s: 0.5, min_speed_mm_s: 0.01 }
+        TargetOptions {
+            corner_mm: 0.3,
+            turn_factor: 2.0,
+            min_turn_rad_s: 0.5,
+            min_speed_mm_s: 0.01,
+            merge_mm: 0.0,
+            merge_rad: 1e-3,
+            merge_share: 0.05,
+        }
     }
 }
 
@@ -151,8 +171,14 @@ impl Default for TargetOptions {
 /// A motion without knots gives no steps but those of its way on. A posture with a table beyond its limits
 /// ([`Workcell::controller_pose`]) is left out with the moves that begin or end there.
 ///
+/// For an arm without a table these steps are a URScript of `movel` or `movep` as well
+/// ([`UrScriptOptions::of_workcell`](super::UrScriptOptions::of_workcell)); with [`TargetOptions::merge_mm`] straight
+/// paths take few lines. Waypoints are merged only where they are near the line both of the tip on the part and of the part
+/// against the tip, so it does not matter which of them the controller interpolates.
+///
 /// # Cost
-/// Two forward kinematics a waypoint; memory for one motion.
+/// Two forward kinematics a waypoint, and up to some hundred interpolations where waypoints are merged; memory for one
+/// motion.
 ///
 /// # Example
 /// ```
@@ -175,7 +201,7 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     motions: impl IntoIterator<Item = TargetMotion<N>>,
     options: TargetOptions,
 ) -> impl Iterator<Item = Step> {
-    let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s } = options;
+    let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s, .. } = options;
     let joints_move = move |joints: &[f64; N]| {
         let place = cell.controller_pose(joints)?;
         Some(by_joints(place.joints, place.table))
@@ -187,9 +213,13 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
         let speed = Speed { mm_s: mm_s.max(min_speed_mm_s), rad_s: (turn_factor * turn).max(min_turn_rad_s) };
         let filament = Step::FilamentSpeed((b.filament_mm - a.filament_mm).max(0.0) / step);
-        Some([filament, Step::Move(Move { goal: Goal::Line(to.target), table: to.table, speed, zone })])
+        Some([
+            filament,
+            Step::Move(Move { goal: Goal::Line(to.target), table: to.table.map(ExternalAxes::from), speed, zone }),
+        ])
     };
     motions.into_iter().flat_map(move |TargetMotion { knots, onward }| {
+        let knots = if options.merge_mm > 0.0 { merged(cell, &knots, &options) } else { knots };
         let last = knots.len().saturating_sub(2);
         let zone = |k: usize| if k == last { Zone::Stop } else { Zone::Blend(corner_mm) };
         let along = knots.windows(2).enumerate().filter_map(|(k, pair)| line([&pair[0], &pair[1]], zone(k)));

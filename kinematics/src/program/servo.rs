@@ -1,8 +1,4 @@
-//! A timed trajectory as a stream of joints at the controller's own rate.
-//!
-//! Between two samples each joint runs on a cubic whose slopes at the ends are those of the parabola through three
-//! neighbours (through the first or last three at the ends; the straight line when there are only two). So the stream
-//! passes through every sample, its velocity has no jumps, and what moves uniformly accelerated comes out exactly.
+//! A timed trajectory as a stream of joints at the controller's own rate: [`resample`].
 
 use super::{Step, until_error};
 use std::collections::VecDeque;
@@ -68,6 +64,10 @@ const LONGEST_S: f64 = 3600.0;
 
 /// Resamples a trajectory: the joints at `k / rate` after the first sample, from `k = 0` until the last sample is
 /// reached. The extruder's changes come before the first step at or after their sample. A single sample is one step.
+///
+/// Between two samples each joint runs on a cubic whose slopes at the ends are those of the parabola through three
+/// neighbours (through the first or last three at the ends; the straight line when there are only two). So the stream
+/// passes through every sample, its velocity has no jumps, and what moves uniformly accelerated comes out exactly.
 ///
 /// Reads the samples as it goes; memory is three samples. The first error ends the stream.
 /// ```

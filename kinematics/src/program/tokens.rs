@@ -1,13 +1,13 @@
 //! Words and numbers on their way out of a file, with the place of each; memory is one line.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use super::check::LARGEST;
 use std::io::{self, BufRead};
 
 /// Longest line that is read, in bytes: our lines have less than 400, and nobody's file may fill the memory.
 const LONGEST_LINE: usize = 16 * 1024;
 
-/// How far the length of a quaternion in a file may be from 1: files have six digits or more.
-const UNIT: f64 = 1e-4;
+/// What some editors put before a text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Characters of a file that an error quotes.
 const QUOTED: usize = 40;
@@ -152,6 +152,12 @@ impl<R: BufRead> Tokens<R> {
                 self.row += u64::from(any);
                 return Ok(any);
             }
+            // A byte-order mark at the begin of a file.
+            if self.row == 0 && !any && held.starts_with(BYTE_ORDER_MARK) {
+                self.reader.consume(BYTE_ORDER_MARK.len());
+                any = true;
+                continue;
+            }
             any = true;
             let end = held.iter().position(|&byte| byte == b'\n');
             let part = &held[..end.unwrap_or(held.len())];
@@ -164,6 +170,21 @@ impl<R: BufRead> Tokens<R> {
             if end.is_some() {
                 self.row += 1;
                 return Ok(true);
+            }
+        }
+    }
+
+    /// Goes on behind the next `%%%`, through any lines.
+    pub fn skip_header(&mut self) -> Result<(), ReadError> {
+        self.peeked = None;
+        loop {
+            let rest = &self.line[self.at..];
+            if let Some(found) = rest.windows(3).position(|three| three == b"%%%") {
+                self.at += found + 3;
+                return Ok(());
+            }
+            if !self.next_line()? {
+                return Err(self.unexpected("%%% at the end of the header", Token::End));
             }
         }
     }
@@ -260,6 +281,12 @@ impl<R: BufRead> Tokens<R> {
         ReadError::Unexpected { line, column, expected, found: self.quoted(token) }
     }
 
+    /// The same for a word that has been read before, at its own place.
+    pub fn unexpected_at(&self, (line, column): (u64, u64), expected: &'static str, word: &str) -> ReadError {
+        let found: String = word.chars().take(QUOTED).collect();
+        ReadError::Unexpected { line, column, expected, found: format!("`{found}`") }
+    }
+
     pub fn wrong(&self, what: &'static str, value: f64) -> ReadError {
         let (line, column) = self.place();
         ReadError::Number { line, column, what, value }
@@ -311,6 +338,7 @@ impl<R: BufRead> Tokens<R> {
         Ok(())
     }
 
+    /// A number, with a sign before it or without.
     #[inline]
     pub fn number(&mut self) -> Result<f64, ReadError> {
         if self.peeked.is_none()
@@ -320,33 +348,39 @@ impl<R: BufRead> Tokens<R> {
             self.at += length;
             return Ok(value);
         }
-        match self.next()? {
-            Token::Number(value) => Ok(value),
-            other => Err(self.unexpected("a number", other)),
+        let mut sign = 1.0;
+        loop {
+            match self.next()? {
+                Token::Number(value) => return Ok(sign * value),
+                Token::Mark(b'-') if sign > 0.0 => sign = -1.0,
+                Token::Mark(b'+') => {}
+                other => return Err(self.unexpected("a number", other)),
+            }
         }
     }
 
-    /// A number above zero.
-    pub fn positive(&mut self, what: &'static str) -> Result<f64, ReadError> {
+    /// A number between two, both included.
+    #[inline]
+    pub fn within(&mut self, what: &'static str, least: f64, most: f64) -> Result<f64, ReadError> {
         let value = self.number()?;
-        if value > 0.0 { Ok(value) } else { Err(self.wrong(what, value)) }
+        if (least..=most).contains(&value) { Ok(value) } else { Err(self.wrong(what, value)) }
     }
 
-    /// A number from zero to `most`.
-    pub fn up_to(&mut self, what: &'static str, most: f64) -> Result<f64, ReadError> {
+    /// A number above zero, up to what writers take in a file of this unit: so many times.
+    pub fn positive(&mut self, what: &'static str, unit: f64) -> Result<f64, ReadError> {
         let value = self.number()?;
-        if (0.0..=most).contains(&value) { Ok(value) } else { Err(self.wrong(what, value)) }
+        if value > 0.0 && value * unit <= LARGEST { Ok(value * unit) } else { Err(self.wrong(what, value)) }
     }
 
-    /// `[a, b, ...]` with exactly `N` numbers.
-    pub fn numbers<const N: usize>(&mut self) -> Result<[f64; N], ReadError> {
+    /// `[a, b, ...]` with exactly `N` numbers, none beyond what writers take.
+    pub fn numbers<const N: usize>(&mut self, what: &'static str) -> Result<[f64; N], ReadError> {
         let mut values = [0.0; N];
         self.marks("[")?;
         for (k, value) in values.iter_mut().enumerate() {
             if k > 0 {
                 self.marks(",")?;
             }
-            *value = self.number()?;
+            *value = self.within(what, -LARGEST, LARGEST)?;
         }
         self.marks("]")?;
         Ok(values)
@@ -359,16 +393,6 @@ impl<R: BufRead> Tokens<R> {
             return Err(self.wrong("a whole number", value));
         }
         Ok(whole)
-    }
-
-    /// The quaternion with these entries, w first.
-    pub fn rotation(&self, [w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>, ReadError> {
-        let quaternion = Quaternion::new(w, x, y, z);
-        let length = quaternion.norm();
-        if (length - 1.0).abs() <= UNIT {
-            return Ok(UnitQuaternion::new_normalize(quaternion));
-        }
-        Err(self.wrong("the length of a rotation's quaternion", length))
     }
 }
 

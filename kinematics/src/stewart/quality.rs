@@ -1,9 +1,5 @@
-//! How well the legs hold a platform: the Jacobian, a singularity measure, whole paths, the workspace.
-//!
-//! The measure is the least singular value of the Jacobian about the middle of the platform's joints, turns taken as
-//! millimetres at the joints' radius (root of the mean square): moving the platform by 1 mm in the worst way changes
-//! the legs by so many millimetres (as the root of the sum of squares). It is 0 where the legs do not hold the
-//! platform at all, never above sqrt(6), and does not depend on the platform's frame or on the unit of length.
+//! How well the legs hold a platform: the Jacobian, a singularity measure ([`Stewart::singularity`]), whole paths, the
+//! workspace.
 
 use super::{Stewart, StewartFault};
 use crate::progress::Progress;
@@ -124,8 +120,12 @@ impl Stewart {
         rows
     }
 
-    /// How well the legs hold the platform, from 0 (singular) to sqrt(6): see the head of the module's page. Zero for
-    /// a pose that is not finite.
+    /// How well the legs hold the platform, from 0 (singular) to sqrt(6). Zero for a pose that is not finite.
+    ///
+    /// The measure is the least singular value of the Jacobian about the middle of the platform's joints, turns taken as
+    /// millimetres at the joints' radius (root of the mean square): moving the platform by 1 mm in the worst way changes
+    /// the legs by so many millimetres (as the root of the sum of squares). It is 0 where the legs do not hold the
+    /// platform at all, never above sqrt(6), and does not depend on the platform's frame or on the unit of length.
     pub fn singularity(&self, base_platform: &Isometry3<f64>) -> f64 {
         let rows = self.rows_about(base_platform, &self.centre, self.radius);
         if !rows.iter().all(|entry| entry.is_finite()) {

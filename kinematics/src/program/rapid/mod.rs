@@ -1,24 +1,22 @@
 //! RAPID, for ABB controllers: part modules with the moves, and a main that loads them in turn.
 //!
-//! Every move is one line; robtargets, jointtargets, speeddata and zones that RAPID has no name for stand inside it.
-//! Positions are written to 1e-4 mm, quaternions to 1e-8, angles to 1e-6 degrees: about what the controller's own
-//! numbers hold.
-//!
-//! The extruder is a digital output (`SetDO`), the speed of the filament an analog one (`SetAO`), in mm/s with six
-//! decimals. In the controller's configuration of that signal, `Maximum Logical Value` is the speed in mm/s at which
-//! the output is at its `Maximum Physical Value`.
-//!
-//! Each part module ends with the tool at rest, for a module must not be unloaded while its last corner is still to be
-//! rounded. Modules therefore end, where they can, at a stop with the extruder off.
+//! [`RapidOptions`] states frames, units, digits and signals; [`read_rapid`] what is read.
 
-mod read;
+mod data;
+mod instruction;
+mod main;
+mod part;
+mod program;
 mod write;
 
-pub use read::{RapidMain, RapidPart, RapidProgram, read_rapid};
+pub use data::ReadWarning;
+pub use main::RapidMain;
+pub use part::RapidPart;
+pub use program::{RapidProgram, read_rapid};
 pub use write::{RapidWritten, write_rapid};
 
-use super::ProgramLimits;
-use nalgebra::{Isometry3, Point3};
+use super::{Payload, ProgramLimits};
+use nalgebra::Isometry3;
 use std::f64::consts::PI;
 
 /// RAPID's `tooldata`.
@@ -26,14 +24,14 @@ use std::f64::consts::PI;
 pub struct RapidTool {
     /// Its name. `tool0`, the flange, is not declared.
     pub name: String,
-    /// Whether the robot holds it; otherwise it stands in the world.
+    /// Whether the robot holds it; otherwise it stands in the world, and the robot holds the work object.
     pub in_hand: bool,
     /// Its tip: `flange_tool` in the hand, else `world_tool`.
     pub frame: Isometry3<f64>,
-    /// Mass of what the robot holds, in kg. The controller wants more than zero.
-    pub mass_kg: f64,
-    /// Its centre of mass in the flange frame, in mm.
-    pub centre: Point3<f64>,
+    /// Mass of the tool in the hand, or of the gripper that holds the part. `None`: not known. Then the program declares
+    /// 0.001 kg, as the controller has it for `tool0`, and a comment in the main module says so: the controller moves
+    /// well only with the right one (`LoadIdentify` measures it).
+    pub load: Option<Payload>,
 }
 
 /// RAPID's `wobjdata`.
@@ -46,23 +44,66 @@ pub struct RapidWorkObject {
     /// Its frame (RAPID's user frame): `flange_work` in the hand, else `world_work`. On a mechanical unit it is RAPID's
     /// object frame in what the unit moves, `table_work`.
     pub frame: Isometry3<f64>,
-    /// The mechanical unit that moves it: the robot then follows the table, and speeds are those on the work object.
+    /// The mechanical unit that moves it: the robot then follows the table, and speeds are those on the work object. It is
+    /// activated before the first move.
     pub unit: Option<String>,
 }
 
+/// How the speed of the filament leaves the controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FilamentOutput {
+    /// `SetAO`, in mm/s with six decimals. In the controller's configuration of the signal, `Maximum Logical Value` is the
+    /// speed in mm/s at which the output is at its `Maximum Physical Value`.
+    #[default]
+    Analog,
+    /// `SetGO`, a whole number: the speed over `step_mm_s`, rounded.
+    Group {
+        /// Speed for one step of the output, mm/s, from 1e-6 to 1000. It stands in each module as `filament_step`.
+        step_mm_s: f64,
+        /// Bits of the group, 1 to 23: RAPID's numbers hold no more. A speed beyond them is refused.
+        bits: u8,
+    },
+}
+
 /// How a program is written.
+///
+/// # Files
+/// The main module `NAME` with the procedure `main`, and part modules `NAME_001` and so on, each with one procedure,
+/// `NAME_001_run`. Every move is one line; robtargets, jointtargets, speeddata and zones that RAPID has no name for stand
+/// inside it. Each part module ends with the tool at rest, for a module must not be unloaded while its last corner is still
+/// to be rounded. Modules therefore end, where they can, at a stop with the extruder off.
+///
+/// # Units and digits
+/// Positions in millimetres with four decimals, quaternions with eight and the scalar first and not below 0, angles in
+/// degrees with six: about what the controller's own numbers hold.
+///
+/// # Signals
+/// The extruder is a digital output (`SetDO`), the speed of the filament an analog or a group output. The procedure
+/// `NAME_off` switches off those that the program uses; `main` calls it at the begin, at the end and when an error is
+/// raised. No line of a program runs when it is stopped from outside (stop button, emergency stop, a motion that fails):
+/// make `NAME_off` the routine of the events `Stop` and `QStop`, or tie the outputs to the system output `CycleOn`.
+///
+/// # Names
+/// All names are one table, whatever their case: modules, procedures, tool, work object, load, signals and the mechanical
+/// unit must differ from each other, from RAPID's reserved words, and from what every controller has installed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RapidOptions {
-    /// Name of the main module; part modules are `NAME_001` and so on. At most 24 characters.
+    /// Name of the main module; part modules are `NAME_001` and so on. At most 20 characters.
     pub name: String,
     /// The tool.
     pub tool: RapidTool,
-    /// The work object.
+    /// The work object. Either it or the tool is in the hand.
     pub work_object: RapidWorkObject,
-    /// The digital output of the extruder.
+    /// Mass of what lies on a work object in the hand, its centre in the frame of the work object: `GripLoad`. Default
+    /// `None`: what is set on the controller stays. Refused if the work object is not in the hand, for nothing would come
+    /// of it.
+    pub part_load: Option<Payload>,
+    /// The digital output of the extruder. Default `doExtruder`.
     pub signal: String,
-    /// The analog output of the filament's speed, in mm/s. Default `aoFilament`.
+    /// The output of the filament's speed. Default `aoFilament`.
     pub filament_signal: String,
+    /// What kind of output that is.
+    pub filament_output: FilamentOutput,
     /// Where the controller finds the modules. Default `HOME:`.
     pub folder: String,
     /// Most moves in a module. Default 5000, about half a megabyte: Brooks' 180,000 lines were too many.
@@ -74,21 +115,17 @@ pub struct RapidOptions {
 impl Default for RapidOptions {
     /// `tool0`, `wobj0`, the signals `doExtruder` and `aoFilament`, the name `curvlay`.
     fn default() -> Self {
-        let tool = RapidTool {
-            name: TOOL0.to_owned(),
-            in_hand: true,
-            frame: Isometry3::identity(),
-            mass_kg: 1.0,
-            centre: Point3::new(0.0, 0.0, 1.0),
-        };
+        let tool = RapidTool { name: TOOL0.to_owned(), in_hand: true, frame: Isometry3::identity(), load: None };
         let work_object =
             RapidWorkObject { name: WOBJ0.to_owned(), in_hand: false, frame: Isometry3::identity(), unit: None };
         RapidOptions {
             name: "curvlay".to_owned(),
             tool,
             work_object,
+            part_load: None,
             signal: "doExtruder".to_owned(),
             filament_signal: "aoFilament".to_owned(),
+            filament_output: FilamentOutput::Analog,
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,
             limits: ProgramLimits::default(),
@@ -105,6 +142,12 @@ const QUATERNION: usize = 8;
 const DEGREES: usize = 6;
 /// Of the filament's speed in mm/s: finer than any analog output.
 const FILAMENT: usize = 6;
+
+/// Mass in kg that the controller has for `tool0`: what a program declares where none is known.
+const NO_MASS: f64 = 1e-3;
+
+/// The constant that holds the step of a group output in a module.
+const FILAMENT_STEP: &str = "filament_step";
 
 /// RAPID's word for "no axis there".
 const NO_AXIS: f64 = 9e9;

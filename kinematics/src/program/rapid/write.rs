@@ -1,10 +1,14 @@
 //! RAPID, written.
 
-use super::{DEGREES, FILAMENT, MM, NAMED_TURN_RAD_S, QUATERNION, RapidOptions, SPEEDS, TOOL0, WOBJ0, ZONES};
-use crate::program::check::{Checker, check_frame, check_name, check_option, farthest};
+use super::{
+    DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidOptions, SPEEDS,
+    TOOL0, WOBJ0, ZONES,
+};
+use crate::program::check::{Checker, check_frame, check_option, check_payload};
+use crate::program::names::{Language, check_distinct, check_form, check_name};
 use crate::program::text::Text;
-use crate::program::{Goal, Move, Speed, Step, Target, WriteError, Zone};
-use nalgebra::Isometry3;
+use crate::program::{ExternalAxes, Goal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone};
+use nalgebra::{Isometry3, Point3};
 use std::io::Write;
 
 /// What [`write_rapid`] has written.
@@ -18,10 +22,12 @@ pub struct RapidWritten {
     pub stops_added: u32,
 }
 
-/// Longest name of a module, less `_` and seven digits.
-const LONGEST_NAME: usize = 24;
+/// Longest name of a program: with `_`, seven digits and `_run` it is as long as a word may be.
+const LONGEST_NAME: usize = 20;
 /// Longest name in RAPID.
 const LONGEST_WORD: usize = 32;
+/// Decimals of the step of a group output.
+const STEP: usize = 9;
 /// Text that is collected before it goes out.
 const CHUNK: usize = 32 * 1024;
 
@@ -59,8 +65,14 @@ pub fn write_rapid<W: Write>(
     mut open: impl FnMut(&str) -> std::io::Result<W>,
 ) -> Result<RapidWritten, WriteError> {
     check_options(options)?;
-    let mut checker = Checker::new(&options.limits);
+    let filament_mm_s = match options.filament_output {
+        FilamentOutput::Analog => f64::INFINITY,
+        FilamentOutput::Group { step_mm_s, bits } => step_mm_s * f64::from((1u32 << bits) - 1),
+    };
+    let limits = ProgramLimits { filament_mm_s: options.limits.filament_mm_s.min(filament_mm_s), ..options.limits };
+    let mut checker = Checker::new(&limits);
     let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0 };
+    let mut used = Used::default();
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
     // By the digital output; by the speed of the filament where there is none.
@@ -72,7 +84,7 @@ pub fn write_rapid<W: Write>(
             Some(current) => current,
             None => {
                 written.modules += 1;
-                module.insert(Module::begin(&part_name(options, written.modules), &mut open)?)
+                module.insert(Module::begin(options, written.modules, &mut open)?)
             }
         };
         let mut at_rest = false;
@@ -90,13 +102,14 @@ pub fn write_rapid<W: Write>(
             }
             Step::Extruder(to) => {
                 on = Some(*to);
+                used.switch = true;
                 let value = if *to { "1" } else { "0" };
                 current.text.word("    SetDO ").word(&options.signal).word(",").word(value).word(";\n");
             }
             Step::FilamentSpeed(mm_s) => {
                 fed = *mm_s > 0.0;
-                current.text.word("    SetAO ").word(&options.filament_signal).word(",").fixed(*mm_s, FILAMENT);
-                current.text.word(";\n");
+                used.filament = true;
+                write_filament(&mut current.text, *mm_s, options);
             }
             Step::Servo { .. } => return Err(checker.unsupported("stream of joints", "RAPID")),
         }
@@ -114,30 +127,127 @@ pub fn write_rapid<W: Write>(
     }
     module.take().map_or(Ok(()), Module::end)?;
     checker.finish()?;
-    write_main(options, written.modules, &mut open)?;
+    write_main(options, written.modules, used, &mut open)?;
     Ok(written)
 }
 
+/// Which signals a program uses.
+#[derive(Clone, Copy, Debug, Default)]
+struct Used {
+    switch: bool,
+    filament: bool,
+}
+
 fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
-    check_name("name of the program", &options.name, LONGEST_NAME)?;
-    check_name("name of the tool", &options.tool.name, LONGEST_WORD)?;
-    check_name("name of the work object", &options.work_object.name, LONGEST_WORD)?;
-    check_name("name of the signal", &options.signal, LONGEST_WORD)?;
-    check_name("name of the filament signal", &options.filament_signal, LONGEST_WORD)?;
-    if let Some(unit) = &options.work_object.unit {
-        check_name("name of the mechanical unit", unit, LONGEST_WORD)?;
+    check_names(options)?;
+    check_frame("tool.frame", &options.tool.frame)?;
+    check_frame("work_object.frame", &options.work_object.frame)?;
+    if let Some(load) = &options.tool.load {
+        check_payload(["tool.load.mass_kg", "tool.load.centre"], load)?;
+    }
+    if let Some(load) = &options.part_load {
+        check_payload(["part_load.mass_kg", "part_load.centre"], load)?;
+    }
+    check_hands(options)?;
+    if let FilamentOutput::Group { step_mm_s, bits } = options.filament_output {
+        let fits = (1e-6..=1e3).contains(&step_mm_s);
+        check_option("filament_output.step_mm_s", step_mm_s, fits, "it must be from 1e-6 to 1000 mm/s")?;
+        let fits = (1..=23).contains(&bits);
+        check_option("filament_output.bits", f64::from(bits), fits, "it must be from 1 to 23")?;
+    }
+    let most = options.moves_per_module;
+    check_option("moves_per_module", f64::from(most), most >= 1, "it must be 1 or more")
+}
+
+fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
+    let (tool, work) = (&options.tool, &options.work_object);
+    check_name(Language::Rapid, "name", &options.name, LONGEST_NAME)?;
+    let mut names = vec![("name", options.name.as_str())];
+    for (what, name, installed) in [("tool.name", &tool.name, TOOL0), ("work_object.name", &work.name, WOBJ0)] {
+        if name != installed {
+            check_name(Language::Rapid, what, name, LONGEST_WORD)?;
+        }
+        names.push((what, name));
+    }
+    for (what, name) in [("signal", &options.signal), ("filament_signal", &options.filament_signal)] {
+        check_name(Language::Rapid, what, name, LONGEST_WORD)?;
+        names.push((what, name));
+    }
+    if let Some(unit) = &work.unit {
+        check_name(Language::Rapid, "work_object.unit", unit, LONGEST_WORD)?;
+        names.push(("work_object.unit", unit));
+    }
+    check_distinct(&names)?;
+    for &(what, name) in &names[1..] {
+        let ours = name.len() > options.name.len()
+            && name.as_bytes()[..options.name.len()].eq_ignore_ascii_case(options.name.as_bytes())
+            && name.as_bytes()[options.name.len()] == b'_';
+        if ours || name.eq_ignore_ascii_case(FILAMENT_STEP) {
+            let need = "modules and procedures of the program have such names; take another".to_owned();
+            return Err(WriteError::Name { what, name: name.to_owned(), need });
+        }
     }
     // A folder such as `HOME:` or `HOME:/parts`.
     let folder: String = options.folder.chars().filter(|c| !matches!(c, ':' | '/' | '-' | '.')).collect();
-    check_name("folder", &folder, LONGEST_WORD)?;
-    check_frame("tool.frame", &options.tool.frame)?;
-    check_frame("work_object.frame", &options.work_object.frame)?;
-    let mass = options.tool.mass_kg;
-    check_option("tool.mass_kg", mass, mass > 0.0 && mass < 1e5, "it must be above 0")?;
-    let far = farthest(&options.tool.centre.coords);
-    check_option("tool.centre", far, far <= 1e5, "it must be finite and within 1e5 mm")?;
-    let most = options.moves_per_module;
-    check_option("moves_per_module", f64::from(most), most >= 1, "it must be 1 or more")
+    check_form("folder", &folder, LONGEST_WORD).map_err(|_| WriteError::Name {
+        what: "folder",
+        name: options.folder.clone(),
+        need: "it must be like `HOME:` or `HOME:/parts`".to_owned(),
+    })
+}
+
+/// Who holds what, and what would be lost.
+fn check_hands(options: &RapidOptions) -> Result<(), WriteError> {
+    let (tool, work) = (&options.tool, &options.work_object);
+    let is_moved = |frame: &Isometry3<f64>| *frame != Isometry3::identity();
+    let conflicts = [
+        ("tool.in_hand", tool.name == TOOL0 && !tool.in_hand, "`tool0` is the flange; give a tool that stands a name"),
+        (
+            "tool.frame",
+            tool.name == TOOL0 && is_moved(&tool.frame),
+            "`tool0` is the flange, so the frame would be lost; give the tool another name",
+        ),
+        (
+            "tool.load",
+            tool.name == TOOL0 && tool.load.is_some(),
+            "`tool0` is not declared, so the load would be lost; give the tool another name",
+        ),
+        (
+            "work_object.in_hand",
+            work.name == WOBJ0 && work.in_hand,
+            "`wobj0` is the world; give a work object in the hand a name",
+        ),
+        (
+            "work_object.frame",
+            work.name == WOBJ0 && is_moved(&work.frame),
+            "`wobj0` is the world, so the frame would be lost; give the work object another name",
+        ),
+        (
+            "work_object.unit",
+            work.name == WOBJ0 && work.unit.is_some(),
+            "`wobj0` is the world, so the unit would be lost; give the work object another name",
+        ),
+        (
+            "work_object.in_hand",
+            tool.in_hand && work.in_hand,
+            "tool and work object are both in the hand; only one can be",
+        ),
+        (
+            "work_object.in_hand",
+            !tool.in_hand && !work.in_hand,
+            "neither tool nor work object is in the hand; the robot must hold one",
+        ),
+        ("work_object.unit", work.in_hand && work.unit.is_some(), "a work object in the hand is on no mechanical unit"),
+        (
+            "part_load",
+            !work.in_hand && options.part_load.is_some(),
+            "the work object is not in the hand, so the load would be lost; leave it out",
+        ),
+    ];
+    match conflicts.into_iter().find(|(_, is_so, _)| *is_so) {
+        Some((what, _, need)) => Err(WriteError::Conflict { what, need }),
+        None => Ok(()),
+    }
 }
 
 fn part_name(options: &RapidOptions, number: u32) -> String {
@@ -153,11 +263,20 @@ struct Module<W> {
 }
 
 impl<W: Write> Module<W> {
-    fn begin(name: &str, open: &mut impl FnMut(&str) -> std::io::Result<W>) -> Result<Self, WriteError> {
+    fn begin(
+        options: &RapidOptions,
+        number: u32,
+        open: &mut impl FnMut(&str) -> std::io::Result<W>,
+    ) -> Result<Self, WriteError> {
+        let name = part_name(options, number);
         let file = format!("{name}.mod");
         let out = open(&file).map_err(|source| WriteError::Io { file: file.clone(), source })?;
         let mut text = Text::default();
-        text.word("MODULE ").word(name).word("\n  PROC ").word(name).word("()\n");
+        text.word("MODULE ").word(&name).word("\n");
+        if let FilamentOutput::Group { step_mm_s, .. } = options.filament_output {
+            text.word("  LOCAL CONST num ").word(FILAMENT_STEP).word(":=").fixed(step_mm_s, STEP).word(";\n");
+        }
+        text.word("  PROC ").word(&name).word("_run()\n");
         Ok(Module { file, out, text, moves: 0 })
     }
 
@@ -171,6 +290,18 @@ impl<W: Write> Module<W> {
         self.text.word("  ENDPROC\nENDMODULE\n");
         self.send()?;
         self.out.flush().map_err(|source| WriteError::Io { file: self.file, source })
+    }
+}
+
+fn write_filament(text: &mut Text, mm_s: f64, options: &RapidOptions) {
+    match options.filament_output {
+        FilamentOutput::Analog => {
+            text.word("    SetAO ").word(&options.filament_signal).word(",").fixed(mm_s, FILAMENT).word(";\n");
+        }
+        FilamentOutput::Group { step_mm_s, .. } => {
+            let steps = (mm_s / step_mm_s).round();
+            text.word("    SetGO ").word(&options.filament_signal).word(",").fixed(steps, 0).word(";\n");
+        }
     }
 }
 
@@ -190,7 +321,7 @@ fn write_move(text: &mut Text, to: &Move, end: &str) {
     text.word(end);
 }
 
-fn write_target(text: &mut Text, target: &Target, table: Option<[f64; 2]>) {
+fn write_target(text: &mut Text, target: &Target, table: Option<ExternalAxes>) {
     write_pose(text, &target.pose);
     let conf = target.conf;
     let conf = [conf.cf1, conf.cf4, conf.cf6, conf.cfx].map(f64::from);
@@ -198,21 +329,28 @@ fn write_target(text: &mut Text, target: &Target, table: Option<[f64; 2]>) {
     write_table(text, table);
 }
 
-/// `[[x,y,z],[q1,q2,q3,q4]`, without the bracket at the end.
+/// `[[x,y,z],[q1,q2,q3,q4]`, without the bracket at the end. Of the two quaternions of a rotation the one whose scalar is
+/// not below 0; where it is 0, the one whose first other entry is above.
 fn write_pose(text: &mut Text, pose: &Isometry3<f64>) {
     let (at, q) = (pose.translation.vector, pose.rotation);
-    text.word("[").list(&[at.x, at.y, at.z], MM).word(",").list(&[q.w, q.i, q.j, q.k], QUATERNION);
+    let entries = [q.w, q.i, q.j, q.k];
+    // Half a unit of the last digit is written as 0.
+    let first = entries.iter().find(|entry| entry.abs() > 0.5e-8);
+    let sign = if first.is_some_and(|entry| *entry < 0.0) { -1.0 } else { 1.0 };
+    text.word("[").list(&[at.x, at.y, at.z], MM).word(",").list(&entries.map(|entry| sign * entry), QUATERNION);
 }
 
 /// The external axes and the end of the target.
-fn write_table(text: &mut Text, table: Option<[f64; 2]>) {
-    match table {
-        Some([tilt, turn]) => {
-            text.word(",[").fixed(tilt.to_degrees(), DEGREES).word(",").fixed(turn.to_degrees(), DEGREES);
-            text.word(",9E9,9E9,9E9,9E9]]");
-        }
-        None => _ = text.word(",[9E9,9E9,9E9,9E9,9E9,9E9]]"),
+fn write_table(text: &mut Text, table: Option<ExternalAxes>) {
+    let axes = table.map_or([None; 6], |external| external.axes());
+    for (k, axis) in axes.iter().enumerate() {
+        text.word(if k == 0 { ",[" } else { "," });
+        match axis {
+            Some(angle) => text.fixed(angle.to_degrees(), DEGREES),
+            None => text.word("9E9"),
+        };
     }
+    text.word("]]");
 }
 
 fn write_speed(text: &mut Text, speed: Speed) {
@@ -247,48 +385,103 @@ fn write_zone(text: &mut Text, zone: Zone) {
     }
 }
 
+/// `[mass,[centre],[1,0,0,0],0,0,0]`
+fn write_load(text: &mut Text, load: &Payload) {
+    // As many digits as the mass of `tool0` needs, and a tenth of a gram.
+    text.word("[").fixed(load.mass_kg, MM).word(",").list(load.centre.coords.as_slice(), MM).word(",[1,0,0,0],0,0,0]");
+}
+
 fn write_main<W: Write>(
     options: &RapidOptions,
     modules: u32,
+    used: Used,
     open: &mut impl FnMut(&str) -> std::io::Result<W>,
 ) -> Result<(), WriteError> {
     let file = format!("{}.mod", options.name);
     let failed = |source| WriteError::Io { file: file.clone(), source };
     let mut out = open(&file).map_err(failed)?;
     let mut text = Text::default();
-    let truth = |value: bool| if value { "TRUE" } else { "FALSE" };
     text.word("MODULE ").word(&options.name).word("\n");
-    let (tool, work) = (&options.tool, &options.work_object);
-    if tool.name != TOOL0 {
-        text.word("  PERS tooldata ").word(&tool.name).word(":=[").word(truth(tool.in_hand)).word(",");
-        write_pose(&mut text, &tool.frame);
-        text.word("],[").fixed(tool.mass_kg, MM).word(",").list(tool.centre.coords.as_slice(), MM);
-        text.word(",[1,0,0,0],0,0,0]];\n");
-    }
-    if work.name != WOBJ0 {
-        text.word("  PERS wobjdata ").word(&work.name).word(":=[").word(truth(work.in_hand));
-        if let Some(unit) = &work.unit {
-            text.word(",FALSE,\"").word(unit).word("\",[[0,0,0],[1,0,0,0]],");
-            write_pose(&mut text, &work.frame);
-            text.word("]];\n");
-        } else {
-            text.word(",TRUE,\"\",");
-            write_pose(&mut text, &work.frame);
-            text.word("],[[0,0,0],[1,0,0,0]]];\n");
+    write_data(&mut text, options);
+    let switches = used.switch || used.filament;
+    let off = |text: &mut Text| {
+        if switches {
+            text.word("    ").word(&options.name).word("_off;\n");
         }
+    };
+    text.word("  PROC main()\n");
+    off(&mut text);
+    text.word("    ConfJ\\On;\n    ConfL\\On;\n");
+    if let Some(unit) = &options.work_object.unit {
+        text.word("    ActUnit ").word(unit).word(";\n");
     }
-    text.word("  PROC main()\n    ConfJ\\On;\n    ConfL\\On;\n");
+    if options.part_load.is_some() {
+        text.word("    GripLoad ").word(&options.name).word("_load;\n");
+    }
     for number in 1..=modules {
         let name = part_name(options, number);
         let place = format!("\"{}\"\\File:=\"{name}.mod\";\n", options.folder);
         text.word("    Load\\Dynamic,").word(&place);
-        text.word("    %\"").word(&name).word("\"%;\n");
+        text.word("    %\"").word(&name).word("_run\"%;\n");
         text.word("    UnLoad ").word(&place);
         if text.0.len() > CHUNK {
             out.write_all(&text.0).map_err(failed)?;
             text.0.clear();
         }
     }
-    text.word("  ENDPROC\nENDMODULE\n");
+    off(&mut text);
+    if switches {
+        text.word("  ERROR\n");
+        off(&mut text);
+        text.word("    RAISE;\n");
+    }
+    text.word("  ENDPROC\n");
+    if switches {
+        text.word("  PROC ").word(&options.name).word("_off()\n");
+        if used.filament {
+            write_filament(&mut text, 0.0, options);
+        }
+        if used.switch {
+            text.word("    SetDO ").word(&options.signal).word(",0;\n");
+        }
+        text.word("  ENDPROC\n");
+    }
+    text.word("ENDMODULE\n");
     out.write_all(&text.0).and_then(|()| out.flush()).map_err(failed)
+}
+
+/// Declarations of tool, work object and load.
+fn write_data(text: &mut Text, options: &RapidOptions) {
+    let truth = |value: bool| if value { "TRUE" } else { "FALSE" };
+    let (tool, work) = (&options.tool, &options.work_object);
+    if tool.name != TOOL0 {
+        if tool.load.is_none() {
+            text.word("  ! The mass of ")
+                .word(&tool.name)
+                .word(" is not known: measure it (LoadIdentify) before a print.\n");
+        }
+        text.word("  PERS tooldata ").word(&tool.name).word(":=[").word(truth(tool.in_hand)).word(",");
+        write_pose(text, &tool.frame);
+        text.word("],");
+        let unknown = Payload { mass_kg: NO_MASS, centre: Point3::new(0.0, 0.0, NO_MASS) };
+        write_load(text, &tool.load.unwrap_or(unknown));
+        text.word("];\n");
+    }
+    if work.name != WOBJ0 {
+        text.word("  PERS wobjdata ").word(&work.name).word(":=[").word(truth(work.in_hand));
+        if let Some(unit) = &work.unit {
+            text.word(",FALSE,\"").word(unit).word("\",[[0,0,0],[1,0,0,0]],");
+            write_pose(text, &work.frame);
+            text.word("]];\n");
+        } else {
+            text.word(",TRUE,\"\",");
+            write_pose(text, &work.frame);
+            text.word("],[[0,0,0],[1,0,0,0]]];\n");
+        }
+    }
+    if let Some(load) = &options.part_load {
+        text.word("  PERS loaddata ").word(&options.name).word("_load:=");
+        write_load(text, load);
+        text.word(";\n");
+    }
 }

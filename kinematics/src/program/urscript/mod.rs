@@ -1,23 +1,17 @@
 //! URScript, for controllers of Universal Robots: one function with the whole program.
 //!
-//! The file is in metres, radians and rotation vectors, written to nine decimals. Targets are taken through the frame
-//! `work`, a variable at the top, so that an operator who has measured the part anew changes one line.
-//! Configuration data have no place there: the controller goes on from where the arm is.
-//!
-//! The extruder is a standard digital output, the speed of the filament a standard analog one. An analog output takes a
-//! share of its range from 0 to 1 (0 to 10 V, or 4 to 20 mA, as the controller is set up), here
-//! `speed/filament_full_scale`. That variable, in mm/s, is set before the first such line, so the scale too is changed in
-//! one line. Its value has a decimal point, so that the division is never one of whole numbers. An output does not move
-//! the arm and so takes no time of a control cycle (URScript manual, thread scheduling): it stands between two
-//! `servoj` and does not end the stream.
+//! [`UrScriptOptions`] states frames, units and signals; [`UrScriptReader`] what is read.
 
 mod read;
 mod write;
 
 pub use read::UrScriptReader;
-pub use write::write_urscript;
+pub use write::{UrScriptWritten, write_urscript};
 
-use super::ProgramLimits;
+use super::{Payload, ProgramLimits};
+use crate::arm::Arm;
+use crate::scene::Mount;
+use crate::workcell::{Equipment, tool_frame};
 use nalgebra::Isometry3;
 
 /// How straight lines are driven.
@@ -31,20 +25,54 @@ pub enum Straight {
 }
 
 /// How a program is written.
+///
+/// # Frames, units, digits
+/// The file is in metres, radians and rotation vectors, written to nine decimals: a millionth of a millimetre, a
+/// billionth of a radian. With the tool in the hand, `set_tcp` is `tool`, and targets go through the frame `work`, a
+/// variable at the top: an operator who has measured the part anew changes one line. With the part in the hand, TCP is
+/// the work object on the flange and the variable is `nozzle`, which stands in the base; what is written is the pose of
+/// the work object in the tool frame, the inverse of the target. Lines are straight for the TCP then, which is the tip on
+/// the part only where the part does not turn; speeds are converted to those of the TCP (by distances, each by a factor
+/// from 0.01 to 100). Configuration data have no place in the file: the controller goes on from where the arm is.
+///
+/// # Signals
+/// The extruder is a standard digital output, the speed of the filament a standard analog one. An analog output takes a
+/// share of its range from 0 to 1 (0 to 10 V, or 4 to 20 mA, as the controller is set up), here
+/// `speed/filament_full_scale`. That variable, in mm/s, is set before the first such line, so the scale too is changed in
+/// one line. Its value has a decimal point, so that the division is never one of whole numbers. An output does not move
+/// the arm and so takes no time of a control cycle (URScript manual, thread scheduling): it stands between two
+/// `servoj` and does not end the stream. What is on when the steps end is switched off.
+///
+/// # Blends
+/// A controller refuses blends that overlap, so a radius is reduced to 0.49 of the way to the target before and of the
+/// way to the one after. Where one of these is not known, or no move follows (the end, a stream), the move stops. The
+/// place of a move to joints is known if `arm` is.
+///
+/// # Streams
+/// A stream that does not begin where a move to joints has ended (within what a joint turns in one step) begins with
+/// `movej` to its first posture; it ends with `stopj`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UrScriptOptions {
     /// Name of the function.
     pub name: String,
-    /// `base_work`.
+    /// Whether the robot holds the part under a tool that stands. Default: it holds the tool.
+    pub part_in_hand: bool,
+    /// The work object: `base_work`, or `flange_work` in the hand.
     pub work: Isometry3<f64>,
-    /// `flange_tool`.
+    /// The tip of the tool: `flange_tool`, or `base_tool` if the part is in the hand.
     pub tool: Isometry3<f64>,
+    /// All that the flange carries: `set_payload`. Default `None`: what is set on the controller stays.
+    pub payload: Option<Payload>,
+    /// The arm, by which the places of moves to joints are known; its limits hold as well as `limits`. Default `None`.
+    pub arm: Option<Arm>,
     /// Straight lines.
     pub straight: Straight,
     /// Acceleration of `movel` and `movep`, mm/s^2. Default 1200.
     pub acceleration_mm_s2: f64,
     /// Acceleration of `movej`, and with which a stream is stopped, rad/s^2. Default 1.4.
     pub acceleration_rad_s2: f64,
+    /// Speed of a `movej` to the begin of a stream, rad/s of the fastest joint. Default 0.5.
+    pub approach_rad_s: f64,
     /// How far `servoj` looks ahead, seconds, 0.03 to 0.2. Default 0.1.
     pub lookahead_s: f64,
     /// How hard `servoj` follows, 100 to 2000. Default 300.
@@ -56,7 +84,7 @@ pub struct UrScriptOptions {
     /// Speed of the filament at which that output is at 1, mm/s: faster is refused. Default
     /// [`FILAMENT_FULL_SCALE_MM_S`].
     pub filament_full_scale_mm_s: f64,
-    /// What the controller takes.
+    /// What the controller takes. Default [`ProgramLimits::universal_robots`]; [`ProgramLimits::of_arm`] is one arm's.
     pub limits: ProgramLimits,
 }
 
@@ -64,17 +92,36 @@ impl Default for UrScriptOptions {
     fn default() -> Self {
         UrScriptOptions {
             name: "curvlay".to_owned(),
+            part_in_hand: false,
             work: Isometry3::identity(),
             tool: Isometry3::identity(),
+            payload: None,
+            arm: None,
             straight: Straight::MoveL,
             acceleration_mm_s2: 1200.0,
             acceleration_rad_s2: 1.4,
+            approach_rad_s: 0.5,
             lookahead_s: 0.1,
             gain: 300.0,
             output: 0,
             filament_output: 0,
             filament_full_scale_mm_s: FILAMENT_FULL_SCALE_MM_S,
-            limits: ProgramLimits::default(),
+            limits: ProgramLimits::universal_robots(),
+        }
+    }
+}
+
+impl UrScriptOptions {
+    /// The nozzle as tool and the part frame as work object of a workcell, with its arm and within the limits of that.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
+        UrScriptOptions {
+            part_in_hand: matches!(carrier, Mount::Link(_)),
+            work,
+            tool: tool_frame(&nozzle),
+            arm: Some(*equipment.arm()),
+            limits: ProgramLimits::of_arm(equipment.arm()),
+            ..UrScriptOptions::default()
         }
     }
 }
@@ -87,6 +134,9 @@ pub const FILAMENT_FULL_SCALE_MM_S: f64 = 20.0;
 
 /// The variable that holds the full scale in a program.
 const FULL_SCALE: &str = "filament_full_scale";
+
+/// Variables of the frame that targets go through: with the tool in the hand, with the part.
+const FRAMES: [&str; 2] = ["work", "nozzle"];
 
 /// Digits behind the point: a millionth of a millimetre, a billionth of a radian.
 const DECIMALS: usize = 9;

@@ -1,24 +1,41 @@
-//! URScript, read: what [`write_urscript`](super::write_urscript) writes, in any layout, with comments.
+//! URScript, read. [`UrScriptReader`] states what it knows.
 
-use super::{FULL_SCALE, MM_PER_M};
+use super::{FRAMES, FULL_SCALE, MM_PER_M};
+use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, Goal, Move, ReadError, Speed, Step, Target, Zone, until_error};
+use crate::program::{ConfData, Goal, Move, Payload, ReadError, Speed, Step, Target, Zone, until_error};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::io::BufRead;
 
 /// The steps of a program, one after the other, in constant memory. Ends after the first error.
 ///
+/// # What is read
+/// What [`write_urscript`](super::write_urscript) writes, in any layout, with comments, and with a sign before any
+/// number: a function without arguments; `work=p[..]` or, with the part in the hand, `nozzle=p[..]`; `set_tcp`;
+/// `set_payload`; then `movel`, `movep`, `movej`, `servoj`, `stopj`, `set_standard_digital_out`,
+/// `set_standard_analog_out` and `filament_full_scale=`. All else is an error with line and column, and so is a number
+/// that no writer of ours takes (beyond 1e6 mm, rad, mm/s or s).
+///
 /// What the file does not say comes back as the default: configuration data, and of [`Speed`] what the instruction
-/// does not take.
+/// does not take. With the part in the hand, speeds are those of the TCP, as they stand in the file.
 #[derive(Debug)]
 pub struct UrScriptReader<R> {
     tokens: Tokens<R>,
-    name: String,
-    work: Isometry3<f64>,
-    tool: Isometry3<f64>,
+    head: Head,
     /// Of the filament's speed, mm/s, once the program has set it.
     full_scale: Option<f64>,
     over: bool,
+}
+
+/// What stands before the first step.
+#[derive(Debug)]
+struct Head {
+    name: String,
+    part_in_hand: bool,
+    /// What targets go through.
+    frame: Isometry3<f64>,
+    tcp: Isometry3<f64>,
+    payload: Option<Payload>,
 }
 
 impl<R: BufRead> UrScriptReader<R> {
@@ -31,55 +48,82 @@ impl<R: BufRead> UrScriptReader<R> {
         tokens.expect_word("def")?;
         let name = tokens.name("the program's name")?;
         tokens.marks("():")?;
-        tokens.expect_word("work")?;
+        let token = tokens.next()?;
+        let frame = FRAMES.iter().position(|frame| tokens.is_word(token, frame));
+        let part_in_hand = frame.ok_or_else(|| tokens.unexpected("work or nozzle", token))? == 1;
         tokens.marks("=")?;
-        let work = pose(&mut tokens)?;
+        let frame = pose(&mut tokens)?;
         tokens.expect_word("set_tcp")?;
         tokens.marks("(")?;
-        let tool = pose(&mut tokens)?;
+        let tcp = pose(&mut tokens)?;
         tokens.marks(")")?;
-        Ok(UrScriptReader { tokens, name, work, tool, full_scale: None, over: false })
+        let mut head = Head { name, part_in_hand, frame, tcp, payload: None };
+        let token = tokens.peek()?;
+        if tokens.is_word(token, "set_payload") {
+            tokens.next()?;
+            tokens.marks("(")?;
+            let mass_kg = tokens.within("a mass in kg", 0.0, LARGEST)?;
+            tokens.marks(",")?;
+            let centre = tokens.numbers::<3>("a coordinate")?.map(|metres| metres * MM_PER_M);
+            tokens.marks(")")?;
+            head.payload = Some(Payload { mass_kg, centre: centre.into() });
+        }
+        Ok(UrScriptReader { tokens, head, full_scale: None, over: false })
     }
 
     /// The program's name.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.head.name
     }
 
-    /// `base_work`.
+    /// Whether the robot holds the part.
+    pub fn part_in_hand(&self) -> bool {
+        self.head.part_in_hand
+    }
+
+    /// The work object: `base_work`, or `flange_work` in the hand.
     pub fn work(&self) -> &Isometry3<f64> {
-        &self.work
+        if self.head.part_in_hand { &self.head.tcp } else { &self.head.frame }
     }
 
-    /// `flange_tool`.
+    /// The tool: `flange_tool`, or `base_tool` if the part is in the hand.
     pub fn tool(&self) -> &Isometry3<f64> {
-        &self.tool
+        if self.head.part_in_hand { &self.head.frame } else { &self.head.tcp }
+    }
+
+    /// What the flange carries, if the program says so.
+    pub fn payload(&self) -> Option<&Payload> {
+        self.head.payload.as_ref()
     }
 }
 
 /// The next step; `None` at the end of the program.
-fn step(tokens: &mut Tokens<impl BufRead>, full_scale: &mut Option<f64>) -> Result<Option<Step>, ReadError> {
+fn step(
+    tokens: &mut Tokens<impl BufRead>,
+    part_in_hand: bool,
+    full_scale: &mut Option<f64>,
+) -> Result<Option<Step>, ReadError> {
     loop {
         let token = tokens.next()?;
         if tokens.is_word(token, "movel") || tokens.is_word(token, "movep") {
             tokens.marks("(")?;
-            let goal = Goal::Line(target(tokens)?);
-            let [mm_s, radius] = speed_and_blend(tokens)?;
-            let speed = Speed { mm_s: mm_s * MM_PER_M, ..Speed::default() };
+            let goal = Goal::Line(target(tokens, part_in_hand)?);
+            let [mm_s, radius] = speed_and_blend(tokens, MM_PER_M)?;
+            let speed = Speed { mm_s, ..Speed::default() };
             return Ok(Some(step_of(goal, speed, radius)));
         } else if tokens.is_word(token, "movej") {
             tokens.marks("(")?;
             let goal = match tokens.peek()? {
-                Token::Mark(b'[') => Goal::Joints(tokens.numbers()?),
-                _ => Goal::Swing(target(tokens)?),
+                Token::Mark(b'[') => Goal::Joints(tokens.numbers("a joint")?),
+                _ => Goal::Swing(target(tokens, part_in_hand)?),
             };
-            let [rad_s, radius] = speed_and_blend(tokens)?;
+            let [rad_s, radius] = speed_and_blend(tokens, 1.0)?;
             return Ok(Some(step_of(goal, Speed { rad_s, ..Speed::default() }, radius)));
         } else if tokens.is_word(token, "servoj") {
             tokens.marks("(")?;
-            let joints = tokens.numbers()?;
+            let joints = tokens.numbers("a joint")?;
             argument(tokens, "t")?;
-            let seconds = tokens.positive("a time")?;
+            let seconds = tokens.positive("a time", 1.0)?;
             argument(tokens, "lookahead_time")?;
             tokens.number()?;
             argument(tokens, "gain")?;
@@ -104,14 +148,14 @@ fn step(tokens: &mut Tokens<impl BufRead>, full_scale: &mut Option<f64>) -> Resu
             tokens.marks("(")?;
             tokens.whole()?;
             tokens.marks(",")?;
-            let mm_s = tokens.up_to("a speed of the filament from 0 to the full scale", most)?;
+            let mm_s = tokens.within("a speed of the filament from 0 to the full scale", 0.0, most)?;
             tokens.marks("/")?;
             tokens.expect_word(FULL_SCALE)?;
             tokens.marks(")")?;
             return Ok(Some(Step::FilamentSpeed(mm_s)));
         } else if tokens.is_word(token, FULL_SCALE) {
             tokens.marks("=")?;
-            *full_scale = Some(tokens.positive("a speed of the filament")?);
+            *full_scale = Some(tokens.positive("a speed of the filament", 1.0)?);
         } else if tokens.is_word(token, "stopj") {
             tokens.marks("(")?;
             tokens.number()?;
@@ -128,7 +172,7 @@ fn step(tokens: &mut Tokens<impl BufRead>, full_scale: &mut Option<f64>) -> Resu
 }
 
 fn step_of(goal: Goal, speed: Speed, radius: f64) -> Step {
-    let zone = if radius > 0.0 { Zone::Blend(radius * MM_PER_M) } else { Zone::Stop };
+    let zone = if radius > 0.0 { Zone::Blend(radius) } else { Zone::Stop };
     Step::Move(Move { goal, table: None, speed, zone })
 }
 
@@ -139,44 +183,54 @@ fn argument(tokens: &mut Tokens<impl BufRead>, name: &'static str) -> Result<(),
     tokens.marks("=")
 }
 
-/// `,a=..,v=..,r=..)`
-fn speed_and_blend(tokens: &mut Tokens<impl BufRead>) -> Result<[f64; 2], ReadError> {
+/// `,a=..,v=..,r=..)`: speed, in so many units of ours, and radius in millimetres.
+fn speed_and_blend(tokens: &mut Tokens<impl BufRead>, unit: f64) -> Result<[f64; 2], ReadError> {
     argument(tokens, "a")?;
-    tokens.positive("an acceleration")?;
+    tokens.positive("an acceleration", 1.0)?;
     argument(tokens, "v")?;
-    let speed = tokens.positive("a speed")?;
+    let speed = tokens.positive("a speed", unit)?;
     argument(tokens, "r")?;
-    let radius = tokens.number()?;
-    if radius < 0.0 {
-        return Err(tokens.wrong("a radius", radius));
-    }
+    let radius = tokens.within("a radius", 0.0, LARGEST / MM_PER_M)? * MM_PER_M;
     tokens.marks(")")?;
     Ok([speed, radius])
 }
 
-/// `pose_trans(work,p[..])`
-fn target(tokens: &mut Tokens<impl BufRead>) -> Result<Target, ReadError> {
+/// `pose_trans(work,p[..])`, or with `nozzle` and the inverse pose.
+fn target(tokens: &mut Tokens<impl BufRead>, part_in_hand: bool) -> Result<Target, ReadError> {
     tokens.expect_word("pose_trans")?;
     tokens.marks("(")?;
-    tokens.expect_word("work")?;
+    tokens.expect_word(FRAMES[usize::from(part_in_hand)])?;
     tokens.marks(",")?;
-    let pose = pose(tokens)?;
+    let written = pose(tokens)?;
     tokens.marks(")")?;
-    Ok(Target { pose, conf: ConfData::default() })
+    Ok(Target { pose: if part_in_hand { written.inverse() } else { written }, conf: ConfData::default() })
 }
 
 /// `p[x,y,z,rx,ry,rz]`
 fn pose(tokens: &mut Tokens<impl BufRead>) -> Result<Isometry3<f64>, ReadError> {
     tokens.expect_word("p")?;
-    let [x, y, z, rx, ry, rz] = tokens.numbers::<6>()?;
-    let at = Translation3::new(x * MM_PER_M, y * MM_PER_M, z * MM_PER_M);
-    Ok(Isometry3::from_parts(at, UnitQuaternion::from_scaled_axis(Vector3::new(rx, ry, rz))))
+    tokens.marks("[")?;
+    let mut values = [0.0; 6];
+    for (k, value) in values.iter_mut().enumerate() {
+        if k > 0 {
+            tokens.marks(",")?;
+        }
+        *value = if k < 3 {
+            tokens.within("a coordinate in metres", -LARGEST / MM_PER_M, LARGEST / MM_PER_M)? * MM_PER_M
+        } else {
+            tokens.within("a rotation in radians", -LARGEST, LARGEST)?
+        };
+    }
+    tokens.marks("]")?;
+    let [x, y, z, rx, ry, rz] = values;
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(rx, ry, rz));
+    Ok(Isometry3::from_parts(Translation3::new(x, y, z), turn))
 }
 
 impl<R: BufRead> Iterator for UrScriptReader<R> {
     type Item = Result<Step, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        until_error(&mut self.over, || step(&mut self.tokens, &mut self.full_scale))
+        until_error(&mut self.over, || step(&mut self.tokens, self.head.part_in_hand, &mut self.full_scale))
     }
 }

@@ -1,0 +1,316 @@
+//! Instructions of RAPID, read one by one.
+
+use super::data::Data;
+use crate::program::check::LARGEST;
+use crate::program::tokens::{Token, Tokens};
+use crate::program::{ExternalAxes, Goal, Move, ReadError, Speed, Step, Zone};
+use std::io::BufRead;
+
+/// What an instruction comes to.
+#[derive(Clone, Debug)]
+pub(super) enum Op {
+    Step(Step),
+    /// A procedure is called, by its name or late, by a text.
+    Call(String),
+    Load(String),
+    UnLoad,
+    /// It moves nothing.
+    Nothing,
+    /// The end of the procedure.
+    End,
+}
+
+/// What may stand in a procedure, for errors.
+const KNOWN: &str = "MoveL, MoveJ, MoveAbsJ, SetDO, SetAO, another instruction that is known here, or ENDPROC";
+
+/// Instructions with arguments that change nothing in the steps; with a reason to say so, a warning.
+const PASSED: [(&str, Option<&str>); 14] = [
+    ("ActUnit", None),
+    ("DeactUnit", None),
+    ("GripLoad", None),
+    ("TPWrite", None),
+    ("AccSet", Some("AccSet is not followed: accelerations are the controller's")),
+    ("PathAccLim", Some("PathAccLim is not followed: accelerations are the controller's")),
+    ("SingArea", Some("SingArea is not followed: how a singularity is passed is the controller's")),
+    ("WaitTime", Some("WaitTime is passed over: steps have no pauses")),
+    ("WaitRob", Some("WaitRob is passed over: steps have no pauses")),
+    ("WaitDI", Some("WaitDI is passed over: steps wait for no inputs")),
+    ("WaitDO", Some("WaitDO is passed over: steps have no pauses")),
+    ("Stop", Some("Stop is passed over: steps have no pauses")),
+    ("TPErase", None),
+    ("SpeedRefresh", Some("SpeedRefresh is not followed")),
+];
+
+/// The next instruction.
+pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<(Op, (u64, u64)), ReadError> {
+    let token = tokens.next()?;
+    let place = tokens.place();
+    let step = |step: Step| Ok((Op::Step(step), place));
+    if tokens.is_word(token, "MoveL") || tokens.is_word(token, "MoveJ") {
+        let is_line = tokens.is_word(token, "MoveL");
+        concurrent(tokens, data)?;
+        let (target, external) = data.target_or_name(tokens)?;
+        let goal = if is_line { Goal::Line(target) } else { Goal::Swing(target) };
+        return step(rest(tokens, data, goal, external)?);
+    }
+    if tokens.is_word(token, "SetDO") {
+        return step(digital(tokens, data)?);
+    }
+    if tokens.is_word(token, "SetAO") {
+        data.use_signal(tokens, 1)?;
+        tokens.marks(",")?;
+        let mm_s = tokens.within("a speed of the filament", 0.0, LARGEST)?;
+        tokens.marks(";")?;
+        return step(Step::FilamentSpeed(mm_s));
+    }
+    if tokens.is_word(token, "MoveAbsJ") {
+        concurrent(tokens, data)?;
+        let (joints, external) = data.joints_or_name(tokens)?;
+        return step(rest(tokens, data, Goal::Joints(joints), external)?);
+    }
+    if tokens.is_word(token, "ENDPROC") {
+        return Ok((Op::End, place));
+    }
+    other(tokens, data, token, place).map(|op| (op, place))
+}
+
+/// The instructions that are rare.
+fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place: (u64, u64)) -> Result<Op, ReadError> {
+    if token == Token::Mark(b'%') {
+        let name = tokens.string("the name of a procedure")?;
+        tokens.marks("%;")?;
+        return Ok(Op::Call(name));
+    }
+    let Token::Word(from, to) = token else { return Err(tokens.unexpected(KNOWN, token)) };
+    let word = String::from_utf8_lossy(tokens.word_at(from, to)).into_owned();
+    match word.to_ascii_lowercase().as_str() {
+        on @ ("set" | "reset") => {
+            data.use_signal(tokens, 0)?;
+            tokens.marks(";")?;
+            Ok(Op::Step(Step::Extruder(on == "set")))
+        }
+        "setgo" => {
+            data.use_signal(tokens, 1)?;
+            tokens.marks(",")?;
+            let steps = tokens.within("a group signal", 0.0, f64::from(1u32 << 23))?;
+            let mm_s = match data.filament_step {
+                Some(step) => steps * step,
+                // Off is off, whatever a step is.
+                None if steps <= 0.0 => 0.0,
+                None => {
+                    let expected = "a constant filament_step (mm/s) in the module before SetGO";
+                    return Err(tokens.unexpected_at(place, expected, &word));
+                }
+            };
+            if mm_s > LARGEST {
+                return Err(tokens.wrong("a speed of the filament", mm_s));
+            }
+            tokens.marks(";")?;
+            Ok(Op::Step(Step::FilamentSpeed(mm_s)))
+        }
+        "confl" | "confj" => {
+            tokens.marks("\\")?;
+            let to = tokens.name("On or Off")?;
+            if to.eq_ignore_ascii_case("Off") {
+                data.warn(
+                    place,
+                    format!("{word}\\Off: the controller may take other configurations than the targets have"),
+                );
+            } else if !to.eq_ignore_ascii_case("On") {
+                return Err(tokens.unexpected_at(tokens.place(), "On or Off", &to));
+            }
+            tokens.marks(";")?;
+            Ok(Op::Nothing)
+        }
+        "load" => {
+            tokens.marks("\\")?;
+            tokens.expect_word("Dynamic")?;
+            tokens.marks(",")?;
+            Ok(Op::Load(file(tokens)?))
+        }
+        "unload" => {
+            file(tokens)?;
+            Ok(Op::UnLoad)
+        }
+        "error" | "backward" | "undo" => {
+            // Handlers: no step comes out of them while all goes well.
+            loop {
+                let token = tokens.next()?;
+                if tokens.is_word(token, "ENDPROC") {
+                    return Ok(Op::End);
+                }
+                if token == Token::End {
+                    return Err(tokens.unexpected("ENDPROC", token));
+                }
+            }
+        }
+        _ => {
+            if let Some((_, reason)) = PASSED.iter().find(|(known, _)| known.eq_ignore_ascii_case(&word)) {
+                skip(tokens)?;
+                if let Some(reason) = reason {
+                    data.warn(place, *reason);
+                }
+                return Ok(Op::Nothing);
+            }
+            if tokens.peek()? == Token::Mark(b';') {
+                tokens.next()?;
+                return Ok(Op::Call(word));
+            }
+            Err(tokens.unexpected_at(place, KNOWN, &word))
+        }
+    }
+}
+
+/// To the end of an instruction.
+fn skip(tokens: &mut Tokens<impl BufRead>) -> Result<(), ReadError> {
+    loop {
+        match tokens.next()? {
+            Token::Mark(b';') => return Ok(()),
+            Token::End => return Err(tokens.unexpected(";", Token::End)),
+            _ => {}
+        }
+    }
+}
+
+/// `"HOME:"\File:="name.mod";` or `"HOME:/name.mod";`: the name of the file.
+fn file(tokens: &mut Tokens<impl BufRead>) -> Result<String, ReadError> {
+    let path = tokens.string("the folder or the file")?;
+    let name = if tokens.peek()? == Token::Mark(b'\\') {
+        tokens.marks("\\")?;
+        tokens.expect_word("File")?;
+        tokens.marks(":=")?;
+        tokens.string("the file")?
+    } else {
+        path.rsplit(['/', '\\', ':']).next().unwrap_or(&path).to_owned()
+    };
+    tokens.marks(";")?;
+    Ok(name)
+}
+
+/// `\Conc,` before a target.
+fn concurrent(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<(), ReadError> {
+    if tokens.peek()? == Token::Mark(b'\\') {
+        tokens.marks("\\")?;
+        tokens.expect_word("Conc")?;
+        data.warn(tokens.place(), "\\Conc is not followed: signals behind the move come when it is done");
+        tokens.marks(",")?;
+    }
+    Ok(())
+}
+
+/// The name behind the next backslash, in lower case, if there is one.
+fn option(tokens: &mut Tokens<impl BufRead>) -> Result<Option<String>, ReadError> {
+    if tokens.peek()? != Token::Mark(b'\\') {
+        return Ok(None);
+    }
+    tokens.marks("\\")?;
+    Ok(Some(tokens.name("an option")?.to_ascii_lowercase()))
+}
+
+fn unknown_option<R: BufRead, T>(tokens: &Tokens<R>, expected: &'static str, name: &str) -> Result<T, ReadError> {
+    Err(tokens.unexpected_at(tokens.place(), expected, name))
+}
+
+/// `:=` and a name or a number that does not matter here.
+fn ignored_value(tokens: &mut Tokens<impl BufRead>) -> Result<(), ReadError> {
+    tokens.marks(":=")?;
+    match tokens.next()? {
+        Token::Word(..) | Token::Number(_) => Ok(()),
+        other => Err(tokens.unexpected("a name or a number", other)),
+    }
+}
+
+/// `doName,1;`, or `high` and `low`.
+fn digital(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Step, ReadError> {
+    if let Some(name) = option(tokens)? {
+        if name != "sync" {
+            return unknown_option(tokens, "Sync", &name);
+        }
+        tokens.marks(",")?;
+    }
+    data.use_signal(tokens, 0)?;
+    tokens.marks(",")?;
+    let token = tokens.peek()?;
+    let on = if tokens.is_word(token, "high") || tokens.is_word(token, "low") {
+        tokens.next()?;
+        tokens.is_word(token, "high")
+    } else {
+        let value = tokens.whole()?;
+        if !(0..=1).contains(&value) {
+            return Err(tokens.wrong("a digital signal", f64::from(value)));
+        }
+        value == 1
+    };
+    tokens.marks(";")?;
+    Ok(Step::Extruder(on))
+}
+
+/// Options of the target, speed, zone, tool and work object.
+fn rest(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    goal: Goal,
+    table: Option<ExternalAxes>,
+) -> Result<Step, ReadError> {
+    while let Some(name) = option(tokens)? {
+        match name.as_str() {
+            "id" => ignored_value(tokens)?,
+            "noeoffs" => {}
+            _ => return unknown_option(tokens, "ID or NoEOffs", &name),
+        }
+    }
+    tokens.marks(",")?;
+    let mut speed: Speed = data.speed_or_name(tokens)?;
+    while let Some(name) = option(tokens)? {
+        if name != "v" {
+            return unknown_option(tokens, "V (a time, \\T, is not known here)", &name);
+        }
+        tokens.marks(":=")?;
+        speed.mm_s = tokens.positive("a speed", 1.0)?;
+    }
+    tokens.marks(",")?;
+    let mut zone = data.zone_or_name(tokens)?;
+    while let Some(name) = option(tokens)? {
+        match name.as_str() {
+            "inpos" => ignored_value(tokens)?,
+            "z" => {
+                tokens.marks(":=")?;
+                zone = Zone::Blend(tokens.positive("the radius of a zone", 1.0)?);
+            }
+            _ => return unknown_option(tokens, "Z or Inpos", &name),
+        }
+    }
+    tokens.marks(",")?;
+    let by_joints = matches!(goal, Goal::Joints(_));
+    frame(tokens, data, 0, by_joints)?;
+    let mut has_object = false;
+    while let Some(name) = option(tokens)? {
+        tokens.marks(":=")?;
+        match name.as_str() {
+            "wobj" => {
+                frame(tokens, data, 1, by_joints)?;
+                has_object = true;
+            }
+            "tload" => _ = tokens.name("the load")?,
+            _ => return unknown_option(tokens, "WObj or TLoad", &name),
+        }
+    }
+    if !has_object && !by_joints && !data.uses(1, super::WOBJ0.as_bytes()) {
+        data.use_frame(tokens, 1, super::WOBJ0)?;
+    }
+    tokens.marks(";")?;
+    Ok(Step::Move(Move { goal, table, speed, zone }))
+}
+
+/// The name of a tool (0) or a work object (1); for a move to joints it does not matter.
+fn frame(tokens: &mut Tokens<impl BufRead>, data: &mut Data, which: usize, any: bool) -> Result<(), ReadError> {
+    match tokens.next()? {
+        Token::Word(..) if any => Ok(()),
+        Token::Word(from, to) if data.uses(which, tokens.word_at(from, to)) => Ok(()),
+        Token::Word(from, to) => {
+            let name = String::from_utf8_lossy(tokens.word_at(from, to)).into_owned();
+            data.use_frame(tokens, which, &name)
+        }
+        other => Err(tokens.unexpected(["the tool", "the work object"][which], other)),
+    }
+}
