@@ -16,6 +16,7 @@ use crate::boundary::{Cap, caps, open_edges, sides, welded};
 use crate::grid::zeroed;
 use crate::interior::{self, Capped, Inside, Surface};
 use crate::lattice::Lattice;
+use crate::orient::{OneSided, OrientReport, Oriented, orient_welded};
 use crate::search;
 use crate::surface::{Bits, Painter, Walls};
 use crate::winding::Winding;
@@ -85,9 +86,15 @@ pub struct VoxelReport {
     pub leak_faces: u64,
     /// Cells near holes that were decided one by one.
     pub cells_asked_singly: u64,
-    /// The triangles are turned inwards, all or for the most part; the inside was taken all the same.
+    /// Triangles that looked inwards, or the other way than their neighbours, and were turned first: see
+    /// [`orient`](crate::orient).
+    pub turned_triangles: usize,
+    /// Edges of two triangles that disagreed about inside and outside, before those were turned.
+    pub disagreeing_edges: usize,
+    /// The triangles were turned inwards, all or for the most part; the inside was taken all the same.
     pub inside_out: bool,
-    /// Cells inside that the surface does not touch, and round which it is turned inwards.
+    /// Cells inside that the surface does not touch, and round which it still looks inwards once that is done: where
+    /// triangles that share no corners look inwards.
     pub turned_cells: u64,
     /// Grids that were tried to come near a wanted number of cells; one for a given size.
     pub trials: usize,
@@ -127,6 +134,9 @@ pub enum VoxelError {
     /// No cells were asked for.
     #[error("the wanted number of cells is 0: it must be at least 1")]
     NoCount,
+    /// The surface has one side alone, so that it bounds no solid.
+    #[error(transparent)]
+    OneSided(#[from] OneSided),
     /// The grid cannot be made.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -205,6 +215,7 @@ pub(crate) struct Solid<'a> {
     vertices: &'a [Point3<f64>],
     triangles: Vec<[u32; 3]>,
     dropped: usize,
+    orientation: OrientReport,
     open_edges: usize,
     surface: Surface,
     high: Point3<f64>,
@@ -251,6 +262,8 @@ impl<'a> Solid<'a> {
         }
         let corners = |triangle: &[u32; 3]| triangle.map(|corner| vertices[corner as usize]);
         let welded = welded(vertices);
+        let Oriented { triangles, report: orientation } = orient_welded(vertices, triangles, &welded)?;
+        let triangles = &triangles;
         let mut sound: Vec<_> =
             triangles.iter().copied().filter(|triangle| has_area(&corners(triangle), f64::EPSILON)).collect();
         let mut open = open_edges(&welded, sound.iter().copied());
@@ -298,6 +311,7 @@ impl<'a> Solid<'a> {
             vertices,
             triangles: sound,
             dropped,
+            orientation,
             open_edges: open.len(),
             surface,
             high,
@@ -380,6 +394,7 @@ impl<'a> Solid<'a> {
         let shift = Vector3::new(0.0, 0.0, -origin.z);
         origin.z = 0.0;
         let grid = VoxelGrid::from_rows(lattice.dims, cells.rows)?.placed(lattice.cell, origin)?;
+        let still_inwards = if inside.cells > 0 { inside.turned * 2 > inside.cells } else { self.volume < 0.0 };
         let report = VoxelReport {
             triangles: self.triangles.len(),
             dropped_triangles: self.dropped,
@@ -389,7 +404,9 @@ impl<'a> Solid<'a> {
             pieces: inside.pieces,
             leak_faces: inside.leak_faces,
             cells_asked_singly: inside.asked_singly,
-            inside_out: if inside.cells > 0 { inside.turned * 2 > inside.cells } else { self.volume < 0.0 },
+            turned_triangles: self.orientation.turned_triangles,
+            disagreeing_edges: self.orientation.disagreeing_edges,
+            inside_out: self.orientation.inside_out || still_inwards,
             turned_cells: inside.turned,
             trials,
         };

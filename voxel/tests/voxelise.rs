@@ -92,7 +92,8 @@ proptest! {
         let (sound, turned) = (cells(&ball, cell), cells(&ball.turned(), cell));
         prop_assert_eq!(&sound.grid, &turned.grid);
         prop_assert!(!sound.report.inside_out && turned.report.inside_out);
-        prop_assert_eq!(turned.report.turned_cells, turned.report.interior_cells);
+        prop_assert_eq!(turned.report.turned_triangles, turned.report.triangles);
+        prop_assert_eq!((turned.report.turned_cells, sound.report.turned_triangles), (0, 0));
     }
 
     /// The number of cells comes near what was asked for, and the part stands on the plate.
@@ -265,7 +266,7 @@ fn damaged_models_are_told() {
     assert!(solid.report.open_edges > 0);
     assert!(solid.report.interior_cells > solid.report.surface_cells / 2, "{:?}", solid.report);
     let solid = shared("bad-models/inside-out.stl").with(Resolution::Count(20_000)).unwrap();
-    assert!(solid.report.inside_out && solid.report.turned_cells == solid.report.interior_cells);
+    assert!(solid.report.inside_out && solid.report.turned_triangles == solid.report.triangles);
     let solid = shared("bad-models/zero-area.stl").with(Resolution::Count(20_000)).unwrap();
     assert_eq!((solid.report.dropped_triangles, solid.report.open_edges), (120, 0));
     let solid = shared("bad-models/self-intersecting.stl").with(Resolution::Count(20_000)).unwrap();
