@@ -27,7 +27,7 @@ pub enum GridError {
         dims: [u64; 3],
     },
     /// The bits would take more memory than is allowed.
-    #[error("a grid of {dims:?} cells takes {bytes} bytes, more than the {limit} allowed; choose larger cells")]
+    #[error("a grid of {dims:?} cells takes {bytes} bytes, more than the {limit} allowed")]
     Memory {
         /// Cells along x, y and z.
         dims: [u64; 3],
@@ -78,6 +78,18 @@ pub enum GridError {
         /// The low corner that was asked for.
         origin: [f64; 3],
     },
+}
+
+/// Cells that are too small: their grid would be larger than is allowed. Nothing was allocated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("cells of {cell_mm:?} mm are too small: {cause}; cells of {fits_mm:?} mm and more fit")]
+pub struct TooFine {
+    /// Edge of a cell that was asked for, or that the wanted number of cells needs.
+    pub cell_mm: f64,
+    /// The smallest edge that fits, with three digits.
+    pub fits_mm: f64,
+    /// What is too large.
+    pub cause: GridError,
 }
 
 impl VoxelGrid {

@@ -41,7 +41,7 @@ mod voxelise;
 mod winding;
 
 pub use distance::{BoundaryDistance, Nearest};
-pub use grid::{GridError, VoxelGrid};
+pub use grid::{GridError, TooFine, VoxelGrid};
 pub use implicit::{ImplicitError, ImplicitOptions};
 pub use nalgebra;
 pub use neighbours::Connectivity;

@@ -46,7 +46,7 @@ impl fmt::Display for OrientReport {
         let Self { triangles, turned_triangles, disagreeing_edges, .. } = self;
         match (turned_triangles, disagreeing_edges) {
             (0, _) => Ok(()),
-            (_, 0) if turned_triangles == triangles => write!(f, "the mesh was inside out: it was turned outwards"),
+            (_, 0) if turned_triangles == triangles => write!(f, "all faces looked inwards: they were turned"),
             (_, 0) => write!(f, "{turned_triangles} of {triangles} triangles looked inwards: they were turned"),
             _ => write!(
                 f,
