@@ -13,7 +13,7 @@ use std::{env, fs::File, ops::ControlFlow::Continue};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = env::args().skip(1);
-    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?;
+    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?.oriented()?;
     let out = args.next().unwrap_or_else(|| "mesh_to_gcode.gcode".to_owned());
 
     // The cells of the part. They stand on the plate z = 0, and the mesh is moved there.

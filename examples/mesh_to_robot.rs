@@ -23,7 +23,7 @@ type Failure = Box<dyn std::error::Error>;
 
 fn main() -> Result<(), Failure> {
     let mut args = env::args().skip(1);
-    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?;
+    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?.oriented()?;
     let cell = args.next().map_or_else(|| Ok(UR3_CELL.to_owned()), fs::read_to_string)?;
     let cell = AnyWorkcell::from_json(cell.as_bytes())?;
     let out = args.next().unwrap_or_else(|| "target/out/mesh_to_robot".to_owned());

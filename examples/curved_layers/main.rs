@@ -172,7 +172,7 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers")?;
         let bars = Bars::new(args.common.quiet);
         let part = args.mesh.load("jug (made in code)", jug)?;
-        part.warning.iter().for_each(warn);
+        part.warnings.iter().for_each(warn);
         let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
         let mut results = work(&args, setup, &part, saved, &bars)?;
         check_motion(&args, &mut results, &folder, &bars)?;

@@ -17,7 +17,7 @@
 //! # Ok::<(), clap::Error>(())
 //! ```
 
-use crate::mesh::{Mesh, MeshError, Placement, Unit, Up, read_mesh};
+use crate::mesh::{Mesh, MeshError, MeshFault, Placement, Unit, Up, read_mesh};
 use crate::output::{OutputError, OutputFolder};
 use clap::{Args, Parser, ValueEnum};
 use std::env;
@@ -69,6 +69,9 @@ pub struct MeshArgs {
     /// The axis of the file that points up
     #[arg(long, default_value = "z")]
     pub up: Up,
+    /// Takes a part of more than 10 m
+    #[arg(long)]
+    pub allow_large: bool,
 }
 
 /// A part as it was read, in millimetres with z up.
@@ -78,17 +81,36 @@ pub struct Part {
     pub name: String,
     /// The part.
     pub mesh: Mesh,
-    /// Doubts about its size, in one line.
-    pub warning: Option<String>,
+    /// What the user should know about it, a line each: doubts about its size, triangles that were turned.
+    pub warnings: Vec<String>,
+    /// How fine its coordinates are if they are of single precision.
+    pub spacing_mm: Option<f64>,
+}
+
+/// Share of a cell from which on the spacing of single-precision coordinates is told: half of it is how far a corner may
+/// be off, and below some hundredths no cell is another.
+const COARSE: f64 = 0.05;
+
+impl Part {
+    /// A warning if the coordinates are too coarse for cells of that size.
+    pub fn coarse_for(&self, cell_mm: f64) -> Option<String> {
+        let spacing_mm = self.spacing_mm.filter(|&spacing_mm| spacing_mm > COARSE * cell_mm)?;
+        Some(format!(
+            "the numbers in the file are of single precision and lie {spacing_mm:.3} mm apart so far from its origin, {:.0} % \
+             of a cell: the part is distorted; export it nearer to the origin",
+            100.0 * spacing_mm / cell_mm
+        ))
+    }
 }
 
 impl MeshArgs {
-    /// Unit, scale and axis.
+    /// Unit, scale, axis, and whether it may be large.
     pub fn placement(&self) -> Placement {
-        Placement { unit: self.unit, scale: self.scale, up: self.up }
+        Placement { unit: self.unit, scale: self.scale, up: self.up, allow_large: self.allow_large }
     }
 
-    /// Reads the file, or makes `shape` when there is none; unit, scale and axis apply to both.
+    /// Reads the file, or makes `shape` when there is none; unit, scale and axis apply to both. Triangles that look the
+    /// wrong way are turned.
     ///
     /// # Errors
     /// [`MeshError`] when the file cannot be used.
@@ -98,8 +120,18 @@ impl MeshArgs {
             None => (PathBuf::from(shape_name), shape()),
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        match self.placement().apply(&mut mesh) {
-            Ok(warning) => Ok(Part { name, mesh, warning }),
+        let placement = self.placement();
+        let spacing_mm = mesh.float32_spacing().map(|spacing| spacing * placement.unit.millimetres() * placement.scale);
+        let mut prepare = || -> Result<Vec<String>, MeshFault> {
+            let mut warnings = placement.apply(&mut mesh)?;
+            let turned = mesh.orient()?;
+            if turned.turned_triangles > 0 {
+                warnings.push(turned.to_string());
+            }
+            Ok(warnings)
+        };
+        match prepare() {
+            Ok(warnings) => Ok(Part { name, mesh, warnings, spacing_mm }),
             Err(fault) => Err(MeshError { path, fault }),
         }
     }

@@ -6,7 +6,9 @@ use curvlay_examples::args::{
     Common, Failure, GrowArgs, MeshArgs, Outcome, Prevention, Strategy, VoxelArgs, one_line, run, run_on, typed_name,
 };
 use curvlay_examples::mesh::{Unit, Up};
+use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::shapes::jug;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -118,8 +120,34 @@ fn without_a_file_the_shape_is_loaded() {
     let part = parse("--scale 0.01").unwrap().mesh.load("jug", jug).unwrap();
     assert_eq!(part.name, "jug");
     assert_eq!(part.mesh.triangles, jug().triangles);
-    assert!(part.warning.unwrap().contains("--unit m"));
+    assert!(part.warnings[0].contains("--unit m"));
     assert!(parse("--scale 1e308").unwrap().mesh.load("jug", jug).is_err());
+}
+
+#[test]
+fn coordinates_that_are_too_coarse_for_the_cells_are_told() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("far.obj");
+    fs::write(
+        &path,
+        "v 100000000 0 0\nv 100000040 0 0\nv 100000000 40 0\nv 100000000 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    )
+    .unwrap();
+    let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();
+    assert_eq!(part.spacing_mm, Some(8.0));
+    assert_eq!(part.mesh.bounds().unwrap()[1], Point3::new(20.0, 20.0, 40.0), "{:?}", part.warnings);
+    let told = part.coarse_for(0.8).unwrap();
+    assert!(told.contains("8.000 mm apart") && told.contains("1000 % of a cell"), "{told}");
+    assert_eq!(part.coarse_for(161.0), None);
+    assert!(parse("").unwrap().mesh.load("jug", jug).unwrap().coarse_for(0.01).is_none());
+}
+
+#[test]
+fn facets_that_look_the_wrong_way_are_told() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mixed.obj");
+    fs::write(&path, "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n").unwrap();
+    let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();
+    let told = "the triangles disagreed about inside and outside at 3 edges: 1 of 4 were turned";
+    assert_eq!((part.mesh.triangles[3], &part.warnings[..]), ([1, 2, 3], &[told.to_owned()][..]));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use curvlay_examples::mesh::{Mesh, MeshError, MeshFault, Place, Placement, Unit, Up, read_mesh};
-use curvlay_examples::nalgebra::Point3;
+use curvlay_examples::nalgebra::{self, Point3};
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -86,7 +86,9 @@ fn stl_complaints_name_the_place() {
         cut,
         "the header promises 4 triangles, which take 284 bytes, but the file has 200: cut short, or not an STL file"
     );
-    assert!(complaint("long.stl", [&sound[..], &[0]].concat()).contains("bytes were added"));
+    let long = complaint("long.stl", [&sound[..], &[0, 0]].concat());
+    assert!(long.ends_with("2 bytes were added behind the last triangle; remove them"), "{long}");
+    assert!(complaint("longer.stl", [&sound[..], &[0; 50]].concat()).contains("bytes were added, or it is not"));
     let huge = [&sound[..80], &[0xff; 4], &sound[84..]].concat();
     assert!(complaint("huge.stl", huge).contains("4294967295 triangles, which take 214748364834 bytes"));
     assert!(complaint("text.stl", "PK".repeat(300)).contains("not an STL file"));
@@ -105,6 +107,60 @@ fn stl_complaints_name_the_place() {
     );
     assert_eq!(complaint("half.stl", &text[..text.len() / 2]).split(": ").last(), Some("cut short"));
     assert!(complaint("alien.stl", "solid\nhello there\nendsolid").starts_with("line 2: `hello` has no place"));
+}
+
+#[test]
+fn where_the_lines_of_ascii_stl_end_does_not_matter() {
+    let whole = tetrahedron();
+    let text = ascii_stl();
+    // A facet a line; all facets in one line, with the name; a word a line but for the name and the corners.
+    let facets = text.replace("\n    outer", " outer").replace("\n      vertex", " vertex");
+    let facets = facets.replace("\n    endloop\n  endfacet", " endloop endfacet");
+    assert_eq!(facets.lines().count(), 6);
+    assert_eq!(read("facets.stl", &facets).unwrap(), whole);
+    assert_eq!(read("one-line.stl", text.replace('\n', " ")).unwrap(), whole);
+    assert_eq!(read("old-mac.stl", text.replace('\n', "\r").replacen('\r', "\n", 1)).unwrap(), whole);
+    let words = text.replace("facet normal 0 0 0", "facet\nnormal 0\n0 0").replace("outer loop", "outer\nloop");
+    assert!(complaint("words.stl", words).starts_with("line 3: `normal` has no place"));
+    let named = text.replace("a part", "facet vertex solid endsolid");
+    assert_eq!(read("named.stl", &named).unwrap(), whole);
+    let two = [&text[..], &text.replace("a part", "another")].concat();
+    assert_eq!(read("two-parts.stl", &two).unwrap().triangles.len(), 8);
+    assert_eq!(
+        complaint("two-in-one.stl", two.replace("endsolid a part\n", "endsolid a part ").replace("another\n", "b ")),
+        "line 30: facets behind `endsolid`: the next part must begin in a line of its own"
+    );
+    assert_eq!(complaint("more.stl", text.replacen("3.5", "3.5 red", 1)), "line 13: `red` has no place in an STL file");
+}
+
+#[test]
+fn byte_order_marks_are_passed_over_or_named() {
+    let marked = |bytes: &[u8]| [b"\xef\xbb\xbf", bytes].concat();
+    assert_eq!(read("marked.stl", marked(ascii_stl().as_bytes())).unwrap(), tetrahedron());
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n";
+    assert_eq!(read("marked.obj", marked(obj.as_bytes())).unwrap(), read("plain.obj", obj).unwrap());
+    assert_eq!(read("marked.obj", marked(obj.as_bytes())).unwrap().vertices.len(), 3);
+    for (name, ply) in [("ascii", ascii_ply().into_bytes()), ("little", binary_ply(false)), ("big", binary_ply(true))] {
+        let (with, without) = (format!("marked-{name}.ply"), format!("plain-{name}.ply"));
+        assert_eq!(read(&with, marked(&ply)).unwrap(), read(&without, &ply).unwrap());
+    }
+    let cut = binary_ply(false);
+    let place = |text: String| text.split(": ").next().unwrap().trim_start_matches("byte ").parse::<usize>().unwrap();
+    let [plain, with] = [cut.clone(), marked(&cut)].map(|bytes| place(complaint("cut.ply", &bytes[..bytes.len() - 2])));
+    assert_eq!(with, plain + 3);
+    // A binary STL file may begin with anything.
+    for mark in [&b"\xef\xbb\xbf"[..], b"\xff\xfe", b"\xfe\xff"] {
+        let mut bytes = tetrahedron_stl("");
+        bytes[..mark.len()].copy_from_slice(mark);
+        assert_eq!(read("any-header.stl", bytes).unwrap(), tetrahedron());
+    }
+    let utf16 = |text: &str| [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let wide: Vec<u8> = utf16(obj);
+    assert_eq!(complaint("wide.obj", wide), "the text is UTF-16: save it as UTF-8 or ASCII");
+    let wide: Vec<u8> = utf16(&ascii_stl());
+    assert_eq!(complaint("wide.stl", wide), "the text is UTF-16: save it as UTF-8 or ASCII");
+    let wide: Vec<u8> = utf16(&ascii_ply());
+    assert_eq!(complaint("wide.ply", wide), "the text is UTF-16: save it as UTF-8 or ASCII");
 }
 
 #[test]
@@ -308,26 +364,102 @@ fn placement_turns_right_handed() {
             Up::Z => [0.0, 0.0, 2.0],
         });
         mesh.vertices.push(top);
-        let warning = Placement { unit: Unit::M, scale: 0.5, up }.apply(&mut mesh).unwrap();
-        assert_eq!(warning, None);
+        let placement = Placement { unit: Unit::M, scale: 0.5, up, ..Placement::default() };
+        assert_eq!(placement.apply(&mut mesh).unwrap(), <[String; 0]>::default());
         assert_eq!(mesh.vertices.pop(), Some(Point3::new(0.0, 0.0, 1000.0)), "{up:?}");
         assert!((volume(&mesh) / before - 500.0_f64.powi(3)).abs() < 1e-3, "{up:?} keeps the sense of turning");
     }
 }
 
 #[test]
-fn odd_sizes_are_doubted() {
-    let doubt =
-        |factor: f64, unit: Unit| Placement { unit, scale: factor, up: Up::Z }.apply(&mut tetrahedron()).unwrap();
-    assert_eq!(doubt(1.0, Unit::Mm), None);
-    let small = doubt(0.01, Unit::Mm).unwrap();
-    assert_eq!(small, "the longest side of the part is 0.035 mm: is it in metres or inches? use --unit m or --unit in");
+fn odd_sizes_are_doubted_and_huge_ones_refused() {
+    // 3.5 long as it is.
+    let of = |scale: f64, unit: Unit, allow_large: bool| {
+        Placement { unit, scale, allow_large, ..Placement::default() }.apply(&mut tetrahedron())
+    };
+    let doubt = |scale: f64, unit: Unit| of(scale, unit, false).unwrap().pop();
+    assert_eq!(doubt(10.0, Unit::Mm), None);
+    let metres_or_inches = "is it in metres or inches? use --unit m or --unit in";
+    assert_eq!(doubt(0.01, Unit::Mm).unwrap(), format!("the longest side of the part is 0.035 mm: {metres_or_inches}"));
+    // A part of 89 mm in inches.
+    assert_eq!(doubt(1.0, Unit::Mm).unwrap(), format!("the longest side of the part is 3.5 mm: {metres_or_inches}"));
+    assert_eq!((doubt(1.0, Unit::In), doubt(0.03, Unit::M)), (None, None));
     assert_eq!(doubt(1e-5, Unit::M).unwrap(), "the longest side of the part is 0.035 mm: is the scale right?");
-    let large = doubt(3.0, Unit::M).unwrap();
-    assert_eq!(large, "the longest side of the part is 10500 mm: is it in millimetres? leave --unit out");
-    assert!(doubt(3000.0, Unit::Mm).unwrap().contains("is the scale right?"));
-    let infinite = Placement { unit: Unit::M, scale: 1e308, up: Up::Z }.apply(&mut tetrahedron());
-    assert!(matches!(infinite, Err(MeshFault::Scale)));
+    let large = "the longest side of the part is 3500 mm: is it in millimetres? leave --unit out";
+    assert_eq!(doubt(1.0, Unit::M).unwrap(), large);
+
+    for unit in [Unit::Mm, Unit::M, Unit::In] {
+        let scale = 10_500.0 / 3.5 / unit.millimetres();
+        let refused = of(scale, unit, false).unwrap_err();
+        assert!(matches!(refused, MeshFault::TooLarge { longest_mm } if (longest_mm - 10_500.0).abs() < 1e-6));
+        assert_eq!(
+            refused.to_string(),
+            "the longest side of the part is 10500 mm, more than 10000 mm: check --unit and --scale, or allow it with \
+             --allow-large"
+        );
+        assert!(of(scale, unit, true).is_ok());
+    }
+    for scale in [1e308, 1e306] {
+        assert!(matches!(of(scale, Unit::M, true), Err(MeshFault::Scale)));
+    }
+}
+
+/// A part far away is the same part, to the last bit where its numbers allow.
+#[test]
+fn far_parts_are_moved_before_they_are_scaled() {
+    let placement = Placement { unit: Unit::In, scale: 7.0, ..Placement::default() };
+    let centred = |mut mesh: Mesh, by: [f64; 3]| {
+        mesh.vertices.iter_mut().for_each(|p| *p += nalgebra::Vector3::from(by));
+        let warnings = placement.apply(&mut mesh).unwrap();
+        (mesh, warnings)
+    };
+    // The middle of the tetrahedron in x and y, at once and after a way.
+    let (near, warnings) = centred(tetrahedron(), [-0.5, -1.0, 0.0]);
+    assert!(warnings.is_empty());
+    for by in [[1e8, 0.0, 0.0], [0.0, -1e8, 3e7], [0.0, 0.0, 1e8]] {
+        let (far, warnings) = centred(tetrahedron(), by);
+        assert_eq!(far, near);
+        assert!(
+            warnings[0].starts_with("the part lay ") && warnings[0].ends_with("it was moved there"),
+            "{warnings:?}"
+        );
+    }
+    // Within ten metres a part stays where it is.
+    let (beside, warnings) = centred(tetrahedron(), [50.0, 0.0, 0.0]);
+    assert!(warnings.is_empty());
+    assert_eq!(beside.bounds().unwrap()[0], Point3::new(50.0 * (25.4 * 7.0), 0.0, 0.0));
+}
+
+#[test]
+fn turned_facets_are_turned_back_and_one_sided_surfaces_refused() {
+    let mut mesh = tetrahedron();
+    mesh.triangles[2].swap(0, 1);
+    mesh.triangles[3].swap(0, 1);
+    let report = mesh.orient().unwrap();
+    assert_eq!((report.turned_triangles, report.disagreeing_edges), (2, 4));
+    let volume = curvlay_voxel::inspect::inspect(&mesh.vertices, &mesh.triangles).unwrap().signed_volume_mm3;
+    assert!((volume - 3.5 / 3.0).abs() < 1e-12);
+    // Five triangles in a ring with a half turn.
+    let at = |k: u32| Point3::new(f64::from(k).cos(), f64::from(k).sin(), f64::from(k * k));
+    let ring = (0..5).map(|k| [k, (k + 1) % 5, (k + 2) % 5]).collect();
+    let refused = Mesh { vertices: (0..5).map(at).collect(), triangles: ring }.oriented().unwrap_err();
+    assert!(
+        matches!(refused, MeshFault::Orientation(_)) && refused.to_string().contains("one side alone"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn the_spacing_of_single_precision_is_that_at_the_farthest_corner() {
+    let moved = |by: f64| {
+        let mut mesh = tetrahedron();
+        mesh.vertices.iter_mut().for_each(|p| p.x += by);
+        mesh.float32_spacing()
+    };
+    assert_eq!(moved(0.0), Some(2.0_f64.powi(-22)));
+    assert_eq!(moved(65_536.0), Some(2.0_f64.powi(-7)));
+    assert_eq!(moved(1e8), None, "1e8 + 1 is no number of single precision");
+    assert_eq!(moved(0.1), None);
 }
 
 #[test]
@@ -351,7 +483,7 @@ fn the_bad_models_get_what_they_should() {
         let mut mesh = read_mesh(&path).unwrap();
         let triangles = (fs::metadata(&path).unwrap().len() - 84) / 50;
         assert_eq!(mesh.triangles.len() as u64, triangles, "{name}");
-        let warning = Placement::default().apply(&mut mesh).unwrap();
-        assert_eq!(warning.is_some(), name == "metres", "{name}: {warning:?}");
+        let warnings = Placement::default().apply(&mut mesh).unwrap();
+        assert_eq!(!warnings.is_empty(), name == "metres", "{name}: {warnings:?}");
     }
 }

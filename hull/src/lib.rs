@@ -1,9 +1,9 @@
-//! Convex hulls on the integer lattice that grow point by point, exactly.
+#![doc = include_str!("../README.md")]
 //!
-//! No decision about topology uses a tolerance: coordinates are integers below 2^15, every sign is computed in
-//! integers. What-if questions are cheap: [`ConvexHull::checkpoint`], insert, ask, [`ConvexHull::rollback`].
+//! # Where to find what
 //!
-//! * [`ConvexHull`]: in space; also bodies that reach down without end ([`ConvexHull::column`]).
+//! * [`ConvexHull`]: in space; also bodies that reach down without end ([`ConvexHull::column`]). What-if questions:
+//!   [`ConvexHull::checkpoint`], insert, ask, [`ConvexHull::rollback`].
 //! * [`ConvexHull2`]: in the plane.
 //! * [`RowIntervals`]: for each row of a lattice, which part of it lies deep in the body.
 //! * [`convex_polygon`]: the plane hull of all points at once.
@@ -26,8 +26,3 @@ pub use nalgebra;
 pub use plane::{Depth, Plane};
 pub use polygon::convex_polygon;
 pub use rows::{RowIntervals, RowLattice};
-
-/// The snippet of the README, compiled and run with the examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;

@@ -27,7 +27,7 @@ pub enum GridError {
         dims: [u64; 3],
     },
     /// The bits would take more memory than is allowed.
-    #[error("a grid of {dims:?} cells takes {bytes} bytes, more than the {limit} allowed; choose larger cells")]
+    #[error("a grid of {dims:?} cells takes {bytes} bytes, more than the {limit} allowed")]
     Memory {
         /// Cells along x, y and z.
         dims: [u64; 3],
@@ -75,9 +75,21 @@ pub enum GridError {
     /// The place of the grid is not finite.
     #[error("the corner of the grid {origin:?} is not finite")]
     Origin {
-        /// The low corner that was asked for.
+        /// The low corner that was asked for, or the far one that follows from it.
         origin: [f64; 3],
     },
+}
+
+/// Cells that are too small: their grid would be larger than is allowed. Nothing was allocated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("cells of {cell_mm:?} mm are too small: {cause}; cells of {fits_mm:?} mm and more fit")]
+pub struct TooFine {
+    /// Edge of a cell that was asked for, or that the wanted number of cells needs.
+    pub cell_mm: f64,
+    /// The smallest edge that fits, with three digits.
+    pub fits_mm: f64,
+    /// What is too large.
+    pub cause: GridError,
 }
 
 impl VoxelGrid {
@@ -168,7 +180,7 @@ impl VoxelGrid {
     /// The same cells with an edge of `cell_mm` millimetres, and the low corner of cell `[0, 0, 0]` at `origin`.
     ///
     /// # Errors
-    /// [`GridError::CellSize`] and [`GridError::Origin`].
+    /// [`GridError::CellSize`], and [`GridError::Origin`] if that corner or the far one is not finite.
     ///
     /// # Example
     /// ```
@@ -181,8 +193,9 @@ impl VoxelGrid {
         if !(cell_mm > 0.0 && cell_mm.is_finite()) {
             return Err(GridError::CellSize { cell_mm });
         }
-        if origin.iter().any(|at| !at.is_finite()) {
-            return Err(GridError::Origin { origin: origin.into() });
+        let far = origin + Vector3::from(self.dims.map(f64::from)) * cell_mm;
+        if let Some(corner) = [origin, far].iter().find(|corner| corner.iter().any(|at| !at.is_finite())) {
+            return Err(GridError::Origin { origin: (*corner).into() });
         }
         Ok(VoxelGrid { cell_mm, origin, ..self })
     }
@@ -257,8 +270,12 @@ impl VoxelGrid {
     }
 
     /// The number of a cell of the grid.
+    ///
+    /// # Panics
+    /// Outside the grid, where cells have no numbers.
     pub fn id(&self, [x, y, z]: [u32; 3]) -> u32 {
-        debug_assert!(x < self.dims[0] && y < self.dims[1] && z < self.dims[2]);
+        let inside = x < self.dims[0] && y < self.dims[1] && z < self.dims[2];
+        assert!(inside, "cell {x}, {y}, {z} of a grid of {:?} cells", self.dims);
         x + self.dims[0] * (y + self.dims[1] * z)
     }
 
@@ -358,6 +375,18 @@ mod tests {
         assert_eq!(runs(&[1 << 63, 0b1, 1 << 63]).collect::<Vec<_>>(), [(63, 65), (191, 192)]);
         assert_eq!(runs(&[!0, !0]).collect::<Vec<_>>(), [(0, 128)]);
         assert_eq!(runs(&[0]).count(), 0);
+    }
+
+    #[test]
+    fn places_and_cells_beyond_the_numbers_are_refused() {
+        let grid = VoxelGrid::from_fn([3, 1, 2], |_| true).unwrap();
+        let placed = |cell_mm, at| grid.clone().placed(cell_mm, Point3::new(0.0, at, 0.0)).err();
+        assert!(matches!(placed(f64::NAN, 0.0), Some(GridError::CellSize { .. })));
+        assert!(matches!(placed(1.0, f64::NAN), Some(GridError::Origin { .. })));
+        assert!(matches!(placed(1e308, 1.0), Some(GridError::Origin { origin: [f64::INFINITY, ..] })));
+        assert_eq!(placed(1e300, -1e300), None);
+        assert!(std::panic::catch_unwind(|| grid.id([0, 1, 0])).is_err());
+        assert!(std::panic::catch_unwind(|| grid.id([u32::MAX; 3])).is_err());
     }
 
     #[test]

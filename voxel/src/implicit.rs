@@ -10,9 +10,9 @@
 //! With a bound, blocks of cells are first asked at their middle, and dropped or taken whole where that settles all
 //! their samples; the outcome is that of asking each, the work goes by the surface.
 
-use crate::lattice::Lattice;
+use crate::lattice::{Lattice, TooFineOr};
 use crate::surface::Bits;
-use crate::{GridError, Progress, VoxelGrid};
+use crate::{GridError, Progress, TooFine, VoxelGrid};
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
@@ -65,6 +65,9 @@ pub enum ImplicitError {
         /// Where.
         at: [f64; 3],
     },
+    /// The cells are too small: the grid would be too large.
+    #[error(transparent)]
+    TooFine(#[from] TooFine),
     /// The grid cannot be made.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -128,7 +131,12 @@ impl VoxelGrid {
         if !(cell_mm > 0.0 && cell_mm.is_finite()) {
             return Err(GridError::CellSize { cell_mm }.into());
         }
-        let dims = Lattice::new(bounds, cell_mm, [0.0; 2], max_bytes)?.dims;
+        let lattice = Lattice::or_what_fits(bounds, cell_mm, [0.0; 2], max_bytes);
+        let dims = match lattice {
+            Ok(lattice) => lattice.dims,
+            Err(TooFineOr::TooFine(too_fine)) => return Err(too_fine.into()),
+            Err(TooFineOr::Grid(cause)) => return Err(cause.into()),
+        };
         let asked = |at: Point3<f64>| match f(&at) {
             value if value.is_nan() => Err(ImplicitError::NotANumber { at: at.into() }),
             value => Ok(value),

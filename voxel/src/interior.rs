@@ -100,6 +100,8 @@ impl Surface {
 
 /// What else there is to know where the surface has caps.
 pub(crate) struct Capped {
+    /// What the surface alone touches.
+    pub(crate) touched: Bits,
     /// What surface and caps touch, and the walls of both.
     pub(crate) cells: Bits,
     pub(crate) walls: Walls,
@@ -143,7 +145,6 @@ pub(crate) fn fill(
         numbers[root as usize] = surface.whole(&centre(row, x), few);
     }
 
-    let untouched = capped.map(|_| cells.clone());
     let rows = pieces.starts.len() - 1;
     for row in 0..rows {
         if capped.is_some() && row % 64 == 0 {
@@ -171,18 +172,18 @@ pub(crate) fn fill(
                 }
             }
         }
-        if let (Some(capped), Some(touched)) = (capped, &untouched) {
+        if let Some(capped) = capped {
             let mut only_caps = capped.cells.row(row).to_vec();
-            only_caps.iter_mut().zip(touched.row(row)).for_each(|(caps, touched)| *caps &= !touched);
+            only_caps.iter_mut().zip(capped.touched.row(row)).for_each(|(caps, touched)| *caps &= !touched);
             for x in runs(&only_caps).flat_map(|(first, end)| first..end) {
                 found.take(cells, row, [x, x + 1], surface.winding.fast(&centre(at, x)));
                 found.asked_singly += 1;
             }
         }
     }
-    if let (Some(capped), Some(touched)) = (capped, untouched) {
-        found.leak_faces = leak_faces(&touched, cells, walls, lattice.dims);
-        found.leak_faces += leak_faces_to_outside(&touched, cells, &capped.ends, lattice.dims);
+    if let Some(capped) = capped {
+        found.leak_faces = leak_faces(&capped.touched, cells, walls, lattice.dims);
+        found.leak_faces += leak_faces_to_outside(&capped.touched, cells, &capped.ends, lattice.dims);
     }
     Some(found)
 }

@@ -6,7 +6,7 @@
 //! a face that was meant to lie on a plane of the grid (20 mm in cells of 0.8 mm) lies on it again. Snapping goes by
 //! position, so that corners which coincide stay together and a closed mesh stays closed.
 
-use crate::{GridError, VoxelGrid};
+use crate::{GridError, TooFine, VoxelGrid};
 use nalgebra::Point3;
 
 /// Bits behind the point. The largest numbers are products of three coordinates below 2^(14 + 24) each, times six:
@@ -45,6 +45,22 @@ impl Lattice {
         Ok(lattice)
     }
 
+    /// The same, and if the grid is too large the smallest cells that would do.
+    pub(crate) fn or_what_fits(
+        bounds: [Point3<f64>; 2],
+        cell: f64,
+        phase: [f64; 2],
+        max_bytes: u64,
+    ) -> Result<Self, TooFineOr> {
+        Lattice::new(bounds, cell, phase, max_bytes).map_err(|cause| {
+            let fits = |cell: f64| Lattice::new(bounds, cell, phase, max_bytes).is_ok();
+            match smallest(cell, (bounds[1] - bounds[0]).amax() * 2.0, fits) {
+                Some(fits_mm) => TooFineOr::TooFine(TooFine { cell_mm: cell, fits_mm, cause }),
+                None => TooFineOr::Grid(cause),
+            }
+        })
+    }
+
     /// The low corner of the grid, in millimetres, before the part is put on the plate.
     pub(crate) fn origin(&self) -> Point3<f64> {
         Point3::from(self.low.coords.map_with_location(|axis, _, low| low - self.offset(axis) * self.cell))
@@ -64,9 +80,48 @@ impl Lattice {
     }
 }
 
+/// Why there is no grid.
+#[derive(Debug)]
+pub(crate) enum TooFineOr {
+    TooFine(TooFine),
+    /// Larger cells would not help.
+    Grid(GridError),
+}
+
+/// The smallest size of cells that fits, with three digits, between one that does not and a large one.
+fn smallest(refused: f64, large: f64, fits: impl Fn(f64) -> bool) -> Option<f64> {
+    let (mut small, mut large) = (refused, large);
+    if !(large > small && large.is_finite() && fits(large)) {
+        return None;
+    }
+    // By logarithms, since the two may be hundreds of orders apart; each step halves their distance.
+    while large / small > 1.0001 {
+        let middle = ((small.ln() + large.ln()) / 2.0).exp();
+        *(if fits(middle) { &mut large } else { &mut small }) = middle;
+    }
+    let digit = 10f64.powf(large.log10().floor() - 2.0);
+    let rounded = |size: f64| format!("{size:.2e}").parse().unwrap_or(size);
+    Some([rounded(large), rounded(large + digit)].into_iter().find(|&size| fits(size)).unwrap_or(large))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_size_that_fits_is_the_smallest_with_three_digits() {
+        for (cell, max_bytes) in [(1e-3, u64::MAX), (1e-300, u64::MAX), (0.1, 1000), (0.01, 1 << 20)] {
+            let bounds = [Point3::new(-3.0, 1.0, 0.0), Point3::new(27.0, 21.0, 12.0)];
+            let Err(TooFineOr::TooFine(refused)) = Lattice::or_what_fits(bounds, cell, [0.0; 2], max_bytes) else {
+                panic!("{cell}");
+            };
+            let fits = |cell: f64| Lattice::new(bounds, cell, [0.0; 2], max_bytes).is_ok();
+            assert!(fits(refused.fits_mm) && !fits(refused.fits_mm * 0.985), "{refused}");
+            assert!(refused.to_string().len() < 300, "{refused}");
+        }
+        let nothing = Lattice::or_what_fits([Point3::origin(), Point3::new(1.0, 1.0, 1.0)], 0.1, [0.0; 2], 7);
+        assert!(matches!(nothing, Err(TooFineOr::Grid(GridError::Memory { limit: 7, .. }))));
+    }
 
     #[test]
     fn what_was_meant_for_a_plane_of_the_grid_lies_on_it() {

@@ -6,6 +6,7 @@
 //! jumps where a flat face passes a plane of the grid; the numbers between are looked for by moving the grid along
 //! x and y, at the sizes on both sides of the jump.
 
+use crate::TooFine;
 use crate::voxelise::{Solid, Trial, VoxelError};
 
 /// The search ends when the count is off by less than one in so many: ten times nearer than the 1 % that is meant,
@@ -56,6 +57,9 @@ struct Search<'s, 'a> {
 /// The trial whose number of cells is nearest to `wanted`, the first of equals, and how many were made.
 pub(crate) fn nearest(solid: &mut Solid<'_>, wanted: u64) -> Result<(Trial, usize), VoxelError> {
     let mut search = Search { solid, wanted, best: None, trials: 0, refused: None };
+    if search.solid.is_on_the_plate() {
+        return Err(VoxelError::Nothing { cell_mm: search.model_size(wanted as f64) });
+    }
     let [few, many] = search.bracket()?;
     for size in [few, many].into_iter().flatten() {
         for place in PLACES {
@@ -65,7 +69,13 @@ pub(crate) fn nearest(solid: &mut Solid<'_>, wanted: u64) -> Result<(Trial, usiz
             search.count(size.0, place)?;
         }
     }
-    let Search { best, trials, refused, .. } = search;
+    let Search { solid, best, trials, refused, .. } = search;
+    let refused = refused.map(|refused| match refused {
+        VoxelError::TooFine(TooFine { fits_mm, cause, .. }) => {
+            VoxelError::TooMany { wanted, fits: solid.model(fits_mm) as u64, cause }
+        }
+        other => other,
+    });
     match (best, refused) {
         // Nearer there are only grids that are refused.
         (Some(best), Some(refused)) if best.count() > 0 && best.count() < wanted - wanted / 100 => Err(refused),
@@ -122,13 +132,7 @@ impl Search<'_, '_> {
 
     /// By what the size must be multiplied so that the model grows by `factor`.
     fn ratio(&self, size: f64, factor: f64) -> f64 {
-        self.model_size(self.model(size) * factor) / size
-    }
-
-    /// Number of cells of that size, by the model.
-    fn model(&self, size: f64) -> f64 {
-        let cells = self.solid.size() / size;
-        self.solid.volume.abs() * cells.powi(3) + 0.75 * self.solid.area * cells.powi(2) + cells + 1.0
+        self.model_size(self.solid.model(size) * factor) / size
     }
 
     /// Size of the cells that gives so many, by the model: by halving, since it falls with the size.
@@ -137,7 +141,7 @@ impl Search<'_, '_> {
         let (mut small, mut large) = (self.solid.size() * 1e-10, self.solid.size() * 64.0);
         for _ in 0..100 {
             let middle = (small * large).sqrt();
-            *(if self.model(middle) > count { &mut small } else { &mut large }) = middle;
+            *(if self.solid.model(middle) > count { &mut small } else { &mut large }) = middle;
         }
         large
     }
@@ -149,7 +153,7 @@ impl Search<'_, '_> {
         go_on(done, all).ok_or(VoxelError::Cancelled)?;
         // Trials tell of nothing but their number, and listen.
         let trial = match self.solid.trial(size, place, &|_, _| go_on(done, all)) {
-            Err(refused @ VoxelError::Grid(_)) => {
+            Err(refused @ (VoxelError::Grid(_) | VoxelError::TooFine(_))) => {
                 self.refused = Some(refused);
                 return Ok(None);
             }

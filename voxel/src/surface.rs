@@ -31,7 +31,7 @@ pub(crate) type Corners = [[i64; 3]; 3];
 const WINDOW: i64 = 64;
 
 /// Bits of a grid, to be set.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Bits {
     dims: [u32; 3],
     words: usize,
@@ -42,6 +42,13 @@ impl Bits {
     /// Takes rows of bits that fit `dims`.
     pub(crate) fn new(dims: [u32; 3], rows: Vec<u64>) -> Self {
         Bits { dims, words: dims[0].div_ceil(64) as usize, rows }
+    }
+
+    /// The same bits once more, or an error where the machine does not have the memory.
+    pub(crate) fn copy(&self) -> Result<Self, GridError> {
+        let mut rows = zeroed(self.rows.len(), self.dims)?;
+        rows.copy_from_slice(&self.rows);
+        Ok(Bits { rows, ..*self })
     }
 
     /// The bits of a row.
@@ -66,12 +73,23 @@ impl Bits {
 }
 
 /// Where triangles lie within planes of the grid.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Walls {
     /// For each axis that has any: the cells whose low face along that axis is met by such a triangle.
     pub(crate) low_faces: [Option<Bits>; 3],
     /// For each axis, whether there is one in the first or in the last plane of the grid.
     pub(crate) on_border: [[bool; 2]; 3],
+}
+
+impl Walls {
+    /// The same walls once more.
+    pub(crate) fn copy(&self) -> Result<Self, GridError> {
+        let mut walls = Walls { on_border: self.on_border, ..Walls::default() };
+        for (copy, bits) in walls.low_faces.iter_mut().zip(&self.low_faces) {
+            *copy = bits.as_ref().map(Bits::copy).transpose()?;
+        }
+        Ok(walls)
+    }
 }
 
 /// Marks the cells that triangles touch.

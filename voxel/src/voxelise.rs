@@ -15,11 +15,12 @@
 use crate::boundary::{Cap, caps, open_edges, sides, welded};
 use crate::grid::zeroed;
 use crate::interior::{self, Capped, Inside, Surface};
-use crate::lattice::Lattice;
+use crate::lattice::{Lattice, TooFineOr};
+use crate::orient::{OneSided, OrientReport, Oriented, orient_welded};
 use crate::search;
 use crate::surface::{Bits, Painter, Walls};
 use crate::winding::Winding;
-use crate::{GridError, Progress, VoxelGrid};
+use crate::{GridError, Progress, TooFine, VoxelGrid};
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
@@ -40,14 +41,16 @@ pub enum Resolution {
 pub struct VoxelOptions {
     /// How large the cells are; 100,000 cells unless said otherwise.
     pub resolution: Resolution,
-    /// Most bytes that the bits of the grid may take, [`VoxelGrid::MAX_BYTES`] unless said otherwise. A larger grid is
-    /// refused before it is allocated. The work takes about two to three times that, and 24 bytes for each vertex.
+    /// Most bytes that the bits of the grid may take, 256 MiB (2,147,483,648 cells) unless said otherwise, at most
+    /// [`VoxelGrid::MAX_BYTES`]. A larger grid is refused before it is allocated, with the size of cells that fits. The
+    /// work takes about two to three times that, up to fifteen times for a mesh with holes and faces on planes of the
+    /// grid, and some 150 bytes for each triangle.
     pub max_bytes: u64,
 }
 
 impl Default for VoxelOptions {
     fn default() -> Self {
-        VoxelOptions { resolution: Resolution::Count(100_000), max_bytes: VoxelGrid::MAX_BYTES }
+        VoxelOptions { resolution: Resolution::Count(100_000), max_bytes: 1 << 28 }
     }
 }
 
@@ -85,9 +88,15 @@ pub struct VoxelReport {
     pub leak_faces: u64,
     /// Cells near holes that were decided one by one.
     pub cells_asked_singly: u64,
-    /// The triangles are turned inwards, all or for the most part; the inside was taken all the same.
+    /// Triangles that looked inwards, or the other way than their neighbours, and were turned first: see
+    /// [`orient`](crate::orient).
+    pub turned_triangles: usize,
+    /// Edges of two triangles that disagreed about inside and outside, before those were turned.
+    pub disagreeing_edges: usize,
+    /// The triangles were turned inwards, all or for the most part; the inside was taken all the same.
     pub inside_out: bool,
-    /// Cells inside that the surface does not touch, and round which it is turned inwards.
+    /// Cells inside that the surface does not touch, and round which it still looks inwards once that is done: where
+    /// triangles that share no corners look inwards.
     pub turned_cells: u64,
     /// Grids that were tried to come near a wanted number of cells; one for a given size.
     pub trials: usize,
@@ -127,6 +136,22 @@ pub enum VoxelError {
     /// No cells were asked for.
     #[error("the wanted number of cells is 0: it must be at least 1")]
     NoCount,
+    /// The surface has one side alone, so that it bounds no solid.
+    #[error(transparent)]
+    OneSided(#[from] OneSided),
+    /// The cells that were asked for are too small: the grid would be too large.
+    #[error(transparent)]
+    TooFine(#[from] TooFine),
+    /// More cells were asked for than fit.
+    #[error("{wanted} cells need too large a grid: {cause}; about {fits} cells fit")]
+    TooMany {
+        /// Cells that were asked for.
+        wanted: u64,
+        /// About the largest number that fits, from the volume and the area of the part.
+        fits: u64,
+        /// What is too large for the wanted number.
+        cause: GridError,
+    },
     /// The grid cannot be made.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -205,6 +230,7 @@ pub(crate) struct Solid<'a> {
     vertices: &'a [Point3<f64>],
     triangles: Vec<[u32; 3]>,
     dropped: usize,
+    orientation: OrientReport,
     open_edges: usize,
     surface: Surface,
     high: Point3<f64>,
@@ -251,6 +277,8 @@ impl<'a> Solid<'a> {
         }
         let corners = |triangle: &[u32; 3]| triangle.map(|corner| vertices[corner as usize]);
         let welded = welded(vertices);
+        let Oriented { triangles, report: orientation } = orient_welded(vertices, triangles, &welded)?;
+        let triangles = &triangles;
         let mut sound: Vec<_> =
             triangles.iter().copied().filter(|triangle| has_area(&corners(triangle), f64::EPSILON)).collect();
         let mut open = open_edges(&welded, sound.iter().copied());
@@ -298,6 +326,7 @@ impl<'a> Solid<'a> {
             vertices,
             triangles: sound,
             dropped,
+            orientation,
             open_edges: open.len(),
             surface,
             high,
@@ -307,6 +336,11 @@ impl<'a> Solid<'a> {
             volume,
             area,
         })
+    }
+
+    /// Whether the mesh lies within a plane of every grid: that on which the part stands.
+    pub(crate) fn is_on_the_plate(&self) -> bool {
+        self.high.z <= self.surface.low.z
     }
 
     /// Longest side of the bounding box, in millimetres.
@@ -330,7 +364,11 @@ impl<'a> Solid<'a> {
         if !(cell > 0.0 && cell.is_finite()) {
             return Err(GridError::CellSize { cell_mm: cell }.into());
         }
-        let lattice = Lattice::new([self.surface.low, self.high], cell, phase, self.max_bytes)?;
+        let bounds = [self.surface.low, self.high];
+        let lattice = Lattice::or_what_fits(bounds, cell, phase, self.max_bytes).map_err(|refused| match refused {
+            TooFineOr::TooFine(too_fine) => VoxelError::TooFine(too_fine),
+            TooFineOr::Grid(cause) => VoxelError::Grid(cause),
+        })?;
         let words = VoxelGrid::check(lattice.dims.map(u64::from), self.max_bytes)?;
         let mut cells = Bits::new(lattice.dims, zeroed(words, lattice.dims)?);
         self.points.clear();
@@ -354,9 +392,16 @@ impl<'a> Solid<'a> {
         Ok(Trial { lattice, cells, surface_cells, inside: inside.ok_or(VoxelError::Cancelled)? })
     }
 
+    /// Number of cells of that size, by a model: see [`search`].
+    pub(crate) fn model(&self, size: f64) -> f64 {
+        let cells = self.size() / size;
+        self.volume.abs() * cells.powi(3) + 0.75 * self.area * cells.powi(2) + cells + 1.0
+    }
+
     /// What the surface and its caps touch together.
     fn capped(&self, lattice: &Lattice, cells: &Bits, walls: &Walls) -> Result<Capped, VoxelError> {
-        let mut capped = Capped { cells: cells.clone(), walls: walls.clone(), ends: Default::default() };
+        let [touched, both] = [cells.copy()?, cells.copy()?];
+        let mut capped = Capped { touched, cells: both, walls: walls.copy()?, ends: Default::default() };
         let mut painter = Painter::new();
         for cap in &self.surface.caps {
             let apex = lattice.point(&(self.surface.low + cap.apex.coords * self.surface.size));
@@ -380,6 +425,7 @@ impl<'a> Solid<'a> {
         let shift = Vector3::new(0.0, 0.0, -origin.z);
         origin.z = 0.0;
         let grid = VoxelGrid::from_rows(lattice.dims, cells.rows)?.placed(lattice.cell, origin)?;
+        let still_inwards = if inside.cells > 0 { inside.turned * 2 > inside.cells } else { self.volume < 0.0 };
         let report = VoxelReport {
             triangles: self.triangles.len(),
             dropped_triangles: self.dropped,
@@ -389,7 +435,9 @@ impl<'a> Solid<'a> {
             pieces: inside.pieces,
             leak_faces: inside.leak_faces,
             cells_asked_singly: inside.asked_singly,
-            inside_out: if inside.cells > 0 { inside.turned * 2 > inside.cells } else { self.volume < 0.0 },
+            turned_triangles: self.orientation.turned_triangles,
+            disagreeing_edges: self.orientation.disagreeing_edges,
+            inside_out: self.orientation.inside_out || still_inwards,
             turned_cells: inside.turned,
             trials,
         };

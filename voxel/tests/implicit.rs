@@ -96,8 +96,15 @@ fn bad_input_is_named() {
     assert_eq!(with(|o| o.lipschitz = Some(0.0)), Err(ImplicitError::Lipschitz { bound: 0.0 }));
     assert!(matches!(with(|o| o.lipschitz = Some(f64::NAN)), Err(ImplicitError::Lipschitz { .. })));
     assert_eq!(with(|o| o.cell_mm = -1.0), Err(ImplicitError::Grid(GridError::CellSize { cell_mm: -1.0 })));
-    assert!(matches!(with(|o| o.cell_mm = 1e-6), Err(ImplicitError::Grid(GridError::Dims { .. }))));
-    assert!(matches!(with(|o| o.max_bytes = 100), Err(ImplicitError::Grid(GridError::Memory { bytes: 128, .. }))));
+    let too_fine = |change| match with(change) {
+        Err(ImplicitError::TooFine(refused)) => refused,
+        other => panic!("{other:?}"),
+    };
+    assert!(matches!(too_fine(|o| o.cell_mm = 1e-6).cause, GridError::Dims { .. }));
+    let refused = too_fine(|o| o.max_bytes = 100);
+    assert!(matches!(refused.cause, GridError::Memory { bytes: 128, limit: 100, .. }));
+    // Nine rows of a word are 72 bytes, sixteen are 128.
+    assert!((refused.fits_mm - 4.0 / 3.0).abs() < 0.01, "{refused}");
     for high in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(grid(ImplicitOptions::default(), high, ball), Err(ImplicitError::Bounds { .. })));
     }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Mesh, bumpy_ball, cuboid, go_on, shared};
 use curvlay_voxel::nalgebra::{Point3, Rotation3, Vector3};
-use curvlay_voxel::{GridError, Resolution, VoxelError, VoxelGrid, VoxelOptions, Voxelisation, voxelise};
+use curvlay_voxel::{GridError, Resolution, TooFine, VoxelError, VoxelGrid, VoxelOptions, Voxelisation, voxelise};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 
@@ -92,7 +92,8 @@ proptest! {
         let (sound, turned) = (cells(&ball, cell), cells(&ball.turned(), cell));
         prop_assert_eq!(&sound.grid, &turned.grid);
         prop_assert!(!sound.report.inside_out && turned.report.inside_out);
-        prop_assert_eq!(turned.report.turned_cells, turned.report.interior_cells);
+        prop_assert_eq!(turned.report.turned_triangles, turned.report.triangles);
+        prop_assert_eq!((turned.report.turned_cells, sound.report.turned_triangles), (0, 0));
     }
 
     /// The number of cells comes near what was asked for, and the part stands on the plate.
@@ -192,16 +193,31 @@ fn bad_input_is_named() {
         assert_eq!(at(Resolution::Cell(cell_mm)), VoxelError::Grid(GridError::CellSize { cell_mm }));
     }
     assert!(matches!(at(Resolution::Cell(f64::NAN)), VoxelError::Grid(GridError::CellSize { .. })));
-    for cell_mm in [1e-3, 1e-30, f64::MIN_POSITIVE] {
-        assert!(matches!(at(Resolution::Cell(cell_mm)), VoxelError::Grid(GridError::Dims { .. })));
+    for cell in [1e-3, 1e-30, f64::MIN_POSITIVE] {
+        let VoxelError::TooFine(TooFine { cell_mm, fits_mm, cause }) = at(Resolution::Cell(cell)) else {
+            panic!("{cell}");
+        };
+        // With 1280 cells a side, 20 words a row, the bits take 250 MiB; one more makes 21 words and 263 MiB.
+        assert!(cell_mm.to_bits() == cell.to_bits() && (1277.0..=1280.0).contains(&(5.0 / fits_mm)), "{fits_mm}");
+        assert!(matches!(cause, GridError::Memory { .. } | GridError::Dims { .. }));
+        assert!(cube.with(Resolution::Cell(fits_mm * 4.0)).is_ok());
     }
     for count in [1 << 33, u64::MAX] {
-        assert!(matches!(at(Resolution::Count(count)), VoxelError::Grid(GridError::Dims { .. })));
+        let VoxelError::TooMany { wanted, fits, .. } = at(Resolution::Count(count)) else { panic!("{count}") };
+        assert!(wanted == count && (2_000_000_000..2_200_000_000).contains(&fits), "{fits}");
     }
-    let options = VoxelOptions { resolution: Resolution::Cell(0.1), max_bytes: 1000 };
-    let refused = voxelise(&cube.vertices, &cube.triangles, &options, &go_on);
-    let too_large = GridError::Memory { dims: [50; 3], bytes: 20_000, limit: 1000 };
-    assert_eq!(refused, Err(VoxelError::Grid(too_large)));
+    let with_bytes = |resolution, max_bytes| {
+        let options = VoxelOptions { resolution, max_bytes };
+        voxelise(&cube.vertices, &cube.triangles, &options, &go_on).map(|solid| solid.grid.dims())
+    };
+    let cause = GridError::Memory { dims: [50; 3], bytes: 20_000, limit: 1000 };
+    let refused = with_bytes(Resolution::Cell(0.1), 1000);
+    assert!(matches!(refused, Err(VoxelError::TooFine(TooFine { cause: found, .. })) if found == cause), "{refused:?}");
+    let Err(VoxelError::TooFine(TooFine { fits_mm, .. })) = refused else { unreachable!() };
+    assert_eq!(with_bytes(Resolution::Cell(fits_mm), 1000), Ok([11; 3]));
+    assert!(with_bytes(Resolution::Cell(fits_mm * 0.99), 1000).is_err());
+    let Err(VoxelError::TooMany { fits, .. }) = with_bytes(Resolution::Count(100_000), 1000) else { panic!() };
+    assert!(with_bytes(Resolution::Count(fits / 2), 1000).is_ok());
 
     let broken = |change: fn(&mut Mesh)| {
         let mut mesh = cube.clone();
@@ -213,7 +229,10 @@ fn bad_input_is_named() {
     assert!(matches!(broken(|mesh| mesh.vertices[3].y = f64::NAN), VoxelError::BadVertex { vertex: 3, .. }));
     assert!(matches!(broken(|mesh| mesh.vertices[7].z = f64::NEG_INFINITY), VoxelError::BadVertex { vertex: 7, .. }));
     assert!(matches!(broken(|mesh| mesh.vertices[0].x = 1e300), VoxelError::BadVertex { vertex: 0, .. }));
-    assert!(matches!(broken(|mesh| mesh.vertices[0].x = -1e99), VoxelError::Grid(GridError::Dims { .. })));
+    assert!(matches!(
+        broken(|mesh| mesh.vertices[0].x = -1e99),
+        VoxelError::TooFine(TooFine { cause: GridError::Dims { .. }, .. })
+    ));
     let plate = Mesh { triangles: cube.triangles[8..10].to_vec(), ..cube.clone() };
     assert_eq!(plate.with(Resolution::Cell(1.0)), Err(VoxelError::Nothing { cell_mm: 1.0 }));
     assert!(matches!(plate.with(Resolution::Count(100)), Err(VoxelError::Nothing { .. })));
@@ -231,7 +250,7 @@ fn meshes_of_any_size_do_no_harm() {
     }
     // A needle reaches the greatest side long before the wanted number.
     let needle = cuboid([0.0; 3], [1e-3, 1e-3, 1e3]);
-    assert!(matches!(needle.with(Resolution::Count(1_000_000)), Err(VoxelError::Grid(GridError::Dims { .. }))));
+    assert!(matches!(needle.with(Resolution::Count(1_000_000)), Err(VoxelError::TooMany { fits: ..1_000_000, .. })));
     assert_eq!(needle.with(Resolution::Count(16_000)).unwrap().grid.count(), 16_000);
 }
 
@@ -265,7 +284,7 @@ fn damaged_models_are_told() {
     assert!(solid.report.open_edges > 0);
     assert!(solid.report.interior_cells > solid.report.surface_cells / 2, "{:?}", solid.report);
     let solid = shared("bad-models/inside-out.stl").with(Resolution::Count(20_000)).unwrap();
-    assert!(solid.report.inside_out && solid.report.turned_cells == solid.report.interior_cells);
+    assert!(solid.report.inside_out && solid.report.turned_triangles == solid.report.triangles);
     let solid = shared("bad-models/zero-area.stl").with(Resolution::Count(20_000)).unwrap();
     assert_eq!((solid.report.dropped_triangles, solid.report.open_edges), (120, 0));
     let solid = shared("bad-models/self-intersecting.stl").with(Resolution::Count(20_000)).unwrap();

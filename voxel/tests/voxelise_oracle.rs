@@ -5,7 +5,7 @@ mod common;
 
 use common::Mesh;
 use curvlay_voxel::nalgebra::{Point3, Vector3};
-use curvlay_voxel::{Resolution, VoxelError, VoxelGrid};
+use curvlay_voxel::{Resolution, VoxelError, VoxelGrid, orient};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -152,7 +152,8 @@ proptest! {
         }
     }
 
-    /// Faces missing, twice there or turned: each cell is decided by the winding number of its middle.
+    /// Faces missing, twice there or turned: each cell is decided by the winding number of its middle, the faces
+    /// oriented first.
     #[test]
     fn broken_tetrahedra_are_filled_by_winding_number(
         bodies in prop::collection::vec(points(4, 15), 1..4), faults in prop::collection::vec((0usize..12, 0..3), 1..4)
@@ -169,13 +170,18 @@ proptest! {
         let as_points = |corners: [Point3<f64>; 3]| corners.map(|at| [at.x, at.y, at.z].map(|c| c as i128)).to_vec();
         let faces: Vec<_> = mesh.corners().map(as_points).filter(|face| !collinear(face)).collect();
         prop_assume!(!faces.is_empty());
+        // Three faces at an edge can hang together one-sidedly.
+        let oriented = match orient(&mesh.vertices, &mesh.triangles) {
+            Ok(oriented) => Mesh { triangles: oriented.triangles, ..mesh.clone() },
+            Err(_) => return Err(TestCaseError::reject("one-sided")),
+        };
         let touched = slow_cells(&faces, 1);
         let low = [0, 1, 2].map(|axis| faces.iter().flatten().map(|at| at[axis]).min().expect("points"));
         let Ok(grid) = fast_cells(&mesh, 1) else { return Err(TestCaseError::reject("nothing is touched")) };
         for id in 0..grid.dims().iter().product() {
             let cell = grid.position(id);
             let middle = [0, 1, 2].map(|axis| f64::from(cell[axis]) + low[axis] as f64 + 0.5);
-            let winding = slow_winding(&mesh, Point3::from(middle)).abs();
+            let winding = slow_winding(&oriented, Point3::from(middle)).abs();
             if touched.contains(&cell) || winding > 0.53 {
                 prop_assert!(grid.contains(cell), "{cell:?}, {winding}");
             } else if winding < 0.47 {

@@ -8,8 +8,9 @@ mod placement;
 mod ply;
 mod stl;
 
-pub use placement::{Placement, Unit, Up};
+pub use placement::{LARGE_MM, Placement, Unit, Up};
 
+use curvlay_voxel::{OrientError, OrientReport, Oriented, orient};
 use nalgebra::Point3;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -31,6 +32,42 @@ impl Mesh {
         let first = *self.vertices.first()?;
         let grow = |[low, high]: [Point3<f64>; 2], p: &Point3<f64>| [low.inf(p), high.sup(p)];
         Some(self.vertices.iter().fold([first, first], grow))
+    }
+
+    /// Turns triangles so that neighbours agree and all look outwards: to be done before anything else.
+    ///
+    /// # Returns
+    /// What was done; its `Display` is a line for the user.
+    ///
+    /// # Errors
+    /// [`MeshFault::Orientation`] for a surface that has no outside.
+    pub fn orient(&mut self) -> Result<OrientReport, MeshFault> {
+        let Oriented { triangles, report } = orient(&self.vertices, &self.triangles)?;
+        self.triangles = triangles;
+        Ok(report)
+    }
+
+    /// The same mesh after [`Mesh::orient`].
+    ///
+    /// # Errors
+    /// As [`Mesh::orient`].
+    pub fn oriented(mut self) -> Result<Self, MeshFault> {
+        self.orient()?;
+        Ok(self)
+    }
+
+    /// How far apart single-precision numbers lie at the largest coordinate, if all coordinates are such numbers (as
+    /// in binary STL): the shape is no finer than that.
+    pub fn float32_spacing(&self) -> Option<f64> {
+        let mut largest = 0.0_f32;
+        for &c in self.vertices.iter().flat_map(Point3::iter) {
+            let single = c as f32;
+            if f64::from(single).to_bits() != c.to_bits() {
+                return None;
+            }
+            largest = largest.max(single.abs());
+        }
+        Some(f64::from(largest.next_up()) - f64::from(largest)).filter(|spacing| spacing.is_finite())
     }
 }
 
@@ -69,7 +106,7 @@ pub enum MeshFault {
     NotStl,
     /// A binary STL file whose length does not fit its count.
     #[error("the header promises {triangles} triangles, which take {expected} bytes, but the file has {bytes}: {}",
-        if .bytes < .expected { "cut short, or not an STL file" } else { "bytes were added, or it is not an STL file" })]
+        excess(*.expected, *.bytes))]
     Length {
         /// Triangles that the header promises.
         triangles: u32,
@@ -101,6 +138,19 @@ pub enum MeshFault {
     /// The coordinates leave the range of numbers once scale and unit are applied.
     #[error("the part is infinitely large at this scale and unit")]
     Scale,
+    /// Larger than [`LARGE_MM`], which was not allowed.
+    #[error("the longest side of the part is {} mm, more than {LARGE_MM} mm: check --unit and --scale, or allow it with \
+        --allow-large", placement::significant(*.longest_mm))]
+    TooLarge {
+        /// The longest side, in mm.
+        longest_mm: f64,
+    },
+    /// Triangles that cannot be turned so that they bound a solid.
+    #[error(transparent)]
+    Orientation(#[from] OrientError),
+    /// Text of two bytes a character.
+    #[error("the text is UTF-16: save it as UTF-8 or ASCII")]
+    Utf16,
 }
 
 /// A place in a file, counted from 1 (bytes from 0).
@@ -183,6 +233,25 @@ impl Welder {
             self.mesh.triangles.push([corners[0], corners[i - 1], corners[i]]);
         }
     }
+}
+
+/// What a binary STL file of the wrong length may be.
+fn excess(expected: u64, bytes: u64) -> String {
+    match bytes.checked_sub(expected) {
+        None => "cut short, or not an STL file".to_owned(),
+        Some(extra) if extra < stl::TRIANGLE as u64 => {
+            format!("{extra} bytes were added behind the last triangle; remove them")
+        }
+        Some(_) => "bytes were added, or it is not an STL file".to_owned(),
+    }
+}
+
+/// Text without the byte-order mark that some editors put in front.
+fn unmarked(bytes: &[u8]) -> Result<&[u8], MeshFault> {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(MeshFault::Utf16);
+    }
+    Ok(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }
 
 fn syntax(place: Place, what: impl Into<String>) -> MeshFault {

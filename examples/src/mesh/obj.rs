@@ -1,9 +1,9 @@
 //! Wavefront OBJ: its vertices and faces. Everything else in it (normals, textures, groups, lines) is passed over.
 
-use super::{Mesh, MeshFault, Place, Welder, finite, quoted, syntax, three_numbers};
+use super::{Mesh, MeshFault, Place, Welder, finite, quoted, syntax, three_numbers, unmarked};
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(unmarked(bytes)?);
     let mut welder = Welder::default();
     // OBJ counts vertices in the order of the file; `ids` leads from there to the welded ones.
     let mut ids = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::{Mesh, MeshFault};
 use clap::ValueEnum;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// The unit of the numbers in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -48,77 +48,99 @@ pub struct Placement {
     pub scale: f64,
     /// The axis that points up.
     pub up: Up,
+    /// Whether a part may be larger than [`LARGE_MM`].
+    pub allow_large: bool,
 }
 
 impl Default for Placement {
     fn default() -> Self {
-        Placement { unit: Unit::Mm, scale: 1.0, up: Up::Z }
+        Placement { unit: Unit::Mm, scale: 1.0, up: Up::Z, allow_large: false }
     }
 }
 
-/// Longest side below which a part is taken for one in another unit, in mm: the smallest thing anyone prints with a
-/// nozzle is larger, and a hand-sized part in metres is smaller.
-const SMALL: f64 = 2.0;
-/// Longest side above which the unit is doubted, in mm: ten metres are beyond any robot of ours.
-const LARGE: f64 = 10_000.0;
+/// Longest side below which a part whose unit was not named is taken for one in another, in mm: a part of 300 mm has 12
+/// inches, and 0.3 metres.
+const SMALL_MM: f64 = 12.0;
+/// The same where the unit was named: less is hardly anything to a nozzle.
+const SMALL_WITH_UNIT_MM: f64 = 2.0;
+/// Longest side above which a unit that was named is doubted, in mm: a part of 80 mm read in inches, of 2 mm in metres.
+const DOUBTED_MM: f64 = 2_000.0;
+/// Longest side, and farthest place, that are taken without being allowed, in mm: ten metres are beyond any robot of
+/// ours, and a part of a few millimetres in metres by mistake.
+pub const LARGE_MM: f64 = 10_000.0;
 
 impl Placement {
-    /// Turns and scales `mesh`.
+    /// Turns and scales `mesh`. A part farther than [`LARGE_MM`] from the origin is moved there, its middle over it in x
+    /// and y and its lowest point at z = 0: before scaling, so that no digit is lost.
     ///
     /// # Returns
-    /// A warning, in one line, when the size says that the unit is wrong.
+    /// Warnings, each in one line: when the size says that the unit is wrong, and when the part was moved.
     ///
     /// # Errors
-    /// [`MeshFault::Scale`] when a coordinate becomes infinite.
+    /// [`MeshFault::Scale`] when a coordinate becomes infinite, [`MeshFault::TooLarge`] for a part larger than
+    /// [`LARGE_MM`] unless that is allowed.
     ///
     /// # Example
     /// ```
-    /// use curvlay_examples::mesh::{Placement, Unit, Up};
+    /// use curvlay_examples::mesh::{Placement, Unit};
     /// use curvlay_examples::shapes::jug;
     /// let mut mesh = jug();
     /// let height = |m: &curvlay_examples::mesh::Mesh| m.bounds().map_or(0.0, |[low, high]| high.z - low.z);
     /// let before = height(&mesh);
-    /// let warning = Placement { unit: Unit::In, scale: 2.0, up: Up::Z }.apply(&mut mesh)?;
-    /// assert_eq!(warning, None);
-    /// assert!((height(&mesh) / before - 50.8).abs() < 1e-12);
+    /// let placement = Placement { unit: Unit::In, scale: 0.1, ..Placement::default() };
+    /// assert!(placement.apply(&mut mesh)?.is_empty());
+    /// assert!((height(&mesh) / before - 2.54).abs() < 1e-12);
     /// # Ok::<(), curvlay_examples::mesh::MeshFault>(())
     /// ```
-    pub fn apply(&self, mesh: &mut Mesh) -> Result<Option<String>, MeshFault> {
+    pub fn apply(&self, mesh: &mut Mesh) -> Result<Vec<String>, MeshFault> {
         let factor = self.unit.millimetres() * self.scale;
         for p in &mut mesh.vertices {
-            let turned = match self.up {
+            *p = Point3::from(match self.up {
                 Up::X => [0.0 - p.z, p.y, p.x],
                 Up::Y => [p.x, 0.0 - p.z, p.y],
                 Up::Z => [p.x, p.y, p.z],
-            };
-            *p = Point3::from(turned.map(|c| c * factor));
+            });
         }
-        let Some([low, high]) = mesh.bounds() else { return Ok(None) };
-        let size = high - low;
-        if !size.iter().all(|side| side.is_finite()) {
+        let Some([low, high]) = mesh.bounds() else { return Ok(Vec::new()) };
+        let longest_mm = (high - low).max() * factor;
+        if !longest_mm.is_finite() {
             return Err(MeshFault::Scale);
         }
-        Ok(self.doubt(size.max()))
+        if longest_mm > LARGE_MM && !self.allow_large {
+            return Err(MeshFault::TooLarge { longest_mm });
+        }
+        let mut warnings = Vec::from_iter(self.doubt(longest_mm));
+        let middle = nalgebra::center(&low, &high);
+        let farthest_mm = middle.x.abs().max(middle.y.abs()).max(low.z.abs()) * factor;
+        let mut seat = Vector3::zeros();
+        if farthest_mm > LARGE_MM.max(longest_mm) {
+            seat = Vector3::new(middle.x, middle.y, low.z);
+            warnings.push(format!("the part lay {} mm from the origin: it was moved there", significant(farthest_mm)));
+        }
+        mesh.vertices.iter_mut().for_each(|p| *p = (*p - seat) * factor);
+        if mesh.vertices.iter().flat_map(Point3::iter).any(|c| !c.is_finite()) {
+            return Err(MeshFault::Scale);
+        }
+        Ok(warnings)
     }
 
     fn doubt(&self, longest: f64) -> Option<String> {
         let found = format!("the longest side of the part is {} mm", significant(longest));
-        if longest < SMALL && self.unit == Unit::Mm {
-            Some(format!("{found}: is it in metres or inches? use --unit m or --unit in"))
-        } else if longest < SMALL {
-            Some(format!("{found}: is the scale right?"))
-        } else if longest > LARGE && self.unit != Unit::Mm {
-            Some(format!("{found}: is it in millimetres? leave --unit out"))
-        } else if longest > LARGE {
-            Some(format!("{found}: is the scale right?"))
-        } else {
-            None
+        match self.unit {
+            Unit::Mm if longest < SMALL_MM => {
+                Some(format!("{found}: is it in metres or inches? use --unit m or --unit in"))
+            }
+            Unit::M | Unit::In if longest < SMALL_WITH_UNIT_MM => Some(format!("{found}: is the scale right?")),
+            Unit::M | Unit::In if longest > DOUBTED_MM => {
+                Some(format!("{found}: is it in millimetres? leave --unit out"))
+            }
+            _ => None,
         }
     }
 }
 
 /// A length with four figures.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     if value <= 0.0 || (1e-3..1e6).contains(&value) {
         let digits = if value <= 0.0 { 0 } else { (3 - value.log10().floor() as i32).max(0) as usize };
         let text = format!("{value:.digits$}");

@@ -1,11 +1,15 @@
 //! PLY, ASCII or binary, through `ply-rs-bw`; its header counts are held against the size of the file.
 
-use super::{Mesh, MeshFault, Place, Welder, finite, printable, quoted, syntax};
+use super::{Mesh, MeshFault, Place, Welder, finite, printable, quoted, syntax, unmarked};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 use std::io::Cursor;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+    let whole = bytes.len();
+    let bytes = unmarked(bytes)?;
+    // Places are those in the file.
+    let mark = (whole - bytes.len()) as u64;
     let parser = Parser::<Element>::new();
     let mut reader = Reader::new(Cursor::new(bytes));
     let header = match parser.read_header(&mut reader) {
@@ -17,13 +21,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
     let mut welder = Welder::default();
     let mut ids = Vec::new();
     for def in header.elements.values() {
-        let start = if ascii { Place::Line(reader.line()) } else { Place::Byte(reader.get_ref().position()) };
+        let start = if ascii { Place::Line(reader.line()) } else { Place::Byte(mark + reader.get_ref().position()) };
         let elements = match parser.read_payload_for_element(&mut reader, def, &header) {
             Ok(elements) => elements,
             Err(error) => {
                 return Err(match error.line() {
                     Some(line) if ascii => syntax(Place::Line(line), with_text(&error, bytes, line)),
-                    _ => syntax(Place::Byte(reader.get_ref().position()), one_line(&error)),
+                    _ => syntax(Place::Byte(mark + reader.get_ref().position()), one_line(&error)),
                 });
             }
         };

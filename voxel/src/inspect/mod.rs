@@ -10,11 +10,11 @@
 pub(crate) mod bvh;
 mod crossings;
 mod edges;
-mod orientation;
+pub(crate) mod orientation;
 mod predicates;
 mod report;
 mod thin;
-mod union;
+pub(crate) mod union;
 mod weld;
 
 pub use report::{Finding, Hole, MeshReport, Orientation, Place};

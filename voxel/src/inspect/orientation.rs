@@ -17,7 +17,7 @@ use nalgebra::{Point3, Vector3};
 
 /// A part encloses nothing if its volume is less than this share of the sum that it is the difference of: rounding
 /// reaches 1e-13 or so, a sheet of paper of a metre's width encloses 1e-4.
-const NO_VOLUME: f64 = 1e-10;
+pub(crate) const NO_VOLUME: f64 = 1e-10;
 
 #[derive(Debug)]
 pub(super) struct Volumes {
@@ -113,7 +113,7 @@ fn winding_number(
 }
 
 /// +1 if the ray upwards leaves through the front of the triangle, -1 if through its back, 0 if it misses.
-fn exit([a, b, c]: [&Point3<f64>; 3], point: &Point3<f64>) -> i32 {
+pub(crate) fn exit([a, b, c]: [&Point3<f64>; 3], point: &Point3<f64>) -> i32 {
     const UP: usize = 2;
     let moved_turn = |from: &Point3<f64>, to: &Point3<f64>| {
         let step: Vector3<f64> = to - from;
