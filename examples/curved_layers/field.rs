@@ -86,7 +86,7 @@ pub fn run(
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| of_part(&error))?;
-    let resolution = saved.as_ref().map_or(options.resolution, |saved| Resolution::Cell(saved.cell_mm));
+    let resolution = saved.as_ref().map_or(options.resolution, surfaces::resolution);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) = timed(|| {
         voxelise(vertices, triangles, &voxel_options, &|p| {
@@ -99,9 +99,7 @@ pub fn run(
     let thin = thin.map_err(|error| of_part(&error))?;
 
     let cells = Cells::new(solid.grid.dims(), solid.grid.rows()).map_err(failure)?;
-    if saved.as_ref().is_some_and(|saved| saved.field.dims() != cells.dims() || saved.rows != cells.rows()) {
-        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
-    }
+    saved.as_ref().map_or(Ok(()), |saved| surfaces::check_cells(saved, &solid.grid))?;
     let (cell_mm, platform_mm) = (solid.grid.cell_mm(), options.platform_diameter_mm);
     let platform = Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
         of_part(&format!(
