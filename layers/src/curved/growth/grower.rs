@@ -11,6 +11,7 @@ use super::prevention::{self, Selection};
 use super::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
 };
+use std::collections::BTreeMap;
 
 /// The state between two layers.
 pub(super) struct Grower<'a> {
@@ -24,10 +25,10 @@ pub(super) struct Grower<'a> {
     reached: CellSet,
     /// Candidates for the next layer.
     candidates: Vec<u32>,
-    /// Neighbours of what is built that wait for the threshold to reach their value of the governing field.
-    waiting_for: Vec<Vec<u32>>,
+    /// Neighbours of what is built that wait for the threshold to reach their value of the governing field, by it.
+    waiting_for: BTreeMap<u32, Vec<u32>>,
     governor: Option<&'a SheetField>,
-    threshold: usize,
+    threshold: u32,
     statistics: GrowthStatistics,
 }
 
@@ -58,7 +59,7 @@ impl<'a> Grower<'a> {
             front,
             reached: CellSet::none(cells),
             candidates: Vec::new(),
-            waiting_for: vec![Vec::new(); governor.map_or(1, |field| field.highest() as usize + 1)],
+            waiting_for: BTreeMap::new(),
             governor,
             threshold: 0,
             statistics: GrowthStatistics::default(),
@@ -111,9 +112,9 @@ impl<'a> Grower<'a> {
         for &cell in self.front.order.layer(last) {
             for neighbour in self.front.waiting.around(cell, &self.offsets) {
                 if self.reached.insert(neighbour) {
-                    match self.governor.map_or(0, |field| field.value(neighbour) as usize) {
+                    match self.governor.map_or(0, |field| field.value(neighbour)) {
                         value if value <= self.threshold => self.candidates.push(neighbour),
-                        value => self.waiting_for[value].push(neighbour),
+                        value => self.waiting_for.entry(value).or_default().push(neighbour),
                     }
                 }
             }
@@ -135,16 +136,21 @@ impl<'a> Grower<'a> {
         self.candidates.dedup();
     }
 
-    /// Raises the threshold until there is a candidate, or the governing field ends.
+    /// Raises the threshold until there is a candidate, or none waits for a higher one.
     fn raise_threshold(&mut self) {
         loop {
             let front = &self.front;
             self.candidates.retain(|&cell| front.waiting.contains(cell));
-            if !self.candidates.is_empty() || self.threshold + 1 == self.waiting_for.len() {
+            if !self.candidates.is_empty() {
                 return;
             }
-            self.threshold += 1;
-            self.candidates = std::mem::take(&mut self.waiting_for[self.threshold]);
+            let Some((value, reached)) = self.waiting_for.pop_first() else {
+                // What is given up from here on makes way for cells of any value.
+                self.threshold = u32::MAX;
+                return;
+            };
+            self.threshold = value;
+            self.candidates = reached;
             self.complete_candidates();
         }
     }
