@@ -8,7 +8,7 @@ use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::{Endangered, Watch};
 use super::GrowthError;
-use curvlay_hull::{ConvexHull, Depth, Hint, HullError, Plane};
+use curvlay_hull::{ConvexHull, Hint, HullError, Plane};
 use std::collections::BTreeMap;
 
 /// Cells whose proof of being accessible fails with the hull as it is, by number.
@@ -50,9 +50,9 @@ pub(super) struct Front {
 
 impl Front {
     pub(super) fn new(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
-        let depth = body::depth(rules)?;
+        let depth = rules.depth()?;
         Ok(Front {
-            hull: body::hull_of_platform(platform, rules, Depth::new(depth)?)?,
+            hull: body::hull_of_platform(platform, rules, depth)?,
             order: LayerOrder::new(),
             waiting: CellSet::of(cells),
             lost: Vec::new(),
