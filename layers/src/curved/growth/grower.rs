@@ -5,12 +5,10 @@ use super::super::cells::Cells;
 use super::super::peel::SheetField;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
-use super::super::standing::{joined, standing};
-use super::front::Front;
+use super::super::standing::standing;
+use super::front::{Front, Protected};
 use super::prevention::{self, Selection};
-use super::{
-    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
-};
+use super::{Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, Prevention, Visit};
 use std::collections::BTreeMap;
 
 /// The state between two layers.
@@ -86,8 +84,8 @@ impl<'a> Grower<'a> {
         let layers = front.order.len();
         let selection = match options.prevention {
             Prevention::None => Selection::take_all(front, candidates)?,
-            Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets)?,
-            Prevention::Adaptive => prevention::adaptive(front, candidates)?,
+            Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets, Protected::Others)?,
+            Prevention::Adaptive => prevention::adaptive(front, candidates, Protected::Others)?,
             Prevention::FewerThanAll => prevention::fewer_than_all(front, candidates)?,
         };
         self.statistics.trials += selection.trials;
@@ -155,25 +153,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Lists what has no layer, with the reasons.
+    /// The order, and what has no layer with the reasons.
     pub(super) fn finish(self) -> Growth {
-        let mut missed: Vec<_> = self
-            .front
-            .lost
-            .iter()
-            .map(|&(cell, layer)| MissedCell { cell, reason: MissedReason::Shadowed { layer } })
-            .collect();
-        let unsupported: Vec<u32> = self.front.waiting.iter().collect();
-        if !unsupported.is_empty() {
-            let feet = standing(self.cells, self.platform, self.rules);
-            let joined = joined(&CellSet::of(self.cells), &feet, self.rules.neighbours);
-            missed.extend(unsupported.into_iter().map(|cell| {
-                let reason =
-                    if joined.contains(cell) { MissedReason::SupportMissed } else { MissedReason::NeverAdjacent };
-                MissedCell { cell, reason }
-            }));
-        }
-        missed.sort_unstable_by_key(|missed| missed.cell);
-        Growth { order: self.front.order, missed, statistics: self.statistics }
+        self.front.finish(self.cells, self.platform, self.rules, self.statistics)
     }
 }
