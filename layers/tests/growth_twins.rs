@@ -12,6 +12,7 @@ use curvlay_layers::curved::{
 };
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
+use proptest::strategy::Strategy as _;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A part, its rules and a governing field, with the questions that the algorithms ask.
@@ -260,12 +261,32 @@ fn missed(slow: &Slow) -> Vec<u32> {
     slow.part.cells().iter().filter(|cell| !slow.built.contains(cell)).collect()
 }
 
+/// Two columns under a beam with gaps, from which teeth hang down: what is built above them shadows some of these, and on each side
+/// another number of them.
+fn combs() -> impl proptest::strategy::Strategy<Value = Part> {
+    let teeth = prop::collection::vec(0u32..8, 14);
+    (teeth, 1u32..4, 7u32..10, prop::sample::select(vec![1.0, 4.0, 20.0])).prop_map(|(teeth, ny, nz, margin)| {
+        let is_column = |x: u32| [3, 4, 9, 10].contains(&x);
+        let solid = |x: u32, z: u32| is_column(x) || (teeth[x as usize] > 0 && z + 1 + teeth[x as usize].min(5) >= nz);
+        let row = |z: u32| (0..14).filter(|&x| solid(x, z)).map(|x| 1 << x).sum();
+        let rows: Vec<u64> = (0..nz).flat_map(|z| (0..ny).map(move |_| z)).map(row).collect();
+        let [right, back] = [14.0 + margin, f64::from(ny) + margin];
+        let corners = [[-margin, -margin], [right, -margin], [right, back], [-margin, back]];
+        Part { dims: [14, ny, nz], rows, platform: Platform::polygon(&corners).unwrap() }
+    })
+}
+
+/// Random cells, or a comb.
+fn some_part() -> impl proptest::strategy::Strategy<Value = Part> {
+    prop_oneof![parts([1u32..8, 1..5, 1..8], 4..9), combs()]
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
     fn growth_as_printed_agrees_with_the_slow_twin(
-        part in parts([1u32..8, 1..5, 1..8], 4..9), rules in rules(), adaptive: bool, which in 0u32..3, seed: u64
+        part in some_part(), rules in rules(), adaptive: bool, which in 0u32..3, seed: u64
     ) {
         let field = some_field(&part, &Rules { eps: rules.eps.max(0.3), ..rules }, which, seed);
         let prevention = if adaptive { Prevention::Adaptive } else { Prevention::Incremental };
@@ -279,7 +300,7 @@ proptest! {
 
     #[test]
     fn incremental_growth_agrees_with_the_slow_twin(
-        part in parts([1u32..8, 1..5, 1..8], 4..9), rules in rules(), which in 0u32..3, seed: u64
+        part in some_part(), rules in rules(), which in 0u32..3, seed: u64
     ) {
         let field = some_field(&part, &Rules { eps: rules.eps.max(0.3), ..rules }, which, seed);
         let options = GrowthOptions { prevention: Prevention::Incremental, ..GrowthOptions::default() };
@@ -352,8 +373,8 @@ const GOLDEN: [[(usize, usize, u64); 8]; 3] = [
         (20, 228, 0x8f4309f0e2ff096d),
         (29, 113, 0xc4f2d4d2db4a243e),
         (29, 113, 0x92ec92093145e76e),
-        (29, 113, 0x92ec92093145e76e),
-        (29, 113, 0xc4f2d4d2db4a243e),
+        (31, 113, 0x608e1a47012a65c4),
+        (32, 113, 0xb7b5850617e6e436),
         (85, 122, 0xbb8748bd7e5cac8a),
         (85, 113, 0xac7204410ef23b37),
         (35, 101, 0x0adf5353112f67e4),

@@ -8,7 +8,7 @@ use curvlay_layers::curved::surface::{ContourError, LayerField, SavedField, cont
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
     Cells, Growth, GrowthError, GrowthOptions, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
-    UnbuildOptions, WORTH, Workpiece, grow, grow_as_printed, peel, unbuild,
+    UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
 };
 use nalgebra::Point3;
 use std::collections::BTreeSet;
@@ -204,14 +204,15 @@ fn the_best_of_two_loses_less() {
         let unbuilt = by_steps(&solid, Strategy::Unbuild, 0.6);
         let volume = part.volume_mm3;
         let gain = (incremental.lost - unbuilt.lost) / volume;
-        let outcome = match gain {
-            _ if incremental.growth.missed.is_empty() => 0,
-            _ if gain < -WORTH => 1,
-            _ if gain > WORTH => 2,
-            _ => 3,
+        let missed = |steps: &Steps| steps.growth.missed.len() as f64 * CELL.powi(3) / volume;
+        let gain_missed = missed(&incremental) - missed(&unbuilt);
+        let (outcome, unbuild_wins) = match (gain, gain_missed) {
+            _ if incremental.growth.missed.is_empty() => (0, false),
+            (gain, _) if gain.abs() > WORTH => (1 + usize::from(gain > 0.0), gain > 0.0),
+            (_, gain) if gain.abs() > WORTH_MISSED => (3, gain > 0.0),
+            _ => (3, unbuilt.pieces < incremental.pieces),
         };
         taken[outcome] += 1;
-        let unbuild_wins = outcome == 2 || (outcome == 3 && unbuilt.pieces < incremental.pieces);
         let Steps { growth, field, lost, pieces } = if unbuild_wins { unbuilt } else { incremental };
         let bits = |field: &LayerField| field.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert!(layered.growth == growth && bits(&layered.uniform.field) == bits(&field), "{seed}");

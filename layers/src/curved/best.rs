@@ -2,22 +2,45 @@
 //!
 //! Without a strategy the part is grown incrementally. If that misses cells, all is done once more with un-building. What a
 //! result *loses* of the volume is what lies in missed cells, and what the layers leave bare of the rest or cover twice. The
-//! result that loses less by more than [`WORTH`] of the volume is taken; of two that lose as much the one whose surfaces
-//! are in fewer pieces, since each takes a curve of its own; of two with as many the incremental one, whose layers are more
-//! uniform. [`Workpiece::order`](super::Workpiece::order) takes the same decision, so a caller who wants no surfaces yet gets the order that they will be of.
+//! result that loses less by more than [`WORTH`] of the volume is taken; of two that lose about as much the one that misses less by
+//! more than [`WORTH_MISSED`]; of two that miss about as much the one whose surfaces are in fewer pieces, since each takes a curve
+//! of its own; of two with as many the incremental one, whose layers are more uniform.
+//! [`Workpiece::order`](super::Workpiece::order) takes the same decision, so a caller who wants no surfaces yet gets the order that
+//! they will be of.
 
 use super::trim::TrimmedSheet;
 use std::collections::HashSet;
 
-/// How much less of the volume an order has to lose, as a share of it, to be taken for that alone: a thousandth, what a print may
-/// miss and count as complete. With 0 single cells decide; with more than a few hundredths branches stay missed.
-pub const WORTH: f64 = 0.001;
+/// How much less of the volume an order has to lose, as a share of it, to be taken for that alone. Where surfaces bend, their volume
+/// is no more exact than some thousandths; with more than a few hundredths branches stay missed.
+pub const WORTH: f64 = 0.01;
 
-/// Whether layers are better than others of the same volume: each by what they lose of it, and by their pieces of surface.
-pub(super) fn is_better((lost, pieces): (f64, usize), (other_lost, other_pieces): (f64, usize), volume: f64) -> bool {
-    match other_lost - lost {
-        gain if gain.abs() > WORTH * volume => gain > 0.0,
-        _ => pieces < other_pieces,
+/// How much less of the volume an order has to miss, as a share of it, to be taken where both lose about as much: what a print may
+/// miss and count as complete. The volume of missed cells is exact to some hundredths of itself.
+pub const WORTH_MISSED: f64 = 0.001;
+
+/// What is laid of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Laid {
+    /// Volume that the layers leave bare or cover twice, missed cells included.
+    pub(super) lost_mm3: f64,
+    /// Volume of missed cells.
+    pub(super) missed_mm3: f64,
+    /// Connected pieces of surface.
+    pub(super) pieces: usize,
+}
+
+impl Laid {
+    /// Whether this is better than something else that is laid of a part of this volume.
+    pub(super) fn is_better_than(self, other: Laid, volume_mm3: f64) -> bool {
+        let [lost, missed] = [other.lost_mm3 - self.lost_mm3, other.missed_mm3 - self.missed_mm3];
+        if lost.abs() > WORTH * volume_mm3 {
+            lost > 0.0
+        } else if missed.abs() > WORTH_MISSED * volume_mm3 {
+            missed > 0.0
+        } else {
+            self.pieces < other.pieces
+        }
     }
 }
 
@@ -46,12 +69,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_laid_decides_and_then_the_pieces() {
-        let volume = 1000.0;
-        assert!(is_better((50.0, 900), (52.0, 800), volume)); // two thousandths more are laid
-        assert!(!is_better((52.0, 800), (50.0, 900), volume));
-        assert!(is_better((50.9, 800), (50.0, 900), volume)); // less than a thousandth: fewer pieces
-        assert!(!is_better((50.0, 900), (50.9, 800), volume));
-        assert!(!is_better((50.0, 900), (50.0, 900), volume)); // neither
+    fn what_is_laid_decides_then_what_is_missed_and_then_the_pieces() {
+        let laid = |lost_mm3, missed_mm3, pieces| Laid { lost_mm3, missed_mm3, pieces };
+        let first = laid(50.0, 8.0, 800);
+        let is_better = |other: Laid| [first.is_better_than(other, 1000.0), other.is_better_than(first, 1000.0)];
+        assert_eq!(is_better(laid(61.0, 0.0, 1)), [true, false]); // more than a hundredth more is laid
+        assert_eq!(is_better(laid(59.0, 0.0, 900)), [false, true]); // about as much: more is missed
+        assert_eq!(is_better(laid(41.0, 9.5, 1)), [true, false]);
+        assert_eq!(is_better(laid(41.0, 7.5, 900)), [true, false]); // as much is missed: fewer pieces
+        assert_eq!(is_better(first), [false, false]);
     }
 }

@@ -39,7 +39,7 @@ mod watch;
 mod workpiece;
 
 pub use audit::{AuditError, AuditReport, Fault, FaultCounts, audit};
-pub use best::WORTH;
+pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
 pub use growth::{

@@ -7,7 +7,7 @@
 //! trimmed to the mesh: area times distance is the volume, exactly for cells inside.
 
 use super::audit::{AuditError, AuditReport, audit};
-use super::best::{is_better, pieces};
+use super::best::{Laid, pieces};
 use super::cells::Cells;
 use super::growth::{Growth, GrowthError};
 use super::platform::Platform;
@@ -170,7 +170,8 @@ impl Workpiece<'_> {
     ///
     /// # Arguments
     /// * `strategy`: how the order is grown. `None` for the best one: incremental, unless that misses cells and un-building
-    ///   loses less of the volume ([`LayerSurfaces::lost_mm3`]) by more than [`WORTH`] of it, or about as much with fewer
+    ///   loses less of the volume ([`LayerSurfaces::lost_mm3`]) by more than [`WORTH`](super::WORTH) of it; or about as much, and
+    ///   misses less of it by more than [`WORTH_MISSED`](super::WORTH_MISSED); or about as much, in fewer
     ///   [pieces of surface](LayerSurfaces::pieces).
     /// * `height_mm`: layer height, at least a fifth of a cell.
     /// * `progress`: called with the stages `grow` (`peel`, `unbuild`), `audit`, `uniform`, `contour`, `trim` and `spacing`, each of which begins
@@ -267,9 +268,13 @@ impl Workpiece<'_> {
         let incremental = self.layered(incremental, height_mm, progress)?;
         let unbuilt = self.grown(Strategy::Unbuild, progress)?;
         let unbuilt = self.layered(unbuilt, height_mm, progress)?;
-        let laid = |layered: &LayeredPart| (layered.surfaces.lost_mm3(self.volume_mm3), layered.surfaces.pieces());
-        let unbuilt_is_better = is_better(laid(&unbuilt), laid(&incremental), self.volume_mm3);
+        let unbuilt_is_better = self.laid(&unbuilt).is_better_than(self.laid(&incremental), self.volume_mm3);
         Ok(if unbuilt_is_better { unbuilt } else { incremental })
+    }
+
+    fn laid(&self, LayeredPart { surfaces, .. }: &LayeredPart) -> Laid {
+        let lost_mm3 = surfaces.lost_mm3(self.volume_mm3);
+        Laid { lost_mm3, missed_mm3: surfaces.missed_mm3, pieces: surfaces.pieces() }
     }
 
     /// An order and its audit.

@@ -142,11 +142,8 @@ impl<'a> Grower<'a> {
             if !self.candidates.is_empty() {
                 return;
             }
-            let Some((value, reached)) = self.waiting_for.pop_first() else {
-                // What is given up from here on makes way for cells of any value.
-                self.threshold = u32::MAX;
-                return;
-            };
+            // Where nothing waits for a higher threshold, cells have to be given up: what that makes way for is governed again.
+            let Some((value, reached)) = self.waiting_for.pop_first() else { return };
             self.threshold = value;
             self.candidates = reached;
             self.complete_candidates();

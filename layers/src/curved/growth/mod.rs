@@ -11,9 +11,8 @@
 //!   lost, since the hull only grows. Until then it is not tried again.
 //! * Shadowed is what newly comes to lie inside, candidates aside. Cells lost before do not count again, and a
 //!   candidate that comes to lie inside the hull of the others is built in the same layer.
-//! * Cells are given up (the last lines of Algorithms 2 and 3) only when no threshold is left to raise, and then for the
-//!   sake of that group of candidates that costs the fewest, not for all of them. So where candidates are held back all around, the
-//!   threshold runs ahead of what is built, and what comes then is governed no more.
+//! * Cells are given up (the last lines of Algorithms 2 and 3) only when nothing waits for a higher threshold, and then for the
+//!   sake of that group of candidates that costs the fewest, not for all of them.
 //!
 //! [`grow_as_printed`] has none of these departures.
 
