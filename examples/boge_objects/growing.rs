@@ -182,7 +182,7 @@ fn grow_case(drawing: Drawing) -> Result<Case, Failure> {
 
 /// Grows by the rules of the thesis.
 fn by_thesis(drawn: &TextGrid, way: Way) -> Result<Run, Failure> {
-    let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat };
+    let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
     // Half a cell below the plane z = 0 lie the centres of the cells there.
     let platform = platform(drawn, [0.5, 0.5])?.elevated(-1)?;
     grown(drawn, &platform, &rules, way)

@@ -7,8 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, LayerQuality, LayeredPart, Neighbours, Platform, Rules, Strategy, Workpiece, audit,
-    best_growth, layer_quality,
+    AuditReport, Cells, Growth, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules, Strategy,
+    Workpiece, audit, layer_quality,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -25,9 +25,13 @@ pub struct FieldOptions {
     pub resolution: Resolution,
     /// Depth inside the hull from which a cell counts as shadowed, in cells.
     pub eps: f64,
+    /// Whether a cell at exactly that depth does not count.
+    pub beyond_eps: bool,
     pub platform_diameter_mm: f64,
     /// None for the best one.
     pub strategy: Option<Strategy>,
+    /// Layer height, by which the best one is chosen; none for the edge of a cell.
+    pub height_mm: Option<f64>,
 }
 
 /// What came of the stage.
@@ -64,7 +68,7 @@ pub struct Times {
     /// Peeling included, and a second strategy if it was tried.
     pub grow: Duration,
     pub audit: Duration,
-    /// All of these.
+    /// All of these, and the surfaces: those of the order that was not taken as well.
     pub total: Duration,
 }
 
@@ -86,7 +90,7 @@ pub fn run(
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| of_part(&error))?;
-    let resolution = saved.as_ref().map_or(options.resolution, |saved| Resolution::Cell(saved.cell_mm));
+    let resolution = saved.as_ref().map_or(options.resolution, surfaces::resolution);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) = timed(|| {
         voxelise(vertices, triangles, &voxel_options, &|p| {
@@ -99,9 +103,7 @@ pub fn run(
     let thin = thin.map_err(|error| of_part(&error))?;
 
     let cells = Cells::new(solid.grid.dims(), solid.grid.rows()).map_err(failure)?;
-    if saved.as_ref().is_some_and(|saved| saved.field.dims() != cells.dims() || saved.rows != cells.rows()) {
-        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
-    }
+    saved.as_ref().map_or(Ok(()), |saved| surfaces::check_cells(saved, &solid.grid))?;
     let (cell_mm, platform_mm) = (solid.grid.cell_mm(), options.platform_diameter_mm);
     let platform = Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
         of_part(&format!(
@@ -117,7 +119,7 @@ pub fn run(
         cell_mm,
         origin: solid.grid.origin(),
         platform: &platform,
-        rules: Rules { eps: options.eps, ..Rules::default() },
+        rules: Rules { eps: options.eps, eps_is_inside: !options.beyond_eps, ..Rules::default() },
         volume_mm3: mesh.volume_mm3(),
     };
     let clock = StageClock::default();
@@ -150,13 +152,9 @@ pub fn run(
             Made { layers, method: surfaces::method_name(uniform.method), field: uniform.field, waits: uniform.jumps };
         (growth, strategy.name(), audit, Some(made))
     } else {
-        let rules = &workpiece.rules;
-        let grown = match options.strategy {
-            Some(strategy) => strategy.grow(&cells, &platform, rules, &progress).map(|growth| (strategy, growth)),
-            None => best_growth(&cells, &platform, rules, &progress),
-        };
-        let (strategy, growth) = grown.map_err(failure)?;
-        let audit = audited(&growth)?;
+        let height_mm = options.height_mm.unwrap_or(cell_mm);
+        let OrderedPart { strategy, growth, audit } =
+            workpiece.order(options.strategy, height_mm, &progress).map_err(layers_failed)?;
         (growth, strategy.name(), audit, None)
     };
     clock.stop();
@@ -165,7 +163,8 @@ pub fn run(
     let [peel, grow, audit_time] =
         [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"]].map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
-    let total = inspect_time + voxelise_time + grow + audit_time;
+    let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "contour", "trim", "spacing"]);
+    let total = inspect_time + voxelise_time + grow + audit_time + surfaces_time;
     let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
     let mut findings = findings(&mesh, &thin, &solid);

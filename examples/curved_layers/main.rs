@@ -107,10 +107,11 @@ impl Args {
             StrategyArg::Adaptive => Some(Strategy::Adaptive),
             StrategyArg::Governed => Some(Strategy::Governed(prevention)),
             StrategyArg::Unbuild => Some(Strategy::Unbuild),
+            StrategyArg::Printed => Some(Strategy::Printed(prevention)),
         };
-        let GrowArgs { eps, platform_diameter_mm, .. } = self.grow;
+        let GrowArgs { eps, beyond_eps, platform_diameter_mm, .. } = self.grow;
         let resolution = self.voxel.cell.map_or(wanted, Resolution::Cell);
-        FieldOptions { resolution, eps, platform_diameter_mm, strategy }
+        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, height_mm: self.layer_height }
     }
 
     fn surface_options(&self) -> SurfaceOptions {

@@ -6,6 +6,7 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{LayerField, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field};
 use curvlay_layers::curved::{Growth, LayerSurfaces, LayersError, Workpiece};
 use curvlay_toolpath::surface::LayerSurface;
+use curvlay_voxel::{Resolution, VoxelGrid};
 use std::fs::File;
 use std::io::BufReader;
 use std::ops::{ControlFlow, Deref};
@@ -80,11 +81,35 @@ impl SurfacesRun {
 /// A field saved by an earlier run.
 pub fn load(path: &Path, part: &Part) -> Result<SavedField, Failure> {
     let name = path.display();
-    let file = File::open(path).map_err(|error| failure(format!("{name}: cannot be read: {error}")))?;
+    let unreadable = |error| failure(format!("{name}: cannot be read: {error}"));
+    let file = File::open(path).map_err(unreadable)?;
+    if !file.metadata().map_err(unreadable)?.is_file() {
+        return Err(failure(format!("{name}: is no regular file: --resume takes the field.txt of an earlier run")));
+    }
     let saved = SavedField::read(BufReader::new(file)).map_err(|error| failure(format!("{name}: {error}")))?;
     let stamp = mesh_stamp(&part.mesh.vertices, &part.mesh.triangles);
     saved.check_mesh(stamp).map_err(|error| failure(format!("{name}: {}: {error}", part.name)))?;
     Ok(saved)
+}
+
+/// How large the cells are that a saved field is of, and where their grid begins.
+pub fn resolution(saved: &SavedField) -> Resolution {
+    Resolution::At { cell_mm: saved.cell_mm, corner: [saved.origin.x, saved.origin.y] }
+}
+
+/// Whether the cells of the mesh are those that a saved field is of, at the same place.
+pub fn check_cells(saved: &SavedField, grid: &VoxelGrid) -> Result<(), Failure> {
+    if saved.field.dims() != grid.dims() || saved.rows != grid.rows() {
+        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
+    }
+    let ([x, y, z], grid_at) = (saved.origin.coords.into(), grid.origin());
+    if saved.origin != grid_at {
+        let [gx, gy, gz]: [f64; 3] = grid_at.coords.into();
+        return Err(failure(format!(
+            "the saved field has origin_mm {x} {y} {z}, the cells of the mesh {gx} {gy} {gz}: grow it anew"
+        )));
+    }
+    Ok(())
 }
 
 /// What stands beside the surfaces: the field to save, times, and what to compare with.

@@ -154,13 +154,16 @@ pub struct GrowArgs {
     /// Depth inside the hull from which a cell counts as shadowed, in cells
     #[arg(long, value_name = "CELLS", default_value_t = 1.0, value_parser = eps, allow_negative_numbers = true)]
     pub eps: f64,
+    /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
+    #[arg(long)]
+    pub beyond_eps: bool,
     /// Diameter of the platform in millimetres; one that covers the part is taken if that is larger
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
     pub platform_diameter_mm: f64,
     /// How the next layer is chosen
     #[arg(long, default_value = "best")]
     pub strategy: Strategy,
-    /// How the governed strategy keeps cells from being shadowed
+    /// How the strategies governed and printed keep cells from being shadowed
     #[arg(long, default_value = "adaptive")]
     pub prevention: Prevention,
 }
@@ -180,6 +183,8 @@ pub enum Strategy {
     Governed,
     /// In the reverse of the order in which the part can be taken apart.
     Unbuild,
+    /// Field-governed as printed in the dissertation, to compare with.
+    Printed,
 }
 
 /// How cells are kept from being shadowed.

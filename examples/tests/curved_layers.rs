@@ -165,6 +165,64 @@ fn surfaces_end_on_the_mesh_and_fill_it() {
     assert!(!Path::new(&third).exists());
 }
 
+/// A cube of 20 mm in 1210 cells: 11 x 11 x 10 of them, in a grid that begins half a cell before it. What is saved there is taken again;
+/// a grid at another height is not, nor is what is no file.
+#[test]
+fn a_field_in_a_grid_that_was_moved_is_taken_again() {
+    let scratch = Scratch::new("moved");
+    let mesh = scratch.path("cube.obj");
+    let cube = "v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 20\nv 20 0 20\nv 20 20 20\nv 0 20 20\n\
+                f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    fs::write(&mesh, cube).unwrap();
+    let (first, second) = (scratch.path("first"), scratch.path("second"));
+    let run_in = |out: &str, more: &[&str]| {
+        run(&[&["--mesh", &mesh, "--stage", "surfaces", "--quiet", "--out", out], more].concat())
+    };
+    let output = run_in(&first, &["--voxels", "1210"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let file = Path::new(&first).join("field.txt");
+    let (text, saved) = (fs::read_to_string(&file).unwrap(), file.display().to_string());
+    let origin = text.lines().find(|line| line.starts_with("origin_mm")).unwrap();
+    assert!(origin.starts_with("origin_mm -"), "{origin}: the grid was not moved");
+    let output = run_in(&second, &["--resume", &saved]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read_to_string(Path::new(&second).join("field.txt")).unwrap(), text);
+
+    let third = scratch.path("third");
+    let higher = origin.rsplit_once(' ').unwrap().0.to_owned() + " 1";
+    fs::write(&file, text.replace(origin, &higher)).unwrap();
+    let (status, line) = status_and_line(&run_in(&third, &["--resume", &saved]));
+    assert!(status == 1 && line.contains(&higher), "{status} {line}");
+    let (status, line) = status_and_line(&run_in(&third, &["--resume", &first]));
+    assert!(status == 1 && line.contains("is no regular file"), "{status} {line}");
+}
+
+/// `best` builds the same order at every stage, and counts all the time that it takes to choose.
+#[test]
+fn the_order_is_the_same_at_every_stage() {
+    let scratch = Scratch::new("stages");
+    let mesh = scratch.path("hooks.stl");
+    // A post with a beam from which a hook hangs that no order reaches.
+    let blocks = [
+        [[0.0, 0.0, 0.0], [6.0, 6.0, 24.0]],
+        [[6.0, 0.0, 18.0], [24.0, 6.0, 24.0]],
+        [[20.0, 0.0, 3.0], [24.0, 6.0, 18.0]],
+    ];
+    fs::write(&mesh, boxes(&blocks)).unwrap();
+    let mut orders = Vec::new();
+    for stage in ["field", "surfaces"] {
+        let out = scratch.path(stage);
+        run(&["--mesh", &mesh, "--cell", "1", "--eps", "0.5", "--stage", stage, "--quiet", "--out", &out]);
+        let figures = summary(&out);
+        assert!(figures["missed_cells"].as_u64().unwrap() > 0, "there is nothing to choose");
+        let figure = |key: &str| figures[key].as_f64().unwrap();
+        assert!(figure("total_s") > figure("grow_s") + figure("audit_s") + figure("voxelise_s"));
+        let field = fs::read_to_string(Path::new(&out).join("field.csv")).unwrap();
+        orders.push((figures["strategy_used"].clone(), figures["missed_cells"].clone(), field));
+    }
+    assert!(orders[0] == orders[1], "{:?} {:?}", orders[0].0, orders[1].0);
+}
+
 /// A tower of which every layer is a rectangle with a square hole: one curve a layer fills it.
 #[test]
 fn a_curve_fills_each_layer() {

@@ -3,14 +3,17 @@
 use crate::HullError;
 
 /// How deep below the surface of a body a point must lie to count as *deep*, in steps of 1/512 of a lattice unit.
+///
+/// At exactly this depth a point is deep ([`Depth::new`]), or only beyond it ([`Depth::beyond`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Depth {
     steps: u32,
+    beyond: bool,
 }
 
 impl Depth {
     /// Any point of the closed body is deep, points of its surface too.
-    pub const SURFACE: Depth = Depth { steps: 0 };
+    pub const SURFACE: Depth = Depth { steps: 0, beyond: false };
 
     /// Steps in a lattice unit. A power of two keeps usual depths exact; more steps than this and the squares in
     /// `margin` would leave 128 bits.
@@ -19,7 +22,7 @@ impl Depth {
     /// Largest depth, in lattice units.
     pub const MAX: f64 = 64.0;
 
-    /// The depth `units`, to the nearest step.
+    /// The depth `units`, to the nearest step: a point is deep at this depth and below it.
     ///
     /// # Errors
     /// [`HullError::Depth`] for a depth that is negative, not a number or above [`Depth::MAX`].
@@ -36,7 +39,26 @@ impl Depth {
         if !(0.0..=Self::MAX).contains(&units) {
             return Err(HullError::Depth { units });
         }
-        Ok(Depth { steps: (units * f64::from(Self::STEPS)).round() as u32 })
+        Ok(Depth { steps: (units * f64::from(Self::STEPS)).round() as u32, beyond: false })
+    }
+
+    /// The depth `units`, to the nearest step: a point is deep only below it, not at this depth.
+    ///
+    /// # Errors
+    /// As [`Depth::new`].
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_hull::{ConvexHull, Depth};
+    /// let plate = [[0, 0], [8, 0], [8, 8], [0, 8]];
+    /// let [at, beyond] = [Depth::new(2.0)?, Depth::beyond(2.0)?];
+    /// assert!(ConvexHull::column(&plate, 0, at)?.is_deep([4, 4, -2]));
+    /// assert!(!ConvexHull::column(&plate, 0, beyond)?.is_deep([4, 4, -2]));
+    /// assert!(ConvexHull::column(&plate, 0, beyond)?.is_deep([4, 4, -3]));
+    /// # Ok::<(), curvlay_hull::HullError>(())
+    /// ```
+    pub fn beyond(units: f64) -> Result<Self, HullError> {
+        Ok(Depth { beyond: true, ..Self::new(units)? })
     }
 
     /// The depth in lattice units.
@@ -44,18 +66,19 @@ impl Depth {
         f64::from(self.steps) / f64::from(Self::STEPS)
     }
 
-    /// The least integer that is not below `depth * |normal|`, exactly.
+    /// How far below a plane with this normal the first deep points lie, times the length of the normal: the least
+    /// integer that is not below `depth * |normal|` (above it for [`Depth::beyond`]), exactly.
     ///
     /// With `squared = |normal|^2 < 2^70` and at most `2^15` steps, everything below fits 128 bits.
     pub(crate) fn margin(self, squared: u128) -> i64 {
         if self.steps == 0 {
-            return 0;
+            return i64::from(self.beyond);
         }
         let steps = u128::from(self.steps);
         let target = steps * steps * squared;
         let reaches = |margin: i64| {
             let scaled = margin as u128 * u128::from(Self::STEPS);
-            scaled * scaled >= target
+            if self.beyond { scaled * scaled > target } else { scaled * scaled >= target }
         };
         let mut margin = (self.units() * (squared as f64).sqrt()) as i64;
         while !reaches(margin) {
@@ -105,10 +128,24 @@ impl Plane {
         self.offset - self.inner
     }
 
+    /// The plane through `p` with this outward normal, not of unit length, below which points count as deep from `depth` on.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_hull::{Depth, Plane};
+    /// let plate = Plane::at([0, 0, 1], [5, 5, 0], Depth::new(2.0)?);
+    /// assert!(plate.shows([0, 0, -1]) && !plate.shows([0, 0, -2]));
+    /// # Ok::<(), curvlay_hull::HullError>(())
+    /// ```
+    pub fn at(normal: [i32; 3], p: [i32; 3], depth: Depth) -> Self {
+        Plane::through(normal.map(i64::from), p, depth)
+    }
+
     /// The same plane with a normal without common divisor. It shows the same points.
     ///
-    /// (The margin is the least integer `m` with `m >= depth |n|`. For a normal `g n` and integers `k`,
-    /// `g k < ceil(g depth |n|)` says the same as `k < depth |n|`, so the margin of `n` is that of `g n` over `g`, rounded up.)
+    /// (The margin is the least integer `m` with `m >= depth |n|`, or `m > depth |n|`. For a normal `g n` and integers `k`,
+    /// `g k < ceil(g depth |n|)` says the same as `k < depth |n|`, so the margin of `n` is that of `g n` over `g`, rounded up;
+    /// likewise with `<=`.)
     pub fn reduced(&self) -> Plane {
         let divisor = divisor(self.normal);
         let offset = self.offset / divisor;
@@ -163,6 +200,9 @@ mod tests {
         assert_eq!(depth.margin((1 << 35) * (1 << 35)), 1 << 36);
         assert_eq!(depth.margin((1 << 35) * (1 << 35) + 1), (1 << 36) + 1);
         assert_eq!(Depth::SURFACE.margin(u128::MAX), 0);
+        let beyond = Depth::beyond(2.0).unwrap();
+        assert_eq!([24, 25, 26].map(|squared| beyond.margin(squared)), [10, 11, 11]);
+        assert_eq!(Depth::beyond(0.0).unwrap().margin(u128::MAX), 1);
     }
 
     #[test]
@@ -175,12 +215,15 @@ mod tests {
     #[test]
     fn a_reduced_plane_shows_the_same_points() {
         for units in [0.0, 0.3, 1.0, 1.7, 2.0] {
-            let depth = Depth::new(units).unwrap();
-            let plane = Plane::through([6, -12, 18], [1, 2, 5], depth);
-            let reduced = plane.reduced();
-            assert_eq!(reduced, Plane::through([1, -2, 3], [1, 2, 5], depth));
-            for x in -20..20 {
-                assert_eq!(plane.shows([x, 3, 2]), reduced.shows([x, 3, 2]), "{units} {x}");
+            for depth in [Depth::new(units).unwrap(), Depth::beyond(units).unwrap()] {
+                for normal in [[1, -2, 3], [0, 0, 1], [3, -4, 0]] {
+                    let plane = Plane::through(normal.map(|c| 6 * c), [1, 2, 5], depth);
+                    let reduced = plane.reduced();
+                    assert_eq!(reduced, Plane::through(normal, [1, 2, 5], depth));
+                    for x in -20..20 {
+                        assert_eq!(plane.shows([x, 3, 2]), reduced.shows([x, 3, 2]), "{depth:?} {x}");
+                    }
+                }
             }
         }
     }
@@ -189,6 +232,7 @@ mod tests {
     fn unsound_depths_are_refused() {
         for units in [-0.5, f64::NAN, 65.0] {
             assert!(matches!(Depth::new(units), Err(HullError::Depth { .. })));
+            assert!(matches!(Depth::beyond(units), Err(HullError::Depth { .. })));
         }
     }
 }

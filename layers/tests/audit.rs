@@ -391,10 +391,10 @@ fn dot(a: Vec3, b: Vec3) -> i64 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }
 
-/// The depth of `c` if it is inside the hull of `points` at least `eps` / 1024 cells deep: every plane through three of
+/// The depth of `c` if it is inside the hull of `points` at least `eps` / 1024 cells deep, or deeper if not `closed`: every plane through three of
 /// the points (flat: every line through two), every vertical plane through two and both horizontal directions are
 /// tried; all facets are among them.
-fn slow_depth(points: &[Vec3], c: Vec3, eps: i128, flat: bool, reaches_down: bool) -> Option<f64> {
+fn slow_depth(points: &[Vec3], c: Vec3, (eps, closed): (i128, bool), flat: bool, reaches_down: bool) -> Option<f64> {
     let minus = |a: Vec3, b: Vec3| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     let mut normals = vec![[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0]];
     for (i, &p) in points.iter().enumerate() {
@@ -420,7 +420,8 @@ fn slow_depth(points: &[Vec3], c: Vec3, eps: i128, flat: bool, reaches_down: boo
         let slack = points.iter().map(|&point| dot(n, point)).max().unwrap() - dot(n, c);
         let norm2: i128 = n.iter().map(|&k| i128::from(k).pow(2)).sum();
         // slack half cells / |n| against eps / 512 half cells
-        if slack < 0 || i128::from(slack).pow(2) << 18 < eps.pow(2) * norm2 {
+        let [own, least] = [i128::from(slack).pow(2) << 18, eps.pow(2) * norm2];
+        if slack < 0 || own < least || (own == least && !closed) {
             return None;
         }
         depth = depth.min(slack as f64 / (norm2 as f64).sqrt() / 2.0);
@@ -474,7 +475,7 @@ fn slow_audit(cells: &Cells, platform: &Platform, rules: &Rules, layers: &[Vec<u
             if !stands && !built[..earlier].iter().any(touches) {
                 faults.push(Fault::Unsupported { cell, layer });
             }
-            let eps = i128::from(rules.eps_in_1024ths().unwrap());
+            let eps = (i128::from(rules.eps_in_1024ths().unwrap()), rules.eps_is_inside);
             if let Some(depth) = slow_depth(&points, [x, y, z], eps, rules.flat, platform.reaches_down()) {
                 faults.push(Fault::Inside { cell, layer, depth });
             }
@@ -519,8 +520,9 @@ fn some_platform() -> impl Strategy<Value = Platform> {
 
 fn some_rules() -> impl Strategy<Value = Rules> {
     let eps = prop::sample::select(vec![0.0, 0.25, 0.5, 0.7, 1.0, 1.5, 2.0]);
-    (eps, any::<bool>(), any::<bool>()).prop_map(|(eps, one_norm, flat)| Rules {
+    (eps, any::<[bool; 3]>()).prop_map(|(eps, [eps_is_inside, one_norm, flat])| Rules {
         eps,
+        eps_is_inside,
         neighbours: if one_norm { Neighbours::OneNorm } else { Neighbours::FaceOrEdge },
         flat,
     })

@@ -39,7 +39,7 @@ fn text_of(saved: &SavedField) -> String {
 proptest! {
     #[test]
     fn what_was_written_is_read(
-        values in prop::collection::vec(prop::option::of(0.0..1e6f64), 70 * 3 * 2), solid_as_well in 0..7u32
+        values in prop::collection::vec(prop::option::of(0.0..1e2f64), 70 * 3 * 2), solid_as_well in 0..7u32
     ) {
         let Some(before) = saved([70, 3, 2], &values, solid_as_well) else { return Ok(()) };
         let after = SavedField::read(text_of(&before).as_bytes()).unwrap();
@@ -93,11 +93,59 @@ fn what_is_wrong_is_told_by_its_line() {
     }
     assert!(matches!(refused("\n1 -", "\n0 -"), ReadFieldError::Cell { line: 9, cell: 0, grid: 3 }));
     assert!(matches!(refused("\n2 1.5", "\n3 1.5"), ReadFieldError::Cell { line: 10, cell: 3, grid: 3 }));
-    let sparse = refused("grid 3 1 1", "grid 16000 16000 16");
-    assert!(matches!(sparse, ReadFieldError::Sparse { grid: 4_096_000_000, cells: 3 }));
+    let sparse = refused("grid 3 1 1", "grid 500 500 17");
+    assert!(matches!(sparse, ReadFieldError::Sparse { grid: 4_250_000, cells: 3 }));
+    let large = refused("grid 3 1 1", "grid 16000 16000 16");
+    assert!(matches!(large, ReadFieldError::GridTooLarge { grid: 4_096_000_000, .. }));
     assert!(matches!(refused("grid 3 1 1", "grid 3 1 99999"), ReadFieldError::Cells(CellsError::Dims { .. })));
     assert!(matches!(refused("0 0.5", "0 -0.5"), ReadFieldError::Field(_)));
     assert!(matches!(refused("layer_cells 0.8125", "layer_cells 0"), ReadFieldError::Field(_)));
+}
+
+/// Memory follows what a file holds: numbers in it that would make other stages take more than there is are refused.
+#[test]
+fn numbers_that_would_take_all_memory_are_refused() {
+    let good = text_of(&saved([3, 1, 1], &[Some(0.5), None, Some(1.5)], 7).unwrap());
+    let read = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        SavedField::read(good.replacen(from, to, 1).as_bytes())
+    };
+    for thickness in ["1e9", "51"] {
+        let error = read("layer_cells 0.8125", &format!("layer_cells {thickness}")).unwrap_err();
+        assert!(matches!(error, ReadFieldError::TooHigh { cells: 3, .. }), "{thickness}: {error}");
+    }
+    for value in ["1e15", "94", "1.7e308"] {
+        let error = read("2 1.5", &format!("2 {value}")).unwrap_err();
+        assert!(matches!(error, ReadFieldError::TooHigh { cells: 3, .. }), "{value}: {error}");
+    }
+    let high = read("2 1.5", "2 93").unwrap(); // 4 cells of height for each of 3 cells, and 64
+    assert_eq!(high.field.value(2), Some(93.0));
+
+    // A file of many cells that names a large grid.
+    let many: String = (0..500_000).map(|cell| format!("{cell} 0\n")).collect();
+    let head = |grid: &str| {
+        format!("curvlay field 1\nmesh 7\n{grid}\ncell_mm 1\norigin_mm 0 0 0\nlayer_cells 1\ncells 500000\n")
+    };
+    let refused = |grid: &str| SavedField::read((head(grid) + &many + "end\n").as_bytes()).unwrap_err();
+    let error = refused("grid 16000 16000 16");
+    assert!(
+        matches!(error, ReadFieldError::GridTooLarge { grid: 4_096_000_000, limit: SavedField::MAX_GRID }),
+        "{error}"
+    );
+    let small = head("grid 100 100 100") + &many + "end\n";
+    assert_eq!(SavedField::read(small.as_bytes()).unwrap().field.count(), 500_000);
+    let error = SavedField::read_within(999_999, small.as_bytes()).unwrap_err();
+    assert!(matches!(error, ReadFieldError::GridTooLarge { grid: 1_000_000, limit: 999_999 }), "{error}");
+}
+
+/// `/dev/zero` and the like: no line is longer than what is written.
+#[test]
+fn a_line_without_end_is_refused() {
+    let error = SavedField::read(BufReader::new(io::repeat(0))).unwrap_err();
+    assert!(matches!(error, ReadFieldError::Line { line: 1, .. }), "{error}");
+    let start = "curvlay field 1\nmesh ".as_bytes();
+    let error = SavedField::read(BufReader::new(start.chain(io::repeat(b'0')))).unwrap_err();
+    assert!(matches!(error, ReadFieldError::Line { line: 2, .. }), "{error}");
 }
 
 #[test]

@@ -204,6 +204,23 @@ fn a_part_in_the_air_and_other_bad_input_is_refused() {
     assert_eq!(peel(&cells, &part.platform, &Rules::default(), &stop), Err(PeelError::Cancelled));
 }
 
+/// Memory goes by the cells, not by the values of a governing field; what counts is their order alone.
+#[test]
+fn values_of_a_governing_field_may_be_any_number() {
+    let part = hook();
+    let (cells, rules) = (part.cells(), Rules::default());
+    let field = peel(&cells, &part.platform, &rules, &go).unwrap();
+    let values =
+        |of: &dyn Fn(u32) -> u32| SheetField::new((0..field.len() as u32).map(|cell| of(field.value(cell))).collect());
+    let run =
+        |field: &SheetField| grow(&cells, &part.platform, &rules, &GrowthOptions::default(), Some(field), &go).unwrap();
+    let far = u32::MAX - field.highest();
+    let same = run(&field);
+    assert!(same.order.len() > 12 && run(&values(&|value| value + far)) == same);
+    let one_late = values(&|value| if value == field.highest() { u32::MAX } else { value });
+    assert_eq!(run(&one_late), same);
+}
+
 #[test]
 fn peeling_ends_at_any_depth() {
     let part = hook();

@@ -8,9 +8,10 @@ use curvlay_layers::curved::surface::{ContourError, LayerField, SavedField, cont
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
     Cells, Growth, GrowthError, GrowthOptions, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
-    UnbuildOptions, WORTH, Workpiece, best_growth, grow, peel, unbuild,
+    UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
 };
 use nalgebra::Point3;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 const CELL: f64 = 0.5;
@@ -111,8 +112,12 @@ fn strategies_are_the_functions_behind_them() {
     };
     let governed = |prevention| {
         let options = GrowthOptions { prevention, ..GrowthOptions::default() };
-        let field = peel(&cells, platform, &rules, &go).unwrap();
+        let field = peel(&cells, platform, &Rules { eps_is_inside: false, ..rules }, &go).unwrap();
         grow(&cells, platform, &rules, &options, Some(&field), &go).unwrap()
+    };
+    let printed = |prevention| {
+        let field = peel(&cells, platform, &rules, &go).unwrap();
+        grow_as_printed(&cells, platform, &rules, prevention, &field, &go).unwrap()
     };
     let unbuilt = unbuild(&cells, platform, &rules, &UnbuildOptions::default(), &go).unwrap();
     let expected = [
@@ -121,6 +126,8 @@ fn strategies_are_the_functions_behind_them() {
         (Strategy::Adaptive, "adaptive", with(Prevention::Adaptive)),
         (Strategy::Governed(Prevention::Adaptive), "governed", governed(Prevention::Adaptive)),
         (Strategy::Governed(Prevention::Incremental), "governed", governed(Prevention::Incremental)),
+        (Strategy::Printed(Prevention::Adaptive), "printed", printed(Prevention::Adaptive)),
+        (Strategy::Printed(Prevention::Incremental), "printed", printed(Prevention::Incremental)),
         (Strategy::Unbuild, "unbuild", unbuilt),
     ];
     for (strategy, name, growth) in expected {
@@ -130,13 +137,25 @@ fn strategies_are_the_functions_behind_them() {
         assert_eq!(growth.missed_cells(), missed);
     }
     let stop = |_| ControlFlow::Break(());
-    for strategy in [Strategy::Greedy, Strategy::Governed(Prevention::Adaptive), Strategy::Unbuild] {
+    for strategy in [
+        Strategy::Greedy,
+        Strategy::Governed(Prevention::Adaptive),
+        Strategy::Printed(Prevention::Adaptive),
+        Strategy::Unbuild,
+    ] {
         assert_eq!(strategy.grow(&cells, platform, &rules, &stop).unwrap_err(), GrowthError::Cancelled, "{strategy}");
     }
 }
 
-/// The steps of a layered part one by one: what is missed, the sheets, and what is lost.
-fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> (Growth, LayerField, f64) {
+/// A layered part, its steps done one by one.
+struct Steps {
+    growth: Growth,
+    field: LayerField,
+    lost: f64,
+    pieces: usize,
+}
+
+fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> Steps {
     let (cells, rules) = (solid.cells(), Rules::default());
     let growth = strategy.grow(&cells, &solid.platform, &rules, &go).unwrap();
     let missed = growth.missed_cells();
@@ -150,15 +169,33 @@ fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> (Growth, LayerFie
     let laid = curvlay_layers::curved::surface::measure_spacing(&slices, height, &go).unwrap().volume_mm3;
     // The mesh is the skin of the cells: what is missed is whole cells.
     let [all, missed] = [cells.count(), missed.len()].map(|count| count as f64 * CELL.powi(3));
-    (growth, field, missed + (all - missed - laid).abs())
+    let pieces = sheets.iter().map(|sheet| pieces(&sheet.triangles)).sum();
+    Steps { growth, field, lost: missed + (all - missed - laid).abs(), pieces }
 }
 
-/// Solids with each of the three outcomes: nothing missed, un-building no better, un-building better.
+/// Pieces that hang together by corners, by walking from triangle to triangle.
+fn pieces(triangles: &[[u32; 3]]) -> usize {
+    let mut left: Vec<[u32; 3]> = triangles.to_vec();
+    let mut pieces = 0;
+    while let Some(first) = left.pop() {
+        pieces += 1;
+        let mut piece = vec![first];
+        while let Some(triangle) = piece.pop() {
+            let (near, far) = left.into_iter().partition(|other| other.iter().any(|corner| triangle.contains(corner)));
+            left = far;
+            piece.extend::<Vec<_>>(near);
+        }
+    }
+    pieces
+}
+
+/// Solids with each of the outcomes of [`the_best_of_two_loses_less`].
 const SEEDS: [u64; 9] = [0, 1, 3, 6, 78, 259, 355, 725, 1791];
 
 #[test]
 fn the_best_of_two_loses_less() {
-    let mut taken = [0; 3];
+    // Nothing missed; the incremental or the un-built order loses less; about as much.
+    let mut taken = [0; 4];
     for seed in SEEDS {
         let solid = random(seed);
         let part = solid.workpiece();
@@ -166,27 +203,59 @@ fn the_best_of_two_loses_less() {
         let incremental = by_steps(&solid, Strategy::Incremental, 0.6);
         let unbuilt = by_steps(&solid, Strategy::Unbuild, 0.6);
         let volume = part.volume_mm3;
-        let whole = incremental.0.missed.is_empty();
-        let unbuild_wins = !whole && unbuilt.2 + WORTH * volume < incremental.2;
-        taken[if whole { 0 } else { 1 + usize::from(unbuild_wins) }] += 1;
-        let (growth, field, lost) = if unbuild_wins { unbuilt } else { incremental };
+        let gain = (incremental.lost - unbuilt.lost) / volume;
+        let missed = |steps: &Steps| steps.growth.missed.len() as f64 * CELL.powi(3) / volume;
+        let gain_missed = missed(&incremental) - missed(&unbuilt);
+        let (outcome, unbuild_wins) = match (gain, gain_missed) {
+            _ if incremental.growth.missed.is_empty() => (0, false),
+            (gain, _) if gain.abs() > WORTH => (1 + usize::from(gain > 0.0), gain > 0.0),
+            (_, gain) if gain.abs() > WORTH_MISSED => (3, gain > 0.0),
+            _ => (3, unbuilt.pieces < incremental.pieces),
+        };
+        taken[outcome] += 1;
+        let Steps { growth, field, lost, pieces } = if unbuild_wins { unbuilt } else { incremental };
         let bits = |field: &LayerField| field.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert!(layered.growth == growth && bits(&layered.uniform.field) == bits(&field), "{seed}");
         assert_eq!(layered.strategy, if unbuild_wins { Strategy::Unbuild } else { Strategy::Incremental });
         assert!(layered.audit.is_ok());
         assert!((layered.surfaces.lost_mm3(volume) - lost).abs() < 1e-9 * volume, "{seed}");
+        assert_eq!(layered.surfaces.pieces(), pieces, "{seed}");
         let missed_mm3 = growth.missed.len() as f64 * CELL.powi(3);
         assert!((layered.surfaces.missed_mm3 - missed_mm3).abs() < 1e-9 * volume, "{seed}");
 
-        // By missed cells alone.
-        let (cells, rules) = (solid.cells(), Rules::default());
-        let counts = [Strategy::Incremental, Strategy::Unbuild]
-            .map(|strategy| strategy.grow(&cells, &solid.platform, &rules, &go).unwrap().missed.len());
-        let (strategy, growth) = best_growth(&cells, &solid.platform, &rules, &go).unwrap();
-        assert_eq!(growth.missed.len(), counts[0].min(counts[1]));
-        assert_eq!(strategy, if counts[1] < counts[0] { Strategy::Unbuild } else { Strategy::Incremental });
+        // Who asks for the order alone gets the same one.
+        let order = part.order(None, 0.6, &go).unwrap();
+        assert_eq!((order.strategy, &order.growth, &order.audit), (layered.strategy, &growth, &layered.audit));
     }
     assert!(taken.iter().all(|&count| count > 0), "{taken:?}");
+}
+
+/// An order alone needs no surfaces but to choose between two.
+#[test]
+fn an_order_is_grown_without_surfaces_where_there_is_no_choice() {
+    let stages = |part: &Workpiece, strategy| {
+        let seen = std::sync::Mutex::new(BTreeSet::new());
+        let watch = |p: curvlay_layers::Progress| {
+            seen.lock().unwrap().insert(p.stage);
+            ControlFlow::Continue(())
+        };
+        let order = part.order(strategy, 0.6, &watch).unwrap();
+        let grown = strategy.unwrap_or(order.strategy).grow(&part.cells, part.platform, &part.rules, &go).unwrap();
+        assert_eq!(order.growth, grown);
+        seen.into_inner().unwrap()
+    };
+    let block = Solid::block([6, 5, 4]);
+    assert_eq!(stages(&block.workpiece(), None), BTreeSet::from(["grow", "audit"]));
+    let with_misses = random(SEEDS.into_iter().find(|&seed| misses(&random(seed))).unwrap());
+    assert_eq!(stages(&with_misses.workpiece(), Some(Strategy::Incremental)), BTreeSet::from(["grow", "audit"]));
+    assert!(stages(&with_misses.workpiece(), None).contains("trim"));
+    let error = Workpiece { volume_mm3: 0.0, ..block.workpiece() }.order(None, 0.6, &go).unwrap_err();
+    assert!(matches!(error, LayersError::Volume { .. }));
+}
+
+fn misses(solid: &Solid) -> bool {
+    let grown = Strategy::Incremental.grow(&solid.cells(), &solid.platform, &Rules::default(), &go).unwrap();
+    !grown.missed.is_empty()
 }
 
 /// The mean over the triangles around the corners of each, by area, the slow way.

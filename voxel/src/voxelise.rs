@@ -34,6 +34,15 @@ pub enum Resolution {
     /// a few dozen sizes and places of the grid (free in x and y; the part stands on a plane of the grid). There may be
     /// no nearer number then.
     Count(u64),
+    /// This edge, and a grid whose low corner has this x and y, as [`VoxelGrid::origin`] gives them: what a search for a
+    /// [count](Resolution::Count) found once is made again, to the last bit. The corner lies no more than a cell before
+    /// the part, and is taken to the nearest 2^-20 of a cell from it.
+    At {
+        /// Edge of a cell in millimetres.
+        cell_mm: f64,
+        /// Low corner of the grid in x and y, in millimetres.
+        corner: [f64; 2],
+    },
 }
 
 /// Options of [`voxelise`].
@@ -152,6 +161,14 @@ pub enum VoxelError {
         /// What is too large for the wanted number.
         cause: GridError,
     },
+    /// A grid cannot begin there.
+    #[error("a grid at {corner:?} for a part that begins at {part:?} mm: it must begin there or up to a cell before")]
+    Corner {
+        /// Low corner of the grid that was asked for, in x and y.
+        corner: [f64; 2],
+        /// Low corner of the part, in x and y.
+        part: [f64; 2],
+    },
     /// The grid cannot be made.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -165,6 +182,10 @@ pub enum VoxelError {
     #[error("cancelled")]
     Cancelled,
 }
+
+/// The corner of a grid is taken to this part of a cell: far finer than the places that a search tries, far coarser than
+/// the rounding of coordinates.
+const PLACE_STEPS: u32 = 1 << 20;
 
 /// Largest absolute coordinate: squares and cubes of it, and of its ratio to the smallest, stay finite.
 const MAX_COORDINATE: f64 = 1e100;
@@ -214,6 +235,9 @@ pub fn voxelise(
         Resolution::Cell(cell_mm) if !(cell_mm > 0.0 && cell_mm.is_finite()) => {
             return Err(GridError::CellSize { cell_mm }.into());
         }
+        Resolution::At { cell_mm, .. } if !(cell_mm > 0.0 && cell_mm.is_finite()) => {
+            return Err(GridError::CellSize { cell_mm }.into());
+        }
         Resolution::Count(0) => return Err(VoxelError::NoCount),
         _ => {}
     }
@@ -221,6 +245,10 @@ pub fn voxelise(
     let (trial, trials) = match options.resolution {
         Resolution::Cell(cell) => (solid.trial(cell, [0.0; 2], &solid.go_on("voxelise"))?, 1),
         Resolution::Count(wanted) => search::nearest(&mut solid, wanted)?,
+        Resolution::At { cell_mm, corner } => {
+            let place = solid.place_before(corner, cell_mm)?;
+            (solid.trial(cell_mm, place, &solid.go_on("voxelise"))?, 1)
+        }
     };
     solid.finish(trial, trials)
 }
@@ -346,6 +374,17 @@ impl<'a> Solid<'a> {
     /// Longest side of the bounding box, in millimetres.
     pub(crate) fn size(&self) -> f64 {
         self.surface.size
+    }
+
+    /// How many cells before the part a grid begins whose low corner is given.
+    fn place_before(&self, corner: [f64; 2], cell_mm: f64) -> Result<[f64; 2], VoxelError> {
+        let steps = f64::from(PLACE_STEPS);
+        let place = [0, 1].map(|axis| ((self.surface.low[axis] - corner[axis]) / cell_mm * steps).round() / steps);
+        if place.iter().all(|place| (0.0..=1.0).contains(place)) {
+            Ok(place)
+        } else {
+            Err(VoxelError::Corner { corner, part: [self.surface.low.x, self.surface.low.y] })
+        }
     }
 
     /// Tells of work under the name of a stage.

@@ -125,6 +125,32 @@ fn counts_from_one_to_many_are_reached_where_they_can_be() {
     assert!(million.grid.count().abs_diff(1_000_000) <= 1000 && million.report.trials < 10);
 }
 
+/// What a search found is made again from the size and the corner of its grid alone, to the last bit.
+#[test]
+fn a_grid_that_was_found_is_made_again() {
+    let mut moved = 0;
+    for place in [[0.0; 3], [0.1, -7.3, 4.0], [1e6, -1e5 / 3.0, 0.0]] {
+        let cube = cuboid([0.0; 3], [20.0, 19.0, 20.0]).moved(place);
+        for count in [1000, 1100, 1210, 5000] {
+            let found = cube.with(Resolution::Count(count)).unwrap();
+            let (cell_mm, origin) = (found.grid.cell_mm(), found.grid.origin());
+            let again = cube.with(Resolution::At { cell_mm, corner: [origin.x, origin.y] }).unwrap();
+            assert_eq!((&again.grid, again.shift), (&found.grid, found.shift), "{place:?} {count}");
+            moved += usize::from(cube.with(Resolution::Cell(cell_mm)).unwrap().grid != found.grid);
+        }
+    }
+    assert!(moved > 0, "no search moved the grid");
+    let cube = cuboid([0.0; 3], [5.0; 3]);
+    for corner in [[0.1, 0.0], [0.0, -1.1], [f64::NAN, 0.0], [-1e300, 0.0]] {
+        let refused = cube.with(Resolution::At { cell_mm: 1.0, corner });
+        assert!(matches!(refused, Err(VoxelError::Corner { part: [0.0, 0.0], .. })), "{corner:?}");
+    }
+    for cell_mm in [0.0, -1.0, f64::NAN] {
+        let refused = cube.with(Resolution::At { cell_mm, corner: [0.0; 2] });
+        assert!(matches!(refused, Err(VoxelError::Grid(GridError::CellSize { .. }))), "{cell_mm}");
+    }
+}
+
 /// A box without its lid: a flood fill from outside would leave the bare walls.
 #[test]
 fn a_hole_is_told_and_the_inside_kept() {

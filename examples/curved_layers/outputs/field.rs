@@ -74,6 +74,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("nz", nz)?
         .set("cells", grid.count())?
         .set("eps_cells", args.grow.eps)?
+        .set("beyond_eps", args.grow.beyond_eps)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("strategy", typed_name(args.grow.strategy))?
         .set("strategy_used", run.strategy)?

@@ -2,7 +2,7 @@
 
 use super::cells::Cells;
 use super::platform::Platform;
-use super::rules::{Rules, RulesError};
+use super::rules::Rules;
 use curvlay_hull::{ConvexHull, Depth, HullError};
 
 /// Half the length, in lattice units, of the bars that cells of a flat object stand for: so long that their ends are
@@ -61,11 +61,6 @@ impl Centres {
         };
         hull.insert(&points).map(|_| ())
     }
-}
-
-/// The depth from which a point counts as inside, in lattice units: two to a cell.
-pub(super) fn depth(rules: &Rules) -> Result<f64, RulesError> {
-    Ok(2.0 * f64::from(rules.eps_in_1024ths()?) / 1024.0)
 }
 
 /// The hull of the platform alone.

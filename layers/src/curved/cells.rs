@@ -56,8 +56,9 @@ impl<'a> Cells<'a> {
     /// # Ok::<(), curvlay_layers::curved::CellsError>(())
     /// ```
     pub fn new(dims: [u32; 3], rows: &'a [u64]) -> Result<Self, CellsError> {
-        let in_all = dims.iter().map(|&d| u64::from(d)).product::<u64>();
-        if dims.iter().any(|&d| d == 0 || d > Self::MAX_SIDE) || in_all >= 1 << 32 {
+        let fits = |&side: &u32| (1..=Self::MAX_SIDE).contains(&side);
+        // Checked first, or the product would overflow.
+        if !dims.iter().all(fits) || dims.iter().map(|&side| u64::from(side)).product::<u64>() >= 1 << 32 {
             return Err(CellsError::Dims { dims });
         }
         let cells = Cells { dims, rows };
@@ -161,8 +162,9 @@ mod tests {
     fn unsound_bits_are_refused() {
         assert_eq!(Cells::new([0, 1, 1], &[]), Err(CellsError::Dims { dims: [0, 1, 1] }));
         assert_eq!(Cells::new([16_384, 1, 1], &[0; 256]), Err(CellsError::Dims { dims: [16_384, 1, 1] }));
-        let large = [16_383, 16_383, 16_383];
-        assert_eq!(Cells::new(large, &[]), Err(CellsError::Dims { dims: large }));
+        for large in [[16_383; 3], [u32::MAX; 3], [u32::MAX, u32::MAX, 2], [1, 1 << 16, u32::MAX]] {
+            assert_eq!(Cells::new(large, &[]), Err(CellsError::Dims { dims: large }));
+        }
         assert_eq!(Cells::new([3, 1, 1], &[0, 0]), Err(CellsError::Words { words: 2, expected: 1 }));
         assert_eq!(Cells::new([3, 2, 1], &[0b111, 0b1000]), Err(CellsError::Padding { row: 1 }));
     }

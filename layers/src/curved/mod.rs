@@ -17,6 +17,7 @@
 //! `[x, y, z]` is the lattice point `[2x + 1, 2y + 1, 2z + 1]`, and the plate under the part is the plane `z = 0`.
 
 mod audit;
+mod best;
 mod bits;
 mod body;
 mod boxes;
@@ -38,16 +39,18 @@ mod watch;
 mod workpiece;
 
 pub use audit::{AuditError, AuditReport, Fault, FaultCounts, audit};
+pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
 pub use growth::{
-    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit, grow,
+    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
+    grow, grow_as_printed,
 };
 pub use order::LayerOrder;
 pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};
-pub use strategy::{Strategy, best_growth};
+pub use strategy::Strategy;
 pub use unbuild::{UnbuildOptions, unbuild};
-pub use workpiece::{LayerBoundary, LayerSurfaces, LayeredPart, LayersError, WORTH, Workpiece};
+pub use workpiece::{LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};

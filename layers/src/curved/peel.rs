@@ -9,7 +9,6 @@
 //! Departure: the printed Algorithm 4 leaves its counter one above the last sheet, so its inverse starts at 2; ours starts at 1.
 
 use super::bits::CellSet;
-use super::body;
 use super::cells::Cells;
 use super::platform::Platform;
 use super::rules::{Rules, RulesError};
@@ -97,7 +96,7 @@ pub fn peel(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<SheetField, PeelError> {
     rules.check(cells.dims())?;
-    let mut skin = Skin::new(cells, platform, rules, body::depth(rules)?)?;
+    let mut skin = Skin::new(cells, platform, rules, rules.depth()?)?;
     let mut rest = CellSet::of(cells);
     let mut sheets = vec![0; cells.dims().iter().map(|&side| side as usize).product()];
     let (mut left, total) = (cells.count() as u64, cells.count() as u64);

@@ -15,9 +15,10 @@ pub const SMALL_PATCH: usize = 20;
 pub struct LayerQuality {
     /// Number of layers.
     pub layers: usize,
-    /// Connected patches of all layers together.
+    /// Connected patches of all layers together. Cells of a layer are connected as the `neighbours` say that [`layer_quality`]
+    /// is given: through faces and edges, or over two steps along an axis as well.
     pub patches: usize,
-    /// Mean number of patches in a layer; 0 without layers.
+    /// Mean number of patches in a layer, as in [`LayerQuality::patches`]; 0 without layers.
     pub patches_per_layer: f64,
     /// Cells in patches of fewer than [`SMALL_PATCH`] cells.
     pub small_patch_cells: usize,
@@ -30,6 +31,8 @@ pub struct LayerQuality {
 /// A patch is a set of cells of one layer that are connected through `neighbours`.
 ///
 /// # Arguments
+/// * `neighbours`: which cells count as connected. A nozzle passes from cell to cell through faces and edges
+///   ([`Neighbours::FaceOrEdge`]), whatever the rules of support are; figures are compared by these.
 /// * `cells`: gives the size of the grid.
 /// * `order`: a cell that comes again counts once, in its first layer; numbers outside the grid are passed over.
 ///

@@ -3,6 +3,8 @@
 //! Dai 2020, Definitions 1 to 3 in section 3.4.1; Boge 2019, Definition 3 and section 6.1.1.
 //! Symbols: `N(v)` is [`Neighbours::offsets`], the paper's epsilon is [`Rules::eps`].
 
+use curvlay_hull::Depth;
+
 /// Which cells support a cell ("AM-stable neighbours").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Neighbours {
@@ -49,6 +51,10 @@ pub struct Rules {
     /// Depth below the surface of the hull from which a cell centre counts as inside, in cells; 0 means that a
     /// centre on the surface is inside (Boge's rule). Taken to the nearest 1/1024 of a cell. Default 1.
     pub eps: f64,
+    /// Whether a centre at exactly the depth `eps` counts as inside. Default true: Dai's Definition 3 to the letter (`d >= eps`).
+    /// Under flat facets cells lie at depths of whole cells, so with a whole `eps` this decides for many of them; with `false`
+    /// they can be built.
+    pub eps_is_inside: bool,
     /// Which cells support a cell.
     pub neighbours: Neighbours,
     /// The object is two-dimensional: the grid is one cell deep in y, and each cell stands for a bar along y
@@ -58,7 +64,7 @@ pub struct Rules {
 
 impl Default for Rules {
     fn default() -> Self {
-        Rules { eps: 1.0, neighbours: Neighbours::default(), flat: false }
+        Rules { eps: 1.0, eps_is_inside: true, neighbours: Neighbours::default(), flat: false }
     }
 }
 
@@ -94,6 +100,13 @@ impl Rules {
             return Err(RulesError::Eps { eps: self.eps });
         }
         Ok((self.eps * 1024.0).round() as u32)
+    }
+
+    /// From where on a centre is inside, in lattice units: two to a cell.
+    pub(crate) fn depth(&self) -> Result<Depth, RulesError> {
+        let units = 2.0 * f64::from(self.eps_in_1024ths()?) / 1024.0;
+        let depth = if self.eps_is_inside { Depth::new(units) } else { Depth::beyond(units) };
+        depth.map_err(|_| RulesError::Eps { eps: self.eps })
     }
 
     /// Checks the rules against the size of a grid.

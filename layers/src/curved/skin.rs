@@ -17,16 +17,21 @@ pub(super) struct Skin<'a> {
 }
 
 impl<'a> Skin<'a> {
-    /// For sets in the grid of `cells`. `depth` is that from which a cell counts as inside, in lattice units.
-    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules, depth: f64) -> Result<Self, HullError> {
+    /// For sets in the grid of `cells`. `depth` is that from which a cell counts as inside.
+    pub(super) fn new(
+        cells: &Cells,
+        platform: &'a Platform,
+        rules: &'a Rules,
+        depth: Depth,
+    ) -> Result<Self, HullError> {
         let [_, ny, nz] = cells.dims();
         // Corners of the hull belong to the skin at any depth, or eps = 0 would leave nothing to take off.
-        let depth = depth.max(1.0 / f64::from(Depth::STEPS));
+        let depth = if depth == Depth::SURFACE { Depth::new(1.0 / f64::from(Depth::STEPS))? } else { depth };
         Ok(Skin {
             platform,
             rules,
             centres: Centres::new(cells, rules),
-            depth: Depth::new(depth)?,
+            depth,
             deep: RowIntervals::new(RowLattice { origin: [1, 1], step: 2, count: [ny, nz] })?,
         })
     }

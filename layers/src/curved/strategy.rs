@@ -2,11 +2,11 @@
 //!
 //! Dai 2020, section 3.4, has four strategies; un-building is ours. [`Strategy::Incremental`] makes the most uniform layers
 //! and nearly always misses nothing. [`Strategy::Unbuild`] misses the fewest cells, but its fronts wait more for each other.
-//! So the best one is incremental unless that misses cells and un-building misses fewer ([`best_growth`]; with the
-//! surfaces at hand [`Workpiece::layers`](super::Workpiece::layers) compares volumes).
+//! So the best one is incremental unless that misses cells and un-building fills more of the part
+//! ([`Workpiece::order`](super::Workpiece::order)).
 
 use super::cells::Cells;
-use super::growth::{Growth, GrowthError, GrowthOptions, Prevention, grow};
+use super::growth::{Growth, GrowthError, GrowthOptions, Prevention, grow, grow_as_printed};
 use super::peel::{PeelError, peel};
 use super::platform::Platform;
 use super::rules::Rules;
@@ -24,8 +24,12 @@ pub enum Strategy {
     Incremental,
     /// All, halving the set while it shadows others (Algorithm 3).
     Adaptive,
-    /// In the order of a peeling field (Algorithms 4 and 5), with this prevention of shadows.
+    /// In the order of a peeling field (Algorithms 4 and 5), with this prevention of shadows. Sheets of the field hold the cells at
+    /// exactly the depth `eps`, too: with a whole `eps` they would be a cell thinner under flat facets than under slanted ones,
+    /// and since each takes the growth as many layers as its thickest part, the flat parts would skip layers.
     Governed(Prevention),
+    /// Algorithms 4 and 5 as printed, with Algorithm 2 or 3 inside ([`grow_as_printed`]): to compare with.
+    Printed(Prevention),
     /// In the reverse of the order in which the part can be taken apart.
     Unbuild,
 }
@@ -38,6 +42,7 @@ impl Strategy {
             Strategy::Incremental => "incremental",
             Strategy::Adaptive => "adaptive",
             Strategy::Governed(_) => "governed",
+            Strategy::Printed(_) => "printed",
             Strategy::Unbuild => "unbuild",
         }
     }
@@ -45,7 +50,7 @@ impl Strategy {
     /// Grows an order of the cells by this strategy, with the default options of each.
     ///
     /// # Arguments
-    /// * `progress`: called with the stages `peel` ([`Strategy::Governed`]), `unbuild` ([`Strategy::Unbuild`]) and `grow`; may cancel.
+    /// * `progress`: called with the stages `peel` ([`Strategy::Governed`], [`Strategy::Printed`]), `unbuild` ([`Strategy::Unbuild`]) and `grow`; may cancel.
     ///
     /// # Errors
     /// [`GrowthError`]; cells that cannot be built are listed with the reason.
@@ -78,7 +83,14 @@ impl Strategy {
             Strategy::Greedy => with(Prevention::None, None),
             Strategy::Incremental => with(Prevention::Incremental, None),
             Strategy::Adaptive => with(Prevention::Adaptive, None),
-            Strategy::Governed(prevention) => with(prevention, Some(&peel(cells, platform, rules, progress)?)),
+            Strategy::Governed(prevention) => {
+                let thick_sheets = Rules { eps_is_inside: false, ..*rules };
+                with(prevention, Some(&peel(cells, platform, &thick_sheets, progress)?))
+            }
+            Strategy::Printed(prevention) => {
+                let field = peel(cells, platform, rules, progress)?;
+                grow_as_printed(cells, platform, rules, prevention, &field, progress)
+            }
             Strategy::Unbuild => unbuild(cells, platform, rules, &UnbuildOptions::default(), progress),
         }
     }
@@ -98,40 +110,4 @@ impl From<PeelError> for GrowthError {
             PeelError::Cancelled => GrowthError::Cancelled,
         }
     }
-}
-
-/// Grows by [`Strategy::Incremental`], and where that misses cells by [`Strategy::Unbuild`] as well; the result is the
-/// growth that misses fewer cells, the incremental one if both miss as many.
-///
-/// # Errors
-/// [`GrowthError`].
-///
-/// # Cost
-/// That of one growth, or of both.
-///
-/// # Example
-/// ```
-/// use curvlay_layers::curved::{Cells, Platform, Rules, Strategy, best_growth};
-/// use std::ops::ControlFlow;
-/// let cells = Cells::new([2, 1, 2], &[0b11, 0b11])?;
-/// let platform = Platform::under(&cells, 10.0)?;
-/// let (strategy, growth) = best_growth(&cells, &platform, &Rules::default(), &|_| ControlFlow::Continue(()))?;
-/// assert_eq!((strategy, growth.missed.len()), (Strategy::Incremental, 0));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn best_growth(
-    cells: &Cells,
-    platform: &Platform,
-    rules: &Rules,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<(Strategy, Growth), GrowthError> {
-    let incremental = Strategy::Incremental.grow(cells, platform, rules, progress)?;
-    if incremental.missed.is_empty() {
-        return Ok((Strategy::Incremental, incremental));
-    }
-    let unbuilt = Strategy::Unbuild.grow(cells, platform, rules, progress)?;
-    Ok(match unbuilt.missed.len() < incremental.missed.len() {
-        true => (Strategy::Unbuild, unbuilt),
-        false => (Strategy::Incremental, incremental),
-    })
 }

@@ -13,7 +13,7 @@
 //! look at the hull and nothing else.
 
 use super::bits::CellSet;
-use curvlay_hull::Plane;
+use curvlay_hull::{Depth, Plane};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -51,9 +51,8 @@ pub(super) struct Endangered {
 
 impl Watch {
     /// Watches all cells, which lie above the plane `z = top`; `depth` is that from which a cell counts as inside.
-    pub(super) fn new(top: i32, depth: f64) -> Self {
-        let top = i64::from(top);
-        let up = Plane { normal: [0, 0, 1], offset: top, inner: top - depth.ceil() as i64 };
+    pub(super) fn new(top: i32, depth: Depth) -> Self {
+        let up = Plane::at([0, 0, 1], [0, 0, top], depth);
         Watch { untouched: 0, up, groups: Vec::new(), group_of: HashMap::new(), last: None }
     }
 

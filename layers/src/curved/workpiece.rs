@@ -2,17 +2,12 @@
 //!
 //! Dai 2020, sections 3.4 and 3.6.3: growth, its audit, [`uniform_field`](super::surface::uniform_field), [`extend`], [`contour`], trimming, spacing.
 //!
-//! # The best strategy
-//! Without a strategy the part is grown incrementally. If that misses cells, all is done once more with un-building. What a
-//! result *loses* of the volume is what lies in missed cells, and what the layers leave bare of the rest or cover twice. The
-//! un-built result wins if it loses less by more than [`WORTH`] of the volume: its fronts wait more, so its layers are less
-//! uniform.
-//!
 //! # Volume of missed cells
 //! Many missed cells are at the skin, so their cubes are more than the part. They are cut by level sheets, [`CUTS`] in a cell,
 //! trimmed to the mesh: area times distance is the volume, exactly for cells inside.
 
 use super::audit::{AuditError, AuditReport, audit};
+use super::best::{Laid, pieces};
 use super::cells::Cells;
 use super::growth::{Growth, GrowthError};
 use super::platform::Platform;
@@ -28,10 +23,6 @@ use crate::Progress;
 use nalgebra::{Point3, Vector3};
 use std::collections::HashSet;
 use std::ops::ControlFlow;
-
-/// How much less of the volume an un-built order has to lose to be taken. With 0 single cells decide for layers that are less
-/// uniform; with more than a few hundredths branches stay missed.
-pub const WORTH: f64 = 0.01;
 
 /// Level sheets in a missed cell. One misjudges cells that the skin cuts by up to half, more than four cost time for digits.
 const CUTS: u32 = 4;
@@ -58,6 +49,17 @@ pub struct Workpiece<'a> {
     pub rules: Rules,
     /// Volume of the part in cubic millimetres, by which the best strategy is chosen.
     pub volume_mm3: f64,
+}
+
+/// The order in which the cells of a part are built.
+#[derive(Clone, Debug)]
+pub struct OrderedPart {
+    /// The strategy that the order is by.
+    pub strategy: Strategy,
+    /// The order of the cells, and the cells that are missed.
+    pub growth: Growth,
+    /// The audit of that order.
+    pub audit: AuditReport,
 }
 
 /// A part in layers.
@@ -168,7 +170,9 @@ impl Workpiece<'_> {
     ///
     /// # Arguments
     /// * `strategy`: how the order is grown. `None` for the best one: incremental, unless that misses cells and un-building
-    ///   loses less of the volume ([`LayerSurfaces::lost_mm3`]) by more than [`WORTH`] of it.
+    ///   loses less of the volume ([`LayerSurfaces::lost_mm3`]) by more than [`WORTH`](super::WORTH) of it; or about as much, and
+    ///   misses less of it by more than [`WORTH_MISSED`](super::WORTH_MISSED); or about as much, in fewer
+    ///   [pieces of surface](LayerSurfaces::pieces).
     /// * `height_mm`: layer height, at least a fifth of a cell.
     /// * `progress`: called with the stages `grow` (`peel`, `unbuild`), `audit`, `uniform`, `contour`, `trim` and `spacing`, each of which begins
     ///   with nothing done; may cancel.
@@ -211,35 +215,92 @@ impl Workpiece<'_> {
         height_mm: f64,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayeredPart, LayersError> {
-        let volume_mm3 = self.volume_mm3;
-        if !(volume_mm3 > 0.0 && volume_mm3.is_finite()) {
-            return Err(LayersError::Volume { volume_mm3 });
+        self.check_volume()?;
+        let grown = self.grown(strategy.unwrap_or(Strategy::Incremental), progress)?;
+        if strategy.is_some() || grown.growth.missed.is_empty() {
+            return self.layered(grown, height_mm, progress);
         }
-        let by = |strategy| self.layers_by(strategy, height_mm, progress);
-        if let Some(strategy) = strategy {
-            return by(strategy);
-        }
-        let incremental = by(Strategy::Incremental)?;
-        if incremental.growth.missed.is_empty() {
-            return Ok(incremental);
-        }
-        let unbuilt = by(Strategy::Unbuild)?;
-        let [lost, lost_unbuilt] = [&incremental, &unbuilt].map(|layered| layered.surfaces.lost_mm3(volume_mm3));
-        Ok(if lost_unbuilt + WORTH * volume_mm3 < lost { unbuilt } else { incremental })
+        self.better_than(grown, height_mm, progress)
     }
 
-    fn layers_by(
+    /// The order that [`Workpiece::layers`] makes layers of, with the same arguments.
+    ///
+    /// Surfaces are made only where it takes them to choose between two orders: with `strategy` `None`, and if the incremental
+    /// order misses cells. Then `progress` is called with their stages as well.
+    ///
+    /// # Errors
+    /// [`LayersError`]. Cells that cannot be built are no error: they are listed in the growth.
+    ///
+    /// # Cost
+    /// That of a growth and its audit; that of [`Workpiece::layers`] where there is a choice.
+    ///
+    /// # Example
+    /// As in [`Workpiece::layers`]: `part.order(None, 0.75, &progress)?.growth` is `part.layers(None, 0.75, &progress)?.growth`.
+    pub fn order(
+        &self,
+        strategy: Option<Strategy>,
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<OrderedPart, LayersError> {
+        self.check_volume()?;
+        let grown = self.grown(strategy.unwrap_or(Strategy::Incremental), progress)?;
+        if strategy.is_some() || grown.growth.missed.is_empty() {
+            return Ok(grown);
+        }
+        let LayeredPart { strategy, growth, audit, .. } = self.better_than(grown, height_mm, progress)?;
+        Ok(OrderedPart { strategy, growth, audit })
+    }
+
+    fn check_volume(&self) -> Result<(), LayersError> {
+        match self.volume_mm3 {
+            volume_mm3 if volume_mm3 > 0.0 && volume_mm3.is_finite() => Ok(()),
+            volume_mm3 => Err(LayersError::Volume { volume_mm3 }),
+        }
+    }
+
+    /// The layers of this order or of the un-built one, whichever is better.
+    fn better_than(
+        &self,
+        incremental: OrderedPart,
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayeredPart, LayersError> {
+        let incremental = self.layered(incremental, height_mm, progress)?;
+        let unbuilt = self.grown(Strategy::Unbuild, progress)?;
+        let unbuilt = self.layered(unbuilt, height_mm, progress)?;
+        let unbuilt_is_better = self.laid(&unbuilt).is_better_than(self.laid(&incremental), self.volume_mm3);
+        Ok(if unbuilt_is_better { unbuilt } else { incremental })
+    }
+
+    fn laid(&self, LayeredPart { surfaces, .. }: &LayeredPart) -> Laid {
+        let lost_mm3 = surfaces.lost_mm3(self.volume_mm3);
+        Laid { lost_mm3, missed_mm3: surfaces.missed_mm3, pieces: surfaces.pieces() }
+    }
+
+    /// An order and its audit.
+    fn grown(
         &self,
         strategy: Strategy,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<OrderedPart, LayersError> {
+        let Workpiece { cells, platform, rules, .. } = self;
+        begin("grow", progress)?;
+        let growth = strategy.grow(cells, platform, rules, progress)?;
+        begin("audit", progress)?;
+        let audit = audit(cells, platform, rules, &growth.order, &growth.missed_cells(), progress)?;
+        Ok(OrderedPart { strategy, growth, audit })
+    }
+
+    /// The layers of an order.
+    fn layered(
+        &self,
+        order: OrderedPart,
         height_mm: f64,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayeredPart, LayersError> {
         let Workpiece { cells, platform, rules, .. } = self;
-        begin("grow", progress)?;
-        let growth = strategy.grow(cells, platform, rules, progress)?;
+        let OrderedPart { strategy, growth, audit } = order;
         let missed = growth.missed_cells();
-        begin("audit", progress)?;
-        let audit = audit(cells, platform, rules, &growth.order, &missed, progress)?;
         begin("uniform", progress)?;
         let uniform = uniform_field(cells, platform, rules, &growth.order, &missed, progress)?;
         let surfaces = self.surfaces(&uniform.field, &missed, height_mm, progress)?;
@@ -362,6 +423,12 @@ impl LayerSurfaces {
     pub fn iter(&self) -> impl Iterator<Item = (&[Point3<f64>], &[[u32; 3]], &[f64])> {
         let each = self.sheets.iter().zip(&self.thickness_mm);
         each.map(|(sheet, thickness)| (&sheet.vertices[..], &sheet.triangles[..], &thickness[..]))
+    }
+
+    /// Connected pieces of all surfaces together: so many curves it takes at least to fill them. Triangles are connected where
+    /// they share a corner.
+    pub fn pieces(&self) -> usize {
+        self.sheets.iter().map(pieces).sum()
     }
 
     /// Volume that the layers leave bare or cover twice, missed cells included, of a part of this volume.

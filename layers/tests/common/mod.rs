@@ -40,7 +40,7 @@ pub fn centre([x, y, z]: [u32; 3]) -> [i32; 3] {
 
 /// The hull of the platform and the given cells, made afresh.
 pub fn hull_of(part: &Part, rules: &Rules, built: impl IntoIterator<Item = u32>) -> ConvexHull {
-    let depth = Depth::new(2.0 * rules.eps).unwrap();
+    let depth = if rules.eps_is_inside { Depth::new(2.0 * rules.eps) } else { Depth::beyond(2.0 * rules.eps) }.unwrap();
     let mut hull = ConvexHull::column(part.platform.corners(), part.platform.top(), depth).unwrap();
     let points: Vec<_> = built.into_iter().map(|cell| centre(part.cells().position(cell))).collect();
     hull.insert(&points).unwrap();
@@ -78,5 +78,10 @@ pub fn parts(dims: impl Strategy<Value = [u32; 3]>, solid: std::ops::Range<u64>)
 pub fn rules() -> impl Strategy<Value = Rules> {
     let eps = prop::sample::select(vec![0.0, 0.3, 0.5, 1.0, 1.25, 2.0]);
     let neighbours = prop::sample::select(vec![Neighbours::FaceOrEdge, Neighbours::OneNorm]);
-    (eps, neighbours).prop_map(|(eps, neighbours)| Rules { eps, neighbours, flat: false })
+    (eps, any::<bool>(), neighbours).prop_map(|(eps, eps_is_inside, neighbours)| Rules {
+        eps,
+        eps_is_inside,
+        neighbours,
+        flat: false,
+    })
 }

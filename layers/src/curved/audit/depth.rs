@@ -1,8 +1,8 @@
 //! Whether a point lies at least `eps` deep in the hull of a [`Body`], decided exactly.
 //!
 //! For any integer direction `n` let `off(n)` be the largest `n.p` over the body. No point `c` of the hull is deeper
-//! than `(off(n) - n.c) / |n|` half cells, so a direction with `off(n) - n.c < 2 eps |n|` is a *witness* that `c` is
-//! not inside. Directions that were witnesses once are kept, with their offsets up to date, and neighbouring points
+//! than `(off(n) - n.c) / |n|` half cells, so a direction with `off(n) - n.c < 2 eps |n|` (`<=` where a point at that depth is not
+//! inside) is a *witness* that `c` is not inside. Directions that were witnesses once are kept, with their offsets up to date, and neighbouring points
 //! mostly share one. When none of them will do, a coarse hull of a few points of the body is refined where it passes
 //! too near to `c`: each of its facets that comes nearer than `eps` gets the body's farthest point in the direction of
 //! its normal, until that direction turns out to be a witness, or no facet comes near. The coarse hull is part of the
@@ -22,6 +22,8 @@ const KEPT_LAYERS: u32 = 8;
 pub(super) struct Question {
     /// Depth from which a point is inside, in 1/1024 of a cell.
     pub(super) eps: u32,
+    /// Whether a point at exactly that depth is inside.
+    pub(super) closed: bool,
     /// Hulls are hulls in the plane of x and z.
     pub(super) flat: bool,
     /// The hull reaches down without end.
@@ -34,12 +36,15 @@ impl Question {
         !(self.reaches_down && n[2] < 0)
     }
 
-    /// The least integer that is not below `2 eps |n|`.
+    /// The least integer that is not below `2 eps |n|`, or the least above it if a point at that depth is not inside.
     fn margin(&self, n: Vec3) -> i64 {
         let norm2: u128 = n.iter().map(|&x| u128::from(x.unsigned_abs()).pow(2)).sum();
         let square = u128::from(self.eps).pow(2) * norm2; // (1024 eps |n|)^2
         let root = square.isqrt();
-        (root + u128::from(root * root < square)).div_ceil(512) as i64
+        match self.closed {
+            true => (root + u128::from(root * root < square)).div_ceil(512) as i64,
+            false => (root / 512 + 1) as i64,
+        }
     }
 }
 

@@ -240,7 +240,12 @@ pub fn audit(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<AuditReport, AuditError> {
     rules.check(cells.dims())?;
-    let question = Question { eps: rules.eps_in_1024ths()?, flat: rules.flat, reaches_down: platform.reaches_down() };
+    let question = Question {
+        eps: rules.eps_in_1024ths()?,
+        closed: rules.eps_is_inside,
+        flat: rules.flat,
+        reaches_down: platform.reaches_down(),
+    };
     let len = cells.dims().iter().product::<u32>();
     if let Some(&cell) = order.cells().iter().chain(missed).find(|&&cell| cell >= len) {
         return Err(AuditError::OutsideGrid { cell, len });

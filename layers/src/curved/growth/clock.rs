@@ -16,6 +16,7 @@ use super::super::platform::Platform;
 use super::super::rules::{Neighbours, Rules};
 use super::super::standing::standing;
 use super::front::Front;
+use super::front::Protected;
 use super::{GrowthError, prevention};
 use crate::Progress;
 use std::cmp::{Ordering, Reverse};
@@ -190,7 +191,7 @@ impl<'a> Clock<'a> {
         let chosen = self.choose(layer);
         let mut candidates: Vec<u32> = chosen.iter().map(|&(cell, _)| cell).collect();
         candidates.sort_unstable();
-        prevention::incremental(&mut self.front, &candidates, self.offsets)?;
+        prevention::incremental(&mut self.front, &candidates, self.offsets, Protected::Others)?;
         let end = layer + 1.0;
         let (held, built): (Vec<_>, Vec<_>) =
             chosen.into_iter().partition(|&(cell, _)| self.front.waiting.contains(cell));

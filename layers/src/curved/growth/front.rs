@@ -6,9 +6,10 @@ use super::super::cells::Cells;
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
+use super::super::standing::{joined, standing};
 use super::super::watch::{Endangered, Watch};
-use super::GrowthError;
-use curvlay_hull::{ConvexHull, Depth, Hint, HullError, Plane};
+use super::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
+use curvlay_hull::{ConvexHull, Hint, HullError, Plane};
 use std::collections::BTreeMap;
 
 /// Cells whose proof of being accessible fails with the hull as it is, by number.
@@ -26,6 +27,15 @@ impl InDanger {
     fn all(&self) -> impl Iterator<Item = &Endangered> {
         self.proposed.iter().chain(&self.saved).chain(&self.shadowed)
     }
+}
+
+/// Which cells must not come to lie inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Protected {
+    /// All that wait but the candidates: one that comes to lie inside the hull of the others is built in the same layer.
+    Others,
+    /// All that wait, as printed. Candidates in the hull already are tried like any other.
+    All,
 }
 
 /// What is built so far and what that means for the rest.
@@ -50,9 +60,9 @@ pub(super) struct Front {
 
 impl Front {
     pub(super) fn new(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
-        let depth = body::depth(rules)?;
+        let depth = rules.depth()?;
         Ok(Front {
-            hull: body::hull_of_platform(platform, rules, Depth::new(depth)?)?,
+            hull: body::hull_of_platform(platform, rules, depth)?,
             order: LayerOrder::new(),
             waiting: CellSet::of(cells),
             lost: Vec::new(),
@@ -92,7 +102,7 @@ impl Front {
         let added = self.hull.added_since(&start).to_vec();
         self.hull.commit(start);
         layer.iter().for_each(|&cell| self.waiting.remove(cell));
-        let mut in_danger = self.take_in_danger(&added);
+        let mut in_danger = self.take_in_danger(&added, Protected::Others);
         let lost = std::mem::take(&mut in_danger.shadowed);
         self.settle(layer, &added, &in_danger);
         lost.iter().for_each(|endangered| self.lose(endangered.cell));
@@ -101,9 +111,10 @@ impl Front {
 
     /// What the hull would shadow if it stayed as it is. `added` are the points that it has got since the last layer.
     /// Every cell in the answer must come back through [`Front::settle`] or [`Front::put_back`].
-    pub(super) fn take_in_danger(&mut self, added: &[[i32; 3]]) -> InDanger {
+    pub(super) fn take_in_danger(&mut self, added: &[[i32; 3]], protected: Protected) -> InDanger {
         let endangered = self.watch.take_endangered(added, &self.waiting);
-        let (proposed, others): (Vec<_>, Vec<_>) = endangered.into_iter().partition(|e| self.proposed.contains(e.cell));
+        let is_aside = |e: &Endangered| protected == Protected::Others && self.proposed.contains(e.cell);
+        let (proposed, others): (Vec<_>, Vec<_>) = endangered.into_iter().partition(is_aside);
         let mut in_danger = InDanger { proposed, ..InDanger::default() };
         let centres = self.centres;
         for row in others.chunk_by(|a, b| centres.row(a.cell) == centres.row(b.cell)) {
@@ -199,5 +210,29 @@ impl Front {
         blocked.retain(|&cell| self.waiting.contains(cell));
         blocked.sort_unstable();
         blocked
+    }
+
+    /// The order, and what has no layer with the reasons. `cells` are those that the front was made with.
+    pub(super) fn finish(
+        self,
+        cells: &Cells,
+        platform: &Platform,
+        rules: &Rules,
+        statistics: GrowthStatistics,
+    ) -> Growth {
+        let shadowed = |&(cell, layer)| MissedCell { cell, reason: MissedReason::Shadowed { layer } };
+        let mut missed: Vec<_> = self.lost.iter().map(shadowed).collect();
+        let unsupported: Vec<u32> = self.waiting.iter().collect();
+        if !unsupported.is_empty() {
+            let feet = standing(cells, platform, rules);
+            let joined = joined(&CellSet::of(cells), &feet, rules.neighbours);
+            missed.extend(unsupported.into_iter().map(|cell| {
+                let reason =
+                    if joined.contains(cell) { MissedReason::SupportMissed } else { MissedReason::NeverAdjacent };
+                MissedCell { cell, reason }
+            }));
+        }
+        missed.sort_unstable_by_key(|missed| missed.cell);
+        Growth { order: self.order, missed, statistics }
     }
 }

@@ -5,12 +5,11 @@ use super::super::cells::Cells;
 use super::super::peel::SheetField;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
-use super::super::standing::{joined, standing};
-use super::front::Front;
+use super::super::standing::standing;
+use super::front::{Front, Protected};
 use super::prevention::{self, Selection};
-use super::{
-    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
-};
+use super::{Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, Prevention, Visit};
+use std::collections::BTreeMap;
 
 /// The state between two layers.
 pub(super) struct Grower<'a> {
@@ -24,10 +23,10 @@ pub(super) struct Grower<'a> {
     reached: CellSet,
     /// Candidates for the next layer.
     candidates: Vec<u32>,
-    /// Neighbours of what is built that wait for the threshold to reach their value of the governing field.
-    waiting_for: Vec<Vec<u32>>,
+    /// Neighbours of what is built that wait for the threshold to reach their value of the governing field, by it.
+    waiting_for: BTreeMap<u32, Vec<u32>>,
     governor: Option<&'a SheetField>,
-    threshold: usize,
+    threshold: u32,
     statistics: GrowthStatistics,
 }
 
@@ -58,7 +57,7 @@ impl<'a> Grower<'a> {
             front,
             reached: CellSet::none(cells),
             candidates: Vec::new(),
-            waiting_for: vec![Vec::new(); governor.map_or(1, |field| field.highest() as usize + 1)],
+            waiting_for: BTreeMap::new(),
             governor,
             threshold: 0,
             statistics: GrowthStatistics::default(),
@@ -85,8 +84,8 @@ impl<'a> Grower<'a> {
         let layers = front.order.len();
         let selection = match options.prevention {
             Prevention::None => Selection::take_all(front, candidates)?,
-            Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets)?,
-            Prevention::Adaptive => prevention::adaptive(front, candidates)?,
+            Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets, Protected::Others)?,
+            Prevention::Adaptive => prevention::adaptive(front, candidates, Protected::Others)?,
             Prevention::FewerThanAll => prevention::fewer_than_all(front, candidates)?,
         };
         self.statistics.trials += selection.trials;
@@ -111,9 +110,9 @@ impl<'a> Grower<'a> {
         for &cell in self.front.order.layer(last) {
             for neighbour in self.front.waiting.around(cell, &self.offsets) {
                 if self.reached.insert(neighbour) {
-                    match self.governor.map_or(0, |field| field.value(neighbour) as usize) {
+                    match self.governor.map_or(0, |field| field.value(neighbour)) {
                         value if value <= self.threshold => self.candidates.push(neighbour),
-                        value => self.waiting_for[value].push(neighbour),
+                        value => self.waiting_for.entry(value).or_default().push(neighbour),
                     }
                 }
             }
@@ -135,39 +134,24 @@ impl<'a> Grower<'a> {
         self.candidates.dedup();
     }
 
-    /// Raises the threshold until there is a candidate, or the governing field ends.
+    /// Raises the threshold until there is a candidate, or none waits for a higher one.
     fn raise_threshold(&mut self) {
         loop {
             let front = &self.front;
             self.candidates.retain(|&cell| front.waiting.contains(cell));
-            if !self.candidates.is_empty() || self.threshold + 1 == self.waiting_for.len() {
+            if !self.candidates.is_empty() {
                 return;
             }
-            self.threshold += 1;
-            self.candidates = std::mem::take(&mut self.waiting_for[self.threshold]);
+            // Where nothing waits for a higher threshold, cells have to be given up: what that makes way for is governed again.
+            let Some((value, reached)) = self.waiting_for.pop_first() else { return };
+            self.threshold = value;
+            self.candidates = reached;
             self.complete_candidates();
         }
     }
 
-    /// Lists what has no layer, with the reasons.
+    /// The order, and what has no layer with the reasons.
     pub(super) fn finish(self) -> Growth {
-        let mut missed: Vec<_> = self
-            .front
-            .lost
-            .iter()
-            .map(|&(cell, layer)| MissedCell { cell, reason: MissedReason::Shadowed { layer } })
-            .collect();
-        let unsupported: Vec<u32> = self.front.waiting.iter().collect();
-        if !unsupported.is_empty() {
-            let feet = standing(self.cells, self.platform, self.rules);
-            let joined = joined(&CellSet::of(self.cells), &feet, self.rules.neighbours);
-            missed.extend(unsupported.into_iter().map(|cell| {
-                let reason =
-                    if joined.contains(cell) { MissedReason::SupportMissed } else { MissedReason::NeverAdjacent };
-                MissedCell { cell, reason }
-            }));
-        }
-        missed.sort_unstable_by_key(|missed| missed.cell);
-        Growth { order: self.front.order, missed, statistics: self.statistics }
+        self.front.finish(self.cells, self.platform, self.rules, self.statistics)
     }
 }

@@ -11,16 +11,20 @@
 //!   lost, since the hull only grows. Until then it is not tried again.
 //! * Shadowed is what newly comes to lie inside, candidates aside. Cells lost before do not count again, and a
 //!   candidate that comes to lie inside the hull of the others is built in the same layer.
-//! * Cells are given up (the last lines of Algorithms 2 and 3) only when no threshold is left to raise, and then for the
+//! * Cells are given up (the last lines of Algorithms 2 and 3) only when nothing waits for a higher threshold, and then for the
 //!   sake of that group of candidates that costs the fewest, not for all of them.
+//!
+//! [`grow_as_printed`] has none of these departures.
 
 mod clock;
 mod front;
 mod grower;
 mod order;
 mod prevention;
+mod printed;
 
 pub(in crate::curved) use clock::grow_by_clock;
+pub use printed::grow_as_printed;
 
 use super::cells::Cells;
 use super::order::LayerOrder;
@@ -152,6 +156,9 @@ pub enum GrowthError {
         /// Cells of the grid, empty ones included.
         cells: usize,
     },
+    /// Growth as printed, with a prevention that is not in that work.
+    #[error("growth as printed has no prevention `fewer than all`: take incremental, adaptive or none")]
+    NotPrinted,
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
@@ -196,14 +203,7 @@ pub fn grow(
     governor: Option<&SheetField>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    rules.check(cells.dims())?;
-    if cells.rows().iter().all(|&word| word == 0) {
-        return Err(GrowthError::NoCell);
-    }
-    let in_grid = cells.dims().iter().map(|&d| d as usize).product();
-    if let Some(field) = governor.map(|field| field.len()).filter(|&field| field != in_grid) {
-        return Err(GrowthError::Field { field, cells: in_grid });
-    }
+    check(cells, rules, governor)?;
     let mut growth = Grower::new(cells, platform, rules, options, governor)?;
     let total = cells.count() as u64;
     while growth.next_layer()? {
@@ -213,4 +213,17 @@ pub fn grow(
         }
     }
     Ok(growth.finish())
+}
+
+/// Whether growth can begin.
+fn check(cells: &Cells, rules: &Rules, governor: Option<&SheetField>) -> Result<(), GrowthError> {
+    rules.check(cells.dims())?;
+    if cells.rows().iter().all(|&word| word == 0) {
+        return Err(GrowthError::NoCell);
+    }
+    let in_grid = cells.dims().iter().map(|&d| d as usize).product();
+    match governor.map(|field| field.len()).filter(|&field| field != in_grid) {
+        Some(field) => Err(GrowthError::Field { field, cells: in_grid }),
+        None => Ok(()),
+    }
 }

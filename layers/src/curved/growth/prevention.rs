@@ -9,7 +9,7 @@
 
 use super::super::watch::{Endangered, dot};
 use super::GrowthError;
-use super::front::Front;
+use super::front::{Front, Protected};
 use super::order::{by_distance, groups};
 use curvlay_hull::Plane;
 use nalgebra::{Matrix3, Vector3};
@@ -32,8 +32,8 @@ impl Selection {
 }
 
 /// Tries the candidates all at once, then by halves (Algorithm 3).
-pub(super) fn adaptive(front: &mut Front, candidates: &[u32]) -> Result<Selection, GrowthError> {
-    Trial::run(front, candidates, |trial, candidates| {
+pub(super) fn adaptive(front: &mut Front, candidates: &[u32], protected: Protected) -> Result<Selection, GrowthError> {
+    Trial::run(front, candidates, protected, |trial, candidates| {
         let mut stack: Vec<&mut [u32]> = Vec::from([candidates]);
         while let Some(part) = stack.pop() {
             if let Err(blocker) = trial.accept(part)? {
@@ -56,8 +56,9 @@ pub(super) fn incremental(
     front: &mut Front,
     candidates: &[u32],
     offsets: &[[i32; 3]],
+    protected: Protected,
 ) -> Result<Selection, GrowthError> {
-    Trial::run(front, candidates, |trial, candidates| {
+    Trial::run(front, candidates, protected, |trial, candidates| {
         for cell in by_distance(candidates, &trial.front.proposed, offsets) {
             if let Err(blocker) = trial.accept(&[cell])? {
                 trial.front.block(cell, blocker);
@@ -100,10 +101,11 @@ impl Trial<'_> {
     fn run(
         front: &mut Front,
         candidates: &[u32],
+        protected: Protected,
         select: impl FnOnce(&mut Trial, &mut [u32]) -> Result<(), GrowthError>,
     ) -> Result<Selection, GrowthError> {
         front.propose(candidates);
-        let selection = Self::run_proposed(front, candidates, select);
+        let selection = Self::run_proposed(front, candidates, protected, select);
         front.withdraw(candidates);
         selection
     }
@@ -111,12 +113,13 @@ impl Trial<'_> {
     fn run_proposed(
         front: &mut Front,
         candidates: &[u32],
+        protected: Protected,
         select: impl FnOnce(&mut Trial, &mut [u32]) -> Result<(), GrowthError>,
     ) -> Result<Selection, GrowthError> {
         let start = front.hull.checkpoint();
         front.insert(candidates)?;
         let added = front.hull.added_since(&start).to_vec();
-        let in_danger = front.take_in_danger(&added);
+        let in_danger = front.take_in_danger(&added, protected);
         if in_danger.shadowed.is_empty() {
             front.hull.commit(start);
             front.settle(candidates, &added, &in_danger);
@@ -125,9 +128,10 @@ impl Trial<'_> {
         front.hull.rollback(start);
         let guarded = guard(front, &in_danger.shadowed);
         // What lies in the hull already does no harm; only the others are tried.
-        let (mut extending, accepted): (Vec<u32>, Vec<u32>) = candidates.iter().partition(|&&c| front.extends_hull(c));
+        let is_tried = |&&cell: &&u32| protected == Protected::All || front.extends_hull(cell);
+        let (mut tried, accepted): (Vec<u32>, Vec<u32>) = candidates.iter().partition(is_tried);
         let mut trial = Trial { front, endangered: guarded, accepted, added: Vec::new(), trials: 1 };
-        select(&mut trial, &mut extending)?;
+        select(&mut trial, &mut tried)?;
         let Trial { mut accepted, added, trials, .. } = trial;
         if accepted.is_empty() {
             front.put_back(&in_danger);
@@ -194,7 +198,7 @@ pub(super) fn cheapest_group(front: &mut Front, offsets: &[[i32; 3]]) -> Result<
     let start = front.hull.checkpoint();
     front.insert(&blocked)?;
     let added = front.hull.added_since(&start).to_vec();
-    let in_danger = front.take_in_danger(&added);
+    let in_danger = front.take_in_danger(&added, Protected::Others);
     front.hull.rollback(start);
     let guarded = guard(front, &in_danger.shadowed);
     let mut cheapest = (usize::MAX, Vec::new());

@@ -17,11 +17,18 @@
 use super::field::{FieldError, LayerField};
 use crate::curved::{Cells, CellsError, Growth, GrowthStatistics, MissedCell, MissedReason};
 use nalgebra::Point3;
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead, Read, Write};
 
 /// Cells of the grid for each cell of the solid, and on top of that, beyond which a file is not believed: memory must
 /// follow what a file holds, not what it says. A hollow sphere a thousand cells wide has 170 for each.
-const MOST_GRID: [u64; 2] = [4096, 1 << 22];
+const MOST_GRID: [u64; 2] = [512, 1 << 22];
+
+/// Height of a field in cells for each cell of the solid, and on top of that, beyond which a file is not believed. A layer has a
+/// cell at least, and next to none is thicker than two cells.
+const MOST_HEIGHT: [f64; 2] = [4.0, 64.0];
+
+/// Bytes of a line at most. A number is written with as many digits as it has, which are some hundred for the least ones.
+const MOST_BYTES: u64 = 4096;
 
 /// A field with all that is needed to go on from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +85,24 @@ pub enum ReadFieldError {
         /// Cells of the solid.
         cells: usize,
     },
+    /// The grid takes more memory than is allowed.
+    #[error("a grid of {grid} cells, more than the {limit} allowed: raise the limit, or grow with larger cells")]
+    GridTooLarge {
+        /// Cells of the grid.
+        grid: u64,
+        /// What is allowed.
+        limit: u64,
+    },
+    /// The field is higher than its cells reach.
+    #[error("a value of {highest} layers of {layer_cells} cells each: no part of {cells} cells is as high")]
+    TooHigh {
+        /// The highest value, in layers.
+        highest: f64,
+        /// How thick a layer is, in cells.
+        layer_cells: f64,
+        /// Cells of the solid.
+        cells: usize,
+    },
     /// The grid is no grid.
     #[error(transparent)]
     Cells(#[from] CellsError),
@@ -118,6 +143,10 @@ pub fn mesh_stamp(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> u64 {
 }
 
 impl SavedField {
+    /// Cells of the grid, empty ones included, that [`SavedField::read`] allows: a gigabyte of values. A part of ten million cells
+    /// in a grid of a tenth of that fill is just within.
+    pub const MAX_GRID: u64 = 1 << 27;
+
     /// The cells of the solid.
     ///
     /// # Errors
@@ -179,11 +208,21 @@ impl SavedField {
         writeln!(out, "end")
     }
 
-    /// Reads a field.
+    /// Reads a field with a grid of at most [`SavedField::MAX_GRID`] cells.
     ///
     /// # Errors
-    /// [`ReadFieldError`], with the line. Takes memory by what there is in the file, not by what it announces.
+    /// [`ReadFieldError`], with the line. Takes memory by what there is in the file, not by what it announces, and reads no
+    /// further than to the first line that is wrong.
     pub fn read(source: impl BufRead) -> Result<Self, ReadFieldError> {
+        Self::read_within(Self::MAX_GRID, source)
+    }
+
+    /// Reads a field with a grid of at most `max_grid` cells, empty ones included. Each takes 8 bytes, and some 40 more in the
+    /// surfaces that are made of it.
+    ///
+    /// # Errors
+    /// As [`SavedField::read`].
+    pub fn read_within(max_grid: u64, source: impl BufRead) -> Result<Self, ReadFieldError> {
         let mut lines = Lines { source, line: 0, text: String::new() };
         lines.next()?;
         if lines.text != "curvlay field 1" {
@@ -193,6 +232,9 @@ impl SavedField {
             lines.keyed("mesh", "`mesh` and 16 hexadecimal digits", |text| u64::from_str_radix(text, 16).ok())?;
         let dims = lines.keyed("grid", "`grid` and three numbers of cells", three::<u32>)?;
         let grid = dims.iter().fold(1u64, |product, &side| product.saturating_mul(u64::from(side)));
+        if grid > max_grid {
+            return Err(ReadFieldError::GridTooLarge { grid, limit: max_grid });
+        }
         let cell_mm =
             lines.keyed("cell_mm", "`cell_mm` and a length above 0", |text| number(text).filter(|&mm| mm > 0.0))?;
         let origin = lines.keyed("origin_mm", "`origin_mm` and three finite numbers", |text| {
@@ -222,6 +264,11 @@ impl SavedField {
         let [per_cell, extra] = MOST_GRID;
         if grid > per_cell.saturating_mul(read.len() as u64).saturating_add(extra) {
             return Err(ReadFieldError::Sparse { grid, cells: read.len() });
+        }
+        let highest = read.iter().map(|&(_, value)| value).fold(0.0, f64::max);
+        let [per_cell, extra] = MOST_HEIGHT;
+        if highest.max(1.0) * layer_cells > per_cell * read.len() as f64 + extra {
+            return Err(ReadFieldError::TooHigh { highest, layer_cells, cells: read.len() });
         }
         let words = (dims[0].div_ceil(64) as usize).saturating_mul(dims[1] as usize).saturating_mul(dims[2] as usize);
         let mut rows = vec![0; words];
@@ -258,7 +305,12 @@ impl<R: BufRead> Lines<R> {
     fn next(&mut self) -> Result<(), ReadFieldError> {
         self.line += 1;
         self.text.clear();
-        self.source.read_line(&mut self.text).map_err(|source| ReadFieldError::Io { line: self.line, source })?;
+        let line = self.line;
+        let mut limited = self.source.by_ref().take(MOST_BYTES);
+        limited.read_line(&mut self.text).map_err(|source| ReadFieldError::Io { line, source })?;
+        if self.text.len() as u64 == MOST_BYTES {
+            return Err(self.unlike("a line of fewer than 4096 bytes"));
+        }
         let text = self.text.trim_end_matches(['\n', '\r']).len();
         self.text.truncate(text);
         Ok(())

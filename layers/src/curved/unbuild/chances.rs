@@ -1,14 +1,14 @@
 //! Until when each cell could be built, everything else staying as it is.
 
 use super::super::bits::CellSet;
-use super::super::body::{self, Centres, hull_of_platform};
+use super::super::body::{Centres, hull_of_platform};
 use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::Watch;
-use curvlay_hull::{Depth, Hint};
+use curvlay_hull::Hint;
 
 /// For each cell of the grid the last layer, counted from 1, in which it still does not lie inside the hull of all earlier
 /// layers; `u32::MAX` if it never comes to lie inside.
@@ -19,8 +19,8 @@ pub(super) fn last_chances(
     order: &LayerOrder,
 ) -> Result<Vec<u32>, GrowthError> {
     let centres = Centres::new(cells, rules);
-    let depth = body::depth(rules)?;
-    let mut hull = hull_of_platform(platform, rules, Depth::new(depth)?)?;
+    let depth = rules.depth()?;
+    let mut hull = hull_of_platform(platform, rules, depth)?;
     let mut hint = Hint::default();
     let mut watch = Watch::new(platform.top(), depth);
     let mut accessible = CellSet::of(cells);

@@ -5,7 +5,7 @@
 //! reached on another way, if there is one.
 
 use super::super::bits::CellSet;
-use super::super::body::{self, Centres, hull_of_platform};
+use super::super::body::{Centres, hull_of_platform};
 use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::platform::Platform;
@@ -66,7 +66,8 @@ impl Detour {
 /// deep than that is not inside.
 fn shadow(w: [i32; 3], platform: &Platform, rules: &Rules) -> Result<Vec<Plane>, GrowthError> {
     let mut hull = hull_of_platform(platform, rules, Depth::SURFACE)?;
-    let apex = [w[0], w[1], w[2] + body::depth(rules)?.ceil() as i32];
+    let raised = Plane::at([0, 0, 1], w, rules.depth()?).margin() as i32;
+    let apex = [w[0], w[1], w[2] + raised];
     hull.insert(&[apex])?;
     Ok(hull.planes().filter(|plane| dot(plane.normal, apex) == plane.offset).collect())
 }

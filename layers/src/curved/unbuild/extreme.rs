@@ -5,13 +5,13 @@
 //! corners come off, and the plane touches the hull in nothing but the corner.
 
 use super::super::bits::CellSet;
-use super::super::body::{self, Centres};
+use super::super::body::Centres;
 use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::skin::Skin;
-use curvlay_hull::{ConvexHull, Hint};
+use curvlay_hull::{ConvexHull, Depth, Hint};
 use std::collections::BTreeMap;
 
 /// All of a set lies below `normal . p < normal . c + margin`, where `c` is the cell that the proof is for.
@@ -26,24 +26,28 @@ pub(super) struct Extremes<'a> {
     skin: Skin<'a>,
     centres: Centres,
     rules: &'a Rules,
+    /// Cells on a face of the hull count as inside: `eps` is 0.
+    corners_only: bool,
     hint: Hint,
     hull: ConvexHull,
-    /// With `eps = 0` the directions in which each corner is the farthest point.
+    /// If so, the directions in which each corner is the farthest point.
     corners: BTreeMap<u32, [i64; 3]>,
 }
 
 impl<'a> Extremes<'a> {
     pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
-        let skin = Skin::new(cells, platform, rules, body::depth(rules)?)?;
+        let depth = rules.depth()?;
+        let skin = Skin::new(cells, platform, rules, depth)?;
         let hull = skin.hull(&CellSet::none(cells))?;
         let centres = Centres::new(cells, rules);
-        Ok(Extremes { skin, centres, rules, hint: Hint::default(), hull, corners: BTreeMap::new() })
+        let corners_only = depth == Depth::SURFACE;
+        Ok(Extremes { skin, centres, rules, corners_only, hint: Hint::default(), hull, corners: BTreeMap::new() })
     }
 
     /// The extreme cells of `rest`, by rising number.
     pub(super) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, GrowthError> {
         self.hull = self.skin.hull(rest)?;
-        if self.rules.eps > 0.0 {
+        if !self.corners_only {
             return Ok(self.skin.cells(&self.hull, rest));
         }
         self.corners = self.corners(rest);

@@ -8,7 +8,7 @@
 //! only if they cross no plane.
 
 use super::super::bits::CellSet;
-use super::super::body::{self, Centres, hull_of_platform};
+use super::super::body::{Centres, hull_of_platform};
 use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::order::LayerOrder;
@@ -16,7 +16,7 @@ use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::dot;
 use super::removal::{NONE, Plane, Removal};
-use curvlay_hull::{ConvexHull, Depth, Hint};
+use curvlay_hull::{ConvexHull, Hint};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -101,8 +101,7 @@ struct Front {
 
 impl Front {
     fn new(platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
-        let depth = Depth::new(body::depth(rules)?)?;
-        Ok(Front { hull: hull_of_platform(platform, rules, depth)?, hint: Hint::default() })
+        Ok(Front { hull: hull_of_platform(platform, rules, rules.depth()?)?, hint: Hint::default() })
     }
 }
 
