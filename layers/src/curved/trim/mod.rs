@@ -14,10 +14,14 @@
 //!    other, for a mesh that looks outwards or inwards.
 //! 5. A mesh with holes has a winding number that is not whole. Pieces are then cut where it is one half (`holes`).
 //! 6. Triangles without height are taken out (`slivers`).
+//! 7. Where trimmed sheets pass through each other, the later one ends at the earlier ([`Trimmer::clip`]); [`count_crossings`] counts
+//!    where they do.
 //!
 //! Coordinates of cuts are rounded, what is cut is not a matter of rounding. So the result is a manifold for any input.
 
+mod clip;
 mod crossing;
+mod crossings;
 mod edges;
 mod exact;
 mod holes;
@@ -31,7 +35,9 @@ mod surface;
 mod winding;
 
 use crate::Progress;
-use nalgebra::Point3;
+pub use clip::Clipped;
+pub use crossings::{SurfaceCrossings, count_crossings};
+use nalgebra::{Point3, Vector3};
 use pieces::Pieces;
 use sheet::Sheet;
 use solid::Solid;
@@ -102,6 +108,11 @@ impl Trimmer {
         self.solid.holes.is_some()
     }
 
+    /// Where a line first meets the mesh: how far away, and the cosine between the line and the normal there, without sign.
+    pub(in crate::curved) fn skin(&self, from: &Point3<f64>, way: &Vector3<f64>, reach: f64) -> Option<(f64, f64)> {
+        self.solid.skin(from, way, reach)
+    }
+
     /// The part of a sheet that lies inside.
     ///
     /// Where the sheet lies in a face it counts as just above it (and if that face is upright, as just beyond it in x,
@@ -141,7 +152,11 @@ impl Trimmer {
             None => pieces.numbers(&self.solid).into_iter().map(|number| number != 0).collect(),
             Some(dipoles) => holes::split_at_half(&mut pieces, &self.solid, dipoles, &watch)?,
         };
-        let mut surface = Surface::of(&pieces, &keep);
+        let lost = |piece: usize, side: usize| match pieces.rise[piece][side] {
+            0 => BoundaryKind::Hole,
+            _ => BoundaryKind::Mesh,
+        };
+        let mut surface = Surface::of(&pieces, &keep, |_, _| BoundaryKind::Border, lost);
         slivers::remove_slivers(&mut surface, &self.solid);
         Ok(surface.finish(&self.solid))
     }
