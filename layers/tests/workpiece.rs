@@ -146,8 +146,10 @@ fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> (Growth, LayerFie
     let extended = extend(&field, &cells);
     let fitted = extended.fitted_levels(&solid.vertices, &solid.triangles, CELL, Point3::origin(), height).unwrap();
     let surfaces = contour(&extended, &fitted.levels, CELL, Point3::origin(), &go).unwrap();
-    let trimmer = Trimmer::new(&solid.vertices, &solid.triangles).unwrap();
-    let sheets: Vec<_> = surfaces.iter().map(|s| trimmer.trim(&s.points, &s.triangles, &go).unwrap()).collect();
+    let trimmer = Trimmer::new(&solid.vertices, &solid.triangles).unwrap().thinned(0.1 * height);
+    let trimmed = surfaces.iter().map(|s| trimmer.trim(&s.points, &s.triangles, &go).unwrap());
+    let mut sheets: Vec<_> = trimmed.collect();
+    trimmer.clip(&mut sheets, fitted.height_mm, &go).unwrap();
     let slices: Vec<_> = sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect();
     let laid = measure_spacing_within(&slices, &trimmer, fitted.height_mm, &go).unwrap().volume_mm3;
     // The mesh is the skin of the cells: what is missed is whole cells.

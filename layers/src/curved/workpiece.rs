@@ -36,6 +36,10 @@ pub const WORTH: f64 = 0.01;
 /// Level sheets in a missed cell. One misjudges cells that the skin cuts by up to half, more than four cost time for digits.
 const CUTS: u32 = 4;
 
+/// Edges of the surfaces on the mesh shorter than this share of the layer height are put together. A bead is about as wide as
+/// a layer is high, and its curves are drawn to a fiftieth of that.
+const BORDER_EDGE: f64 = 0.1;
+
 /// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
 const MIN_THICKNESS: f64 = 0.02;
 
@@ -270,7 +274,7 @@ impl Workpiece<'_> {
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayerSurfaces, LayersError> {
         begin("trim", progress)?;
-        let trimmer = Trimmer::new(self.vertices, self.triangles)?;
+        let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * height_mm);
         begin("contour", progress)?;
         let extended = extend(field, &self.cells);
         let FittedLevels { levels, height_mm } =

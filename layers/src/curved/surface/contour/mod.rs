@@ -14,8 +14,13 @@
 //! chains and rings of crossed edges do. Two quadrangles have an edge in common for each line across a face between two
 //! cubes; where two lines join the same two vertices, each gets a vertex of its own on the face.
 //!
-//! Departs from the paper: no error functions are minimised, since the field is smooth and has no edges to catch; the
-//! level's distance, not the cell's, gives the spacing.
+//! Where a vertex lies in its cube is [`VertexPlacement`]. The default, the mean of the crossings, is that of *surface nets* on the dual
+//! cells, not dual contouring in the sense of Ju et al.; [`VertexPlacement::Features`] is that: it minimises their error function ([`qef`]),
+//! with the slopes of the field as normals. Measured: on the levels of a box its points lie 2.7 times nearer to the level, on
+//! those of a ball 3.2 times. The spacing of surfaces on eight models of 50,000 cells is not better: its deviation is 1 to
+//! 6 % more on five, 8 % less on `mech-part`, and the same on two. Even spacing is what a nozzle needs, so it is an option.
+//!
+//! Departs from the paper: the level's distance, not the cell's, gives the spacing.
 
 mod cube;
 mod qef;
@@ -192,11 +197,11 @@ pub fn contour(
 /// let values = (0..64).map(|cell: u32| f64::from((cell % 8).max(cell / 8)) + 0.5).collect();
 /// let field = extend(&LayerField::new(&cells, values, 1.0)?, &cells);
 /// let silent = |_| std::ops::ControlFlow::Continue(());
-/// let deepest = |placement| -> Result<f64, Box<dyn std::error::Error>> {
+/// let from_edge = |placement| -> Result<f64, Box<dyn std::error::Error>> {
 ///     let surfaces = contour_with(&field, &[4.25], 1.0, [0.0; 3].into(), placement, &silent)?;
-///     Ok(surfaces[0].points.iter().map(|p| p.x.max(p.z)).fold(0.0, f64::max))
+///     Ok(surfaces[0].points.iter().map(|p| (p.x - 4.25).hypot(p.z - 4.25)).fold(f64::INFINITY, f64::min))
 /// };
-/// assert!(deepest(VertexPlacement::Mean)? <= 4.25 + 1e-9);
+/// assert!(from_edge(VertexPlacement::Features)? < 0.5 * from_edge(VertexPlacement::Mean)?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn contour_with(
