@@ -4,7 +4,9 @@
 mod common;
 
 use common::{go, random_rows};
-use curvlay_layers::curved::surface::{ContourError, LayerField, SavedField, contour, extend, uniform_field};
+use curvlay_layers::curved::surface::{
+    ContourError, LayerField, SavedField, contour, extend, measure_spacing_within, uniform_field,
+};
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
     Cells, Growth, GrowthError, GrowthOptions, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
@@ -161,12 +163,14 @@ fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> Steps {
     let missed = growth.missed_cells();
     let field = uniform_field(&cells, &solid.platform, &rules, &growth.order, &missed, &go).unwrap().field;
     let extended = extend(&field, &cells);
-    let levels = extended.levels(CELL, height).unwrap();
-    let surfaces = contour(&extended, &levels, CELL, Point3::origin(), &go).unwrap();
-    let trimmer = Trimmer::new(&solid.vertices, &solid.triangles).unwrap();
-    let sheets: Vec<_> = surfaces.iter().map(|s| trimmer.trim(&s.points, &s.triangles, &go).unwrap()).collect();
+    let fitted = extended.fitted_levels(&solid.vertices, &solid.triangles, CELL, Point3::origin(), height).unwrap();
+    let surfaces = contour(&extended, &fitted.levels, CELL, Point3::origin(), &go).unwrap();
+    let trimmer = Trimmer::new(&solid.vertices, &solid.triangles).unwrap().thinned(0.1 * height);
+    let trimmed = surfaces.iter().map(|s| trimmer.trim(&s.points, &s.triangles, &go).unwrap());
+    let mut sheets: Vec<_> = trimmed.collect();
+    trimmer.clip(&mut sheets, fitted.height_mm, &go).unwrap();
     let slices: Vec<_> = sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect();
-    let laid = curvlay_layers::curved::surface::measure_spacing(&slices, height, &go).unwrap().volume_mm3;
+    let laid = measure_spacing_within(&slices, &trimmer, fitted.height_mm, &go).unwrap().volume_mm3;
     // The mesh is the skin of the cells: what is missed is whole cells.
     let [all, missed] = [cells.count(), missed.len()].map(|count| count as f64 * CELL.powi(3));
     let pieces = sheets.iter().map(|sheet| pieces(&sheet.triangles)).sum();

@@ -26,7 +26,8 @@ impl Bounds {
         points.into_iter().fold(empty, |all, p| Bounds { low: all.low.inf(p), high: all.high.sup(p) })
     }
 
-    fn meets(&self, other: &Bounds) -> bool {
+    /// Whether two boxes share a point.
+    pub(in crate::curved) fn meets(&self, other: &Bounds) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 

@@ -14,11 +14,11 @@ use super::platform::Platform;
 use super::rules::Rules;
 use super::strategy::Strategy;
 use super::surface::{
-    ContourError, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError, UniformField, contour, extend,
-    measure_spacing, uniform_field,
+    ContourError, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError, UniformField, contour,
+    extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
-use super::trim::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
+use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer};
 use crate::Progress;
 use nalgebra::{Point3, Vector3};
 use std::collections::HashSet;
@@ -26,6 +26,10 @@ use std::ops::ControlFlow;
 
 /// Level sheets in a missed cell. One misjudges cells that the skin cuts by up to half, more than four cost time for digits.
 const CUTS: u32 = 4;
+
+/// Edges of the surfaces on the mesh shorter than this share of the layer height are put together. A bead is about as wide as
+/// a layer is high, and its curves are drawn to a fiftieth of that.
+const BORDER_EDGE: f64 = 0.1;
 
 /// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
 const MIN_THICKNESS: f64 = 0.02;
@@ -80,10 +84,13 @@ pub struct LayeredPart {
 /// The surfaces of a part's layers, first to last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerSurfaces {
-    /// Distance of the surfaces along the growth, in millimetres.
+    /// Distance of the surfaces along the growth, in millimetres: the layer height asked for, stretched so that layers fit
+    /// ([`ExtendedField::fitted_levels`](super::surface::ExtendedField::fitted_levels)).
     pub height_mm: f64,
     /// The surfaces, trimmed to the mesh; some may be empty.
     pub sheets: Vec<TrimmedSheet>,
+    /// Where they passed through each other: later ones are clipped to earlier ones, and what is left of that.
+    pub clipped: Clipped,
     /// How far apart they lie.
     pub spacing: Spacing,
     /// For each surface, for each triangle: how thick a bead is there, in millimetres. The [thickness of the
@@ -174,7 +181,7 @@ impl Workpiece<'_> {
     ///   misses less of it by more than [`WORTH_MISSED`](super::WORTH_MISSED); or about as much, in fewer
     ///   [pieces of surface](LayerSurfaces::pieces).
     /// * `height_mm`: layer height, at least a fifth of a cell.
-    /// * `progress`: called with the stages `grow` (`peel`, `unbuild`), `audit`, `uniform`, `contour`, `trim` and `spacing`, each of which begins
+    /// * `progress`: called with the stages `grow` (`peel`, `unbuild`), `audit`, `uniform`, `contour`, `trim`, `clip` and `spacing`, each of which begins
     ///   with nothing done; may cancel.
     ///
     /// # Errors
@@ -313,7 +320,7 @@ impl Workpiece<'_> {
     /// * `field`: of these cells; [`uniform_field`](super::surface::uniform_field) or a saved one.
     /// * `missed`: cells without a value.
     /// * `height_mm`: layer height, at least a fifth of a cell.
-    /// * `progress`: called with the stages `contour`, `trim` and `spacing`; may cancel.
+    /// * `progress`: called with the stages `contour`, `trim`, `clip` (`crossings`) and `spacing`; may cancel.
     ///
     /// # Errors
     /// [`LayersError`].
@@ -328,24 +335,27 @@ impl Workpiece<'_> {
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayerSurfaces, LayersError> {
         begin("trim", progress)?;
-        let trimmer = Trimmer::new(self.vertices, self.triangles)?;
+        let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * height_mm);
         begin("contour", progress)?;
         let extended = extend(field, &self.cells);
-        let levels = extended.levels(self.cell_mm, height_mm)?;
+        let FittedLevels { levels, height_mm } =
+            extended.fitted_levels(self.vertices, self.triangles, self.cell_mm, self.origin, height_mm)?;
         let untrimmed = contour(&extended, &levels, self.cell_mm, self.origin, progress)?;
         begin("trim", progress)?;
         let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
         let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
-        let sheets = trimmed.into_iter().collect::<Result<Vec<TrimmedSheet>, _>>()?;
+        let mut sheets = trimmed.into_iter().collect::<Result<Vec<TrimmedSheet>, _>>()?;
+        begin("clip", progress)?;
+        let clipped = trimmer.clip(&mut sheets, height_mm, progress)?;
         let missed_mm3 = self.volume_in(missed, &trimmer, progress)?;
         begin("spacing", progress)?;
-        let spacing = measure_spacing(&slices(&sheets), height_mm, progress)?;
+        let spacing = measure_spacing_within(&slices(&sheets), &trimmer, height_mm, progress)?;
         let min = MIN_THICKNESS * height_mm;
         let thickness =
             |(sheet, raw): (&TrimmedSheet, &Vec<f64>)| uniform_thickness(&sheet.vertices, &sheet.triangles, raw, min);
         let thickness_mm = sheets.iter().zip(&spacing.thickness_mm).map(thickness).collect();
         let boundary = self.boundary(&sheets, missed);
-        Ok(LayerSurfaces { height_mm, sheets, spacing, thickness_mm, boundary, missed_mm3 })
+        Ok(LayerSurfaces { height_mm, sheets, clipped, spacing, thickness_mm, boundary, missed_mm3 })
     }
 
     /// Volume of the part in these cells.

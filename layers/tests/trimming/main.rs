@@ -1,6 +1,7 @@
 //! Trimming against closed forms, slow twins, and the models.
 
 mod closed_forms;
+mod crossings;
 mod degenerate;
 mod errors;
 mod helpers;

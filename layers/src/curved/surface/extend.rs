@@ -50,12 +50,32 @@ impl ExtendedField {
         self.ring_cells
     }
 
+    /// The value at the end of the part along its growth, if its highest cell is full: half a cell above the centre of that.
+    pub(super) fn top(&self) -> f64 {
+        self.highest() + 0.5 / self.layer_cells()
+    }
+
+    /// Cells of the grid along each axis.
+    pub(super) fn dims(&self) -> [u32; 3] {
+        self.lattice.dims.map(|side| side - 2 * ROOM)
+    }
+
     /// The value at a place of the grid, which may lie up to two cells outside of it.
     pub fn value(&self, place: [i32; 3]) -> Option<f64> {
+        self.node(place).map(|node| self.lattice.values[node])
+    }
+
+    /// The same, and the slopes there.
+    pub(super) fn value_and_slopes(&self, place: [i32; 3]) -> Option<(f64, [f64; 3])> {
+        self.node(place).map(|node| (self.lattice.values[node], self.lattice.slopes(node)))
+    }
+
+    /// The node at a place, if it has a value.
+    fn node(&self, place: [i32; 3]) -> Option<usize> {
         let place = [0, 1, 2].map(|k| place[k].checked_add_unsigned(ROOM).and_then(|c| u32::try_from(c).ok()));
         let [Some(x), Some(y), Some(z)] = place else { return None };
         let inside = [x, y, z].iter().zip(self.lattice.dims).all(|(&c, side)| c < side);
-        inside.then(|| self.lattice.values[self.lattice.index([x, y, z])]).filter(|value| !value.is_nan())
+        inside.then(|| self.lattice.index([x, y, z])).filter(|&node| !self.lattice.values[node].is_nan())
     }
 }
 

@@ -15,6 +15,9 @@ pub const JUMP: f64 = 2.0;
 /// here on, in layers, they count as torn: less makes more cuts and gaps beside them, more makes layers thinner there.
 pub const APART: f64 = 1.4;
 
+/// Cells with a value below this stand on the plate.
+const FIRST_LAYER: f64 = 1.0;
+
 /// Values at the nodes of a lattice, and the edges along which they may be interpolated.
 #[derive(Clone, Debug)]
 pub(super) struct Lattice {
@@ -114,7 +117,8 @@ impl Lattice {
     }
 
     /// Which way along an axis the neighbours come later: 1 or -1. If both do, or none, what is around it tells; 0 if
-    /// that does not either.
+    /// that does not either. A cell of the first layer without neighbours above and below stands on the plate, so its layer
+    /// grows upwards.
     fn later(&self, node: usize, axis: usize) -> f64 {
         let strides = self.strides();
         let value = |node: Option<usize>| node.and_then(|node| self.values.get(node)).copied().unwrap_or(f64::NAN);
@@ -136,6 +140,7 @@ impl Lattice {
                 let slopes = around.flatten().filter(|&next| next < self.values.len());
                 way(slopes.filter_map(|next| self.joined_slope(next, axis)).sum())
             }
+            0.0 if axis == 2 && self.values[node] < FIRST_LAYER => 1.0,
             sum => sum.clamp(-1.0, 1.0),
         }
     }

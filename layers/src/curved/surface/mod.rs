@@ -5,8 +5,8 @@
 //! 1. [`uniform_field`] re-times an accepted order into a field whose layers are a cell thick whichever way they face, and
 //!    which passes the audit; [`plain_field`] takes the hop count as it is.
 //! 2. [`extend`](extend()) continues the field by two rings of cells beyond the part.
-//! 3. [`contour`](contour()) draws the surfaces at [the levels of a layer height](ExtendedField::levels). They reach
-//!    outside the part and are to be trimmed to its mesh.
+//! 3. [`contour`](contour()) draws the surfaces at [the levels of a layer height](ExtendedField::levels), or at [levels that fit
+//!    the part](ExtendedField::fitted_levels). They reach outside the part and are to be trimmed to its mesh.
 //! 4. [`measure_spacing`] says how far apart they lie, trimmed or not.
 //!
 //! A field can be saved and taken up again ([`SavedField`]); fields and surfaces can be written for ParaView
@@ -24,6 +24,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 mod contour;
 mod extend;
 mod field;
+mod fit;
 mod lattice;
 mod slope;
 mod spacing;
@@ -32,11 +33,14 @@ mod tree;
 mod uniform;
 mod vtk;
 
-pub use contour::{ContourError, Surface, contour};
+pub use contour::{ContourError, Surface, VertexPlacement, contour, contour_with};
 pub use extend::{ExtendedField, extend};
 pub use field::{FieldError, LayerField, plain_field};
+pub use fit::FittedLevels;
 pub use lattice::{APART, JUMP};
-pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing};
+pub use spacing::{
+    HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing, measure_spacing_within,
+};
 pub use store::{OtherMesh, ReadFieldError, SavedField, mesh_stamp};
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};

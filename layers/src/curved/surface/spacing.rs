@@ -10,7 +10,8 @@
 //! The *thickness* of the layer at a triangle shares the space between surfaces out among them: on each side half the
 //! way to the nearest surface, of whatever layer. Where a front waited a layer is missing between two others, and they
 //! lie up to two heights apart there; what is between them is theirs. So thickness by area is volume, which is counted
-//! neither twice nor not at all.
+//! neither twice nor not at all. Where no surface follows before the line leaves the part through a skin that lies along the
+//! layer, the layer goes as far as the skin ([`measure_spacing_within`]).
 //!
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
@@ -18,7 +19,8 @@
 use super::tree::Tree;
 use super::{Report, in_parallel_watched};
 use crate::Progress;
-use nalgebra::Point3;
+use crate::curved::trim::Trimmer;
+use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
 /// How far a neighbour may be, in layer heights. Spacing of hop counts goes up to twice its mean where a front
@@ -28,6 +30,14 @@ const REACH: f64 = 3.0;
 /// How far apart surfaces are at most, in layer heights, where a layer is missing between them: with a slope of one on
 /// both sides of a wait each goes half a layer towards the other, however long the wait. More is a gap of the part.
 const WAIT: f64 = 2.0;
+
+/// How far the skin may be from the last surface before it, in layer heights. Layers that fit leave at most one; half of one more
+/// where the slope of the field is less.
+const SKIN: f64 = 1.5;
+
+/// The skin lies along a layer if the cosine between their normals is at least this: up to 45 degrees. A steeper skin is a side of the
+/// layer, where the line would leave through it a little above and a little below its edge.
+const ALONG: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// What most rays need, in layer heights.
 const SHORT: f64 = 1.3;
@@ -49,8 +59,8 @@ pub type SurfaceSlices<'a> = (&'a [Point3<f64>], &'a [[u32; 3]]);
 pub struct Spacing {
     /// For each surface, for each triangle: the spacing in millimetres; `None` where no neighbour is in reach.
     pub values_mm: Vec<Vec<Option<f64>>>,
-    /// The same for the thickness of the layer: on each side half the way to the nearest surface, half a layer height where
-    /// there is none.
+    /// The same for the thickness of the layer: on each side half the way to the nearest surface; where there is none the way
+    /// to the skin, if that is known and lies along the layer, else half a layer height.
     pub thickness_mm: Vec<Vec<f64>>,
     /// Mean spacing; 0 if nothing was measured, like the figures that follow.
     pub mean_mm: f64,
@@ -150,6 +160,54 @@ pub fn measure_spacing(
     height_mm: f64,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Spacing, SpacingError> {
+    measure(surfaces, None, height_mm, progress)
+}
+
+/// The same for surfaces within a solid, to which they are trimmed: the first and the last layer go as far as its skin.
+///
+/// # Arguments
+/// * `solid`: what the surfaces are trimmed to.
+///
+/// # Errors
+/// [`SpacingError`].
+///
+/// # Cost
+/// That of [`measure_spacing`], and `O(log m)` for a mesh of `m` triangles wherever no surface follows.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{surface::measure_spacing_within, trim::Trimmer};
+/// use curvlay_layers::nalgebra::Point3;
+/// # let corner = |k: u32| Point3::from([0, 1, 2].map(|bit| if k >> bit & 1 == 1 { 10.0 } else { 0.0 }));
+/// # let cube: Vec<_> = (0..8).map(corner).collect();
+/// # let faces = [
+/// #     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+/// #     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+/// # ];
+/// // A cube of 10 mm; the last of its surfaces lies 1.2 mm below the top.
+/// let solid = Trimmer::new(&cube, &faces)?;
+/// let level = |z| [[0.0, 0.0, z], [10.0, 0.0, z], [0.0, 10.0, z]].map(Point3::from);
+/// let points = [level(7.2), level(8.8)];
+/// let surfaces: Vec<_> = points.iter().map(|points| (&points[..], &[[0, 1, 2]][..])).collect();
+/// let spacing = measure_spacing_within(&surfaces, &solid, 1.6, &|_| std::ops::ControlFlow::Continue(()))?;
+/// assert!((spacing.thickness_mm[1][0] - (0.8 + 1.2)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn measure_spacing_within(
+    surfaces: &[SurfaceSlices],
+    solid: &Trimmer,
+    height_mm: f64,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Spacing, SpacingError> {
+    measure(surfaces, Some(solid), height_mm, progress)
+}
+
+fn measure(
+    surfaces: &[SurfaceSlices],
+    solid: Option<&Trimmer>,
+    height_mm: f64,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Spacing, SpacingError> {
     if !(height_mm > 0.0 && height_mm.is_finite()) {
         return Err(SpacingError::Height { height_mm });
     }
@@ -168,39 +226,62 @@ pub fn measure_spacing(
         let (points, triangles) = surfaces[surface];
         let has = [surface > 0, surface + 1 < surfaces.len()];
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
-        triangles.iter().map(|t| found(&tree, surface as u32, has, corners(t), height_mm)).collect()
+        let around = Around { tree: &tree, solid, surface: surface as u32, has, height_mm };
+        triangles.iter().map(|t| around.found(corners(t))).collect()
     };
     let found = in_parallel_watched(surfaces.len(), "spacing", progress, of_surface).ok_or(SpacingError::Cancelled)?;
     Ok(summed_up(&found, height_mm))
 }
 
-/// `has` says whether there is a surface before, and one after.
-fn found(tree: &Tree, surface: u32, has: [bool; 2], [a, b, c]: [Point3<f64>; 3], height_mm: f64) -> Found {
-    let normal = (b - a).cross(&(c - a));
-    let area = normal.norm() / 2.0;
-    let Some(normal) = normal.try_normalize(0.0) else { return Found::default() };
-    let middle: Point3<f64> = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-    let near = SQUEEZED * height_mm;
-    // Most neighbours are about a layer away: a short line first passes by far fewer triangles.
-    let short = tree.cast(middle, &normal, surface, has.map(|has| if has { SHORT * height_mm } else { 0.0 }), near);
-    let missing = [0, 1].map(|side| has[side] && short.neighbours[side].is_none());
-    let mut sides = [0, 1].map(|side| (short.neighbours[side], short.nearest[side]));
-    if missing != [false; 2] {
-        let reach = missing.map(|missing| if missing { REACH * height_mm } else { 0.0 });
-        let long = tree.cast(middle, &normal, surface, reach, 0.0);
-        for side in (0..2).filter(|&side| missing[side]) {
-            sides[side] = (long.neighbours[side], long.nearest[side]);
+/// What rays from a surface are looked up in.
+struct Around<'a> {
+    tree: &'a Tree,
+    solid: Option<&'a Trimmer>,
+    surface: u32,
+    /// Whether there is a surface before, and one after.
+    has: [bool; 2],
+    height_mm: f64,
+}
+
+impl Around<'_> {
+    fn found(&self, [a, b, c]: [Point3<f64>; 3]) -> Found {
+        let &Around { tree, surface, has, height_mm, .. } = self;
+        let normal = (b - a).cross(&(c - a));
+        let area = normal.norm() / 2.0;
+        let Some(normal) = normal.try_normalize(0.0) else { return Found::default() };
+        let middle: Point3<f64> = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let near = SQUEEZED * height_mm;
+        // Most neighbours are about a layer away: a short line first passes by far fewer triangles.
+        let short = tree.cast(middle, &normal, surface, has.map(|has| if has { SHORT * height_mm } else { 0.0 }), near);
+        let missing = [0, 1].map(|side| short.neighbours[side].is_none());
+        let mut sides = [0, 1].map(|side| (short.neighbours[side], short.nearest[side]));
+        let searched = [0, 1].map(|side| missing[side] && has[side]);
+        if searched != [false; 2] {
+            let reach = searched.map(|searched| if searched { REACH * height_mm } else { 0.0 });
+            let long = tree.cast(middle, &normal, surface, reach, 0.0);
+            for side in (0..2).filter(|&side| searched[side]) {
+                sides[side] = (long.neighbours[side], long.nearest[side]);
+            }
         }
+        let spacing = match sides.map(|(neighbour, _)| neighbour) {
+            [Some(before), Some(after)] => Some((before + after) / 2.0),
+            [one, other] => one.or(other),
+        };
+        let thickness = |side: usize| {
+            let (neighbour, nearest) = sides[side];
+            let to_next = nearest.filter(|&nearest| nearest < WAIT * height_mm).or(neighbour);
+            let way = if side == 0 { -normal } else { normal };
+            let skin = if missing[side] { self.skin(middle, way) } else { None };
+            skin.filter(|&skin| to_next.is_none_or(|next| skin < next)).unwrap_or(to_next.unwrap_or(height_mm) / 2.0)
+        };
+        Found { area, spacing, thickness: thickness(0) + thickness(1), squeezed: short.near }
     }
-    let spacing = match sides.map(|(neighbour, _)| neighbour) {
-        [Some(before), Some(after)] => Some((before + after) / 2.0),
-        [one, other] => one.or(other),
-    };
-    let thickness = |(neighbour, nearest): (Option<f64>, Option<f64>)| {
-        let in_wait = nearest.filter(|&nearest| nearest < WAIT * height_mm);
-        in_wait.or(neighbour).unwrap_or(height_mm) / 2.0
-    };
-    Found { area, spacing, thickness: sides.map(thickness).iter().sum(), squeezed: short.near }
+
+    /// How far it is to the skin, if that is near and lies along the layer.
+    fn skin(&self, from: Point3<f64>, way: Vector3<f64>) -> Option<f64> {
+        let (distance, along) = self.solid?.skin(&from, &way, SKIN * self.height_mm)?;
+        (along >= ALONG).then_some(distance)
+    }
 }
 
 fn summed_up(found: &[Vec<Found>], height_mm: f64) -> Spacing {

@@ -50,7 +50,7 @@ pub(super) fn meet(sheet: [&Point3<f64>; 3], mesh: [&Point3<f64>; 3]) -> Option<
 }
 
 /// Whether a line that passes the sides of a triangle like this goes through it.
-fn through(signs: [i8; 3]) -> bool {
+pub(super) fn through(signs: [i8; 3]) -> bool {
     signs[0] != 0 && signs == [signs[0]; 3]
 }
 

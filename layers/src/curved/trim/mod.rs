@@ -14,10 +14,14 @@
 //!    other, for a mesh that looks outwards or inwards.
 //! 5. A mesh with holes has a winding number that is not whole. Pieces are then cut where it is one half (`holes`).
 //! 6. Triangles without height are taken out (`slivers`).
+//! 7. Where trimmed sheets pass through each other, the later one ends at the earlier ([`Trimmer::clip`]); [`count_crossings`] counts
+//!    where they do.
 //!
 //! Coordinates of cuts are rounded, what is cut is not a matter of rounding. So the result is a manifold for any input.
 
+mod clip;
 mod crossing;
+mod crossings;
 mod edges;
 mod exact;
 mod holes;
@@ -31,7 +35,9 @@ mod surface;
 mod winding;
 
 use crate::Progress;
-use nalgebra::Point3;
+pub use clip::Clipped;
+pub use crossings::{SurfaceCrossings, count_crossings};
+use nalgebra::{Point3, Vector3};
 use pieces::Pieces;
 use sheet::Sheet;
 use solid::Solid;
@@ -78,6 +84,8 @@ type Watch<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
 #[derive(Debug)]
 pub struct Trimmer {
     solid: Solid,
+    /// Edges of the boundary shorter than this are put together, mm.
+    min_edge_mm: f64,
 }
 
 impl Trimmer {
@@ -94,12 +102,46 @@ impl Trimmer {
     /// # Cost
     /// `O(n log n)` time for `n` triangles, some 300 bytes each.
     pub fn new(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Trimmer, TrimError> {
-        Ok(Trimmer { solid: Solid::new(vertices, triangles)? })
+        Ok(Trimmer { solid: Solid::new(vertices, triangles)?, min_edge_mm: 0.0 })
+    }
+
+    /// The same, but edges of the boundary on the mesh that are shorter than a length are put together where the boundary then
+    /// keeps to the mesh within a fiftieth of that length ([`TrimmedSheet::error_mm`] says how closely it does). A tenth of a bead is a good
+    /// length: a mesh of very many narrow facets costs no more time than a bead can show then.
+    ///
+    /// # Arguments
+    /// * `min_edge_mm`: mm. Nothing is put together for 0, or what is no length.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::{curved::trim::Trimmer, nalgebra::Point3};
+    /// use std::{f64::consts::TAU, ops::ControlFlow};
+    /// // A column with 2,000 sides, and a level sheet across it.
+    /// let at = |k: u32, z: f64| Point3::new(10.0 * (TAU * f64::from(k) / 2000.0).cos(), 10.0 * (TAU * f64::from(k) / 2000.0).sin(), z);
+    /// let vertices: Vec<_> = (0..2000).flat_map(|k| [at(k, 0.0), at(k, 5.0)]).chain([0.0, 5.0].map(|z| Point3::new(0.0, 0.0, z))).collect();
+    /// let facets = |k: u32| {
+    ///     let [a, b, c, d] = [2 * k, 2 * k + 1, (2 * k + 2) % 4000, (2 * k + 3) % 4000];
+    ///     [[a, c, b], [b, c, d], [4000, c, a], [4001, b, d]]
+    /// };
+    /// let triangles: Vec<_> = (0..2000).flat_map(facets).collect();
+    /// let sheet = [[-15.0, -15.0, 2.0], [15.0, -15.0, 2.0], [0.0, 40.0, 2.0]].map(Point3::from);
+    /// let trimmer = Trimmer::new(&vertices, &triangles)?.thinned(0.1);
+    /// let trimmed = trimmer.trim(&sheet, &[[0, 1, 2]], &|_| ControlFlow::Continue(()))?;
+    /// assert!(trimmed.boundary.len() < 1000 && trimmed.error_mm < 0.002);
+    /// # Ok::<(), curvlay_layers::curved::trim::TrimError>(())
+    /// ```
+    pub fn thinned(self, min_edge_mm: f64) -> Trimmer {
+        Trimmer { min_edge_mm, ..self }
     }
 
     /// Whether the mesh has holes: an edge along which triangles do not run as often one way as the other.
     pub fn is_holed(&self) -> bool {
         self.solid.holes.is_some()
+    }
+
+    /// Where a line first meets the mesh: how far away, and the cosine between the line and the normal there, without sign.
+    pub(in crate::curved) fn skin(&self, from: &Point3<f64>, way: &Vector3<f64>, reach: f64) -> Option<(f64, f64)> {
+        self.solid.skin(from, way, reach)
     }
 
     /// The part of a sheet that lies inside.
@@ -141,7 +183,14 @@ impl Trimmer {
             None => pieces.numbers(&self.solid).into_iter().map(|number| number != 0).collect(),
             Some(dipoles) => holes::split_at_half(&mut pieces, &self.solid, dipoles, &watch)?,
         };
-        let mut surface = Surface::of(&pieces, &keep);
+        let lost = |piece: usize, side: usize| match pieces.rise[piece][side] {
+            0 => BoundaryKind::Hole,
+            _ => BoundaryKind::Mesh,
+        };
+        let mut surface = Surface::of(&pieces, &keep, |_, _| BoundaryKind::Border, lost);
+        if self.min_edge_mm > 0.0 && self.min_edge_mm.is_finite() {
+            slivers::thin_boundary(&mut surface, &self.solid, self.min_edge_mm);
+        }
         slivers::remove_slivers(&mut surface, &self.solid);
         Ok(surface.finish(&self.solid))
     }

@@ -112,19 +112,29 @@ impl Patch {
         let point = self.points.len() as u32;
         self.points.push(at);
         self.leave.push(NONE);
-        // The last triangles first: points come in the order of chains.
-        for t in (0..self.from.len() as u32 / 3).rev() {
-            let signs = [0, 1, 2].map(|k| self.turn(3 * t + k, at));
-            if signs.iter().any(|&sign| sign < 0) {
-                continue;
-            }
-            match signs.iter().position(|&sign| sign == 0) {
-                None => self.split_triangle(t, point),
-                Some(k) => self.split_edge(3 * t + k as u32, point),
-            }
-            return point;
+        let t = self.triangle_at(at);
+        match [0, 1, 2].iter().position(|&k| self.turn(3 * t + k, at) == 0) {
+            None => self.split_triangle(t, point),
+            Some(k) => self.split_edge(3 * t + k as u32, point),
         }
-        unreachable!("the triangles cover the patch")
+        point
+    }
+
+    /// A triangle that a place lies in: a walk from the one at the last point that has triangles, since points come in the order of
+    /// chains. Where triangles are slim a walk may go in circles; then all are looked at.
+    fn triangle_at(&self, at: Grid) -> u32 {
+        let count = self.from.len() as u32 / 3;
+        let start = self.leave.iter().rev().find(|&&half| half != NONE).map_or(0, |half| half / 3);
+        let mut t = start;
+        for _ in 0..count {
+            let Some(k) = [0, 1, 2].into_iter().find(|&k| self.turn(3 * t + k, at) < 0) else { return t };
+            match self.twin[3 * t as usize + k as usize] {
+                NONE => break,
+                back => t = back / 3,
+            }
+        }
+        let holds = |t: &u32| [0, 1, 2].iter().all(|&k| self.turn(3 * t + k, at) >= 0);
+        (0..count).find(holds).unwrap_or_else(|| unreachable!("the triangles cover the patch"))
     }
 
     /// Lays a segment between two points; `rise` is how much greater the winding number is to its left. A crossing with
@@ -175,7 +185,13 @@ impl Patch {
     }
 
     fn obstacle(&mut self, a: u32, b: u32) -> Obstacle {
-        let passes_near = |&point: &u32| point != a && point != b && self.lies_near([a, b], point);
+        // Few points lie in the box of a segment.
+        let [low, high] = self.around([a, b]);
+        let in_box = |point: u32| {
+            let at = self.points[point as usize];
+            at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1]
+        };
+        let passes_near = |&point: &u32| in_box(point) && point != a && point != b && self.lies_near([a, b], point);
         if let Some(point) = (0..self.points.len() as u32).find(passes_near) {
             return Obstacle::Point(point);
         }
@@ -205,6 +221,14 @@ impl Patch {
             let left = self.orient(a, b, apex) > 0;
             at = if left { next(back) } else { previous(back) };
         }
+    }
+
+    /// The box of a segment, and what is near.
+    fn around(&self, ends: [u32; 2]) -> [Grid; 2] {
+        let [a, b] = ends.map(|point| self.points[point as usize]);
+        // One more than [`NEAR`], which distances are rounded to.
+        let room = NEAR + 1;
+        [[0, 1].map(|k| a[k].min(b[k]) - room), [0, 1].map(|k| a[k].max(b[k]) + room)]
     }
 
     /// Whether a segment has to go through a point: it does so exactly, or comes too near far from its ends.

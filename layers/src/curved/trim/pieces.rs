@@ -26,6 +26,8 @@ pub(super) struct Pieces {
     pub(super) sources: Vec<u32>,
     /// A vertex of the sheet that surely has the winding number of the piece, or [`NONE`].
     known: Vec<u32>,
+    /// The edge of the sheet that each cut lies on; their points come after those of the sheet.
+    cut_edges: Vec<u32>,
 }
 
 /// The segment that triangle `sheet` shares with triangle `mesh`.
@@ -59,6 +61,9 @@ impl Pieces {
         let segments = segments(sheet, solid);
         let mut pieces = Pieces { points: sheet.points.to_vec(), ..Pieces::default() };
         let cuts = Cuts::new(sheet, solid, &segments, &mut pieces.points);
+        for (edge, cuts) in (0..).zip(cuts.first.windows(2)) {
+            pieces.cut_edges.extend((cuts[0]..cuts[1]).map(|_| edge));
+        }
         let mut halves = vec![[NONE; 2]; sheet.edges.ends.len() + cuts.along.len()];
         let mut cutter = Cutter::default();
         let mut groups = segments.chunk_by(|a, b| a.sheet == b.sheet).peekable();
@@ -71,6 +76,16 @@ impl Pieces {
         }
         pieces.link(&halves);
         Ok(pieces)
+    }
+
+    /// The ends of the edge of the sheet on which a side of a piece lies that has nothing across.
+    pub(super) fn border_edge(&self, sheet: &Sheet, piece: usize, side: usize) -> Option<[u32; 2]> {
+        let [a, b] = [self.corners[piece][side], self.corners[piece][(side + 1) % 3]];
+        let cut = |point: u32| {
+            let cut = (point as usize).checked_sub(sheet.points.len())?;
+            self.cut_edges.get(cut).map(|&edge| sheet.edges.ends[edge as usize])
+        };
+        if a.max(b) < sheet.points.len() as u32 { Some([a, b]) } else { cut(a).or_else(|| cut(b)) }
     }
 
     fn take_whole(&mut self, halves: &mut [[u32; 2]], sheet: &Sheet, cuts: &Cuts, triangle: usize) {

@@ -21,12 +21,16 @@ const ON_MESH_MM: f64 = 5e-7;
 /// A side this long is contracted, mm. A triangle with longer sides and no height has its corner beside a side.
 const SHORT_MM: f64 = 2.0 * MIN_ALTITUDE_MM;
 
+/// How far a boundary may leave the mesh where its edges are put together, as a share of their length. Less keeps the edges of narrow
+/// facets, more rounds off what a bead can still show.
+const THIN: f64 = 0.02;
+
 /// Rounds over all slivers. Two are usual: what one leaves the next takes.
 const ROUNDS: usize = 8;
 
 /// Takes slivers out where that can be done.
 pub(super) fn remove_slivers(surface: &mut Surface, solid: &Solid) {
-    let mut cleaner = Cleaner { surface, solid, fans: Default::default() };
+    let mut cleaner = Cleaner { surface, solid, on_mesh_mm: ON_MESH_MM, fans: Default::default() };
     for _ in 0..ROUNDS {
         let is_sliver = |triangle: &usize| altitude(&cleaner.surface.corners(*triangle)) < MIN_ALTITUDE_MM;
         let slivers: Vec<_> = cleaner.surface.present().filter(is_sliver).collect();
@@ -40,9 +44,26 @@ pub(super) fn remove_slivers(surface: &mut Surface, solid: &Solid) {
     }
 }
 
+/// Puts edges of the boundary on the mesh together that are shorter than a length, where the boundary then keeps within
+/// a share of it, [`THIN`], to the mesh.
+///
+/// A mesh of very many narrow facets gives each of them an edge, which costs time wherever the boundary is looked at and says
+/// nothing that a bead could show.
+pub(super) fn thin_boundary(surface: &mut Surface, solid: &Solid, length_mm: f64) {
+    let mut cleaner = Cleaner { surface, solid, on_mesh_mm: THIN * length_mm, fans: Default::default() };
+    for half in 0..3 * cleaner.surface.triangles.len() as u32 {
+        let is_on_mesh = cleaner.surface.across(half) == Across::End(BoundaryKind::Mesh);
+        if is_on_mesh && !cleaner.surface.gone[half as usize / 3] && cleaner.length(half) < length_mm {
+            cleaner.contract(half);
+        }
+    }
+}
+
 struct Cleaner<'a> {
     surface: &'a mut Surface,
     solid: &'a Solid,
+    /// How far from the mesh a boundary may come to lie, mm.
+    on_mesh_mm: f64,
     fans: [Vec<u32>; 2],
 }
 
@@ -233,7 +254,7 @@ impl Cleaner<'_> {
     }
 
     fn on_mesh(&self, p: &Point3<f64>) -> bool {
-        self.solid.distance_within(p, ON_MESH_MM).is_some()
+        self.solid.distance_within(p, self.on_mesh_mm).is_some()
     }
 }
 

@@ -6,12 +6,16 @@ use super::surface::altitude;
 use super::winding::Dipoles;
 use super::{Input, MIN_ALTITUDE_MM, TrimError, check};
 use crate::curved::boxes::{Bounds, Tree};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// Triangles lower than this are left out of a mesh that is closed without them, mm. What they add to a winding number
 /// is nothing but next to them. Flat ones come out of files in single precision up to 1e-5 mm high; a millimetre would
 /// be a part of the solid.
 const STRAY_MM: f64 = 1e-4;
+
+/// How far beyond its edge a triangle still counts for a line, as a share of the triangle: a line through an edge that two
+/// triangles share meets at least one of them.
+const OVERLAP: f64 = 1e-9;
 
 #[derive(Debug)]
 pub(super) struct Solid {
@@ -70,6 +74,27 @@ impl Solid {
         let mut sum = 0;
         self.tree.meeting(&Bounds::of([p, &far]), |triangle| sum += leaves(p, &far, self.corners(triangle)));
         sum
+    }
+
+    /// Where a line, whose direction is one long, first meets a triangle within reach: how far away, and the cosine between the
+    /// line and its normal, without sign. To rounding.
+    pub(super) fn skin(&self, from: &Point3<f64>, way: &Vector3<f64>, reach: f64) -> Option<(f64, f64)> {
+        let mut first: Option<(f64, f64)> = None;
+        self.tree.along(from, way, [0.0, reach], |place, left| {
+            let [a, b, c] = self.corners(self.tree.order()[place]);
+            let normal = (b - a).cross(&(c - a));
+            let (area, across) = (normal.norm(), normal.dot(way));
+            let distance = normal.dot(&(a - from)) / across;
+            let at = from + way * distance;
+            // Inside of all three sides, as seen along the line.
+            let inside =
+                |p: &Point3<f64>, q: &Point3<f64>| (q - p).cross(&(at - p)).dot(&normal) >= -OVERLAP * area * area;
+            if distance >= 0.0 && distance < left[1] && inside(a, b) && inside(b, c) && inside(c, a) {
+                first = Some((distance, across.abs() / area));
+                left[1] = distance;
+            }
+        });
+        first
     }
 
     /// The distance to the nearest triangle.

@@ -27,7 +27,15 @@ pub(super) struct Surface {
 
 impl Surface {
     /// The pieces that are kept. Pieces that meet at a vertex alone get a vertex each.
-    pub(super) fn of(pieces: &Pieces, keep: &[bool]) -> Surface {
+    ///
+    /// # Arguments
+    /// * `border`, `lost`: what a side of a piece ends at on the border of the sheet, and beside a piece that is not kept.
+    pub(super) fn of(
+        pieces: &Pieces,
+        keep: &[bool],
+        border: impl Fn(usize, usize) -> BoundaryKind,
+        lost: impl Fn(usize, usize) -> BoundaryKind,
+    ) -> Surface {
         let mut number = vec![NONE; keep.len()];
         let kept: Vec<usize> = (0..keep.len()).filter(|&piece| keep[piece]).collect();
         kept.iter().zip(0..).for_each(|(&piece, n)| number[piece] = n);
@@ -36,10 +44,9 @@ impl Surface {
             surface.triangles.push([NONE; 3]);
             surface.sources.push(pieces.sources[piece]);
             surface.across.push([0, 1, 2].map(|k| match pieces.across[piece][k] {
-                NONE => Across::End(BoundaryKind::Border),
+                NONE => Across::End(border(piece, k)),
                 half if keep[half as usize / 3] => Across::Half(3 * number[half as usize / 3] + half % 3),
-                _ if pieces.rise[piece][k] != 0 => Across::End(BoundaryKind::Mesh),
-                _ => Across::End(BoundaryKind::Hole),
+                _ => Across::End(lost(piece, k)),
             }));
         }
         let mut fan = Vec::new();

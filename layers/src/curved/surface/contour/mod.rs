@@ -14,16 +14,23 @@
 //! chains and rings of crossed edges do. Two quadrangles have an edge in common for each line across a face between two
 //! cubes; where two lines join the same two vertices, each gets a vertex of its own on the face.
 //!
-//! Departs from the paper: no error functions are minimised, since the field is smooth and has no edges to catch; the
-//! level's distance, not the cell's, gives the spacing.
+//! Where a vertex lies in its cube is [`VertexPlacement`]. The default, the mean of the crossings, is that of *surface nets* on the dual
+//! cells, not dual contouring in the sense of Ju et al.; [`VertexPlacement::Features`] is that: it minimises their error function ([`qef`]),
+//! with the slopes of the field as normals. Measured: on the levels of a box its points lie 2.7 times nearer to the level, on
+//! those of a ball 3.2 times. The spacing of surfaces on eight models of 50,000 cells is not better: its deviation is 1 to
+//! 6 % more on five, 8 % less on `mech-part`, and the same on two. Even spacing is what a nozzle needs, so it is an option.
+//!
+//! Departs from the paper: the level's distance, not the cell's, gives the spacing.
 
 mod cube;
+mod qef;
 
 use super::extend::ExtendedField;
 use super::{Report, in_parallel_watched};
 use crate::Progress;
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
+use qef::Qef;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -42,6 +49,18 @@ const LEVEL: f64 = 1e-4;
 /// Least layer height, in cells. Below it a cell holds more than five surfaces, and the field knows nothing of what is
 /// between the centres of cells.
 const LEAST_HEIGHT: f64 = 0.2;
+
+/// Where the vertex of a piece of a surface lies in its cube.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum VertexPlacement {
+    /// In the mean of the crossings: surface nets on the dual cells (S. F. F. Gibson, "Constrained elastic surface nets", MICCAI 1998).
+    #[default]
+    Mean,
+    /// Where the planes of the crossings, with the slope of the field as their normal, come nearest to meeting: dual contouring
+    /// (T. Ju et al., "Dual contouring of Hermite data", ACM TOG 21(3), 2002). Pieces that end at a cut lie as for `Mean`.
+    Features,
+}
 
 /// A triangle mesh that is a surface of a field.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -110,8 +129,7 @@ impl ExtendedField {
         if height_mm.is_nan() || height_mm < LEAST_HEIGHT * cell_mm {
             return Err(ContourError::TooThin { height_mm, cell_mm });
         }
-        // From the centre of the highest cell half a cell is left to its skin.
-        let top = self.highest() + 0.5 / self.layer_cells();
+        let top = self.top();
         let part_mm = top * self.layer_cells() * cell_mm;
         if height_mm > part_mm * (1.0 + 1e-9) {
             return Err(ContourError::TooThick { height_mm, part_mm });
@@ -163,10 +181,41 @@ pub fn contour(
     origin: Point3<f64>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Surface>, ContourError> {
+    contour_with(field, levels, cell_mm, origin, VertexPlacement::default(), progress)
+}
+
+/// [`contour`](contour()) with a choice of where vertices lie.
+///
+/// # Errors
+/// As for [`contour`](contour()).
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, surface::{LayerField, VertexPlacement, contour_with, extend}};
+/// // A front that goes on along the longer of two ways: its surfaces have an edge at x = z.
+/// let cells = Cells::new([8, 1, 8], &[0xff; 8])?;
+/// let values = (0..64).map(|cell: u32| f64::from((cell % 8).max(cell / 8)) + 0.5).collect();
+/// let field = extend(&LayerField::new(&cells, values, 1.0)?, &cells);
+/// let silent = |_| std::ops::ControlFlow::Continue(());
+/// let from_edge = |placement| -> Result<f64, Box<dyn std::error::Error>> {
+///     let surfaces = contour_with(&field, &[4.25], 1.0, [0.0; 3].into(), placement, &silent)?;
+///     Ok(surfaces[0].points.iter().map(|p| (p.x - 4.25).hypot(p.z - 4.25)).fold(f64::INFINITY, f64::min))
+/// };
+/// assert!(from_edge(VertexPlacement::Features)? < 0.5 * from_edge(VertexPlacement::Mean)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn contour_with(
+    field: &ExtendedField,
+    levels: &[f64],
+    cell_mm: f64,
+    origin: Point3<f64>,
+    placement: VertexPlacement,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<Surface>, ContourError> {
     check_cell(cell_mm, origin)?;
     let crossings = crossings(field, levels);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
-    let one = |k: usize, _: Report| Contour::new(field, levels[k]).run(&crossings[k], cell_mm, low);
+    let one = |k: usize, _: Report| Contour::new(field, levels[k], placement).run(&crossings[k], cell_mm, low);
     in_parallel_watched(levels.len(), "contour", progress, one).ok_or(ContourError::Cancelled)
 }
 
@@ -215,6 +264,7 @@ fn crossings(field: &ExtendedField, levels: &[f64]) -> Vec<Vec<Crossing>> {
 struct Contour<'a> {
     field: &'a ExtendedField,
     level: f64,
+    placement: VertexPlacement,
     strides: [usize; 3],
     points: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
@@ -233,9 +283,17 @@ struct Cube {
 }
 
 impl<'a> Contour<'a> {
-    fn new(field: &'a ExtendedField, level: f64) -> Self {
+    fn new(field: &'a ExtendedField, level: f64, placement: VertexPlacement) -> Self {
         let strides = field.lattice.strides();
-        Contour { field, level, strides, points: Vec::new(), triangles: Vec::new(), on_faces: BTreeMap::new() }
+        Contour {
+            field,
+            level,
+            placement,
+            strides,
+            points: Vec::new(),
+            triangles: Vec::new(),
+            on_faces: BTreeMap::new(),
+        }
     }
 
     fn run(mut self, crossings: &[Crossing], cell_mm: f64, low: Point3<f64>) -> Surface {
@@ -314,6 +372,7 @@ impl<'a> Contour<'a> {
     /// Where the vertex of a piece lies, in cells from the first node of the lattice.
     fn vertex(&self, cube: &Cube, corners: &[usize; 8], piece: u8) -> Vector3<f64> {
         let (mut mean, mut count) = (Vector3::zeros(), 0.0);
+        let mut qef = Qef::default();
         let is_joined = |edge: usize| cube.crossed.joined >> edge & 1 == 1;
         let mut own = [false; 8];
         for slot in (0..SLOTS).filter(|&slot| cube.pieces.of[slot] == piece) {
@@ -323,6 +382,9 @@ impl<'a> Contour<'a> {
             at[axis] = self.crossing(corners[low], axis, upper);
             mean += at;
             count += 1.0;
+            if self.placement == VertexPlacement::Features && is_joined(edge) {
+                qef.add(at, self.gradient(corners[low], axis, at[axis]));
+            }
             own[low] |= !upper;
             own[low | 1 << axis] |= upper || is_joined(edge);
         }
@@ -339,7 +401,9 @@ impl<'a> Contour<'a> {
                 break;
             }
         }
-        if own != [true; 8] {
+        if own == [true; 8] {
+            mean = qef.minimum_near(mean, MARGIN);
+        } else {
             let slope = self.slope(&own, corners);
             let ends = cube.crossed.ends(&cube.pieces, piece, slope.into());
             let way = to_the_end(mean, ends, slope);
@@ -352,6 +416,12 @@ impl<'a> Contour<'a> {
         }
         let place = self.field.lattice.position(cube.low_node).map(f64::from);
         Vector3::from(place) + mean.map(|c| c.clamp(MARGIN, 1.0 - MARGIN))
+    }
+
+    /// The slope at a place on a joined edge, between those of its ends.
+    fn gradient(&self, low: usize, axis: usize, share: f64) -> Vector3<f64> {
+        let ends = [low, low + self.strides[axis]].map(|node| Vector3::from(self.field.lattice.slopes(node)));
+        ends[0].lerp(&ends[1], share)
     }
 
     /// The slope at some corners of a cube together.
