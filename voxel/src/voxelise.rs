@@ -174,7 +174,8 @@ const MAX_COORDINATE: f64 = 1e100;
 /// # Arguments
 /// * `vertices`: corners in millimetres. Those that no triangle names count for nothing but are checked.
 /// * `triangles`: three indices each, counter-clockwise from outside. Closed or not, they may pass through each other,
-///   repeat vertices, or all be turned inwards.
+///   repeat vertices, or be turned inwards, some or all: they are oriented first. Whoever goes on with the triangles
+///   takes those of [`orient`](crate::orient).
 /// * `options`: how large the cells are.
 /// * `progress`: called now and then with the work done; `Break` stops it.
 ///
@@ -183,9 +184,9 @@ const MAX_COORDINATE: f64 = 1e100;
 /// `z = 0`. Vertices are rounded to 2^-24 of a cell first; all that follows about the surface is exact.
 ///
 /// # Errors
-/// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a resolution that is none,
-/// a grid beyond the limits of [`VoxelGrid`] or of `max_bytes` (before it is allocated), a mesh that touches no cell,
-/// and if it was stopped.
+/// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a surface of one side alone,
+/// a resolution that is none, a grid beyond the limits of [`VoxelGrid`] or of `max_bytes` (before it is allocated, with
+/// the size or the number of cells that fits), a mesh that touches no cell, and if it was stopped.
 ///
 /// # Cost
 /// Linear in the triangles, the rows of cells that they touch and the pieces of the rest; a fifth of a second for a
