@@ -167,7 +167,7 @@ pub fn run(
     let total = inspect_time + voxelise_time + grow + audit_time + surfaces_time;
     let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
-    let mut findings = findings(&mesh, &thin, &solid);
+    let mut findings = [part.warnings.clone(), findings(&mesh, &thin, &solid)].concat();
     findings.extend(part.coarse_for(cell_mm));
     let field = FieldRun { mesh, thin, solid, platform, growth, strategy, audit, quality, times, findings };
     Ok((field, surfaces))

@@ -14,6 +14,7 @@
 
 mod boundary;
 mod distance;
+mod error;
 mod grid;
 mod implicit;
 pub mod inspect;
@@ -29,6 +30,7 @@ mod voxelise;
 mod winding;
 
 pub use distance::{BoundaryDistance, Nearest};
+pub use error::VoxelError;
 pub use grid::{GridError, TooFine, VoxelGrid};
 pub use implicit::{ImplicitError, ImplicitOptions};
 pub use nalgebra;
@@ -36,4 +38,4 @@ pub use neighbours::Connectivity;
 pub use orient::{OneSided, OrientError, OrientReport, Oriented, orient};
 pub use progress::Progress;
 pub use text::{TextGrid, TextGridError, WriteTextGridError, read_text_grid, write_text_grid};
-pub use voxelise::{Resolution, VoxelError, VoxelOptions, VoxelReport, Voxelisation, voxelise};
+pub use voxelise::{Resolution, VoxelOptions, VoxelReport, Voxelisation, voxelise};

@@ -16,11 +16,11 @@ use crate::boundary::{Cap, caps, open_edges, sides, welded};
 use crate::grid::zeroed;
 use crate::interior::{self, Capped, Inside, Surface};
 use crate::lattice::{Lattice, TooFineOr};
-use crate::orient::{OneSided, OrientReport, Oriented, orient_welded};
+use crate::orient::{OrientReport, Oriented, orient_welded};
 use crate::search;
 use crate::surface::{Bits, Painter, Walls};
 use crate::winding::Winding;
-use crate::{GridError, Progress, TooFine, VoxelGrid};
+use crate::{GridError, Progress, VoxelError, VoxelGrid};
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
@@ -111,78 +111,6 @@ pub struct VoxelReport {
     pub trials: usize,
 }
 
-/// Why a mesh does not become cells.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum VoxelError {
-    /// The mesh has no triangle.
-    #[error("the mesh has no triangle")]
-    NoTriangle,
-    /// No triangle has an area.
-    #[error("all {dropped} triangles of the mesh have no area")]
-    NoArea {
-        /// Triangles without area.
-        dropped: usize,
-    },
-    /// A coordinate is not a number, not finite, or beyond any use.
-    #[error("vertex {vertex} has an invalid coordinate: {position:?}; coordinates must be finite and below 1e100 mm")]
-    BadVertex {
-        /// Index of the vertex.
-        vertex: usize,
-        /// Its coordinates.
-        position: [f64; 3],
-    },
-    /// A triangle names a vertex that is not there.
-    #[error("triangle {triangle} names vertex {index} of {vertices}")]
-    BadIndex {
-        /// Index of the triangle.
-        triangle: usize,
-        /// Index of the vertex that it names.
-        index: u32,
-        /// Vertices that there are.
-        vertices: usize,
-    },
-    /// No cells were asked for.
-    #[error("the wanted number of cells is 0: it must be at least 1")]
-    NoCount,
-    /// The surface has one side alone, so that it bounds no solid.
-    #[error(transparent)]
-    OneSided(#[from] OneSided),
-    /// The cells that were asked for are too small: the grid would be too large.
-    #[error(transparent)]
-    TooFine(#[from] TooFine),
-    /// More cells were asked for than fit.
-    #[error("{wanted} cells need too large a grid: {cause}; about {fits} cells fit")]
-    TooMany {
-        /// Cells that were asked for.
-        wanted: u64,
-        /// About the largest number that fits, from the volume and the area of the part.
-        fits: u64,
-        /// What is too large for the wanted number.
-        cause: GridError,
-    },
-    /// A grid cannot begin there.
-    #[error("a grid at {corner:?} for a part that begins at {part:?} mm: it must begin there or up to a cell before")]
-    Corner {
-        /// Low corner of the grid that was asked for, in x and y.
-        corner: [f64; 2],
-        /// Low corner of the part, in x and y.
-        part: [f64; 2],
-    },
-    /// The grid cannot be made.
-    #[error(transparent)]
-    Grid(#[from] GridError),
-    /// The mesh touches no open cell and encloses none, as a plate without thickness on a plane of the grid.
-    #[error("no cell of {cell_mm} mm is touched: the mesh lies within a plane of the grid and encloses nothing")]
-    Nothing {
-        /// Edge of a cell.
-        cell_mm: f64,
-    },
-    /// The callback stopped the work.
-    #[error("cancelled")]
-    Cancelled,
-}
-
 /// The corner of a grid is taken to this part of a cell: far finer than the places that a search tries, far coarser than
 /// the rounding of coordinates.
 const PLACE_STEPS: u32 = 1 << 20;
@@ -195,7 +123,8 @@ const MAX_COORDINATE: f64 = 1e100;
 /// # Arguments
 /// * `vertices`: corners in millimetres. Those that no triangle names count for nothing but are checked.
 /// * `triangles`: three indices each, counter-clockwise from outside. Closed or not, they may pass through each other,
-///   repeat vertices, or all be turned inwards.
+///   repeat vertices, or be turned inwards, some or all: they are oriented first. Whoever goes on with the triangles
+///   takes those of [`orient`](crate::orient).
 /// * `options`: how large the cells are.
 /// * `progress`: called now and then with the work done; `Break` stops it.
 ///
@@ -204,9 +133,9 @@ const MAX_COORDINATE: f64 = 1e100;
 /// `z = 0`. Vertices are rounded to 2^-24 of a cell first; all that follows about the surface is exact.
 ///
 /// # Errors
-/// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a resolution that is none,
-/// a grid beyond the limits of [`VoxelGrid`] or of `max_bytes` (before it is allocated), a mesh that touches no cell,
-/// and if it was stopped.
+/// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a surface of one side alone,
+/// a resolution that is none, a grid beyond the limits of [`VoxelGrid`] or of `max_bytes` (before it is allocated, with
+/// the size or the number of cells that fits), a mesh that touches no cell, and if it was stopped.
 ///
 /// # Cost
 /// Linear in the triangles, the rows of cells that they touch and the pieces of the rest; a fifth of a second for a

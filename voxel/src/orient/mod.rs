@@ -96,7 +96,7 @@ pub struct OneSided {
 /// [`OrientError::OneSided`]; [`OrientError::Mesh`] as [`inspect`](crate::inspect::inspect).
 ///
 /// # Cost
-/// `O(n log n)` for `n` triangles (some 15 ms for 30,000), and up to 64 rays for each body if there are several. One
+/// `O(n log n)` for `n` triangles (some 3 ms for 7,000), and up to 64 rays for each body if there are several. One
 /// thread; the same result on every run.
 ///
 /// # Example
