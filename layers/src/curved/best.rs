@@ -16,7 +16,7 @@ use std::collections::HashSet;
 pub const WORTH: f64 = 0.01;
 
 /// How much less of the volume an order has to miss, as a share of it, to be taken where both lose about as much: what a print may
-/// miss and count as complete. The volume of missed cells is exact to some hundredths of itself.
+/// miss and count as complete. The volume of missed cells is cut from the mesh, so it is more exact than that of surfaces.
 pub const WORTH_MISSED: f64 = 0.001;
 
 /// What is laid of a part.

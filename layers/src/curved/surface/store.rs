@@ -217,8 +217,7 @@ impl SavedField {
         Self::read_within(Self::MAX_GRID, source)
     }
 
-    /// Reads a field with a grid of at most `max_grid` cells, empty ones included. Each takes 8 bytes, and some 40 more in the
-    /// surfaces that are made of it.
+    /// Reads a field with a grid of at most `max_grid` cells, empty ones included. Each takes 8 bytes.
     ///
     /// # Errors
     /// As [`SavedField::read`].
