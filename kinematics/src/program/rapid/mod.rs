@@ -5,6 +5,7 @@
 mod data;
 mod instruction;
 mod main;
+mod options;
 mod part;
 mod program;
 mod write;

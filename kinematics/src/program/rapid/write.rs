@@ -1,11 +1,11 @@
 //! RAPID, written.
 
+use super::options::check_options;
 use super::{
     DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidOptions, SPEEDS,
     TOOL0, WOBJ0, ZONES,
 };
-use crate::program::check::{Checker, check_frame, check_option, check_payload};
-use crate::program::names::{Language, check_distinct, check_form, check_name};
+use crate::program::check::Checker;
 use crate::program::text::Text;
 use crate::program::{ExternalAxes, Goal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone};
 use nalgebra::{Isometry3, Point3};
@@ -22,10 +22,6 @@ pub struct RapidWritten {
     pub stops_added: u32,
 }
 
-/// Longest name of a program: with `_`, seven digits and `_run` it is as long as a word may be.
-const LONGEST_NAME: usize = 20;
-/// Longest name in RAPID.
-const LONGEST_WORD: usize = 32;
 /// Decimals of the step of a group output.
 const STEP: usize = 9;
 /// Text that is collected before it goes out.
@@ -136,118 +132,6 @@ pub fn write_rapid<W: Write>(
 struct Used {
     switch: bool,
     filament: bool,
-}
-
-fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
-    check_names(options)?;
-    check_frame("tool.frame", &options.tool.frame)?;
-    check_frame("work_object.frame", &options.work_object.frame)?;
-    if let Some(load) = &options.tool.load {
-        check_payload(["tool.load.mass_kg", "tool.load.centre"], load)?;
-    }
-    if let Some(load) = &options.part_load {
-        check_payload(["part_load.mass_kg", "part_load.centre"], load)?;
-    }
-    check_hands(options)?;
-    if let FilamentOutput::Group { step_mm_s, bits } = options.filament_output {
-        let fits = (1e-6..=1e3).contains(&step_mm_s);
-        check_option("filament_output.step_mm_s", step_mm_s, fits, "it must be from 1e-6 to 1000 mm/s")?;
-        let fits = (1..=23).contains(&bits);
-        check_option("filament_output.bits", f64::from(bits), fits, "it must be from 1 to 23")?;
-    }
-    let most = options.moves_per_module;
-    check_option("moves_per_module", f64::from(most), most >= 1, "it must be 1 or more")
-}
-
-fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
-    let (tool, work) = (&options.tool, &options.work_object);
-    check_name(Language::Rapid, "name", &options.name, LONGEST_NAME)?;
-    let mut names = vec![("name", options.name.as_str())];
-    for (what, name, installed) in [("tool.name", &tool.name, TOOL0), ("work_object.name", &work.name, WOBJ0)] {
-        if name != installed {
-            check_name(Language::Rapid, what, name, LONGEST_WORD)?;
-        }
-        names.push((what, name));
-    }
-    for (what, name) in [("signal", &options.signal), ("filament_signal", &options.filament_signal)] {
-        check_name(Language::Rapid, what, name, LONGEST_WORD)?;
-        names.push((what, name));
-    }
-    if let Some(unit) = &work.unit {
-        check_name(Language::Rapid, "work_object.unit", unit, LONGEST_WORD)?;
-        names.push(("work_object.unit", unit));
-    }
-    check_distinct(&names)?;
-    for &(what, name) in &names[1..] {
-        let ours = name.len() > options.name.len()
-            && name.as_bytes()[..options.name.len()].eq_ignore_ascii_case(options.name.as_bytes())
-            && name.as_bytes()[options.name.len()] == b'_';
-        if ours || name.eq_ignore_ascii_case(FILAMENT_STEP) {
-            let need = "modules and procedures of the program have such names; take another".to_owned();
-            return Err(WriteError::Name { what, name: name.to_owned(), need });
-        }
-    }
-    // A folder such as `HOME:` or `HOME:/parts`.
-    let folder: String = options.folder.chars().filter(|c| !matches!(c, ':' | '/' | '-' | '.')).collect();
-    check_form("folder", &folder, LONGEST_WORD).map_err(|_| WriteError::Name {
-        what: "folder",
-        name: options.folder.clone(),
-        need: "it must be like `HOME:` or `HOME:/parts`".to_owned(),
-    })
-}
-
-/// Who holds what, and what would be lost.
-fn check_hands(options: &RapidOptions) -> Result<(), WriteError> {
-    let (tool, work) = (&options.tool, &options.work_object);
-    let is_moved = |frame: &Isometry3<f64>| *frame != Isometry3::identity();
-    let conflicts = [
-        ("tool.in_hand", tool.name == TOOL0 && !tool.in_hand, "`tool0` is the flange; give a tool that stands a name"),
-        (
-            "tool.frame",
-            tool.name == TOOL0 && is_moved(&tool.frame),
-            "`tool0` is the flange, so the frame would be lost; give the tool another name",
-        ),
-        (
-            "tool.load",
-            tool.name == TOOL0 && tool.load.is_some(),
-            "`tool0` is not declared, so the load would be lost; give the tool another name",
-        ),
-        (
-            "work_object.in_hand",
-            work.name == WOBJ0 && work.in_hand,
-            "`wobj0` is the world; give a work object in the hand a name",
-        ),
-        (
-            "work_object.frame",
-            work.name == WOBJ0 && is_moved(&work.frame),
-            "`wobj0` is the world, so the frame would be lost; give the work object another name",
-        ),
-        (
-            "work_object.unit",
-            work.name == WOBJ0 && work.unit.is_some(),
-            "`wobj0` is the world, so the unit would be lost; give the work object another name",
-        ),
-        (
-            "work_object.in_hand",
-            tool.in_hand && work.in_hand,
-            "tool and work object are both in the hand; only one can be",
-        ),
-        (
-            "work_object.in_hand",
-            !tool.in_hand && !work.in_hand,
-            "neither tool nor work object is in the hand; the robot must hold one",
-        ),
-        ("work_object.unit", work.in_hand && work.unit.is_some(), "a work object in the hand is on no mechanical unit"),
-        (
-            "part_load",
-            !work.in_hand && options.part_load.is_some(),
-            "the work object is not in the hand, so the load would be lost; leave it out",
-        ),
-    ];
-    match conflicts.into_iter().find(|(_, is_so, _)| *is_so) {
-        Some((what, _, need)) => Err(WriteError::Conflict { what, need }),
-        None => Ok(()),
-    }
 }
 
 fn part_name(options: &RapidOptions, number: u32) -> String {
