@@ -10,7 +10,7 @@
 
 use super::branches::{Branch, Solutions, slot};
 use super::planar::{Free, aim, bend, lift, shoulder};
-use super::{ArmError, Frames, ROUNDING, SHORTEST, meets};
+use super::{ArmError, Frames, HELD, ROUNDING, SHORTEST, meets, within_reach};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
@@ -52,6 +52,7 @@ impl OrthoLengths {
             if !value.is_finite() {
                 return Err(ArmError::LengthNotFinite { what, value });
             }
+            within_reach(what, value)?;
         }
         if c2.abs() < SHORTEST {
             return Err(ArmError::NoLength { link: "upper arm" });
@@ -95,7 +96,7 @@ impl OrthoArm {
     pub fn verify(&self, r: &Matrix3<f64>, p: &Vector3<f64>, found: &mut Solutions) {
         for slot in [0, 2, 4, 6] {
             let (twin, flipped) = (found.at(slot).copied(), found.at(slot + 1).copied());
-            let kept = twin.is_some_and(|q| meets(&self.forward(&q), r, p, 1.0));
+            let kept = twin.is_some_and(|q| meets(&self.forward(&q), r, p, HELD));
             let is_twin = |q: [f64; 6], f: [f64; 6]| {
                 let apart = [f[0] - q[0], f[1] - q[1], f[2] - q[2], f[3] - q[3] - PI, f[4] + q[4], f[5] - q[5] - PI];
                 apart.iter().all(|angle| angle.abs() <= ROUNDING)
@@ -104,7 +105,7 @@ impl OrthoArm {
             if !kept {
                 found.remove(Branch::ALL[slot]);
             }
-            if !both && !flipped.is_some_and(|f| meets(&self.forward(&f), r, p, 1.0)) {
+            if !both && !flipped.is_some_and(|f| meets(&self.forward(&f), r, p, HELD)) {
                 found.remove(Branch::ALL[slot + 1]);
             }
         }
@@ -179,7 +180,7 @@ impl OrthoArm {
                 let (s23, c23) = (s * self.lean.0 - c * self.lean.1, c * self.lean.0 + s * self.lean.1);
                 // The flange's axis in the frame of the forearm.
                 let (x, y, z) = (x1[2] * c23 - z6.z * s23, y1[2], x1[2] * s23 + z6.z * c23);
-                let (q4, q5) = aim(x, y, z, free.joints[3], free.wrist);
+                let (q4, q5, _) = aim(x, y, z, free.joints[3], free.wrist);
                 // Axis 5 in the flange.
                 let axis5 = |k: usize, vertical: f64| y1[k] * q4.cos - (x1[k] * c23 - vertical * s23) * q4.sin;
                 let q6 = atan2(axis5(0, x6.z), axis5(1, y6.z));
