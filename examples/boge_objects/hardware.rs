@@ -23,6 +23,7 @@ pub enum Hardware {
 }
 
 impl Hardware {
+    /// All of them, in the order of Table 6.7.
     pub const ALL: [Hardware; 3] = [Hardware::InHand, Hardware::Fixed, Hardware::Elevated];
 
     /// What tables call it.

@@ -24,9 +24,11 @@ pub const LAYERS_FILE: &str = "layers.csv";
 pub struct Request {
     /// The file of the grid.
     pub file: PathBuf,
+    /// What its platform stands on.
     pub hardware: Hardware,
     /// The share of missed cells up to which the run counts as well done.
     pub allow_missed: f64,
+    /// For the summary; the work takes milliseconds.
     pub threads: usize,
 }
 
