@@ -162,7 +162,7 @@ fn working(part: &Shape) -> Vec<Posture> {
         let tip = (a + b + c) / 3.0 + Vector3::from(STANDS) + (TIP + WORKS) * normal;
         let side = Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
         let flange = Isometry3::from_parts(tip.into(), UnitQuaternion::face_towards(&-normal, &side));
-        let branches: Vec<_> = arm.inverse(&flange).iter().map(|(_, joints)| *joints).collect();
+        let branches: Vec<_> = arm.inverse(&flange).expect("a pose").iter().map(|(_, joints)| *joints).collect();
         if !branches.is_empty() {
             found.push(branches[random.random_range(0..branches.len())].into());
         }

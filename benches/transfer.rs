@@ -88,7 +88,7 @@ fn ends(cell: &Cell) -> Vec<([f64; 6], [f64; 6])> {
         let tilt = Vector3::new(PI + random.random_range(-0.4..0.4), random.random_range(-0.4..0.4), 0.0);
         let turn = Isometry3::rotation(Vector3::z() * random.random_range(-PI..PI));
         let base_flange = tip * Isometry3::rotation(tilt) * turn * Isometry3::translation(0.0, 0.0, -120.0);
-        let all: Vec<[f64; 6]> = arm.inverse(&base_flange).iter().map(|(_, joints)| *joints).collect();
+        let all: Vec<[f64; 6]> = arm.inverse(&base_flange).expect("a pose").iter().map(|(_, joints)| *joints).collect();
         if all.is_empty() {
             continue;
         }

@@ -10,14 +10,16 @@
 //! * A cell that was tried and turned down stays in the tested set, as line 20 says.
 //! * Uniform slicing builds a cell only if the whole column under it is solid.
 
+use super::hardware::Hardware;
 use super::objects::Drawing;
+use super::rating::Rating;
 use super::thesis;
 use curvlay_examples::args::{Failure, Outcome};
 use curvlay_examples::bars::Bars;
 use curvlay_layers::Progress;
 use curvlay_layers::curved::{
-    AuditReport, Candidates, Cells, Growth, GrowthOptions, Neighbours, Platform, PlatformError, Prevention, Rules,
-    UnbuildOptions, Visit, audit, grow, peel, unbuild,
+    AuditReport, Candidates, Cells, Growth, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions,
+    Visit, audit, grow, peel, unbuild,
 };
 use curvlay_layers::planar::slice_uniformly;
 use curvlay_voxel::TextGrid;
@@ -36,6 +38,24 @@ pub struct Run {
     pub audit: AuditReport,
 }
 
+/// An object grown in all ways on one platform.
+pub struct Ways {
+    /// By the rules of the thesis, in the order of [`thesis::METHODS`].
+    pub theirs: [Run; 2],
+    /// By the rules of the thesis, un-built.
+    pub unbuilt: Run,
+    /// By our default rules, in the order of [`STRATEGIES`].
+    pub ours: [Run; 5],
+}
+
+impl Ways {
+    /// All runs with the names of their methods.
+    pub fn runs(&self) -> impl Iterator<Item = (&'static str, &Run)> {
+        let theirs = thesis::METHODS.into_iter().zip(&self.theirs);
+        theirs.chain([(UNBUILT, &self.unbuilt)]).chain(STRATEGIES.into_iter().zip(&self.ours))
+    }
+}
+
 /// An object on a platform, grown in all ways.
 pub struct Case {
     pub object: usize,
@@ -43,12 +63,14 @@ pub struct Case {
     /// Begins the names of its figures.
     pub key: String,
     pub drawn: TextGrid,
-    /// By the rules of the thesis, in the order of [`thesis::METHODS`].
-    pub theirs: [Run; 2],
-    /// By the rules of the thesis, un-built.
-    pub unbuilt: Run,
-    /// By our default rules, in the order of [`STRATEGIES`].
-    pub ours: [Run; 5],
+    pub ways: Ways,
+}
+
+/// An object on what a set of hardware makes of its small platform.
+pub struct OnHardware {
+    pub object: usize,
+    pub hardware: Hardware,
+    pub ways: Ways,
 }
 
 /// A figure of the thesis beside ours.
@@ -73,6 +95,8 @@ pub struct Results {
     pub uniform: Vec<usize>,
     /// The 77 figures of the tables.
     pub entries: Vec<Entry>,
+    /// Object after object, in each the sets of [`Hardware::ALL`].
+    pub hardware: Vec<OnHardware>,
 }
 
 impl Results {
@@ -81,31 +105,52 @@ impl Results {
         self.entries.iter().filter(|entry| entry.ours != entry.thesis)
     }
 
-    /// All runs under their names.
+    /// All runs on the three platforms under their names.
     pub fn runs(&self) -> impl Iterator<Item = (String, &Run)> {
-        self.cases.iter().flat_map(|case| {
-            let theirs = thesis::METHODS.iter().zip(&case.theirs);
-            let named = theirs.chain([(&UNBUILT, &case.unbuilt)]).chain(STRATEGIES.iter().zip(&case.ours));
-            named.map(|(method, run)| (figure(&case.key, method, ""), run))
+        let named = |case: &'_ Case, method: &str| figure(&case.key, method, "");
+        self.cases.iter().flat_map(move |case| case.ways.runs().map(move |(method, run)| (named(case, method), run)))
+    }
+
+    /// All runs on what hardware makes of the small platform.
+    pub fn runs_on_hardware(&self) -> impl Iterator<Item = (String, &Run)> {
+        self.hardware.iter().flat_map(|on| {
+            let key = format!("object{}_{}", on.object + 1, on.hardware.key());
+            on.ways.runs().map(move |(method, run)| (figure(&key, method, ""), run))
         })
+    }
+
+    /// Verdicts of Table 6.4 that are not those of the thesis, in words.
+    pub fn other_ratings(&self) -> Vec<String> {
+        let mut other = Vec::new();
+        for case in &self.cases {
+            for (method, run) in case.ways.theirs.iter().enumerate() {
+                let (ours, thesis) =
+                    (Rating::of(run, &case.drawn), thesis::RATINGS[case.object][case.platform][method]);
+                if ours != thesis {
+                    let key = figure(&case.key, thesis::METHODS[method], "rating");
+                    other.push(format!("{key}: {ours}, in the thesis {thesis}"));
+                }
+            }
+        }
+        other
     }
 
     /// The names of the runs whose audit failed, with what is wrong.
     pub fn failed_audits(&self) -> Vec<String> {
-        let failed = self.runs().filter(|(_, run)| !run.audit.is_ok());
+        let failed = self.runs().chain(self.runs_on_hardware()).filter(|(_, run)| !run.audit.is_ok());
         failed.map(|(name, run)| format!("{name}: {}", run.audit)).collect()
     }
 
-    /// All is well when all figures agree and all audits pass.
+    /// All is well when all figures and verdicts agree and all audits pass.
     pub fn outcome(&self) -> Outcome {
         let figures = self.disagreeing().map(Entry::to_string);
         let audits = self.failed_audits().into_iter().map(|failed| format!("audit of {failed}"));
-        Outcome::of(figures.chain(audits).collect())
+        Outcome::of(figures.chain(self.other_ratings()).chain(audits).collect())
     }
 }
 
 /// The name of a figure: `object1_s_gcfa_isp_missed`.
-fn figure(case: &str, method: &str, what: &str) -> String {
+pub fn figure(case: &str, method: &str, what: &str) -> String {
     let name = format!("{case}_{}_{what}", method.to_lowercase().replace(['-', ' '], "_"));
     name.trim_end_matches('_').to_owned()
 }
@@ -114,11 +159,12 @@ fn figure(case: &str, method: &str, what: &str) -> String {
 pub fn run(drawings: Vec<Drawing>, bars: &Bars) -> Result<Results, Failure> {
     let total = drawings.len() as u64;
     let (mut cases, mut entries, mut uniform) = (Vec::new(), Vec::new(), Vec::new());
+    let mut hardware = Vec::new();
     for (done, drawing) in (0..).zip(drawings) {
         bars.update("grow", done, total);
         let case = grow_case(drawing)?;
         let (missed, layers) = (thesis::MISSED, thesis::LAYERS);
-        for (method, run) in case.theirs.iter().enumerate() {
+        for (method, run) in case.ways.theirs.iter().enumerate() {
             let entry = |what: &str, ours: usize, table: [[[usize; 2]; 3]; 6]| Entry {
                 key: figure(&case.key, thesis::METHODS[method], what),
                 ours,
@@ -129,7 +175,10 @@ pub fn run(drawings: Vec<Drawing>, bars: &Bars) -> Result<Results, Failure> {
         }
         // The platform makes no difference to it.
         if case.platform == 0 {
-            uniform.push(slice_uniformly(&cells(&case.drawn)?).missed.len());
+            uniform.push(sliced(&case.drawn)?);
+            for set in Hardware::ALL {
+                hardware.push(OnHardware { object: case.object, hardware: set, ways: grow_on(&case.drawn, set)? });
+            }
         }
         cases.push(case);
     }
@@ -140,7 +189,12 @@ pub fn run(drawings: Vec<Drawing>, bars: &Bars) -> Result<Results, Failure> {
             thesis,
         }));
     }
-    Ok(Results { cases, uniform, entries })
+    Ok(Results { cases, uniform, entries, hardware })
+}
+
+/// Cells that uniform slicing misses.
+pub fn sliced(drawn: &TextGrid) -> Result<usize, Failure> {
+    Ok(slice_uniformly(&cells(drawn)?).missed.len())
 }
 
 /// The cells of a drawing.
@@ -164,48 +218,32 @@ fn grown_with(prevention: Prevention) -> Way {
 fn grow_case(drawing: Drawing) -> Result<Case, Failure> {
     let key = drawing.key();
     let Drawing { object, platform, drawn } = drawing;
+    let ways = grow_on(&drawn, Hardware::InHand)?;
+    Ok(Case { object, platform, key, ways, drawn })
+}
+
+/// Grows an object in all ways, on what a set of hardware makes of its platform.
+pub fn grow_on(drawn: &TextGrid, hardware: Hardware) -> Result<Ways, Failure> {
+    let (hers, own) = (hardware.platform_of_thesis(drawn)?, hardware.platform_of_ours(drawn)?);
+    // By the rules of the thesis, and by our default rules: a depth of one cell.
+    let by_thesis = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
+    let by_default = Rules { flat: drawn.flat, ..Rules::default() };
     let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
     let as_in_the_thesis =
         |prevention| Way::Grow(GrowthOptions { prevention, candidates: Candidates::OfLastLayer, visit });
-    let greedy = by_thesis(&drawn, as_in_the_thesis(Prevention::None))?;
-    let isp = by_thesis(&drawn, as_in_the_thesis(Prevention::FewerThanAll))?;
-    let unbuilt = by_thesis(&drawn, Way::Unbuild)?;
-    let ours = [
-        by_default(&drawn, grown_with(Prevention::None))?,
-        by_default(&drawn, grown_with(Prevention::Incremental))?,
-        by_default(&drawn, grown_with(Prevention::Adaptive))?,
-        by_default(&drawn, Way::Governed)?,
-        by_default(&drawn, Way::Unbuild)?,
-    ];
-    Ok(Case { object, platform, key, theirs: [greedy, isp], unbuilt, ours, drawn })
-}
-
-/// Grows by the rules of the thesis.
-fn by_thesis(drawn: &TextGrid, way: Way) -> Result<Run, Failure> {
-    let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
-    // Half a cell below the plane z = 0 lie the centres of the cells there.
-    let platform = platform(drawn, [0.5, 0.5])?.elevated(-1)?;
-    grown(drawn, &platform, &rules, way)
-}
-
-/// Grows by our default rules: a depth of one cell, a platform that reaches down, with its top under the part and
-/// its corners at those of the cells.
-fn by_default(drawn: &TextGrid, way: Way) -> Result<Run, Failure> {
-    let rules = Rules { flat: drawn.flat, ..Rules::default() };
-    grown(drawn, &platform(drawn, [0.0, 1.0])?, &rules, way)
-}
-
-/// The hull of the platform's cells, of which each reaches from `low` to `high`.
-fn platform(drawn: &TextGrid, [low, high]: [f64; 2]) -> Result<Platform, PlatformError> {
-    let along = |axis: usize| drawn.platform.iter().map(move |cell| f64::from(cell[axis]));
-    if drawn.flat {
-        let (first, last) = along(0).fold((f64::MAX, f64::MIN), |(first, last), x| (first.min(x), last.max(x)));
-        return Platform::segment(first + low, last + high);
-    }
-    let corners = along(0)
-        .zip(along(1))
-        .flat_map(|(x, y)| [[x + low, y + low], [x + high, y + low], [x + high, y + high], [x + low, y + high]]);
-    Platform::polygon(&corners.collect::<Vec<_>>())
+    let theirs = |way| grown(drawn, &hers, &by_thesis, way);
+    let ours = |way| grown(drawn, &own, &by_default, way);
+    Ok(Ways {
+        theirs: [theirs(as_in_the_thesis(Prevention::None))?, theirs(as_in_the_thesis(Prevention::FewerThanAll))?],
+        unbuilt: theirs(Way::Unbuild)?,
+        ours: [
+            ours(grown_with(Prevention::None))?,
+            ours(grown_with(Prevention::Incremental))?,
+            ours(grown_with(Prevention::Adaptive))?,
+            ours(Way::Governed)?,
+            ours(Way::Unbuild)?,
+        ],
+    })
 }
 
 /// Grows and audits.

@@ -1,36 +1,74 @@
 //! Six test objects on three platforms, grown by two methods, against the tables of the thesis that tried them first.
 //!
-//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019): Tables 5.1, 5.2 and 6.6.
+//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019): Tables 5.1, 5.2, 6.4, 6.6 and 6.7.
 //! ```sh
 //! cargo run --release --example boge_objects
+//! cargo run --release --example boge_objects -- --grid my.txt --hardware elevated
 //! ```
 //! Every figure of the tables is printed beside ours, and the same objects follow under our own default rules, each
-//! order audited. `--help` lists the options, the README the files that it writes.
+//! order audited. With `--grid`, a grid of your own is grown in the same ways, with the platform in the hand, on the floor or
+//! elevated. `--help` lists the options, the README the files that it writes.
 
 mod growing;
+mod hardware;
 mod objects;
 mod outputs;
+mod rating;
 mod thesis;
+mod user;
 
 use clap::Parser;
 use curvlay_examples::args::{Common, Failure, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 pub use growing::Results;
+pub use hardware::Hardware;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
+pub use user::{Request, work as work_on_grid};
 
 /// The six objects of Boge (2019) on her three platforms, against her tables, and under our own rules.
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "boge_objects")]
 struct Args {
+    /// Text grid of your own to grow instead: `1` cell, `-` platform, `0` empty; the last row of a flat object is the
+    /// platform; of one in space blocks with an empty line between, the first block is the platform
+    #[arg(long, value_name = "FILE")]
+    grid: Option<PathBuf>,
+    /// Where platform and nozzle are, for --grid [default: in-hand]
+    #[arg(long, requires = "grid")]
+    hardware: Option<Hardware>,
+    /// Share of missed cells of the best strategy above which the exit status is 3, for --grid [default: 0.001]
+    #[arg(long, value_name = "SHARE", requires = "grid", value_parser = share, allow_negative_numbers = true)]
+    allow_missed: Option<f64>,
     #[command(flatten)]
     common: Common,
+}
+
+/// A share, from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("it must be from 0 to 1".to_owned()) }
+}
+
+impl Args {
+    /// What is asked for of a grid of the user's own.
+    fn request(&self) -> Option<Request> {
+        let file = self.grid.clone()?;
+        let hardware = self.hardware.unwrap_or(Hardware::InHand);
+        Some(Request { file, hardware, allow_missed: self.allow_missed.unwrap_or(0.001), threads: self.common.threads })
+    }
 }
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
         let folder = args.common.folder("boge_objects")?;
+        if let Some(request) = args.request() {
+            let answer = work_on_grid(&request, &Bars::new(args.common.quiet), &folder)?;
+            answer.table().print()?;
+            return Ok(answer.outcome());
+        }
         let results = work(&Bars::new(args.common.quiet), &folder, args.common.threads)?;
         outputs::print(&results)?;
         Ok(results.outcome())

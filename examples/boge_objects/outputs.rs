@@ -1,14 +1,17 @@
 //! What the example leaves behind: the tables on stdout, `summary.json` and `report.html`.
 
-use super::growing::{Case, Results, Run, STRATEGIES, UNBUILT};
+use super::growing::{Case, Results, Run, STRATEGIES, UNBUILT, figure};
+use super::hardware::Hardware;
 use super::objects::PLATFORMS;
-use super::thesis::{LAYERS, METHODS, MISSED, UNIFORM};
+use super::rating::Rating;
+use super::thesis::{HARDWARE, LAYERS, METHODS, MISSED, RATINGS, UNIFORM};
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{LayeredCells, Plane, draw_cut};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::{Summary, SummaryError};
 use curvlay_examples::table::Table;
+use curvlay_voxel::TextGrid;
 use std::io::{self, Write};
 use std::time::Duration;
 
@@ -17,9 +20,17 @@ const PICTURE: [u32; 2] = [728, 320];
 
 const BOTH: &str = "Tables 5.1 and 5.2: missed cells and layers, by the rules of the thesis, ours and Boge's";
 const SLICED: &str = "Table 6.6: missed cells of uniform slicing, ours and Boge's";
+const RATED: &str = "Table 6.4: how good each field is, ours and Boge's, and the same of our default rules";
+pub const BOUNDS: &str = "Good: nothing missed, and at most 1.5 layers for each level of cells; ok: at most 5.5 % missed, and as few layers; the \
+     rest is poor. The thesis gives no bounds; these are ours, chosen after its table.";
+const SETS: &str = "Table 6.7: properties of hardware by Boge, and what the platform of each means for the six objects";
+const SETS_NOTE: &str = "Her marks as printed; by her sections 6.4.2 and 6.4.3 the small platform goes with the elevated one and not with \
+     the floor, and so do our counts. On the floor the platform reaches 100 cells beyond the drawn one on each side.";
 const DEFAULT: &str = "The same objects by our default rules (eps 1 cell): missed cells / layers";
 
 pub fn write(results: &Results, folder: &OutputFolder, threads: usize, time: Duration) -> Result<(), Failure> {
+    // Of a run with a grid of the user's own.
+    folder.write_list(super::user::LAYERS_FILE, false, |_| Ok(()))?;
     folder.write("report.html", report(results)?.to_html())?;
     // The summary comes last: where it is, all is there.
     summary(results, threads, time)?.write(folder)?;
@@ -29,9 +40,11 @@ pub fn write(results: &Results, folder: &OutputFolder, threads: usize, time: Dur
 /// Prints the tables; a reader that has gone away (`| head`) is not an error.
 pub fn print(results: &Results) -> Result<(), Failure> {
     let text = format!(
-        "{BOTH}\n{}\n{SLICED}\n{}\n{DEFAULT}\n{}\n{}",
+        "{BOTH}\n{}\n{RATED}\n{}{BOUNDS}\n\n{SLICED}\n{}\n{SETS}\n{}{SETS_NOTE}\n\n{DEFAULT}\n{}\n{}",
         thesis_table(results),
+        rating_table(results),
         uniform_table(results),
+        hardware_table(results),
         default_table(results),
         verdict(results)
     );
@@ -54,14 +67,51 @@ fn thesis_table(results: &Results) -> Table {
     let heads = ["object".to_owned(), "platform".to_owned()].into_iter().chain(methods);
     let mut table = Table::new(heads.chain([UNBUILT.to_owned(), "layers".to_owned()]));
     for case in &results.cases {
-        let figures = case.theirs.iter().enumerate().flat_map(|(method, run)| {
+        let figures = case.ways.theirs.iter().enumerate().flat_map(|(method, run)| {
             let in_table = |table: [[[usize; 2]; 3]; 6]| table[case.object][case.platform][method];
             [run.growth.missed.len(), in_table(MISSED), run.growth.order.len(), in_table(LAYERS)]
         });
-        let unbuilt = [case.unbuilt.growth.missed.len(), case.unbuilt.growth.order.len()];
+        let unbuilt = [case.ways.unbuilt.growth.missed.len(), case.ways.unbuilt.growth.order.len()];
         table.row(place(case).into_iter().chain(figures.chain(unbuilt).map(|figure| figure.to_string())));
     }
     table
+}
+
+/// A line for each object on each platform: ratings by the rules of the thesis beside hers, and of our strategies.
+fn rating_table(results: &Results) -> Table {
+    let heads = ["object", "platform", METHODS[0], "Boge", METHODS[1], "Boge"];
+    let mut table = Table::new(heads.into_iter().chain(STRATEGIES));
+    for case in &results.cases {
+        let hers = RATINGS[case.object][case.platform];
+        let both = case.ways.theirs.iter().zip(hers).flat_map(|(run, hers)| [Rating::of(run, &case.drawn), hers]);
+        let ours = case.ways.ours.iter().map(|run| Rating::of(run, &case.drawn));
+        table.row(place(case).into_iter().chain(both.chain(ours).map(|rating| rating.to_string())));
+    }
+    table
+}
+
+/// A line for each set of hardware: her marks, and missed cells of all objects together.
+fn hardware_table(results: &Results) -> Table {
+    let marks = HARDWARE.iter().map(|(property, _)| *property);
+    let methods = results.hardware.first().into_iter().flat_map(|on| on.ways.runs()).map(|(method, _)| method);
+    let mut table = Table::new(["hardware"].into_iter().chain(marks).chain(methods));
+    for (at, set) in Hardware::ALL.into_iter().enumerate() {
+        let marks = HARDWARE.iter().map(|(_, has)| if has[at] { "yes" } else { "no" }.to_owned());
+        let missed = missed_on(results, set).into_iter().map(|missed| missed.to_string());
+        table.row([set.name().to_owned()].into_iter().chain(marks).chain(missed));
+    }
+    table
+}
+
+/// Missed cells of all objects together, method by method.
+fn missed_on(results: &Results, set: Hardware) -> Vec<usize> {
+    let mut sums = Vec::new();
+    for on in results.hardware.iter().filter(|on| on.hardware == set) {
+        let missed: Vec<usize> = on.ways.runs().map(|(_, run)| run.growth.missed.len()).collect();
+        sums.resize(missed.len(), 0);
+        sums.iter_mut().zip(missed).for_each(|(sum, missed)| *sum += missed);
+    }
+    sums
 }
 
 fn uniform_table(results: &Results) -> Table {
@@ -78,8 +128,9 @@ fn default_table(results: &Results) -> Table {
     let heads = ["object", "platform"].into_iter().chain(STRATEGIES).chain(["audits"]);
     let mut table = Table::new(heads);
     for case in &results.cases {
-        let figures = case.ours.iter().map(|run| format!("{} / {}", run.growth.missed.len(), run.growth.order.len()));
-        let passed = case.ours.iter().filter(|run| run.audit.is_ok()).count();
+        let figures =
+            case.ways.ours.iter().map(|run| format!("{} / {}", run.growth.missed.len(), run.growth.order.len()));
+        let passed = case.ways.ours.iter().filter(|run| run.audit.is_ok()).count();
         let audits = if passed == STRATEGIES.len() { "passed" } else { "FAILED" };
         table.row(place(case).into_iter().chain(figures).chain([audits.to_owned()]));
     }
@@ -88,23 +139,31 @@ fn default_table(results: &Results) -> Table {
 
 /// How many checks passed, and which did not.
 fn verdict(results: &Results) -> Table {
-    let (entries, audits) = (results.entries.len(), results.runs().count());
+    let (entries, audits) = (results.entries.len(), results.runs().chain(results.runs_on_hardware()).count());
     let failed = results.failed_audits();
+    let (ratings, other) = (ratings(results), results.other_ratings());
     let mut table = Table::new(["", ""]);
     table
         .row(["figures that agree".to_owned(), format!("{} of {entries}", entries - results.disagreeing().count())])
+        .row(["verdicts that agree".to_owned(), format!("{} of {ratings}", ratings - other.len())])
         .row(["audits passed".to_owned(), format!("{} of {audits}", audits - failed.len())]);
     for entry in results.disagreeing() {
         table.row(["DIFFERS".to_owned(), entry.to_string()]);
     }
+    other.into_iter().for_each(|line| _ = table.row(["DIFFERS".to_owned(), line]));
     failed.into_iter().for_each(|line| _ = table.row(["AUDIT FAILED".to_owned(), line]));
     table
+}
+
+/// Verdicts of Table 6.4.
+fn ratings(results: &Results) -> usize {
+    results.cases.iter().map(|case| case.ways.theirs.len()).sum()
 }
 
 fn summary(results: &Results, threads: usize, time: Duration) -> Result<Summary, SummaryError> {
     let disagreeing: Vec<&str> = results.disagreeing().map(|entry| entry.key.as_str()).collect();
     let failed = results.failed_audits();
-    let audits = results.runs().count();
+    let audits = results.runs().chain(results.runs_on_hardware()).count();
     let mut summary = Summary::new();
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
@@ -112,6 +171,8 @@ fn summary(results: &Results, threads: usize, time: Duration) -> Result<Summary,
         .set("entries", results.entries.len())?
         .set("agreeing", results.entries.len() - disagreeing.len())?
         .set("disagreeing", disagreeing.join(", "))?
+        .set("ratings", ratings(results))?
+        .set("ratings_agreeing", ratings(results) - results.other_ratings().len())?
         .set("audits", audits)?
         .set("audits_passed", audits - failed.len())?
         .set("audit_ok", failed.is_empty())?
@@ -119,6 +180,12 @@ fn summary(results: &Results, threads: usize, time: Duration) -> Result<Summary,
         .set_seconds("total_s", time)?;
     for (object, &missed) in results.uniform.iter().enumerate() {
         summary.set(&format!("object{}_uniform_missed", object + 1), missed)?;
+    }
+    for set in Hardware::ALL {
+        let methods = results.hardware.first().into_iter().flat_map(|on| on.ways.runs());
+        for ((method, _), missed) in methods.zip(missed_on(results, set)) {
+            summary.set(&figure(set.key(), method, "missed"), missed)?;
+        }
     }
     for (name, run) in results.runs() {
         summary
@@ -139,12 +206,17 @@ fn report(results: &Results) -> Result<Report, Failure> {
     results.disagreeing().for_each(|entry| {
         _ = report.notice(&format!("{} is {}, in the thesis {}", entry.key, entry.ours, entry.thesis));
     });
+    results.other_ratings().iter().for_each(|line| _ = report.notice(line));
     results.failed_audits().iter().for_each(|line| _ = report.notice(&format!("The audit failed: {line}")));
     report
         .table("This run", &verdict(results))
         .heading("By the rules of the thesis")
         .table(BOTH, &thesis_table(results))
+        .table(RATED, &rating_table(results))
+        .paragraph(BOUNDS)
         .table(SLICED, &uniform_table(results))
+        .table(SETS, &hardware_table(results))
+        .paragraph(SETS_NOTE)
         .heading("By our default rules")
         .paragraph(
             "A cell may lie up to one cell deep in the hull, cells held back can be taken later, and the platform \
@@ -153,11 +225,11 @@ fn report(results: &Results) -> Result<Report, Failure> {
         .table(DEFAULT, &default_table(results))
         .heading("On the large platform, by the rules of the thesis");
     for case in on_large(results) {
-        let runs: Vec<_> = METHODS.iter().zip(&case.theirs).map(|(method, run)| (case, *method, run)).collect();
+        let runs: Vec<_> = METHODS.iter().zip(&case.ways.theirs).map(|(method, run)| (case, *method, run)).collect();
         pictures(&mut report, &runs)?;
     }
     report.heading("On the large platform, by our default rules");
-    let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[4], &case.ours[4])).collect();
+    let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[4], &case.ways.ours[4])).collect();
     pictures(&mut report, &runs)?;
     Ok(report)
 }
@@ -171,15 +243,15 @@ fn pictures(report: &mut Report, runs: &[(&Case, &str, &Run)]) -> Result<(), Fai
     let mut drawn = Vec::new();
     for (case, method, run) in runs {
         let cut = if case.drawn.flat { "" } else { " (cut through the middle)" };
-        drawn.push((format!("object {}, {method}{cut}", case.object + 1), picture(case, run)?));
+        drawn.push((format!("object {}, {method}{cut}", case.object + 1), picture(&case.drawn, run)?));
     }
     report.pictures(&drawn.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect::<Vec<_>>());
     Ok(())
 }
 
 /// The growing field as squares; of an object in space the cut through its middle.
-fn picture(case: &Case, run: &Run) -> Result<Vec<u8>, Failure> {
-    let grid = &case.drawn.grid;
+pub fn picture(drawn: &TextGrid, run: &Run) -> Result<Vec<u8>, Failure> {
+    let grid = &drawn.grid;
     let field = run.growth.order.field(grid.dims().iter().map(|&side| side as usize).product());
     let layered = LayeredCells::new(grid.dims(), grid.rows(), &field)?;
     let [width, height] = PICTURE;

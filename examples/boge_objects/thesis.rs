@@ -1,6 +1,8 @@
 //! The figures of the thesis.
 //!
-//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), sections 5.2.3 and 6.3.
+//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), sections 5.2.3, 6.2.4, 6.3 and 6.4.
+
+use super::rating::Rating;
 
 /// What the thesis calls greedy convex front advancing, and the same with incremental shadow prevention.
 pub const METHODS: [&str; 2] = ["GCFA", "GCFA-ISP"];
@@ -28,3 +30,24 @@ pub const LAYERS: [[[usize; 2]; 3]; 6] = [
 
 /// Table 6.6, missed voxels of uniform slicing. The thesis slices no object in space.
 pub const UNIFORM: [Option<usize>; 6] = [Some(29), Some(18), Some(32), Some(14), Some(29), None];
+
+/// Table 6.4, how good each field is, laid out like [`MISSED`].
+pub const RATINGS: [[[Rating; 2]; 3]; 6] = {
+    use Rating::{Good, Ok, Poor};
+    [
+        [[Good, Good], [Poor, Ok], [Poor, Poor]],
+        [[Good, Good], [Good, Good], [Poor, Good]],
+        [[Good, Good], [Good, Good], [Poor, Good]],
+        [[Good, Good], [Good, Good], [Good, Good]],
+        [[Poor, Poor], [Poor, Poor], [Poor, Poor]],
+        [[Good, Good], [Good, Good], [Poor, Poor]],
+    ]
+};
+
+/// Table 6.7: the properties of hardware, and whether platform in the hand, platform on the floor and elevated platform have
+/// them. As printed; by sections 6.4.2 and 6.4.3 a small platform goes with the elevated one and not with the floor.
+pub const HARDWARE: [(&str, [bool; 3]); 3] = [
+    ("large parts", [false, true, true]),
+    ("small platform", [true, true, false]),
+    ("gravity helps", [true, false, false]),
+];

@@ -11,15 +11,13 @@ pub(crate) fn whole(value: f64) -> f64 {
 
 /// The image in `(-pi, pi]` of a sum of a few angles.
 pub(crate) fn wrapped(angle: f64) -> f64 {
-    let near = angle - TAU * whole(angle / TAU);
-    // Rounding may leave it a hair beyond the end.
-    if near > PI {
-        near - TAU
-    } else if near <= -PI {
-        near + TAU
-    } else {
-        near
-    }
+    // A product, since there are many of these and a division takes five times as long.
+    const TURNS: f64 = 1.0 / TAU;
+    let near = angle - TAU * whole(angle * TURNS);
+    // Rounding may leave it a hair beyond the end. Sums, not branches: one of the two is zero.
+    let beyond = if near > PI { TAU } else { 0.0 };
+    let short = if near <= -PI { TAU } else { 0.0 };
+    near - beyond + short
 }
 
 /// The image of any finite angle that is nearest to `reference`.

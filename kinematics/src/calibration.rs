@@ -3,13 +3,14 @@
 //! The tip of a nozzle on the flange is brought to the same mark in different orientations; or, with a fixed nozzle,
 //! a pin on the flange is brought to the nozzle's tip. Either way `R_i tip + p_i = mark` for each pose `(R_i, p_i)`
 //! of the flange: three equations for six unknowns, the tip in the flange and the mark in the base. The mark is
-//! eliminated by subtracting means, and three normal equations remain. (C. Dai, dissertation, TU Delft 2020, appendix
-//! on calibration, uses the "touching point" method as well.)
+//! eliminated by subtracting means, and three normal equations remain. C. Dai, *Material Deposition in 3D Space*
+//! (dissertation, TU Delft 2020), section 6.2.1, names this "touching point" calibration, after J. Meyer, *Tool Point
+//! Calibration* (software, 2016), and gives no equations; its appendix is about G-code.
 //!
 //! Poses that turn about one direction only say nothing of where along it the tip is. The eigenvalues of the normal
 //! equations determine: they are mean squares of how far a unit of tip moves over the poses.
 
-use crate::pose::parts;
+use crate::pose::{is_frame, parts};
 use nalgebra::{Isometry3, Matrix3, Point3, UnitVector3, Vector3};
 
 /// What the touching poses determine.
@@ -24,7 +25,7 @@ pub struct Calibration {
     /// Root of the mean square of the residuals.
     pub rms: f64,
     /// How much an error of touching grows in the tip, along the worst direction: 1 is as good as it gets; with poses
-    /// turned by 0.1 rad it is about 10.
+    /// turned by 0.1 rad it is about 10; infinite where they do not turn at all.
     pub amplification: f64,
     /// Set when the poses do not determine the tip along some direction of the flange; see there.
     pub warning: Option<Undetermined>,
@@ -50,8 +51,8 @@ pub enum CalibrationError {
         /// How many were given.
         count: usize,
     },
-    /// A pose is not finite, or its quaternion has another length than 1.
-    #[error("pose {index} is invalid: its entries must be finite and its quaternion of length 1")]
+    /// A pose is not finite, farther out than 1e6 mm, or its quaternion has another length than 1.
+    #[error("pose {index} is invalid: its entries must be finite and within 1e6 mm, its quaternion of length 1")]
     Pose {
         /// Its place in the input.
         index: usize,
@@ -95,7 +96,7 @@ pub fn calibrate_tip(base_flange: &[Isometry3<f64>]) -> Result<Calibration, Cali
     }
     let mut poses = Vec::with_capacity(count);
     for (index, pose) in base_flange.iter().enumerate() {
-        poses.push(parts(pose).ok_or(CalibrationError::Pose { index })?);
+        poses.push(parts(pose).ok().filter(|_| is_frame(pose)).ok_or(CalibrationError::Pose { index })?);
     }
     let share = 1.0 / count as f64;
     let mean_rotation: Matrix3<f64> = poses.iter().map(|(r, _)| r * share).sum();

@@ -44,6 +44,6 @@ pub use placement::{
     Assessment, BestPlace, BestPosture, PartPlace, PlaceError, Placement, PlacementError, ReachOptions,
     Representatives, best_place, fullest_box, place_grid, reachable_points, representative_waypoints,
 };
-pub use pose::{PoseError, pose_from_matrix};
+pub use pose::{InvalidPose, PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use progress::Progress;

@@ -80,8 +80,8 @@ impl<const N: usize> JointLimits<N> {
     pub fn check(&self) -> Result<(), LimitError> {
         for joint in 0..N {
             let (lower, upper) = (self.lower[joint], self.upper[joint]);
-            // An infinity on the wrong side leaves no angle either; NaN fails every comparison.
-            if !(lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY) {
+            // What is endless on the wrong side leaves no angle either; NaN fails every comparison.
+            if !(lower <= upper && lower < ENDLESS && upper > -ENDLESS) {
                 return Err(LimitError::Empty { joint, lower, upper });
             }
             let bounds = [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)];
@@ -101,7 +101,7 @@ impl<const N: usize> JointLimits<N> {
     }
 
     /// The image of `joints` within the limits that is nearest to `reference`, joint by joint; `None` when a joint has
-    /// none, or is not finite.
+    /// none, or where an angle or its reference is not finite.
     ///
     /// A joint up to 1e-10 rad beyond its stop is put on the stop, so what comes out is within the limits to the last
     /// bit.
@@ -124,6 +124,9 @@ impl<const N: usize> JointLimits<N> {
     fn image_of_joint(&self, joint: usize, angle: f64, reference: f64) -> Option<f64> {
         let (lower, upper) = (self.lower[joint], self.upper[joint]);
         let near = nearest_image(angle, reference);
+        if !near.is_finite() {
+            return None;
+        }
         if lower <= near && near <= upper {
             return Some(near);
         }

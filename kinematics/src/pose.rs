@@ -82,14 +82,73 @@ pub(crate) fn rotation(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
     )
 }
 
-/// How far the length of a quaternion may be from 1.
-const UNIT: f64 = 1e-9;
+/// A pose that is none.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidPose {
+    /// An entry is infinite or not a number.
+    #[error("`{entry}` of the pose is {value}, not a finite number")]
+    NotFinite {
+        /// `x`, `y`, `z` of the translation, `qx`, `qy`, `qz`, `qw` of the rotation.
+        entry: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The quaternion is not of length 1.
+    #[error("the quaternion of the pose has the length {length}, not 1: normalise it")]
+    NotUnit {
+        /// Its length.
+        length: f64,
+    },
+}
 
-/// Rotation and translation of a pose; `None` when an entry is not finite or the quaternion has another length than 1.
-pub(crate) fn parts(pose: &Isometry3<f64>) -> Option<(Matrix3<f64>, Vector3<f64>)> {
-    let translation = pose.translation.vector;
-    let length = pose.rotation.as_ref().norm();
+/// How far the length of a quaternion may be from 1: numbers that were cast to single precision are off by 1e-7.
+pub(crate) const UNIT: f64 = 1e-6;
+
+/// No length or coordinate of a machine may be larger, in millimetres: below it squares keep their digits.
+pub(crate) const LARGEST: f64 = 1e6;
+
+/// Rotation and translation of a pose. A quaternion whose length is 1 within [`UNIT`] stands for the rotation next to it.
+pub(crate) fn parts(pose: &Isometry3<f64>) -> Result<(Matrix3<f64>, Vector3<f64>), InvalidPose> {
+    let (t, q) = (pose.translation.vector, pose.rotation.as_ref().coords);
+    let square = q.norm_squared();
     // NaN fails the comparison.
-    let sound = (length - 1.0).abs() <= UNIT && translation.iter().all(|x| x.is_finite());
-    sound.then(|| (pose.rotation.to_rotation_matrix().into_inner(), translation))
+    if !((square - 1.0).abs() <= 2.0 * UNIT && t.iter().all(|x| x.is_finite())) {
+        return Err(fault(pose));
+    }
+    // With `s = 2 / |q|^2` the matrix is a rotation for a quaternion of any length.
+    let s = 2.0 / square;
+    let (x, y, z, w) = (q.x, q.y, q.z, q.w);
+    let (sx, sy, sz) = (s * x, s * y, s * z);
+    let (xx, yy, zz) = (x * sx, y * sy, z * sz);
+    let (xy, xz, yz) = (x * sy, x * sz, y * sz);
+    let (wx, wy, wz) = (w * sx, w * sy, w * sz);
+    let r = Matrix3::new(
+        1.0 - (yy + zz),
+        xy - wz,
+        xz + wy,
+        xy + wz,
+        1.0 - (xx + zz),
+        yz - wx,
+        xz - wy,
+        yz + wx,
+        1.0 - (xx + yy),
+    );
+    Ok((r, t))
+}
+
+/// What is wrong with a pose that is none.
+#[cold]
+fn fault(pose: &Isometry3<f64>) -> InvalidPose {
+    let (t, q) = (pose.translation.vector, pose.rotation.as_ref().coords);
+    let named = [("x", t.x), ("y", t.y), ("z", t.z), ("qx", q.x), ("qy", q.y), ("qz", q.z), ("qw", q.w)];
+    match named.into_iter().find(|(_, value)| !value.is_finite()) {
+        Some((entry, value)) => InvalidPose::NotFinite { entry, value },
+        None => InvalidPose::NotUnit { length: q.norm() },
+    }
+}
+
+/// Whether a frame of a machine is a pose, and not farther out than [`LARGEST`].
+pub(crate) fn is_frame(pose: &Isometry3<f64>) -> bool {
+    parts(pose).is_ok() && pose.translation.vector.amax() <= LARGEST
 }

@@ -5,6 +5,7 @@
 //! solutions in closed form.
 
 use crate::limits::{JointLimits, LimitError};
+use crate::pose::{InvalidPose, LARGEST, parts};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// The numbers of a positioner, at its zero posture and in its own base frame, in millimetres.
@@ -28,8 +29,8 @@ pub struct PositionerModel {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PositionerError {
-    /// A coordinate is infinite or not a number.
-    #[error("`{what}` of the positioner is {value:?}: not all are finite numbers")]
+    /// A coordinate is infinite, not a number, or no machine's.
+    #[error("`{what}` of the positioner is {value:?}: each must be finite and within 1e6")]
     NotFinite {
         /// The field.
         what: &'static str,
@@ -44,6 +45,9 @@ pub enum PositionerError {
         /// Its coordinates.
         value: [f64; 3],
     },
+    /// The pose at which the positioner stands is none.
+    #[error("`base_positioner`: {0}")]
+    Pose(#[source] InvalidPose),
     /// The limits are invalid.
     #[error(transparent)]
     Limits(#[from] LimitError),
@@ -83,10 +87,11 @@ impl Positioner {
             ("base_positioner", base_positioner.translation.vector.into()),
         ];
         for (what, value) in named {
-            if !value.iter().all(|x| x.is_finite()) {
+            if !value.iter().all(|x| x.abs() <= LARGEST) {
                 return Err(PositionerError::NotFinite { what, value });
             }
         }
+        parts(base_positioner).map_err(PositionerError::Pose)?;
         model.limits.check()?;
         let unit = |what: &'static str, value: [f64; 3]| {
             let axis = UnitVector3::try_new(Vector3::from(value), f64::MIN_POSITIVE);
@@ -129,7 +134,7 @@ impl Positioner {
 
     /// Tilt and turn that bring a direction on the table into a direction in the base: none, one or two, each the
     /// image within the limits nearest to `reference`. A joint that makes no difference (the direction lies along its
-    /// axis) stays at its reference. The first is nearer to `reference` than the second, or as near.
+    /// axis) stays at its reference. A direction or a reference that is not finite has none. The first is nearer to `reference` than the second, or as near.
     /// ```
     /// use curvlay_kinematics::{Positioner, nalgebra::{Isometry3, Vector3}, robots};
     /// let table = Positioner::new(&robots::IRBP_A250, &Isometry3::identity())?;
@@ -147,7 +152,11 @@ impl Positioner {
         base_direction: &Vector3<f64>,
         reference: &[f64; 2],
     ) -> [Option<[f64; 2]>; 2] {
-        let unit = |v: &Vector3<f64>| v.try_normalize(f64::MIN_POSITIVE).filter(|v| v.iter().all(|x| x.is_finite()));
+        // Divided by the largest entry first, so that no square overflows; NaN and infinities have no direction.
+        let unit = |v: &Vector3<f64>| {
+            let direction = (v / v.amax()).try_normalize(f64::MIN_POSITIVE)?;
+            direction.iter().all(|x| x.is_finite()).then_some(direction)
+        };
         let (Some(from), Some(to)) = (unit(&(self.table.rotation * table_direction)), unit(base_direction)) else {
             return [None; 2];
         };

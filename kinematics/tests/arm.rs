@@ -4,13 +4,13 @@
 
 mod common;
 
-use common::{ROBOTS, apart, arm, assert_meets, differ, in_one_turn, miss};
+use common::{ROBOTS, apart, arm, assert_meets, differ, in_one_turn, miss, singular_postures};
 use curvlay_kinematics::nalgebra::{
     Isometry3, Matrix6, Point3, Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3, Vector6,
 };
 use curvlay_kinematics::{
-    Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, JointLimits, LimitError, OrthoLengths, Shoulder, Wrist,
-    robots,
+    Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, InvalidPose, JointLimits, LimitError, OrthoLengths,
+    Shoulder, Wrist, robots,
 };
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -72,7 +72,7 @@ proptest! {
     fn joints_are_among_the_solutions_of_their_pose(arm in any_arm(), joints in joints()) {
         prop_assume!(away_from_singularities(&arm, &joints) > 1e-5);
         let pose = arm.forward(&joints);
-        let found = arm.inverse(&pose);
+        let found = arm.inverse(&pose).unwrap();
         let again = found.get(arm.branch(&joints));
         prop_assert!(again.is_some_and(|again| apart(again, &joints) < 1e-8), "{again:?} {joints:?}");
         for (branch, solution) in found.iter() {
@@ -84,7 +84,7 @@ proptest! {
                 prop_assert_eq!(arm.branch(solution), branch);
             }
         }
-        prop_assert_eq!(arm.inverse_unchecked(&pose), found);
+        prop_assert_eq!(arm.inverse_unchecked(&pose), Ok(found));
         if arm.limits().contains(&joints) {
             let next = arm.continuing(&pose, &joints).unwrap();
             prop_assert!(differ(&next, &joints) < 1e-8);
@@ -100,7 +100,7 @@ proptest! {
         let pose = arm.forward(&joints);
         prop_assume!(away_from_singularities(&arm, &joints) > 1e-6);
         let distance = |a: &Joints| (0..6).map(|k| f64::powi(a[k] - from[k], 2)).sum::<f64>();
-        let images = arm.inverse(&pose);
+        let images = arm.inverse(&pose).unwrap();
         let least = images
             .iter()
             .flat_map(|(_, solution)| arm.limits().images(solution, &from))
@@ -190,7 +190,7 @@ proptest! {
         by in prop::array::uniform3(-PI..PI),
     ) {
         let pose = Isometry3::new(Vector3::from(at), Vector3::from(by));
-        arm.inverse(&pose).iter().for_each(|(_, solution)| assert_meets(&arm, solution, &pose, "solution"));
+        arm.inverse(&pose).unwrap().iter().for_each(|(_, solution)| assert_meets(&arm, solution, &pose, "solution"));
         if let Some(next) = arm.continuing(&pose, &[0.3; 6]) {
             assert_meets(&arm, &next, &pose, "continuing");
             prop_assert!(arm.limits().contains(&next));
@@ -250,64 +250,12 @@ fn the_slow_inverse_finds_the_same_solutions() {
         for _ in 0..6 {
             let joints: Joints = std::array::from_fn(|_| random.random_range(-PI..PI));
             let pose = arm.forward(&joints);
-            let (fast, slow) = (arm.inverse(&pose), slow_inverse(&arm, &pose, 400));
+            let (fast, slow) = (arm.inverse(&pose).unwrap(), slow_inverse(&arm, &pose, 400));
             assert_eq!(fast.len(), slow.len(), "{slow:?}");
             for (_, solution) in fast.iter() {
                 assert!(slow.iter().any(|other| apart(other, solution) < 1e-7), "{solution:?}");
             }
         }
-    }
-}
-
-/// Postures on each singularity and on several at once: q5 for the wrist, q3 for the elbow, and joints 2 and 3 such
-/// that the wrist centre is on axis 1 for the shoulder of an ABB arm.
-fn singular_postures(model: &ArmModel) -> Vec<(&'static str, Joints)> {
-    let base = [0.4, -0.9, 1.1, 0.5, 0.8, -0.6];
-    let with = |changes: &[(usize, f64)]| {
-        let mut joints = base;
-        changes.iter().for_each(|&(k, value)| joints[k] = value);
-        joints
-    };
-    match model.geometry {
-        Geometry::Ortho(lengths) => {
-            let OrthoLengths { a2, c2, c3, .. } = lengths;
-            let stretched = FRAC_PI_2.mul_add(-1.0, -a2.atan2(c3));
-            // c2 sin q2 + a2 cos(q2 + q3') + c3 sin(q2 + q3') = 0, q3' from upright.
-            let over = |q3: f64| {
-                let upright = q3 + FRAC_PI_2;
-                let (s, c) = upright.sin_cos();
-                (-(a2 * c + c3 * s)).atan2(c2 - a2 * s + c3 * c)
-            };
-            vec![
-                ("wrist", with(&[(4, 0.0)])),
-                ("wrist, far side", with(&[(4, PI)])),
-                ("elbow", with(&[(2, stretched)])),
-                ("shoulder", with(&[(1, over(1.1))])),
-                ("wrist and elbow", with(&[(2, stretched), (4, 0.0)])),
-                ("wrist and shoulder", with(&[(1, over(1.1)), (4, 0.0)])),
-                ("all", with(&[(2, stretched), (1, over(stretched)), (4, 0.0)])),
-            ]
-        }
-        Geometry::Ur(table) => {
-            // Joint 4 such that axes 5 and 6 cross over axis 1, as near as they can.
-            let over = |q2: f64, q3: f64| {
-                let along = table.a[1] * q2.cos() + table.a[2] * (q2 + q3).cos();
-                (-along / table.d[4]).asin() - q2 - q3
-            };
-            let high = [(1, -1.5), (2, 0.05)];
-            vec![
-                ("wrist", with(&[(4, 0.0)])),
-                ("wrist, far side", with(&[(4, PI)])),
-                ("elbow", with(&[(2, 0.0)])),
-                ("folded", with(&[(2, PI)])),
-                ("shoulder", with(&[high[0], high[1], (3, over(-1.5, 0.05))])),
-                ("wrist and elbow", with(&[(2, 0.0), (4, 0.0)])),
-                ("wrist, nearly stretched", with(&[(2, 1e-4), (4, 0.0)])),
-                ("wrist and shoulder", with(&[high[0], high[1], (3, over(-1.5, 0.05)), (4, 0.0)])),
-                ("all", with(&[(1, -1.5), (2, 0.0), (3, over(-1.5, 0.0)), (4, 0.0)])),
-            ]
-        }
-        _ => unreachable!(),
     }
 }
 
@@ -319,7 +267,7 @@ fn singular_postures_have_solutions_and_go_on() {
             let what = format!("{name}, {which}");
             let pose = arm.forward(&joints);
             assert!(away_from_singularities(&arm, &joints) < 1e-6, "{what}");
-            let found = arm.inverse(&pose);
+            let found = arm.inverse(&pose).unwrap();
             assert!(!found.is_empty(), "{what}");
             found.iter().for_each(|(_, solution)| assert_meets(&arm, solution, &pose, &what));
             let same = arm.continuing(&pose, &joints).unwrap();
@@ -445,7 +393,8 @@ fn branches_have_fixed_slots() {
         let arm = arm(model);
         for elbow in [Elbow::Up, Elbow::Down] {
             for wrist in [Wrist::NoFlip, Wrist::Flip] {
-                let Some(joints) = arm.inverse(&pose).get(Branch { shoulder: Shoulder::Front, elbow, wrist }).copied()
+                let Some(joints) =
+                    arm.inverse(&pose).unwrap().get(Branch { shoulder: Shoulder::Front, elbow, wrist }).copied()
                 else {
                     continue;
                 };
@@ -464,25 +413,59 @@ fn branches_have_fixed_slots() {
 }
 
 #[test]
-fn bad_poses_have_no_solution() {
+fn poses_out_of_reach_have_no_solution_and_bad_ones_say_what_is_wrong() {
+    let turned = |w: f64| UnitQuaternion::new_unchecked(Quaternion::new(w, 0.0, 0.0, 0.0));
+    let with = |w: f64| Isometry3::from_parts(Translation3::new(300.0, 0.0, 300.0), turned(w));
     for (_, model) in ROBOTS {
         let arm = arm(model);
         let far = Isometry3::translation(5000.0, 0.0, 0.0);
         let huge = Isometry3::translation(1e200, -1e300, 1e300);
-        let inside = Isometry3::translation(0.0, 0.0, f64::NAN);
-        let infinite = Isometry3::translation(f64::INFINITY, 0.0, 0.0);
-        let stretched = UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0));
-        let no_rotation = Isometry3::from_parts(Translation3::new(300.0, 0.0, 300.0), stretched);
-        let nothing = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
-        let not_a_number = Isometry3::from_parts(Translation3::new(300.0, 0.0, 300.0), nothing);
-        for pose in [far, huge, inside, infinite, no_rotation, not_a_number] {
-            assert!(arm.inverse(&pose).is_empty() && arm.inverse_unchecked(&pose).is_empty(), "{pose}");
+        for pose in [far, huge] {
+            assert_eq!(arm.inverse(&pose).map(|found| found.len()), Ok(0), "{pose}");
+            assert_eq!(arm.inverse_unchecked(&pose).map(|found| found.len()), Ok(0), "{pose}");
             assert_eq!(arm.continuing(&pose, &[0.0; 6]), None);
         }
+        let inside = Isometry3::translation(0.0, 0.0, f64::NAN);
+        let infinite = Isometry3::translation(f64::INFINITY, 0.0, 0.0);
+        for (pose, named) in [(inside, "z"), (infinite, "x"), (with(f64::NAN), "qw")] {
+            for answer in [arm.inverse(&pose), arm.inverse_unchecked(&pose)] {
+                assert!(matches!(answer, Err(InvalidPose::NotFinite { entry, .. }) if entry == named), "{answer:?}");
+            }
+            assert_eq!(arm.continuing(&pose, &[0.0; 6]), None);
+        }
+        for length in [1.1, 0.0, 1.0 + 3e-6, -0.5] {
+            let answer = arm.inverse(&with(length));
+            assert_eq!(answer, Err(InvalidPose::NotUnit { length: length.abs() }));
+            assert_eq!(arm.continuing(&with(length), &[0.0; 6]), None);
+        }
         let reachable = arm.forward(&[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
-        assert_eq!(arm.continuing(&reachable, &[0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0]), None);
-        assert_eq!(arm.continuing(&reachable, &[0.0, f64::INFINITY, 0.0, 0.0, 0.0, 0.0]), None);
+        for wrong in [f64::NAN, f64::INFINITY, 1e300, -f64::MAX] {
+            assert_eq!(arm.continuing(&reachable, &[0.0, 0.0, wrong, 0.0, 0.0, 0.0]), None);
+        }
         assert!(arm.forward(&[f64::NAN; 6]).translation.vector.x.is_nan());
+    }
+}
+
+/// A cast to single precision leaves a quaternion 1e-7 short of length 1. It stands for the rotation next to it.
+#[test]
+fn poses_in_single_precision_are_poses() {
+    let mut random = Pcg64Mcg::seed_from_u64(12);
+    for (name, model) in ROBOTS {
+        let arm = arm(model);
+        for _ in 0..300 {
+            let joints: Joints = std::array::from_fn(|_| random.random_range(-1.5..1.5));
+            let exact = arm.forward(&joints);
+            let single = exact.rotation.as_ref().coords.map(|x| f64::from(x as f32));
+            let cast = UnitQuaternion::new_unchecked(Quaternion::from(single));
+            let pose = Isometry3::from_parts(exact.translation, cast);
+            let found = arm.inverse(&pose).unwrap();
+            let beside =
+                Isometry3::from_parts(exact.translation, UnitQuaternion::new_normalize(Quaternion::from(single)));
+            found.iter().for_each(|(_, solution)| assert_meets(&arm, solution, &beside, name));
+            let near = found.iter().map(|(_, solution)| apart(solution, &joints)).fold(f64::INFINITY, f64::min);
+            // Beside a singularity a little turn moves joints far.
+            assert!(near < 1e-4 || away_from_singularities(&arm, &joints) < 1e-2, "{name}: {near:e} {joints:?}");
+        }
     }
 }
 
@@ -522,6 +505,13 @@ fn numbers_that_make_no_arm_are_named() {
     assert_eq!(ortho(OrthoLengths { c2: 0.0, ..lengths }), ArmError::NoLength { link: "upper arm" });
     assert_eq!(ortho(OrthoLengths { a2: 0.0, c3: 0.0, ..lengths }), ArmError::NoLength { link: "forearm" });
     assert!(matches!(ortho(OrthoLengths { b: f64::NAN, ..lengths }), ArmError::LengthNotFinite { what: "b", .. }));
+    assert_eq!(ur(&|t| t.d[3] = 1e300), ArmError::TooLarge { what: "d[3]", value: 1e300, max: 1e6 });
+    assert_eq!(ur(&|t| t.a[1] = -1e7), ArmError::TooLarge { what: "a[1]", value: -1e7, max: 1e6 });
+    let far = ortho(OrthoLengths { c3: 1e200, ..lengths });
+    assert_eq!(far, ArmError::TooLarge { what: "c3", value: 1e200, max: 1e6 });
+    let offsets = [0.0, 1e300, 0.0, 0.0, 0.0, 0.0];
+    let far = refused(ArmModel { offsets, ..robots::UR5 });
+    assert_eq!(far, ArmError::TooLarge { what: "offsets[1]", value: 1e300, max: 1e6 });
     let offsets = [0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0];
     assert!(matches!(
         refused(ArmModel { offsets, ..robots::UR5 }),

@@ -347,7 +347,7 @@ fn the_width_of_the_head_above_the_nozzle_decides() {
         let turn: UnitQuaternion<f64> = around * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), OVERHANG);
         let origin: Vector3<f64> = tip.coords - 25.3 * Vector3::z() - turn * ball.coords;
         let flange = Isometry3::from_parts(origin.into(), turn);
-        for (_, joints) in arm.inverse(&flange).iter() {
+        for (_, joints) in arm.inverse(&flange).unwrap().iter() {
             let at = Posture::from(*joints);
             if narrow.touching(&at).unwrap().is_none() {
                 free += 1;

@@ -122,7 +122,7 @@ fn the_ur3_of_the_file_is_the_one_made_by_hand() {
     for waypoint in waypoints() {
         for k in 0..5 {
             let angle = 1.3 * f64::from(k) - 2.0;
-            let expected = by_hand.arm().inverse(&by_hand.flange(&waypoint, angle));
+            let expected = by_hand.arm().inverse(&by_hand.flange(&waypoint, angle)).unwrap();
             let expected: Vec<_> = expected.iter().map(|(branch, joints)| (branch.slot() as u32, *joints)).collect();
             assert_eq!(solutions(&cell, &waypoint, &[angle]), expected);
             for (branch, joints) in expected {
@@ -173,7 +173,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
         for free in [[0.0, 0.0], [0.7, 2.0], [-0.9, -3.0], [0.2, 4.0]] {
             let table = [free[0], free[1] - TAU * (free[1] / TAU).round()];
             let at = by_hand.at(&table).unwrap();
-            let found = at.arm().inverse(&at.flange(&waypoint, 0.0));
+            let found = at.arm().inverse(&at.flange(&waypoint, 0.0)).unwrap();
             let rest = |q: &[f64; 6]| [q[0], q[1], q[2], q[3], q[4], 0.0, table[0], table[1]];
             let expected: Vec<_> = found.iter().map(|(branch, q)| (branch.slot() as u32, rest(q))).collect();
             assert_eq!(solutions(&cell, &waypoint, &free), expected);

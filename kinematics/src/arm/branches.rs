@@ -92,6 +92,13 @@ pub struct Solutions {
 /// shows).
 pub const SAME: f64 = 1e-6;
 
+impl Default for Solutions {
+    /// None.
+    fn default() -> Self {
+        Solutions::EMPTY
+    }
+}
+
 impl Solutions {
     pub(super) const EMPTY: Solutions = Solutions { joints: [[0.0; 6]; 8], present: 0 };
 

@@ -4,12 +4,16 @@
 //! from the previous joints: joint 1 at the shoulder; at the wrist joint 4 of an ortho-parallel arm and joint 6 of a
 //! UR arm. So an arm that passes straight through the singularity does not turn that joint, as it does not before and
 //! after. But the others have to follow, and near a second singularity they would have to run, or rounding decides
-//! where they are: then the posture next to the previous joints is taken ([`follow`](super::follow)).
+//! where they are, or one of them is at its stop: then the posture next to the previous joints is taken
+//! ([`follow`](super::follow)), with joints clamped to their limits.
+//!
+//! Where a free joint 6 of a UR arm leaves the pose out of reach, the nearest one that does not is looked at as well.
 //!
 //! Hardly off a singularity the pose says little about the free joint: joints that still meet the pose are kept.
 
+use super::follow::NO_STOPS;
 use super::planar::Free;
-use super::{Arm, Branch, NEAR_WRIST, Solutions, WRIST, meets};
+use super::{Arm, Branch, FARTHEST_ANGLE, HELD, NEAR_WRIST, Solutions, WRIST, meets};
 use crate::angle::nearest_image;
 use crate::pose::parts;
 use nalgebra::{Isometry3, Matrix3, Vector3};
@@ -29,7 +33,8 @@ fn square(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 
 impl Arm {
     /// The solution within the limits that is nearest to `previous` (least sum of squared differences, whole turns
-    /// counted), or `None` if there is none, or an argument is not finite.
+    /// counted), or `None` if there is none, if the pose is one that [`Arm::inverse`] refuses, or if a previous joint is
+    /// not finite or beyond 1e6 rad.
     ///
     /// At a singularity the free joint stays where it was and the others follow, unless the arm would then move more
     /// than three times as far as it must: a posture next to `previous` that meets the pose is taken then. Ties go to
@@ -49,8 +54,9 @@ impl Arm {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn continuing(&self, base_flange: &Isometry3<f64>, previous: &[f64; 6]) -> Option<[f64; 6]> {
-        let (r, p) = parts(base_flange)?;
-        if !previous.iter().all(|angle| angle.is_finite()) {
+        let (r, p) = parts(base_flange).ok()?;
+        // NaN fails the comparison.
+        if !previous.iter().all(|angle| angle.abs() <= FARTHEST_ANGLE) {
             return None;
         }
         let was = self.inner(previous);
@@ -59,12 +65,12 @@ impl Arm {
             return Some(*previous);
         }
         let joints = was.map(|angle| nearest_image(angle, 0.0));
-        let exact = self.closed_form(&r, &p, &Free { joints, wrist: WRIST });
+        let exact = self.closed_form(&r, &p, &Free { joints, wrist: WRIST, swings: false });
         let near_wrist = |(_, inner): (Branch, &[f64; 6])| inner[4].abs().min(PI - inner[4].abs()) <= NEAR_WRIST;
         let ask_loosely = exact.iter().any(near_wrist);
         let mut kept = self.nearest_of(exact, previous, &r, &p);
         if ask_loosely {
-            let loose = self.closed_form(&r, &p, &Free { joints, wrist: NEAR_WRIST });
+            let loose = self.closed_form(&r, &p, &Free { joints, wrist: NEAR_WRIST, swings: false });
             let loose = self.nearest_of(loose, previous, &r, &p);
             let nearer = |a: &[f64; 6], b: &[f64; 6]| square(a, previous).total_cmp(&square(b, previous));
             kept = kept.into_iter().chain(loose).min_by(nearer);
@@ -74,16 +80,19 @@ impl Arm {
         if kept.is_some_and(|joints| square(&joints, previous) <= RUN * RUN * must) {
             return kept;
         }
-        let followed = self.follow(&r, &p, &was).and_then(|inner| {
+        let followed = [self.stops(), NO_STOPS].iter().find_map(|stops| {
+            let inner = self.follow(&r, &p, &was, stops)?;
             let joints = self.limits.nearest_image(&self.outer(&inner), previous)?;
-            meets(&self.flange(&self.inner(&joints)), &r, &p, 1.0).then_some(joints)
+            meets(&self.flange(&self.inner(&joints)), &r, &p, HELD).then_some(joints)
         });
-        match (kept, followed) {
-            (Some(kept), Some(followed)) if square(&kept, previous) <= RUN * RUN * square(&followed, previous) => {
-                Some(kept)
-            }
-            (kept, followed) => followed.or(kept),
-        }
+        let swung = self.closed_form(&r, &p, &Free { joints, wrist: WRIST, swings: true });
+        let swung = self.nearest_of(swung, previous, &r, &p);
+        // One that stays unless the other is nearer by far.
+        let unless = |stays: [f64; 6], other: [f64; 6]| {
+            let is_near = square(&stays, previous) <= RUN * RUN * square(&other, previous);
+            if is_near { stays } else { other }
+        };
+        [kept, followed, swung].into_iter().flatten().reduce(unless)
     }
 
     /// Of solutions in the geometry's joints that meet the pose, the image within the limits nearest to `previous`.
@@ -105,7 +114,7 @@ impl Arm {
                 }
             }
             let (branch, joints) = nearest?;
-            if meets(&self.flange(&self.inner(&joints)), r, p, 1.0) {
+            if meets(&self.flange(&self.inner(&joints)), r, p, HELD) {
                 return Some(joints);
             }
             found.remove(branch);

@@ -1,6 +1,6 @@
 //! Denavit-Hartenberg tables in the standard (distal) convention: `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
 
-use super::{ArmError, Frames};
+use super::{ArmError, Frames, within_reach};
 use crate::trig::sin_cos;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -48,6 +48,12 @@ impl DhTable {
                 return Err(ArmError::NotUrType { column: "a", joint, value: self.a[joint], expected: 0.0 });
             }
         }
+        let lengths = [("d[0]", 0), ("d[1]", 1), ("d[2]", 2), ("d[3]", 3), ("d[4]", 4), ("d[5]", 5)];
+        for (what, joint) in lengths {
+            within_reach(what, self.d[joint])?;
+        }
+        within_reach("a[1]", self.a[1])?;
+        within_reach("a[2]", self.a[2])?;
         for joint in [1, 2] {
             if self.a[joint].abs() < super::SHORTEST {
                 return Err(ArmError::NoLength { link: if joint == 1 { "upper arm" } else { "forearm" } });

@@ -6,6 +6,10 @@
 //! Applied Mathematics 2, 1944, with the damping in proportion to the squared error (N. Yamashita, M. Fukushima, "On
 //! the rate of convergence of the Levenberg-Marquardt method", 2001), which converges where the Jacobian has lost
 //! rank, too. Each step is the shortest one for what it gains, so the arm ends hardly farther than it must.
+//!
+//! Joints stay between their stops: one that a step would take beyond goes to its stop, and the others make up for
+//! the rest of the step (clamped joints: P. Baerlocher, R. Boulic, "An inverse kinematics architecture enforcing an
+//! arbitrary number of strict priority levels", The Visual Computer 20, 2004). The next step may free it again.
 
 use super::Arm;
 use super::jacobian::jacobian_of;
@@ -24,11 +28,24 @@ const SMALL: f64 = 0.1;
 /// Least damping, for the same reason; it also keeps the normal equations solvable in double precision.
 const FLOOR: f64 = 1e-12;
 
+/// Between which angles the geometry's joints stay.
+pub(super) type Stops = [(f64, f64); 6];
+
+/// No stops at all.
+pub(super) const NO_STOPS: Stops = [(f64::NEG_INFINITY, f64::INFINITY); 6];
+
 impl Arm {
-    /// From joints of the geometry to some near by that meet the pose, as well as they do after some steps.
-    pub(super) fn follow(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6]) -> Option<[f64; 6]> {
+    /// The limits, for the geometry's joints.
+    pub(super) fn stops(&self) -> Stops {
+        let [lower, upper] = [&self.limits.lower, &self.limits.upper].map(|ends| self.inner(ends));
+        [0, 1, 2, 3, 4, 5].map(|k| (lower[k].min(upper[k]), lower[k].max(upper[k])))
+    }
+
+    /// From joints of the geometry to some near by, between the stops, that meet the pose, as well as they do after
+    /// some steps.
+    pub(super) fn follow(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6], stops: &Stops) -> Option<[f64; 6]> {
         let unit = 1.0 / self.longest_link();
-        let mut q = *was;
+        let mut q: [f64; 6] = std::array::from_fn(|k| between(was[k], stops[k]));
         for _ in 0..STEPS {
             let flange = self.flange(&q);
             let error = self.short_of(r, p, &flange);
@@ -41,9 +58,7 @@ impl Arm {
             }
             let mut slopes = jacobian_of(&self.inner_axes(&q), &flange.1);
             slopes.fixed_rows_mut::<3>(0).scale_mut(unit);
-            let damped = slopes * slopes.transpose() + Matrix6::identity() * square.max(FLOOR);
-            let step = slopes.transpose() * damped.cholesky()?.solve(&error);
-            (0..6).for_each(|k| q[k] += step[k]);
+            clamped_step(&mut q, slopes, error, square.max(FLOOR), stops)?;
         }
         Some(q)
     }
@@ -58,5 +73,35 @@ impl Arm {
         let shift = (p - position) / self.longest_link();
         let turn = (0..3).map(|k| rotation.column(k).cross(&r.column(k))).sum::<Vector3<f64>>() * 0.5;
         Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
+    }
+}
+
+fn between(angle: f64, (low, high): (f64, f64)) -> f64 {
+    angle.max(low).min(high)
+}
+
+/// Moves joints by a damped step. The joint that it would take farthest beyond its stop goes to the stop, and the step
+/// of the others is computed again.
+fn clamped_step(
+    q: &mut [f64; 6],
+    mut slopes: Matrix6<f64>,
+    mut error: Vector6<f64>,
+    damping: f64,
+    stops: &Stops,
+) -> Option<()> {
+    let mut moves = [true; 6];
+    loop {
+        let damped = slopes * slopes.transpose() + Matrix6::identity() * damping;
+        let step = slopes.transpose() * damped.cholesky()?.solve(&error);
+        let beyond = |k: usize| (q[k] + step[k] - between(q[k] + step[k], stops[k])).abs();
+        let farthest = (0..6).filter(|&k| moves[k]).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)));
+        let Some(k) = farthest.filter(|&k| beyond(k) > 0.0) else {
+            (0..6).filter(|&k| moves[k]).for_each(|k| q[k] += step[k]);
+            return Some(());
+        };
+        let stop = between(q[k] + step[k], stops[k]);
+        error -= slopes.column(k) * (stop - q[k]);
+        slopes.column_mut(k).fill(0.0);
+        (q[k], moves[k]) = (stop, false);
     }
 }

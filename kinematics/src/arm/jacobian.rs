@@ -79,7 +79,8 @@ impl Arm {
     }
 
     /// How the joints change while the flange turns about a line that stands still in the base: their first and second
-    /// derivatives by the angle (right hand along `direction`), on the branch of `joints`. `None` at a singularity.
+    /// derivatives by the angle (right hand along `direction`), on the branch of `joints`. `None` at a singularity, and where an argument is not finite or so large that a derivative
+    /// is not.
     ///
     /// For the tool angle the line is the nozzle's axis: see [`Cell::tool_rates`](crate::Cell::tool_rates).
     pub fn rates_about(&self, joints: &[f64; 6], point: &Point3<f64>, direction: &UnitVector3<f64>) -> Option<Rates> {
@@ -103,7 +104,8 @@ impl Arm {
         let first: [f64; 6] = (inverse * stacked(velocity, direction.into_inner())).into();
         let bent = scaled(self.jacobian_rate(joints, &first, &Point3::origin())) * Vector6::from(first);
         let second = inverse * (stacked(acceleration, Vector3::zeros()) - bent);
-        Some(Rates { first, second: second.into() })
+        let second: [f64; 6] = second.into();
+        first.iter().chain(&second).all(|rate| rate.is_finite()).then_some(Rates { first, second })
     }
 }
 

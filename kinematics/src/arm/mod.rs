@@ -24,7 +24,7 @@ pub use ortho::OrthoLengths;
 
 use crate::angle::wrapped;
 use crate::limits::{JointLimits, LimitError};
-use crate::pose::{parts, rotation};
+use crate::pose::{InvalidPose, LARGEST, parts, rotation};
 use nalgebra::{Isometry3, IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 use ortho::OrthoArm;
 use planar::Free;
@@ -43,6 +43,9 @@ const WRIST: f64 = 2.5e-10;
 /// The sine of joint 5 up to which [`Arm::continuing`] tries whether the wrist may count as singular: near another
 /// singularity joints 4 and 6 come out of the rounding of joints 1 to 3.
 const NEAR_WRIST: f64 = 1e-6;
+
+/// Angles beyond this, in radians, have too few digits left to be followed.
+const FARTHEST_ANGLE: f64 = 1e6;
 
 /// What sums of a few angles lose.
 const ROUNDING: f64 = 1e-13;
@@ -78,7 +81,7 @@ pub enum Geometry {
 /// };
 /// let arm = Arm::new(&mine)?;
 /// let joints = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
-/// let found = arm.inverse(&arm.forward(&joints));
+/// let found = arm.inverse(&arm.forward(&joints))?;
 /// assert_eq!(found.len(), 8);
 /// let again = found.get(arm.branch(&joints)).ok_or("lost")?;
 /// assert!((0..6).all(|k| (again[k] - joints[k]).abs() < 1e-12));
@@ -117,6 +120,16 @@ pub enum ArmError {
         what: &'static str,
         /// The length.
         value: f64,
+    },
+    /// A length or an offset is finite, and yet no machine's.
+    #[error("`{what}` is {value}: it must be within {max}")]
+    TooLarge {
+        /// Its name: `a1` to `c4`, `d[0]` to `a[2]`, `offsets[0]` to `offsets[5]`.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The most it may be, either way: 1e6 mm, or 1e6 rad.
+        max: f64,
     },
     /// The table is not of the UR type, for which there is a closed form.
     #[error("`{column}` of joint {} is {value}: an arm of the UR type has {expected} there", joint + 1)]
@@ -175,6 +188,7 @@ impl Arm {
             if !offsets[joint].is_finite() {
                 return Err(ArmError::NotFinite { what: "offsets", joint, value: offsets[joint] });
             }
+            within(OFFSETS[joint], offsets[joint], FARTHEST_ANGLE)?;
             if (signs[joint].abs() - 1.0).abs() > 0.0 || signs[joint].is_nan() {
                 return Err(ArmError::Sign { joint, value: signs[joint] });
             }
@@ -204,7 +218,8 @@ impl Arm {
         matches!(self.solver, Solver::Ur(_))
     }
 
-    /// The pose of the flange, `base_flange`. Joints that are not finite give a pose that is not finite.
+    /// The pose of the flange, `base_flange`. Joints that are not finite give a pose that is not finite; beyond 1e6 rad
+    /// an angle has few digits left.
     /// ```
     /// use curvlay_kinematics::{Arm, robots};
     /// // A UR5 at zero lies stretched along -x.
@@ -263,31 +278,51 @@ impl Arm {
     ///
     /// Each solution has been put through the forward kinematics and meets the pose within [`POSITION_TOLERANCE`] and
     /// [`ANGLE_TOLERANCE`]. Solutions that lie within [`SAME`] of each other are given once, in the lower slot.
-    /// Where a joint is free (axes 4 and 6 in line; wrist centre on axis 1) it is put at zero:
-    /// [`Arm::continuing`] keeps it where it was.
+    /// Where a joint is free (axes 4 and 6 in line; wrist centre on axis 1) it is put at zero, or where zero leaves the
+    /// pose out of a UR arm's reach, at the nearest angle that does not: [`Arm::continuing`] keeps it where it was.
     ///
-    /// A pose out of reach has no solution; nor has one that is not finite or whose quaternion is not of length 1.
+    /// # Returns
+    /// An empty list for a pose out of reach.
+    ///
+    /// # Errors
+    /// [`InvalidPose`] for a pose that is not finite or whose quaternion is not of length 1. A length within 1e-6 of 1,
+    /// as numbers have that were cast to single precision, stands for the rotation next to it.
     ///
     /// # Cost
     /// About a microsecond, no allocation.
-    pub fn inverse(&self, base_flange: &Isometry3<f64>) -> Solutions {
-        let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
-        let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST });
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_kinematics::nalgebra::Isometry3;
+    /// use curvlay_kinematics::{Arm, InvalidPose, robots};
+    /// let arm = Arm::new(&robots::UR5)?;
+    /// assert_eq!(arm.inverse(&Isometry3::translation(400.0, 100.0, 300.0))?.len(), 8);
+    /// assert!(arm.inverse(&Isometry3::translation(4000.0, 100.0, 300.0))?.is_empty());
+    /// let wrong = arm.inverse(&Isometry3::translation(400.0, f64::NAN, 300.0));
+    /// assert!(matches!(wrong, Err(InvalidPose::NotFinite { entry: "y", .. })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn inverse(&self, base_flange: &Isometry3<f64>) -> Result<Solutions, InvalidPose> {
+        let (r, p) = parts(base_flange)?;
+        let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST, swings: true });
         match &self.solver {
             Solver::Ur(arm) => arm.verify(&r, &p, &mut found),
             Solver::Ortho(arm) => arm.verify(&r, &p, &mut found),
         }
         self.outward(&mut found);
-        found
+        Ok(found)
     }
 
     /// The same without the forward kinematics behind it: what the closed form says, for callers that check by
     /// themselves.
-    pub fn inverse_unchecked(&self, base_flange: &Isometry3<f64>) -> Solutions {
-        let Some((r, p)) = parts(base_flange) else { return Solutions::EMPTY };
-        let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST });
+    ///
+    /// # Errors
+    /// As [`Arm::inverse`].
+    pub fn inverse_unchecked(&self, base_flange: &Isometry3<f64>) -> Result<Solutions, InvalidPose> {
+        let (r, p) = parts(base_flange)?;
+        let mut found = self.closed_form(&r, &p, &Free { joints: [0.0; 6], wrist: WRIST, swings: true });
         self.outward(&mut found);
-        found
+        Ok(found)
     }
 
     /// Solutions in the geometry's joints, free joints at `free`, not yet brought into one turn.
@@ -342,6 +377,20 @@ impl Arm {
         }
     }
 }
+
+const OFFSETS: [&str; 6] = ["offsets[0]", "offsets[1]", "offsets[2]", "offsets[3]", "offsets[4]", "offsets[5]"];
+
+fn within(what: &'static str, value: f64, max: f64) -> Result<(), ArmError> {
+    if value.abs() <= max { Ok(()) } else { Err(ArmError::TooLarge { what, value, max }) }
+}
+
+fn within_reach(what: &'static str, value: f64) -> Result<(), ArmError> {
+    within(what, value, LARGEST)
+}
+
+/// The share of the tolerances that solutions are held to: rounding of the check must not let one through that another
+/// check, with other rounding, finds beyond them. Rotation matrices have errors of 1e-15, a millionth of a tolerance.
+const HELD: f64 = 1.0 - 1e-5;
 
 /// Whether a flange meets the pose within this share of the tolerances.
 fn meets((reached, at): &(Matrix3<f64>, Vector3<f64>), r: &Matrix3<f64>, p: &Vector3<f64>, share: f64) -> bool {

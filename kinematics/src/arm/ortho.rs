@@ -9,8 +9,8 @@
 //! At zero all links stand upright. Then axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
 
 use super::branches::{Branch, Solutions, slot};
-use super::planar::{Free, aim, bend, lift, shoulder};
-use super::{ArmError, Frames, ROUNDING, SHORTEST, meets};
+use super::planar::{Free, REACH, Turn, aim, bend, shoulder};
+use super::{ArmError, Frames, HELD, ROUNDING, SHORTEST, meets, within_reach};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
@@ -55,6 +55,7 @@ impl OrthoLengths {
             if !value.is_finite() {
                 return Err(ArmError::LengthNotFinite { what, value });
             }
+            within_reach(what, value)?;
         }
         if c2.abs() < SHORTEST {
             return Err(ArmError::NoLength { link: "upper arm" });
@@ -98,7 +99,7 @@ impl OrthoArm {
     pub fn verify(&self, r: &Matrix3<f64>, p: &Vector3<f64>, found: &mut Solutions) {
         for slot in [0, 2, 4, 6] {
             let (twin, flipped) = (found.at(slot).copied(), found.at(slot + 1).copied());
-            let kept = twin.is_some_and(|q| meets(&self.forward(&q), r, p, 1.0));
+            let kept = twin.is_some_and(|q| meets(&self.forward(&q), r, p, HELD));
             let is_twin = |q: [f64; 6], f: [f64; 6]| {
                 let apart = [f[0] - q[0], f[1] - q[1], f[2] - q[2], f[3] - q[3] - PI, f[4] + q[4], f[5] - q[5] - PI];
                 apart.iter().all(|angle| angle.abs() <= ROUNDING)
@@ -107,7 +108,7 @@ impl OrthoArm {
             if !kept {
                 found.remove(Branch::ALL[slot]);
             }
-            if !both && !flipped.is_some_and(|f| meets(&self.forward(&f), r, p, 1.0)) {
+            if !both && !flipped.is_some_and(|f| meets(&self.forward(&f), r, p, HELD)) {
                 found.remove(Branch::ALL[slot + 1]);
             }
         }
@@ -158,41 +159,108 @@ impl OrthoArm {
     }
 
     pub fn solve(&self, r: &Matrix3<f64>, p: &Vector3<f64>, free: &Free, found: &mut Solutions) -> bool {
-        let OrthoLengths { a1, b, c1, c2, c4, .. } = self.lengths;
+        let OrthoLengths { c1, c2, c4, .. } = self.lengths;
         let (x6, y6, z6) = (r.column(0), r.column(1), r.column(2));
         let wrist = p - z6 * c4;
-        // The arm's plane has the wrist at b along y, which is minus its normal.
-        let Some(shoulders) = shoulder(&wrist, -b, free.joints[0]) else { return false };
-        let mut folded = shoulders[0].1.abs() <= FOLD * b.abs();
+        let Some((lanes, folded)) = self.lanes(r, &wrist, free) else { return false };
         let up = wrist.z - c1;
-        for (side, (q1, reach)) in shoulders.into_iter().enumerate() {
-            let back = side == 1;
-            let along = reach - a1;
-            let Some((cos, sin)) = bend((along * along + up * up).sqrt(), c2, self.forearm) else { continue };
-            let between = atan2(sin, cos);
-            folded |= sin <= FOLD;
-            let y1 = [x6, y6, z6].map(|axis| axis.y * q1.cos - axis.x * q1.sin);
-            let x1 = [x6, y6, z6].map(|axis| axis.x * q1.cos + axis.y * q1.sin);
-            for down in [false, true] {
-                let sign = if down { -c2.signum() } else { c2.signum() };
-                // Angles of links are counted from upright: up takes the place of x, forward that of y.
-                let q2 = lift(up, along, c2, self.forearm, (cos, sign * sin), free.joints[1]);
-                let q3 = sign * between - self.lean.2;
-                let (s, c) = (q2.sin * cos + q2.cos * sign * sin, q2.cos * cos - q2.sin * sign * sin);
-                let (s23, c23) = (s * self.lean.0 - c * self.lean.1, c * self.lean.0 + s * self.lean.1);
-                // The flange's axis in the frame of the forearm.
-                let (x, y, z) = (x1[2] * c23 - z6.z * s23, y1[2], x1[2] * s23 + z6.z * c23);
-                let (q4, q5) = aim(x, y, z, free.joints[3], free.wrist);
-                // Axis 5 in the flange.
-                let axis5 = |k: usize, vertical: f64| y1[k] * q4.cos - (x1[k] * c23 - vertical * s23) * q4.sin;
-                let q6 = atan2(axis5(0, x6.z), axis5(1, y6.z));
-                found.put(slot(back, down, false), [q1.angle, q2.angle, q3, q4.angle, q5, q6]);
-                found.put(slot(back, down, true), [q1.angle, q2.angle, q3, q4.angle + PI, -q5, q6 + PI]);
+        let Lanes { cos, sin, along, x1, y1, .. } = &lanes;
+        // Angles of links are counted from upright: up takes the place of x, forward that of y.
+        let near = each(|k| c2 + self.forearm * cos[k]);
+        let off = each(|k| self.forearm * sin[k]);
+        let mut cos2 = each(|k| up * near[k] + along[k] * off[k]);
+        let mut sin2 = each(|k| along[k] * near[k] - up * off[k]);
+        let mut q2 = each(|k| atan2(sin2[k], cos2[k]));
+        let between = each(|k| atan2(sin[k], cos[k]));
+        for k in 0..4 {
+            if along[k] * along[k] + up * up <= REACH * REACH {
+                let turn = Turn::of(free.joints[1]);
+                (cos2[k], sin2[k], q2[k]) = (turn.cos, turn.sin, turn.angle);
+            }
+        }
+        let length = each(|k| 1.0 / (cos2[k] * cos2[k] + sin2[k] * sin2[k]).sqrt());
+        let (cos2, sin2) = (each(|k| cos2[k] * length[k]), each(|k| sin2[k] * length[k]));
+        let (s, c) = (each(|k| sin2[k] * cos[k] + cos2[k] * sin[k]), each(|k| cos2[k] * cos[k] - sin2[k] * sin[k]));
+        let s23 = each(|k| s[k] * self.lean.0 - c[k] * self.lean.1);
+        let c23 = each(|k| c[k] * self.lean.0 + s[k] * self.lean.1);
+        // The flange's axis in the frame of the forearm.
+        let x = each(|k| x1[2][k] * c23[k] - z6.z * s23[k]);
+        let y = y1[2];
+        let z = each(|k| x1[2][k] * s23[k] + z6.z * c23[k]);
+        let sine = each(|k| (x[k] * x[k] + y[k] * y[k]).sqrt());
+        let (mut cos4, mut sin4) = (each(|k| x[k] / sine[k]), each(|k| y[k] / sine[k]));
+        let mut q4 = each(|k| atan2(y[k], x[k]));
+        let mut q5 = each(|k| atan2(sine[k], z[k]));
+        for k in 0..4 {
+            if lanes.reached[k] && sine[k] <= free.wrist {
+                let (turn, bent, _) = aim(x[k], y[k], z[k], free.joints[3], free.wrist);
+                (cos4[k], sin4[k], q4[k], q5[k]) = (turn.cos, turn.sin, turn.angle, bent);
+            }
+        }
+        // Axis 5 in the flange.
+        let across = each(|k| y1[0][k] * cos4[k] - (x1[0][k] * c23[k] - x6.z * s23[k]) * sin4[k]);
+        let ahead = each(|k| y1[1][k] * cos4[k] - (x1[1][k] * c23[k] - y6.z * s23[k]) * sin4[k]);
+        let q6 = each(|k| atan2(across[k], ahead[k]));
+        for k in 0..4 {
+            if lanes.reached[k] {
+                let q3 = between[k] - self.lean.2;
+                let slot = slot(k >= 2, k % 2 == 1, false);
+                found.put(slot, [lanes.q1[k], q2[k], q3, q4[k], q5[k], q6[k]]);
+                found.put(slot + 1, [lanes.q1[k], q2[k], q3, q4[k] + PI, -q5[k], q6[k] + PI]);
             }
         }
         folded
+    }
+
+    /// The turns of joint 1 and the triangles of upper arm and forearm that bring the wrist centre to its place, and
+    /// whether two of these may have come together.
+    fn lanes(&self, r: &Matrix3<f64>, wrist: &Vector3<f64>, free: &Free) -> Option<(Lanes, bool)> {
+        let OrthoLengths { a1, b, c1, c2, .. } = self.lengths;
+        // The arm's plane has the wrist at b along y, which is minus its normal.
+        let shoulders = shoulder(wrist, -b, free.joints[0])?;
+        let mut folded = shoulders[0].1.abs() <= FOLD * b.abs();
+        let mut lanes = Lanes::default();
+        let (up, sense) = (wrist.z - c1, c2.signum());
+        for (side, (q1, reach)) in shoulders.into_iter().enumerate() {
+            let along = reach - a1;
+            let Some((cos, sin)) = bend((along * along + up * up).sqrt(), c2, self.forearm) else { continue };
+            folded |= sin <= FOLD;
+            for (lane, sign) in [(2 * side, sense), (2 * side + 1, -sense)] {
+                lanes.reached[lane] = true;
+                (lanes.q1[lane], lanes.along[lane]) = (q1.angle, along);
+                (lanes.cos[lane], lanes.sin[lane]) = (cos, sign * sin);
+                for k in 0..3 {
+                    let axis = r.column(k);
+                    lanes.x1[k][lane] = axis.x * q1.cos + axis.y * q1.sin;
+                    lanes.y1[k][lane] = axis.y * q1.cos - axis.x * q1.sin;
+                }
+            }
+        }
+        Some((lanes, folded))
     }
 }
 
 /// Below this sine two branches may have come together; above it they are surely apart.
 const FOLD: f64 = 1e-5;
+
+/// The four postures of upper arm and forearm: shoulder front and back, of each elbow up and down. Number by number side
+/// by side, so that the processor computes several at once; those that do not reach have any numbers.
+#[derive(Default)]
+struct Lanes {
+    reached: [bool; 4],
+    q1: [f64; 4],
+    /// Of the angle between upper arm and forearm.
+    cos: [f64; 4],
+    sin: [f64; 4],
+    /// From axis 2 to the wrist centre, forward.
+    along: [f64; 4],
+    /// Axes of the flange along the arm's plane and across it.
+    x1: [[f64; 4]; 3],
+    y1: [[f64; 4]; 3],
+}
+
+/// A number for each of the four.
+#[inline(always)]
+fn each(of: impl Fn(usize) -> f64) -> [f64; 4] {
+    [of(0), of(1), of(2), of(3)]
+}

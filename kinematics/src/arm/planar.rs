@@ -4,6 +4,7 @@
 //! Each has two solutions that come together at a singularity. Differences of squares are factorised, so that their
 //! roots keep all digits there.
 
+use crate::angle::wrapped;
 use crate::trig::{atan2, sin_cos};
 use nalgebra::Vector3;
 
@@ -22,6 +23,8 @@ pub(super) struct Free {
     pub joints: [f64; 6],
     /// The sine of joint 5 up to which the joint that aims it is free.
     pub wrist: f64,
+    /// Whether a free joint may leave its place where that is out of reach.
+    pub swings: bool,
 }
 
 /// Cosine, sine and angle.
@@ -97,14 +100,46 @@ pub(super) fn lift(x: f64, y: f64, first: f64, second: f64, (cos, sin): (f64, f6
     Turn::towards(x * near + y * off, y * near - x * off)
 }
 
-/// The axis of the flange, `(x, y, z)` before the joint that aims it and joint 5 have turned: that joint, and joint 5
-/// not negative. Along z, any aim will do: `free`, or the opposite, and joint 5 as near as it comes.
-pub(super) fn aim(x: f64, y: f64, z: f64, free: f64, singular: f64) -> (Turn, f64) {
+/// The axis of the flange, `(x, y, z)` before the joint that aims it and joint 5 have turned: that joint, joint 5 not
+/// negative, and whether the aim is free. Along z, any aim will do: `free`, or the opposite, and joint 5 as near as it
+/// comes.
+pub(super) fn aim(x: f64, y: f64, z: f64, free: f64, singular: f64) -> (Turn, f64, bool) {
     let sine = (x * x + y * y).sqrt();
     if sine > singular {
-        return (Turn { cos: x / sine, sin: y / sine, angle: atan2(y, x) }, atan2(sine, z));
+        return (Turn { cos: x / sine, sin: y / sine, angle: atan2(y, x) }, atan2(sine, z), false);
     }
     let turn = Turn::of(free);
     let along = x * turn.cos + y * turn.sin;
-    if along < 0.0 { (turn.opposite(), atan2(-along, z)) } else { (turn, atan2(along, z)) }
+    if along < 0.0 { (turn.opposite(), atan2(-along, z), true) } else { (turn, atan2(along, z), true) }
+}
+
+/// How far the elbow is bent in a posture that [`swing`] puts at the end of the links' reach, in radians: enough for
+/// its two branches to be apart, and next to nothing in the reach (1e-8 mm at a metre).
+const ENDS_APART: f64 = 4.0 * super::SAME;
+
+/// A lever of length `lever` turns freely about `(x, y)`, and upper arm and forearm from the origin carry its end. For
+/// the lever at `angle` its end may be out of their reach: the turn, at most half a one, to the nearest angle at which
+/// it is not. `None` where no angle will do.
+///
+/// The end of the lever is at a distance that falls from `distance + lever` to the difference of the two while it
+/// turns half a turn, so the nearest angle is that at which the end lies on the border of the reach.
+pub(super) fn swing(x: f64, y: f64, lever: f64, angle: f64, first: f64, second: f64) -> Option<f64> {
+    let distance = (x * x + y * y).sqrt();
+    let product = (first * second).abs();
+    // The law of cosines with the elbow almost stretched, and almost folded.
+    let bent = product * ENDS_APART * ENDS_APART;
+    let outer = ((first.abs() + second.abs()).powi(2) - bent).sqrt();
+    let inner = ((first.abs() - second.abs()).powi(2) + bent).sqrt();
+    let end = (distance * distance + lever * lever + 2.0 * distance * lever * (angle - atan2(y, x)).cos()).sqrt();
+    let border = if end > outer { outer } else { inner };
+    let (nearest, farthest) = ((distance - lever.abs()).abs(), distance + lever.abs());
+    if !(nearest <= outer + REACH && farthest >= inner - REACH) {
+        return None;
+    }
+    // From the direction of the point to the lever, for which its end is on the border.
+    let cos = (border * border - distance * distance - lever * lever) / (2.0 * distance * lever);
+    let open = atan2(((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), cos);
+    let [a, b] = [open, -open].map(|open| wrapped(atan2(y, x) + open - angle));
+    let turn = if a.abs() <= b.abs() { a } else { b };
+    turn.is_finite().then_some(turn)
 }

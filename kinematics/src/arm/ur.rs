@@ -5,14 +5,18 @@
 //! The normal of the arm's plane is `n = (sin q1, -cos q1, 0)`; the point where axes 5 and 6 cross lies at `d2 + d3 +
 //! d4` along it, which gives joint 1. In the flange frame `n` is `(s5 c6, -s5 s6, c5)`, which gives joints 5 and 6 to
 //! all digits even where `s5` is small; axis 5 then gives `q2 + q3 + q4`, and upper arm and forearm make a triangle.
+//!
+//! At a singular wrist joint 6 is free and carries the end of the forearm about the point where axes 5 and 6 cross, at
+//! the distance `d5`. Not every joint 6 leaves it in reach: where the given one does not, the nearest that does is
+//! taken, so that no pose within reach is lost.
 
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
-use super::planar::{Free, aim, bend, lift, shoulder};
-use super::{ANGLE_TOLERANCE, Frames, POSITION_TOLERANCE, ROUNDING};
+use super::planar::{Free, aim, bend, lift, shoulder, swing};
+use super::{ANGLE_TOLERANCE, Frames, HELD, POSITION_TOLERANCE, ROUNDING};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UrArm {
@@ -54,7 +58,7 @@ impl UrArm {
             let Some(shared) = twins.iter().find_map(|&slot| found.at(slot)).copied() else { continue };
             let sum = shared[1] + shared[2] + shared[3];
             let (rotation, plane) = self.rotation(shared[0], sum, shared[4], shared[5]);
-            let turned_right = (rotation - r).norm_squared() <= 2.0 * ANGLE_TOLERANCE * ANGLE_TOLERANCE;
+            let turned_right = (rotation - r).norm_squared() <= 2.0 * (HELD * ANGLE_TOLERANCE).powi(2);
             // What upper arm and forearm have left to reach.
             let rest = p - rotation.column(2) * d[5] - plane.axis5 * d[4] - plane.normal * self.across;
             for slot in twins {
@@ -64,7 +68,7 @@ impl UrArm {
                 let (along, up) = (a[1] * c2 + a[2] * c23, d[0] + a[1] * s2 + a[2] * s23);
                 let off = rest - Vector3::new(along * plane.along.x, along * plane.along.y, up);
                 let same_sum = (q[1] + q[2] + q[3] - sum).abs() <= ROUNDING;
-                if !(turned_right && same_sum && off.norm_squared() <= POSITION_TOLERANCE * POSITION_TOLERANCE) {
+                if !(turned_right && same_sum && off.norm_squared() <= (HELD * POSITION_TOLERANCE).powi(2)) {
                     found.remove(Branch::ALL[slot]);
                 }
             }
@@ -117,21 +121,30 @@ impl UrArm {
             // The first is that with the crossing on the side of x; the links of a UR arm point the other way at zero.
             let back = (side == 1) != (a[1] < 0.0);
             let v = [x6, y6, z6].map(|axis| q1.sin * axis.x - q1.cos * axis.y);
-            let (q6, q5) = aim(v[0], -v[1], v[2], free.joints[5], free.wrist);
+            let (q6, q5, free_wrist) = aim(v[0], -v[1], v[2], free.joints[5], free.wrist);
             let z4 = -(x6 * q6.sin + y6 * q6.cos);
             let (s234, c234) = (z4.x * q1.cos + z4.y * q1.sin, -z4.z);
             let q234 = atan2(s234, c234);
             for (flip, sense, half_turn) in [(false, 1.0, 0.0), (true, -1.0, PI)] {
-                let (x, y) = (along - sense * d[4] * s234, up + sense * d[4] * c234);
-                let Some((cos, sin)) = bend((x * x + y * y).sqrt(), a[1], a[2]) else { continue };
+                let (mut q5, mut q6, mut q234) = (sense * q5, q6.angle + half_turn, q234 + half_turn);
+                let (mut x, mut y) = (along - sense * d[4] * s234, up + sense * d[4] * c234);
+                let mut triangle = bend((x * x + y * y).sqrt(), a[1], a[2]);
+                if triangle.is_none() && free_wrist && free.swings {
+                    let Some(turn) = swing(along, up, d[4], q234 + FRAC_PI_2, a[1], a[2]) else { continue };
+                    // Joint 6 turns against joints 2 to 4, or with them where joint 5 has made half a turn.
+                    (q5, q6, q234) = (if v[2] > 0.0 { 0.0 } else { PI }, q6 - turn * v[2].signum(), q234 + turn);
+                    let (sin, cos) = sin_cos(q234);
+                    (x, y) = (along - d[4] * sin, up + d[4] * cos);
+                    triangle = bend((x * x + y * y).sqrt(), a[1], a[2]);
+                }
+                let Some((cos, sin)) = triangle else { continue };
                 let q3 = atan2(sin, cos);
                 folded |= sin <= FOLD;
                 for down in [false, true] {
                     let sign = if down { a[2].signum() } else { -a[2].signum() };
                     let q2 = lift(x, y, a[1], a[2], (cos, sign * sin), free.joints[1]);
-                    let q4 = q234 + half_turn - q2.angle - sign * q3;
-                    let joints = [q1.angle, q2.angle, sign * q3, q4, sense * q5, q6.angle + half_turn];
-                    found.put(slot(back, down, flip), joints);
+                    let q4 = q234 - q2.angle - sign * q3;
+                    found.put(slot(back, down, flip), [q1.angle, q2.angle, sign * q3, q4, q5, q6]);
                 }
             }
         }

@@ -15,7 +15,7 @@
 //! are halved in the order of these bounds, and the first range of one index that comes up is the optimum.
 
 use crate::arm::Arm;
-use crate::pose::parts;
+use crate::pose::{LARGEST, is_frame};
 use crate::progress::Progress;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::cmp::Reverse;
@@ -26,7 +26,7 @@ use std::ops::ControlFlow;
 /// Which frames count as reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReachOptions {
-    /// How many postures are sampled. 20,000 place the box to a few millimetres on arms of half a metre.
+    /// How many postures are sampled, at most ten million. 20,000 place the box to a few millimetres on arms of half a metre.
     pub samples: usize,
     /// A frame counts if its z axis rises at least this steeply: the sine of its angle over the horizon. 0 drops those
     /// that face down; -1 keeps all.
@@ -44,14 +44,24 @@ impl Default for ReachOptions {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlacementError {
-    /// The frame on the flange is not finite, or its quaternion has another length than 1.
-    #[error("the frame on the flange is invalid: its entries must be finite and its quaternion of length 1")]
+    /// The frame on the flange is not finite, farther out than 1e6 mm, or its quaternion has another length than 1.
+    #[error(
+        "the frame on the flange is invalid: its entries must be finite and within 1e6 mm, its quaternion of length 1"
+    )]
     Frame,
     /// The smallest rise is not a number.
     #[error("`min_rise` is not a number")]
     MinRise,
-    /// A point is not finite.
-    #[error("point {index} is not finite")]
+    /// More samples than fit in memory.
+    #[error("`samples` is {samples}: at most {max} are allowed")]
+    Samples {
+        /// How many were asked for.
+        samples: usize,
+        /// How many may be.
+        max: usize,
+    },
+    /// A point is not finite, or farther out than 1e6 mm.
+    #[error("point {index} is invalid: its coordinates must be finite and within 1e6 mm")]
     Point {
         /// Its place in the input.
         index: usize,
@@ -65,8 +75,8 @@ pub enum PlacementError {
         /// How many.
         count: usize,
     },
-    /// An edge of the box is negative or not finite.
-    #[error("edge {axis} of the box is {length} mm: it must be finite and not negative")]
+    /// An edge of the box is negative, not finite or longer than 1e6 mm.
+    #[error("edge {axis} of the box is {length} mm: it must be from 0 to 1e6")]
     Envelope {
         /// 0 for x, 1 for y, 2 for z.
         axis: usize,
@@ -95,7 +105,7 @@ pub struct Placement {
 /// without such a rule the nozzle ends up there.)
 ///
 /// # Errors
-/// [`PlacementError::Frame`] and [`PlacementError::MinRise`].
+/// [`PlacementError::Frame`], [`PlacementError::MinRise`] and [`PlacementError::Samples`].
 ///
 /// # Cost
 /// A fifth of a microsecond a sample, and the points.
@@ -115,11 +125,14 @@ pub fn reachable_points(
     options: &ReachOptions,
     keep: impl Fn(&[f64; 6], &Isometry3<f64>) -> bool,
 ) -> Result<Vec<Point3<f64>>, PlacementError> {
-    if parts(flange_frame).is_none() {
+    if !is_frame(flange_frame) {
         return Err(PlacementError::Frame);
     }
     if options.min_rise.is_nan() {
         return Err(PlacementError::MinRise);
+    }
+    if options.samples > MAX_SAMPLES {
+        return Err(PlacementError::Samples { samples: options.samples, max: MAX_SAMPLES });
     }
     let limits = arm.limits();
     let ranges: [(f64, f64); 6] = std::array::from_fn(|k| {
@@ -139,6 +152,9 @@ pub fn reachable_points(
     }
     Ok(points)
 }
+
+/// Two seconds, and a quarter of a gigabyte of points.
+const MAX_SAMPLES: usize = 10_000_000;
 
 /// The first primes, one a joint.
 const BASES: [usize; 6] = [2, 3, 5, 7, 11, 13];
@@ -179,10 +195,10 @@ pub fn fullest_box(
     envelope: [f64; 3],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Placement, PlacementError> {
-    if let Some(index) = points.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
+    if let Some(index) = points.iter().position(|point| !point.iter().all(|x| x.abs() <= LARGEST)) {
         return Err(PlacementError::Point { index });
     }
-    if let Some(axis) = envelope.iter().position(|edge| !edge.is_finite() || *edge < 0.0) {
+    if let Some(axis) = envelope.iter().position(|edge| !(0.0..=LARGEST).contains(edge)) {
         return Err(PlacementError::Envelope { axis, length: envelope[axis] });
     }
     if points.is_empty() {

@@ -10,6 +10,7 @@
 //! waypoints unseen, and the waypoints that were bad at other places come first.
 
 use crate::cell::Waypoint;
+use crate::pose::LARGEST;
 use crate::progress::Progress;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::cmp::Ordering;
@@ -76,14 +77,14 @@ pub enum PlaceError {
     /// There is no place to choose from.
     #[error("the list of places is empty")]
     NoPlace,
-    /// A shift or a turn is infinite or not a number.
-    #[error("place {index} has a shift or a turn that is not a finite number")]
+    /// A shift or a turn is infinite, not a number, or beyond 1e6.
+    #[error("place {index} has a shift or a turn that is not a number within 1e6 (mm, rad)")]
     Place {
         /// Its index in the input.
         index: usize,
     },
-    /// A waypoint is infinite or not a number.
-    #[error("waypoint {index} is not finite")]
+    /// A waypoint is infinite, not a number, or farther out than 1e6 mm.
+    #[error("waypoint {index} is invalid: its numbers must be finite and within 1e6 mm")]
     Waypoint {
         /// Its index in the input.
         index: usize,
@@ -222,18 +223,18 @@ fn check(places: &[PartPlace], waypoints: &[Waypoint]) -> Result<(), PlaceError>
     if places.is_empty() {
         return Err(PlaceError::NoPlace);
     }
-    let sound = |place: &PartPlace| place.turn.is_finite() && place.offset.iter().all(|x| x.is_finite());
+    let sound = |place: &PartPlace| place.turn.abs() <= LARGEST && place.offset.iter().all(|x| x.abs() <= LARGEST);
     if let Some(index) = places.iter().position(|place| !sound(place)) {
         return Err(PlaceError::Place { index });
     }
-    match waypoints.iter().position(|waypoint| !is_finite(waypoint)) {
+    match waypoints.iter().position(|waypoint| !is_place(waypoint)) {
         Some(index) => Err(PlaceError::Waypoint { index }),
         None => Ok(()),
     }
 }
 
-pub(super) fn is_finite(waypoint: &Waypoint) -> bool {
-    waypoint.position.iter().chain(waypoint.axis.iter()).all(|x| x.is_finite())
+pub(super) fn is_place(waypoint: &Waypoint) -> bool {
+    waypoint.position.iter().chain(waypoint.axis.iter()).all(|x| x.abs() <= LARGEST)
 }
 
 /// What is known of a place. Each part of it only gets worse.
@@ -292,8 +293,8 @@ const MAX_PLACES: f64 = 1e6;
 /// # Ok::<(), curvlay_kinematics::PlaceError>(())
 /// ```
 pub fn place_grid(max_offset: f64, steps: u32, turns: u32) -> Result<Vec<PartPlace>, PlaceError> {
-    if !(max_offset.is_finite() && max_offset >= 0.0) {
-        let must = "finite and not negative";
+    if !(0.0..=LARGEST).contains(&max_offset) {
+        let must = "from 0 to 1e6 mm";
         return Err(PlaceError::Option { what: "max_offset", value: max_offset, must });
     }
     if turns == 0 {

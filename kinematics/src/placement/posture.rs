@@ -39,11 +39,14 @@ pub struct BestPosture<'a, W, const N: usize, const F: usize> {
     limits: JointLimits<N>,
 }
 
+/// More postures than this for a waypoint are a mistake: each costs some microseconds.
+const MAX_SAMPLES: f64 = 1e6;
+
 impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N, F> {
     /// # Arguments
     /// * `scene`: of the cell. What is in it does not move with the place of the part, so leave the part out; allow the pairs
     ///   that may touch while the nozzle prints.
-    /// * `samples`: of each free parameter: even over a turn, or from one end of the range to the other.
+    /// * `samples`: of each free parameter, at most a million together: even over a turn, or from one end of the range to the other.
     /// * `max_clearance`: in millimetres; more is not looked for. A posture with more clearance is rated by its manipulability.
     ///
     /// # Errors
@@ -51,6 +54,12 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
     pub fn new(cell: &'a W, scene: &'a Scene, samples: [u32; F], max_clearance: f64) -> Result<Self, PlaceError> {
         if samples.contains(&0) {
             return Err(PlaceError::Option { what: "samples", value: 0.0, must: "at least 1 each" });
+        }
+        // In f64, where no product overflows.
+        let postures: f64 = samples.iter().map(|&samples| f64::from(samples)).product();
+        if postures > MAX_SAMPLES {
+            let must = "at most a million together";
+            return Err(PlaceError::Option { what: "samples", value: postures, must });
         }
         if !(max_clearance.is_finite() && max_clearance > 0.0) {
             let must = "finite and above 0";

@@ -4,8 +4,9 @@
 //! one is the farthest from those that are chosen. No other choice of as many comes nearer to all waypoints than half as
 //! near as this one.
 
-use super::part::{PlaceError, is_finite};
+use super::part::{PlaceError, is_place};
 use crate::cell::Waypoint;
+use crate::pose::LARGEST;
 use nalgebra::Vector3;
 
 /// Waypoints that stand for all of a print.
@@ -49,11 +50,11 @@ pub fn representative_waypoints(
     count: usize,
     lever: f64,
 ) -> Result<Representatives, PlaceError> {
-    if let Some(index) = waypoints.iter().position(|waypoint| !is_finite(waypoint)) {
+    if let Some(index) = waypoints.iter().position(|waypoint| !is_place(waypoint)) {
         return Err(PlaceError::Waypoint { index });
     }
-    if !(lever.is_finite() && lever >= 0.0) {
-        return Err(PlaceError::Option { what: "lever", value: lever, must: "finite and not negative" });
+    if !(0.0..=LARGEST).contains(&lever) {
+        return Err(PlaceError::Option { what: "lever", value: lever, must: "from 0 to 1e6 mm" });
     }
     let share = 1.0 / waypoints.len().max(1) as f64;
     let mean = |of: fn(&Waypoint) -> Vector3<f64>| waypoints.iter().map(|at| of(at) * share).sum::<Vector3<f64>>();

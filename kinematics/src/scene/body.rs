@@ -231,7 +231,7 @@ pub enum SceneError {
 /// The pieces of a shape.
 pub(super) fn pieces(body: &Body) -> Result<Vec<Piece>, SceneError> {
     let name = || body.name.clone();
-    let sound = parts(&body.mount_body).is_some() && body.mount_body.translation.vector.amax() <= FARTHEST;
+    let sound = parts(&body.mount_body).is_ok() && body.mount_body.translation.vector.amax() <= FARTHEST;
     if !sound {
         return Err(SceneError::Pose { body: name() });
     }

@@ -36,6 +36,9 @@ pub enum PostureError {
         /// Its value.
         value: f64,
     },
+    /// The distance within which the nearest bodies are looked for is not a number.
+    #[error("`within` is not a number")]
+    Within,
 }
 
 /// Two bodies and the points at which they are nearest.
@@ -117,12 +120,15 @@ impl Scene {
     /// Where another pair, or other points of the same, are as near, the derivative is that of one of them.
     ///
     /// # Errors
-    /// [`PostureError`] names the joint that is no angle.
+    /// [`PostureError`] names the joint that is no angle, or says that `within` is no number.
     ///
     /// # Cost
     /// That of [`nearest`](Self::nearest), less what lies beyond `within`.
     pub fn clearance(&self, posture: &Posture, within: f64) -> Result<Option<Clearance<'_>>, PostureError> {
         posture.check(self.positioner.is_some())?;
+        if within.is_nan() {
+            return Err(PostureError::Within);
+        }
         let poses = self.poses(posture);
         let Some((pair, nearest)) = self.nearest_within(&poses, within) else { return Ok(None) };
         let Some([p, q]) = nearest.points else {

@@ -20,7 +20,7 @@ mod quality;
 pub use newton::{FollowError, FoundPose, StewartError};
 pub use quality::{PathError, PathQuality, Workspace, WorkspaceError, WorkspaceOptions};
 
-use crate::pose::parts;
+use crate::pose::{LARGEST, parts};
 use modes::Plane;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use std::f64::consts::PI;
@@ -225,9 +225,6 @@ pub struct Stewart {
     size: f64,
 }
 
-/// Places beyond this are no machine's.
-const LARGEST: f64 = 1e6;
-
 impl Stewart {
     /// Checks the numbers of a platform.
     ///
@@ -325,7 +322,7 @@ impl Stewart {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn fault(&self, base_platform: &Isometry3<f64>) -> Option<StewartFault> {
-        let Some((r, t)) = parts(base_platform) else { return Some(StewartFault::Pose) };
+        let Ok((r, t)) = parts(base_platform) else { return Some(StewartFault::Pose) };
         let vectors = self.leg_vectors(&r, &t);
         for (leg, vector) in vectors.iter().enumerate() {
             let (length, shortest, longest) = (vector.norm(), self.shortest[leg], self.longest[leg]);

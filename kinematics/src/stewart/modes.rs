@@ -88,7 +88,7 @@ impl Random {
 
 impl Stewart {
     /// The mirror image of a pose: another one with the same lengths. `None` unless the joints of the base lie in a
-    /// plane and those of the platform do.
+    /// plane and those of the platform do, and for a pose that is not finite, or so far out that its image is not.
     /// ```
     /// use curvlay_kinematics::nalgebra::Isometry3;
     /// use curvlay_kinematics::stewart::{Stewart, StewartModel};
@@ -99,10 +99,12 @@ impl Stewart {
     /// ```
     pub fn mirror(&self, pose: &Isometry3<f64>) -> Option<Isometry3<f64>> {
         let (base, platform) = self.planes.as_ref()?;
-        let (r, t) = parts(pose)?;
+        let (r, t) = parts(pose).ok()?;
         let origin = r * platform.mirrored(&Vector3::zeros()) + t;
         let turned = base.matrix() * r * platform.matrix();
-        Some(Isometry3::from_parts(Translation3::from(base.mirrored(&origin)), rotation(&turned)))
+        let image = base.mirrored(&origin);
+        let is_finite = image.iter().all(|x| x.is_finite());
+        is_finite.then(|| Isometry3::from_parts(Translation3::from(image), rotation(&turned)))
     }
 
     /// Modes of the platform for these lengths: what Newton's method finds from `starts` random poses, the mirror

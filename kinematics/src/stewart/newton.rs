@@ -100,7 +100,7 @@ impl Stewart {
     /// Under a microsecond from a near pose, no allocation.
     pub fn pose_near(&self, legs: &[f64; 6], near: &Isometry3<f64>) -> Result<FoundPose, StewartError> {
         check_lengths(legs)?;
-        let (r, t) = parts(near).ok_or(StewartError::Pose)?;
+        let (r, t) = parts(near).map_err(|_| StewartError::Pose)?;
         self.solve(legs, State { q: rotation(&r), t })
     }
 
@@ -173,7 +173,7 @@ impl Stewart {
     ) -> Result<Vec<Isometry3<f64>>, FollowError> {
         let mut poses = Vec::new();
         let mut at = *start;
-        if parts(start).is_none() {
+        if parts(start).is_err() {
             return Err(FollowError { index: 0, cause: StewartError::Pose });
         }
         let mut have = self.legs(start);

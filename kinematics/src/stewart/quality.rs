@@ -2,6 +2,7 @@
 //! workspace.
 
 use super::{Stewart, StewartFault};
+use crate::pose::{LARGEST, is_frame};
 use crate::progress::Progress;
 use nalgebra::{Isometry3, Matrix6, Point3, Translation3, UnitQuaternion, Vector3};
 use std::ops::ControlFlow;
@@ -42,6 +43,9 @@ pub enum PathError {
         /// What was asked for.
         min: f64,
     },
+    /// The least measure is not a number.
+    #[error("`min_singularity` is not a number")]
+    MinSingularity,
     /// Between a pose and the one before there is a singular one: the legs lose the platform on the way.
     #[error("there is a singular pose between pose {index} and the one before it")]
     OtherSide {
@@ -78,16 +82,27 @@ pub struct Workspace {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorkspaceError {
-    /// The box has no volume, or no cells.
-    #[error("the box must have finite corners, the upper one above the lower one, and at least one cell each way")]
+    /// The box has no volume, or no cells, or is farther out than 1e6 mm.
+    #[error(
+        "the box must have corners within 1e6 mm, the upper one above the lower one, and at least one cell each way"
+    )]
     Box,
-    /// More than a thousand million cells.
+    /// More than fifty million cells.
     #[error("{cells} cells are more than the {max} allowed: take fewer cells")]
     TooMany {
         /// Cells asked for.
         cells: u128,
         /// Cells allowed.
         max: u128,
+    },
+    /// The least measure is not a number.
+    #[error("`min_singularity` is not a number")]
+    MinSingularity,
+    /// A rotation is not finite, or its quaternion has another length than 1.
+    #[error("rotation {index} is invalid: its quaternion must be of length 1")]
+    Rotation {
+        /// Its place in the input.
+        index: usize,
     },
     /// No rotation was given.
     #[error("no rotation was given")]
@@ -97,7 +112,8 @@ pub enum WorkspaceError {
     Cancelled,
 }
 
-const MAX_CELLS: u128 = 1_000_000_000;
+/// If all of them are within reach, their points take 1.2 GB.
+const MAX_CELLS: u128 = 50_000_000;
 
 impl Stewart {
     /// How fast the legs grow: the lengths' derivatives by the velocity of the platform's origin and the platform's
@@ -145,6 +161,9 @@ impl Stewart {
     /// # Errors
     /// [`PathError`] with the index of the first pose that the platform cannot take.
     pub fn check_path(&self, poses: &[Isometry3<f64>], min_singularity: f64) -> Result<PathQuality, PathError> {
+        if min_singularity.is_nan() {
+            return Err(PathError::MinSingularity);
+        }
         let mut quality =
             PathQuality { legs: Vec::with_capacity(poses.len()), min_singularity: f64::INFINITY, min_at: 0 };
         let mut side = 0.0;
@@ -184,9 +203,17 @@ impl Stewart {
     ) -> Result<Workspace, WorkspaceError> {
         let WorkspaceOptions { lower, upper, cells, min_singularity } = *options;
         let size = upper - lower;
-        let sound = size.iter().all(|x| x.is_finite() && *x > 0.0) && cells.iter().all(|&n| n > 0);
-        if !sound || !lower.coords.iter().all(|x| x.is_finite()) {
+        let sound = size.iter().all(|x| *x > 0.0) && cells.iter().all(|&n| n > 0);
+        // NaN fails the comparison.
+        if !sound || !lower.iter().chain(upper.iter()).all(|x| x.abs() <= LARGEST) {
             return Err(WorkspaceError::Box);
+        }
+        if min_singularity.is_nan() {
+            return Err(WorkspaceError::MinSingularity);
+        }
+        let at = |rotation: &UnitQuaternion<f64>| Isometry3::from_parts(Translation3::identity(), *rotation);
+        if let Some(index) = rotations.iter().position(|rotation| !is_frame(&at(rotation))) {
+            return Err(WorkspaceError::Rotation { index });
         }
         let count: u128 = cells.iter().map(|&n| u128::from(n)).product();
         if count > MAX_CELLS {

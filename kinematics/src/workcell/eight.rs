@@ -151,14 +151,14 @@ impl Workcell<8, 2> for EightAxisCell {
 
     fn solutions(&self, waypoint: &Waypoint, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 8])) {
         let Some((table, cell)) = self.turned(free[0], free[1]) else { return };
-        for (branch, joints) in cell.arm().inverse(&self.flange(&cell, waypoint, 0.0)).iter() {
+        for (branch, joints) in cell.arm().inverse(&self.flange(&cell, waypoint, 0.0)).unwrap_or_default().iter() {
             each(branch.slot() as u32, eight(&self.resting(joints), table));
         }
     }
 
     fn following(&self, waypoint: &Waypoint, free: &[f64; 2], branch: u32) -> Option<Following<8, 2>> {
         let (table, cell) = self.turned(free[0], free[1])?;
-        let found = cell.arm().inverse(&self.flange(&cell, waypoint, 0.0));
+        let found = cell.arm().inverse(&self.flange(&cell, waypoint, 0.0)).ok()?;
         let joints = self.resting(found.get(*Branch::ALL.get(branch as usize)?)?);
         let [tool, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| rates.first);
         let [tilt, turn] = match self.tool {
@@ -187,7 +187,7 @@ impl Workcell<8, 2> for EightAxisCell {
         let flange = match self.tool {
             Tool::OnAxis { rest, sense } => {
                 // By how much of a tool angle joint 6 leaves its rest.
-                let off = arm.inverse(&flange).get(arm.branch(&joints))?[5] - rest;
+                let off = arm.inverse(&flange).ok()?.get(arm.branch(&joints))?[5] - rest;
                 self.flange(&cell, waypoint, turn - sense * off)
             }
             Tool::Heading(_) => self.flange(&cell, waypoint, turn),

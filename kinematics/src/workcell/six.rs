@@ -51,14 +51,14 @@ impl Workcell<6, 1> for SixAxisCell {
 
     fn solutions(&self, waypoint: &Waypoint, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
         let flange = self.cell.flange(waypoint, free[0]);
-        for (branch, joints) in self.cell.arm().inverse(&flange).iter() {
+        for (branch, joints) in self.cell.arm().inverse(&flange).unwrap_or_default().iter() {
             each(branch.slot() as u32, *joints);
         }
     }
 
     fn following(&self, waypoint: &Waypoint, free: &[f64; 1], branch: u32) -> Option<Following<6, 1>> {
         let flange = self.cell.flange(waypoint, free[0]);
-        let joints = *self.cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        let joints = *self.cell.arm().inverse(&flange).ok()?.get(*Branch::ALL.get(branch as usize)?)?;
         Some((joints, [self.cell.tool_rates(&joints)?.first]))
     }
 

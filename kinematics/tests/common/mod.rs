@@ -2,9 +2,11 @@
 #![allow(dead_code, clippy::unwrap_used)] // helpers of tests fail like tests, and no file uses all of them
 
 use curvlay_kinematics::nalgebra::{Isometry3, Matrix4};
-use curvlay_kinematics::{ANGLE_TOLERANCE, Arm, ArmModel, POSITION_TOLERANCE, pose_from_matrix, robots};
+use curvlay_kinematics::{
+    ANGLE_TOLERANCE, Arm, ArmModel, Geometry, OrthoLengths, POSITION_TOLERANCE, pose_from_matrix, robots,
+};
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
 pub const ROBOTS: [(&str, &ArmModel); 6] = [
@@ -84,4 +86,56 @@ pub fn assert_meets(arm: &Arm, joints: &[f64; 6], pose: &Isometry3<f64>, what: &
 
 pub fn in_one_turn(joints: &[f64; 6]) -> bool {
     joints.iter().all(|angle| -PI < *angle && *angle <= PI)
+}
+
+/// Postures on each singularity and on several at once: q5 for the wrist, q3 for the elbow, and joints 2 and 3 such
+/// that the wrist centre is on axis 1 for the shoulder of an ABB arm.
+pub fn singular_postures(model: &ArmModel) -> Vec<(&'static str, [f64; 6])> {
+    let base = [0.4, -0.9, 1.1, 0.5, 0.8, -0.6];
+    let with = |changes: &[(usize, f64)]| {
+        let mut joints = base;
+        changes.iter().for_each(|&(k, value)| joints[k] = value);
+        joints
+    };
+    match model.geometry {
+        Geometry::Ortho(lengths) => {
+            let OrthoLengths { a2, c2, c3, .. } = lengths;
+            let stretched = FRAC_PI_2.mul_add(-1.0, -a2.atan2(c3));
+            // c2 sin q2 + a2 cos(q2 + q3') + c3 sin(q2 + q3') = 0, q3' from upright.
+            let over = |q3: f64| {
+                let upright = q3 + FRAC_PI_2;
+                let (s, c) = upright.sin_cos();
+                (-(a2 * c + c3 * s)).atan2(c2 - a2 * s + c3 * c)
+            };
+            vec![
+                ("wrist", with(&[(4, 0.0)])),
+                ("wrist, far side", with(&[(4, PI)])),
+                ("elbow", with(&[(2, stretched)])),
+                ("shoulder", with(&[(1, over(1.1))])),
+                ("wrist and elbow", with(&[(2, stretched), (4, 0.0)])),
+                ("wrist and shoulder", with(&[(1, over(1.1)), (4, 0.0)])),
+                ("all", with(&[(2, stretched), (1, over(stretched)), (4, 0.0)])),
+            ]
+        }
+        Geometry::Ur(table) => {
+            // Joint 4 such that axes 5 and 6 cross over axis 1, as near as they can.
+            let over = |q2: f64, q3: f64| {
+                let along = table.a[1] * q2.cos() + table.a[2] * (q2 + q3).cos();
+                (-along / table.d[4]).asin() - q2 - q3
+            };
+            let high = [(1, -1.5), (2, 0.05)];
+            vec![
+                ("wrist", with(&[(4, 0.0)])),
+                ("wrist, far side", with(&[(4, PI)])),
+                ("elbow", with(&[(2, 0.0)])),
+                ("folded", with(&[(2, PI)])),
+                ("shoulder", with(&[high[0], high[1], (3, over(-1.5, 0.05))])),
+                ("wrist and elbow", with(&[(2, 0.0), (4, 0.0)])),
+                ("wrist, nearly stretched", with(&[(2, 1e-4), (4, 0.0)])),
+                ("wrist and shoulder", with(&[high[0], high[1], (3, over(-1.5, 0.05)), (4, 0.0)])),
+                ("all", with(&[(1, -1.5), (2, 0.0), (3, over(-1.5, 0.0)), (4, 0.0)])),
+            ]
+        }
+        _ => unreachable!(),
+    }
 }

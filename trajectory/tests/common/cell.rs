@@ -143,7 +143,7 @@ pub fn contact(scene: &Scene) -> impl ContactSpace<6> + '_ {
             let turn = Rotation3::new(Vector3::z() * (TAU * random()));
             let base_tip =
                 Isometry3::from_parts(Translation3::from(tip.coords), UnitQuaternion::from(down * tilt * turn));
-            let solutions = arm.inverse(&(base_tip * Isometry3::translation(0.0, 0.0, -TIP)));
+            let solutions = arm.inverse(&(base_tip * Isometry3::translation(0.0, 0.0, -TIP))).unwrap();
             let all: Vec<[f64; 6]> = solutions.iter().map(|(_, joints)| *joints).collect();
             (!all.is_empty()).then(|| all[((random() * all.len() as f64) as usize).min(all.len() - 1)])
         },

@@ -68,7 +68,7 @@ impl Robot<6, 3> for Tilting {
 
     fn solutions(&self, waypoint: usize, free: &[f64; 3], each: &mut dyn FnMut(u32, [f64; 6])) {
         let flange = self.part(waypoint, free) * Isometry3::translation(0.0, 0.0, -45.0);
-        for (branch, joints) in self.robot.cell.arm().inverse(&flange).iter() {
+        for (branch, joints) in self.robot.cell.arm().inverse(&flange).unwrap_or_default().iter() {
             each(branch.slot() as u32, *joints);
         }
     }
@@ -77,7 +77,7 @@ impl Robot<6, 3> for Tilting {
         let part = self.part(waypoint, free);
         let flange = part * Isometry3::translation(0.0, 0.0, -45.0);
         let arm = self.robot.cell.arm();
-        let joints = *arm.inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        let joints = *arm.inverse(&flange).ok()?.get(*Branch::ALL.get(branch as usize)?)?;
         let tip = Point3::from(NOZZLE);
         let mut rates = [self.robot.cell.tool_rates(&joints)?.first, [0.0; 6], [0.0; 6]];
         let [u, v] = self.across(waypoint);
@@ -182,7 +182,7 @@ impl Robot<8, 3> for Table {
         let table = [free[1], free[2]];
         let cell = self.cell.at(&table)?;
         let flange = cell.flange(&self.waypoints[waypoint], free[0]);
-        let arm = *cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        let arm = *cell.arm().inverse(&flange).ok()?.get(*Branch::ALL.get(branch as usize)?)?;
         let follow = self.cell.rates(&table, &arm)?;
         let mut rates = [[0.0; 8]; 3];
         for (f, rates) in rates.iter_mut().enumerate() {

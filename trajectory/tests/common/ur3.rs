@@ -73,14 +73,14 @@ impl Robot<6, 1> for Ur3 {
 
     fn solutions(&self, waypoint: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 6])) {
         let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
-        for (branch, joints) in self.cell.arm().inverse(&flange).iter() {
+        for (branch, joints) in self.cell.arm().inverse(&flange).unwrap_or_default().iter() {
             each(branch.slot() as u32, *joints);
         }
     }
 
     fn posture(&self, waypoint: usize, free: &[f64; 1], branch: u32) -> Option<Posture<6, 1>> {
         let flange = self.cell.flange(&self.waypoints[waypoint], free[0]);
-        let joints = *self.cell.arm().inverse(&flange).get(*Branch::ALL.get(branch as usize)?)?;
+        let joints = *self.cell.arm().inverse(&flange).ok()?.get(*Branch::ALL.get(branch as usize)?)?;
         Some(Posture { joints, rates: [self.cell.tool_rates(&joints)?.first] })
     }
 }
