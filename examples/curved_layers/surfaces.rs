@@ -128,8 +128,9 @@ pub fn finish(
         Ok(plain.map_err(|error| failed(error, part))?.spacing)
     };
     let plain_spacing = options.compare.then(plain_spacing).transpose()?;
-    let [even, contour, trim, spacing] = [&["uniform", "audit uniform"][..], &["contour"], &["trim"], &["spacing"]]
-        .map(|stages| clock.on_the_clock(stages));
+    let [even, contour, trim, spacing] =
+        [&["uniform", "audit uniform"][..], &["contour"], &["trim", "crossings", "clip"], &["spacing"]]
+            .map(|stages| clock.on_the_clock(stages));
     let saved = SavedField {
         field: made.field.clone(),
         rows: workpiece.cells.rows().to_vec(),

@@ -1,4 +1,5 @@
 //! Surfaces that pass through each other: counted like a twin that computes with whole numbers, and clipped.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use crate::helpers::*;
 use curvlay_layers::curved::surface::SurfaceSlices;

@@ -59,6 +59,9 @@ pub struct FilledLayer {
     pub statistics: PathStatistics,
     /// Whether uniform beads took the place of fitted ones, which crossed.
     pub uniform: bool,
+    /// The greatest distance of a place of the surface from its boundary, in millimetres: half the width of its widest place. Infinite
+    /// for a surface without a boundary.
+    pub reach_mm: f64,
 }
 
 /// The paths of all surfaces of a part.
@@ -80,6 +83,17 @@ struct Bead {
     points: Vec<Point3<f64>>,
     widths: Vec<f64>,
     closed: bool,
+}
+
+/// Parts of layers without any bead.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftOutParts {
+    /// How many, each of one layer.
+    pub parts: usize,
+    /// Their area.
+    pub area_mm2: f64,
+    /// Area by the thickness of the layer in the middle of each.
+    pub volume_mm3: f64,
 }
 
 /// Figures of all layers. Fractions are of the area of all surfaces.
@@ -173,6 +187,35 @@ pub enum FillLayersError {
         /// Why.
         error: FillError,
     },
+    /// The beads are so narrow that their points would not fit into memory.
+    #[error(
+        "a bead of {bead} mm takes some {points:.1e} points on {area_mm2:.0} mm2 of surfaces, above the limit of {most}: take a bead of \
+         {min_bead_mm:.3} mm or more, or raise PathOptions::max_points"
+    )]
+    TooManyPoints {
+        /// The width that was asked for, in millimetres.
+        bead: f64,
+        /// Area of all surfaces.
+        area_mm2: f64,
+        /// Points that they would take, about.
+        points: f64,
+        /// The limit.
+        most: usize,
+        /// A width that keeps to the limit.
+        min_bead_mm: f64,
+    },
+    /// No bead fits onto any of the surfaces.
+    #[error(
+        "a bead of {bead} mm fits nowhere: the surfaces are {widest_mm:.3} mm wide at most; take a bead of {fits_mm:.3} mm or less"
+    )]
+    NothingFits {
+        /// The width that was asked for, in millimetres.
+        bead: f64,
+        /// Width of the widest place.
+        widest_mm: f64,
+        /// A width that surely has room there: half of that, since a ring has to be longer than a bead is wide.
+        fits_mm: f64,
+    },
     /// The curves cannot be ordered.
     #[error(transparent)]
     Order(OrderError),
@@ -226,16 +269,29 @@ pub fn fill_layer(
     mark("distance", 0)?;
     let distance = SurfaceDistance::to_boundary(&mesh, &report("distance"))?;
     mark("distance", 1)?;
-    let field = LevelField::new(&distance, TOLERANCE * options.bead, &report("curves"))?;
+    // A bead wider than the surface has room nowhere; its level sets would tell nothing of the surface.
+    let corners = surface.triangles.iter().flatten().map(|&corner| &surface.vertices[corner as usize]);
+    let (low, high) = corners
+        .fold((Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])), |(low, high), p| {
+            (low.inf(p), high.sup(p))
+        });
+    let tolerance = TOLERANCE * options.bead.min((high - low).norm());
+    let field = LevelField::new(&distance, tolerance, &report("curves"))?;
+    let reach_mm = field.greatest();
     let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
         mark("curves", 0)?;
         let paths = field.paths(options, &report("curves"))?;
         mark("curves", 1)?;
         // What not even the narrowest bead could cover counts as unfillable.
         let min_width_mm = BEAD_WIDTHS[0] * options.bead;
-        let statistics = statistics(&mesh, &paths, min_width_mm, &report("coverage"))?;
+        let fits = reach_mm >= min_width_mm / 2.0;
+        let mut statistics = statistics(&mesh, &paths, if fits { min_width_mm } else { 0.0 }, &report("coverage"))?;
+        if !fits {
+            // All of it: no need to look for places that discs of a hundred times the surface cover.
+            (statistics.unfillable_fraction, statistics.filled_fraction) = (1.0, 1.0);
+        }
         mark("coverage", 1)?;
-        Ok(FilledLayer { paths, statistics, uniform })
+        Ok(FilledLayer { paths, statistics, uniform, reach_mm })
     };
     // The figures know nothing of how the curves were made; what they find fault with is made anew.
     match filled(options, false) {
@@ -270,7 +326,8 @@ fn statistics(
 ///   the threads that do them, and with `order`; may cancel.
 ///
 /// # Errors
-/// [`FillLayersError`], of the first surface that cannot be filled.
+/// [`FillLayersError`], of the first surface that cannot be filled. [`FillLayersError::TooManyPoints`] before any work is done;
+/// [`FillLayersError::NothingFits`] if not one of the surfaces gets a curve.
 ///
 /// # Cost
 /// That of [`fill_layer`] for each surface and of [`order_curves`]. With the feature `rayon` surfaces are shared out among
@@ -299,6 +356,7 @@ pub fn fill_layers(
     options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FilledLayers, FillLayersError> {
+    check_size(surfaces, options)?;
     let fill = |layer: usize, surface: &LayerSurface| {
         let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
         filled.map_err(|error| match error {
@@ -309,6 +367,14 @@ pub fn fill_layers(
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
     let mut layers = filled.into_iter().collect::<Result<Vec<_>, _>>()?;
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
+    let reach = layers
+        .iter()
+        .flatten()
+        .map(|layer| layer.reach_mm)
+        .fold(None, |most: Option<f64>, reach| Some(most.map_or(reach, |most| most.max(reach))));
+    if let (true, Some(reach)) = (found.iter().all(Vec::is_empty), reach.filter(|reach| reach.is_finite())) {
+        return Err(FillLayersError::NothingFits { bead: options.bead, widest_mm: 2.0 * reach, fits_mm: reach });
+    }
     fn curve(bead: &Bead) -> TravelCurve<'_> {
         TravelCurve { points: &bead.points, closed: bead.closed }
     }
@@ -321,6 +387,62 @@ pub fn fill_layers(
     }
     let beads = layers.iter().map(beads).collect();
     Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+}
+
+/// What the beads of all surfaces will take, before any work is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FillEstimate {
+    /// Area of all surfaces.
+    pub area_mm2: f64,
+    /// Length of all beads.
+    pub path_mm: f64,
+    /// Points of all curves: one every half bead.
+    pub points: f64,
+}
+
+/// Estimates what [`fill_layers`] will lay. `O(n)` for `n` triangles.
+///
+/// # Arguments
+/// * `surfaces`: triangles name vertices that are there; others count for nothing.
+/// * `bead`: width of a bead in millimetres.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::{nalgebra::Point3, surface::{LayerSurface, estimate_fill}};
+/// let vertices = [[0.0, 0.0], [16.0, 0.0], [16.0, 8.0], [0.0, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
+/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2] };
+/// let estimate = estimate_fill(&[surface], 0.5);
+/// assert_eq!((estimate.area_mm2, estimate.path_mm, estimate.points), (128.0, 256.0, 1024.0));
+/// ```
+pub fn estimate_fill(surfaces: &[LayerSurface], bead: f64) -> FillEstimate {
+    let area_of = |surface: &LayerSurface| {
+        let corner = |v: u32| surface.vertices.get(v as usize).copied();
+        let of = |t: &[u32; 3]| match t.map(corner) {
+            [Some(a), Some(b), Some(c)] => (b - a).cross(&(c - a)).norm() / 2.0,
+            _ => 0.0,
+        };
+        surface.triangles.iter().map(of).sum::<f64>()
+    };
+    let area_mm2: f64 = surfaces.iter().map(area_of).sum();
+    let path_mm = area_mm2 / bead;
+    FillEstimate { area_mm2, path_mm, points: path_mm * POINTS_A_BEAD / bead }
+}
+
+/// Points of a curve along the width of a bead, about: levels are followed to an eightieth of it.
+const POINTS_A_BEAD: f64 = 2.0;
+
+fn check_size(surfaces: &[LayerSurface], options: &PathOptions) -> Result<(), FillLayersError> {
+    let PathOptions { bead, max_points: most, .. } = *options;
+    // Anything else is told by the first layer.
+    if !(bead > 0.0 && bead.is_finite()) {
+        return Ok(());
+    }
+    let FillEstimate { area_mm2, points, .. } = estimate_fill(surfaces, bead);
+    if points > most as f64 {
+        let min_bead_mm = (POINTS_A_BEAD * area_mm2 / most.max(1) as f64).sqrt();
+        return Err(FillLayersError::TooManyPoints { bead, area_mm2, points, most, min_bead_mm });
+    }
+    Ok(())
 }
 
 fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
@@ -364,11 +486,46 @@ impl FilledLayers {
         self.layers.iter().zip(surfaces).map(covered).sum()
     }
 
+    /// What stays without any bead since no bead fits: thin walls and slim parts of layers as a whole. Branches of parts that are filled
+    /// elsewhere are in [`FillTotals::unfillable_fraction`].
+    ///
+    /// # Arguments
+    /// * `surfaces`: those that were filled.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::nalgebra::Point3;
+    /// use curvlay_toolpath::surface::{LayerSurface, PathOptions, fill_layers};
+    /// use std::ops::ControlFlow;
+    /// // A layer of two parts: 8 x 8 mm, and a wall 0.3 mm wide.
+    /// let square = |x: f64, wide: f64| [[x, 0.0], [x + wide, 0.0], [x + wide, 8.0], [x, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
+    /// let vertices = [square(0.0, 8.0), square(10.0, 0.3)].concat();
+    /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4] }];
+    /// let filled = fill_layers(&surfaces, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
+    /// let left_out = filled.left_out(&surfaces);
+    /// assert_eq!(left_out.parts, 1);
+    /// assert!((left_out.volume_mm3 - 0.3 * 8.0 * 0.8).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn left_out(&self, surfaces: &[LayerSurface]) -> LeftOutParts {
+        let mut left_out = LeftOutParts::default();
+        for (layer, surface) in self.layers.iter().zip(surfaces) {
+            for part in layer.iter().flat_map(|layer| &layer.paths.unfilled) {
+                left_out.parts += 1;
+                left_out.area_mm2 += part.area;
+                let thickness = surface.thickness.get(part.at.triangle as usize).copied().unwrap_or(0.0);
+                left_out.volume_mm3 += part.area * thickness;
+            }
+        }
+        left_out
+    }
+
     /// Figures of all layers.
     pub fn totals(&self) -> FillTotals {
         let mut totals = FillTotals::default();
         let mut area = 0.0;
-        for FilledLayer { paths, statistics, uniform } in self.layers.iter().flatten() {
+        for FilledLayer { paths, statistics, uniform, .. } in self.layers.iter().flatten() {
             totals.uniform_layers += usize::from(*uniform);
             area += statistics.area_mm2;
             totals.regions += paths.regions;

@@ -36,7 +36,8 @@ pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
 pub use fill::{
-    FillError, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, fill_layer, fill_layers,
+    FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
+    estimate_fill, fill_layer, fill_layers,
 };
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use gouging::{

@@ -2,8 +2,8 @@
 //!
 //! Over a hole the winding number falls off smoothly, so it is computed at the corners of all pieces and pieces are cut
 //! where it is one half on their sides, as marching triangles do. It is smooth on each side of a cut along the
-//! mesh, and changes by a whole number across. So it is computed once a vertex, and for a vertex on the mesh a little way
-//! off it, on each side. What is smaller than a triangle of the sheet may be missed.
+//! mesh, and changes by a whole number across. So it is computed once a vertex; for a vertex on the mesh a little way off
+//! it, and on its other side it differs by the rise of the cut. What is smaller than a triangle of the sheet may be missed.
 
 use super::edges::Edges;
 use super::patch::NONE;
@@ -20,10 +20,6 @@ const STEP: Vector3<f64> = Vector3::new(1e-8, 1e-10, 1e-6);
 
 /// How far into a piece the number of a corner on the mesh is taken, as a share of the way to its middle.
 const INTO: f64 = 0.01;
-
-/// Pieces thinner than this tell no number of their own, mm: their middle is on the mesh but for a few times [`STEP`].
-/// Theirs follows from the next piece around the vertex by the rise between.
-const THIN_MM: f64 = 1e-3;
 
 /// Steps towards one half on a side. Each halves the interval at least every other time; the number itself is good to a
 /// hundredth or so.
@@ -121,18 +117,12 @@ impl Halves<'_> {
             numbers.resize(fan.len(), self.number(&at));
             return;
         }
-        let thickness = |half: &u32| altitude(&self.places(*half / 3));
-        let thickest = |run: &[u32]| run.iter().copied().max_by(|a, b| thickness(a).total_cmp(&thickness(b)));
-        let number = |half: u32| self.number(&(at + (self.middle(half / 3) - at) * INTO));
-        for run in fan.chunk_by(|&half, _| self.rise(previous(half)) == 0) {
-            let thick = thickest(run).filter(|half| thickness(half) >= THIN_MM);
-            numbers.resize(numbers.len() + run.len(), thick.map_or(f64::NAN, number));
-        }
-        if numbers.iter().all(|number| number.is_nan()) {
-            let half = thickest(fan).unwrap_or(fan[0]);
-            let place = fan.iter().position(|&at| at == half).unwrap_or(0);
-            numbers[place] = number(half);
-        }
+        // Once, where the pieces are thickest; across a cut it changes by the rise.
+        let thickness = |half: u32| altitude(&self.places(half / 3));
+        let thicker = |a: &usize, b: &usize| thickness(fan[*a]).total_cmp(&thickness(fan[*b]));
+        let place = (0..fan.len()).max_by(thicker).unwrap_or(0);
+        numbers.resize(fan.len(), f64::NAN);
+        numbers[place] = self.number(&(at + (self.middle(fan[place] / 3) - at) * INTO));
         for n in 1..fan.len() {
             if numbers[n].is_nan() {
                 numbers[n] = numbers[n - 1] - f64::from(self.rise(previous(fan[n - 1])));

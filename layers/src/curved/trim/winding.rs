@@ -53,7 +53,7 @@ fn join(a: &Dipole, b: &Dipole) -> Dipole {
 impl Solid {
     /// The winding number at any point, whole or not, to a few hundredths.
     pub(super) fn winding_near(&self, dipoles: &Dipoles, p: &Point3<f64>) -> f64 {
-        let (mut far_sum, mut near_sum) = (0.0, 0.0);
+        let (mut far_sum, mut near_sum) = (0.0, Angles::default());
         let far = |node: usize| {
             let dipole = &dipoles.0[node];
             let to = dipole.centre - p;
@@ -64,15 +64,107 @@ impl Solid {
             }
             is_far
         };
-        self.tree.walk(far, |triangle| near_sum += solid_angle(self.corners(triangle), p));
-        (far_sum + near_sum) / (4.0 * PI)
+        self.tree.walk(far, |triangle| near_sum.add(half_solid_angle(self.corners(triangle), p)));
+        (far_sum + 2.0 * near_sum.sum()) / (4.0 * PI)
     }
 }
 
-/// The solid angle of a triangle, positive where the point sees its back.
-fn solid_angle(corners: [&Point3<f64>; 3], at: &Point3<f64>) -> f64 {
+/// Half the solid angle of a triangle, as the cosine and sine of it times the same length; positive where the point sees its
+/// back.
+fn half_solid_angle(corners: [&Point3<f64>; 3], at: &Point3<f64>) -> [f64; 2] {
     let [a, b, c] = corners.map(|corner| corner - at);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-    2.0 * a.dot(&b.cross(&c)).atan2(below)
+    [below, a.dot(&b.cross(&c))]
+}
+
+/// A sum of angles from -pi to pi, given by their cosines and sines: the angle of the product of complex numbers, and how often it
+/// went round. So one arc tangent does for all.
+#[derive(Clone, Copy, Debug)]
+struct Angles {
+    product: [f64; 2],
+    turns: f64,
+}
+
+impl Default for Angles {
+    fn default() -> Self {
+        Angles { product: [1.0, 0.0], turns: 0.0 }
+    }
+}
+
+/// Products are scaled beyond this and below one over it: the next factor does not overflow.
+const LARGE: f64 = 1e100;
+
+impl Angles {
+    /// Adds the angle of a complex number; none for zero.
+    fn add(&mut self, [re, im]: [f64; 2]) {
+        let size = re.abs() + im.abs();
+        // Not a number either: a triangle at the end of the numbers.
+        if !(size > 0.0 && size.is_finite()) {
+            return;
+        }
+        let [a, b] = self.product;
+        let [mut x, mut y] = [a * re - b * im, a * im + b * re];
+        // Above 0 up to pi, or below 0.
+        let is_up = |re: f64, im: f64| im > 0.0 || (im == 0.0 && re < 0.0);
+        let obtuse = [a < 0.0, re < 0.0];
+        if is_up(a, b) && is_up(re, im) {
+            let round = obtuse == [true; 2] || (obtuse != [false; 2] && y < 0.0);
+            self.turns += if round { 1.0 } else { 0.0 };
+        } else if b < 0.0 && im < 0.0 {
+            // Minus pi is told as pi.
+            let round = obtuse == [true; 2] || is_up(x, y);
+            self.turns -= if round { 1.0 } else { 0.0 };
+        }
+        let size = x.abs() + y.abs();
+        if !(1.0 / LARGE..=LARGE).contains(&size) && size > 0.0 {
+            (x, y) = (x / size, y / size);
+        }
+        // A zero without its sign: with it minus pi would stand for pi.
+        self.product = [x, y + 0.0];
+    }
+
+    fn sum(&self) -> f64 {
+        self.product[1].atan2(self.product[0]) + 2.0 * PI * self.turns
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn sum_of(angles: &[f64], sizes: &[f64]) -> f64 {
+        let mut sum = Angles::default();
+        angles.iter().zip(sizes).for_each(|(angle, size)| sum.add([size * angle.cos(), size * angle.sin()]));
+        sum.sum()
+    }
+
+    proptest! {
+        #[test]
+        fn angles_add_up_like_arc_tangents(
+            angles in prop::collection::vec(-PI..PI, 0..400), power in prop::collection::vec(-30.0..30.0f64, 400),
+        ) {
+            let sizes: Vec<f64> = power.iter().map(|p| 10f64.powf(*p)).collect();
+            prop_assert!((sum_of(&angles, &sizes) - angles.iter().sum::<f64>()).abs() < 1e-9);
+        }
+
+        #[test]
+        fn right_and_straight_angles_add_up(quarters in prop::collection::vec(-1i32..=2, 0..200)) {
+            let exact = [[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
+            let mut sum = Angles::default();
+            quarters.iter().for_each(|&q| sum.add(exact[(q + 1) as usize]));
+            let expected = f64::from(quarters.iter().sum::<i32>()) * PI / 2.0;
+            prop_assert!((sum.sum() - expected).abs() < 1e-9, "{} {}", sum.sum(), expected);
+        }
+    }
+
+    #[test]
+    fn nothing_and_what_is_no_number_has_no_angle() {
+        let mut sum = Angles::default();
+        for factor in [[0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 0.0]] {
+            sum.add(factor);
+        }
+        assert!(sum.sum().abs() <= 0.0);
+    }
 }

@@ -78,11 +78,14 @@ pub struct PathOptions {
     /// A single bead in what other curves leave covers at least this many squares of a bead, or the gap stays: each is a
     /// curve more, with a way to it. One by default. A part of the surface without any other curve always gets one.
     pub min_gap: f64,
+    /// All layers together are refused before any work is done if their curves would have more points than this, by
+    /// [`estimate_fill`](super::estimate_fill): 2^25 by default, for which some 5 GB are enough.
+    pub max_points: usize,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true, min_gap: 1.0 }
+        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true, min_gap: 1.0, max_points: 1 << 25 }
     }
 }
 
@@ -346,6 +349,12 @@ impl LevelField<'_> {
         found.paths = curves.into_iter().zip(widths).map(path).collect();
         found.unfilled = self.unfilled(&found.paths);
         Ok(found)
+    }
+
+    /// The greatest distance from the boundary; infinite if there is no boundary anywhere.
+    pub(super) fn greatest(&self) -> f64 {
+        let finite = self.values.iter().copied().filter(|v| v.is_finite());
+        finite.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |most| most.max(v)))).unwrap_or(f64::INFINITY)
     }
 
     /// The greatest distance from the boundary.
