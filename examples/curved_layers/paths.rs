@@ -58,6 +58,16 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };
-    let PathOptions { bead: bead_mm, min_gap, .. } = *options;
-    Ok(PathsRun { bead_mm, min_gap, totals: filled.totals(), filled, times })
+    let (PathOptions { bead: bead_mm, min_gap, .. }, totals) = (*options, filled.totals());
+    if totals.curves == 0 {
+        let why = if surfaces.spacing.area_mm2 > 0.0 {
+            "they are narrower than three quarters of it everywhere; take a smaller --bead"
+        } else {
+            "they have no surface, as the part is hardly thicker than a cell; take a smaller --cell or more --voxels"
+        };
+        return Err(failure(format!(
+            "no bead of {bead_mm:.3} mm fits into any layer, nothing would be printed: {why}"
+        )));
+    }
+    Ok(PathsRun { bead_mm, min_gap, totals, filled, times })
 }

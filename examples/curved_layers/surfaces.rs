@@ -6,11 +6,15 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{LayerField, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field};
 use curvlay_layers::curved::{Growth, LayerSurfaces, LayersError, Workpiece};
 use curvlay_toolpath::surface::LayerSurface;
-use std::fs::File;
+use std::fmt::Display;
+use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::{ControlFlow, Deref};
 use std::path::Path;
 use std::time::Duration;
+
+/// How many cells long the way of a front is at most for each cell of the part: along a chain that goes from corner to corner.
+const MAX_CELLS_ALONG: f64 = 2.0;
 
 /// How the surfaces are made.
 #[derive(Clone, Copy, Debug)]
@@ -77,13 +81,23 @@ impl SurfacesRun {
     }
 }
 
-/// A field saved by an earlier run.
-pub fn load(path: &Path, part: &Part) -> Result<SavedField, Failure> {
-    let name = path.display();
-    let file = File::open(path).map_err(|error| failure(format!("{name}: cannot be read: {error}")))?;
-    let saved = SavedField::read(BufReader::new(file)).map_err(|error| failure(format!("{name}: {error}")))?;
-    let stamp = mesh_stamp(&part.mesh.vertices, &part.mesh.triangles);
-    saved.check_mesh(stamp).map_err(|error| failure(format!("{name}: {}: {error}", part.name)))?;
+/// A field saved by an earlier run, from a regular file: others may never end.
+pub fn load(path: &Path) -> Result<SavedField, Failure> {
+    let failed = |error: &dyn Display| failure(format!("{}: {error}", path.display()));
+    if !fs::metadata(path).map_err(|error| failed(&format!("cannot be read: {error}")))?.is_file() {
+        return Err(failed(&"is not a file; --resume wants the field.txt of an earlier run"));
+    }
+    let file = File::open(path).map_err(|error| failed(&format!("cannot be read: {error}")))?;
+    let saved = SavedField::read(BufReader::new(file)).map_err(|error| failed(&error))?;
+    // Every layer has a cell, and its front goes through each cell once.
+    let (layers, cells) = (saved.field.highest(), saved.field.count());
+    let length = layers * saved.field.layer_cells().max(1.0);
+    if length > MAX_CELLS_ALONG * cells as f64 {
+        return Err(failed(&format!(
+            "values up to {layers} layers of {} cells for {cells} cells: no field has them",
+            saved.field.layer_cells()
+        )));
+    }
     Ok(saved)
 }
 

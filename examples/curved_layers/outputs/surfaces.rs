@@ -56,7 +56,6 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("boundary_at_holes_mm", boundary.at_holes_mm)?
         .set("slivers", run.sheets.iter().map(|sheet| sheet.slivers).sum::<usize>())?
         .set("layer_volume_mm3", spacing.volume_mm3)?
-        .set("missed_volume_mm3", run.missed_mm3)?
         .set("spacing_mean_mm", spacing.mean_mm)?
         .set("spacing_std_mm", spacing.std_mm)?
         .set("spacing_p05_mm", spacing.p05_mm)?
