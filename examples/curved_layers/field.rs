@@ -1,11 +1,12 @@
 //! Stage `field`: cells, growth, audit. A field that an earlier run has saved takes the place of the growth.
 
+use crate::estimate::Memory;
 use crate::failure;
 use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_layers::curved::surface::SavedField;
+use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, Growth, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules, Strategy,
     Workpiece, audit, layer_quality,
@@ -15,9 +16,6 @@ use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-
-/// From this share of the surface on thin walls are worth a word: sharp edges alone make up some tenths of a percent.
-const NOTABLE_SHARE: f64 = 0.01;
 
 /// What cells the part gets, and how their order is found.
 #[derive(Clone, Copy, Debug)]
@@ -46,12 +44,18 @@ pub struct FieldRun {
     pub strategy: &'static str,
     pub audit: AuditReport,
     pub quality: LayerQuality,
+    /// Volume of the part, overlaps of its mesh counted once, and what of it lies in missed cells.
+    pub part_mm3: f64,
+    pub missed_mm3: f64,
     pub times: Times,
-    /// What the user should know about the mesh, a line each.
-    pub findings: Vec<String>,
 }
 
 impl FieldRun {
+    /// Share of the part that lies in missed cells.
+    pub fn missed_share(&self) -> f64 {
+        if self.growth.missed.is_empty() { 0.0 } else { self.missed_mm3 / self.part_mm3 }
+    }
+
     /// Diameter of the platform as it was used. The disc has corners at both ends of its diameter along x.
     pub fn platform_diameter_mm(&self) -> f64 {
         let xs = self.platform.corners().iter().map(|corner| corner[0]);
@@ -82,12 +86,16 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
 pub fn run(
     options: &FieldOptions,
     surfaces: Option<&SurfaceOptions>,
+    memory: Memory,
     part: &Part,
     saved: Option<SavedField>,
     bars: &Bars,
 ) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
     let of_part = |error: &dyn std::fmt::Display| failure(format!("{}: {error}", part.name));
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
+    saved
+        .iter()
+        .try_for_each(|saved| saved.check_mesh(mesh_stamp(vertices, triangles)).map_err(|error| of_part(&error)))?;
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| of_part(&error))?;
     let resolution = saved.as_ref().map_or(options.resolution, surfaces::resolution);
@@ -99,6 +107,7 @@ pub fn run(
         })
     });
     let solid = solid.map_err(|error| of_part(&error))?;
+    memory.holds_cells(solid.grid.dims(), solid.grid.count())?;
     let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
     let thin = thin.map_err(|error| of_part(&error))?;
 
@@ -112,7 +121,7 @@ pub fn run(
         ))
     })?;
     let shifted: Vec<Point3<f64>> = vertices.iter().map(|vertex| vertex + solid.shift).collect();
-    let workpiece = Workpiece {
+    let mut workpiece = Workpiece {
         vertices: &shifted,
         triangles,
         cells,
@@ -128,6 +137,11 @@ pub fn run(
         bars.update(p.stage, p.done, p.total);
         ControlFlow::Continue(())
     };
+    if !(mesh.is_sound() && mesh.components == 1 + mesh.cavities) {
+        clock.note("volume", 0);
+        let all: Vec<u32> = cells.iter().collect();
+        workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
+    }
     let audited = |growth: &Growth| {
         clock.note("audit", 0);
         audit(&cells, &platform, &workpiece.rules, &growth.order, &growth.missed_cells(), &progress).map_err(failure)
@@ -167,37 +181,11 @@ pub fn run(
     let total = inspect_time + voxelise_time + grow + audit_time + surfaces_time;
     let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
-    let mut findings = [part.warnings.clone(), findings(&mesh, &thin, &solid)].concat();
-    findings.extend(part.coarse_for(cell_mm));
-    let field = FieldRun { mesh, thin, solid, platform, growth, strategy, audit, quality, times, findings };
+    let part_mm3 = workpiece.volume_mm3;
+    let missed_mm3 = match &surfaces {
+        Some(surfaces) => surfaces.missed_mm3,
+        None => workpiece.volume_of(&growth.missed_cells(), &progress).map_err(layers_failed)?,
+    };
+    let field = FieldRun { mesh, thin, solid, platform, growth, strategy, audit, quality, part_mm3, missed_mm3, times };
     Ok((field, surfaces))
-}
-
-/// What is wrong with the mesh and what became of it.
-fn findings(mesh: &MeshReport, thin: &ThinFeatures, solid: &Voxelisation) -> Vec<String> {
-    let report = &solid.report;
-    let mut findings = Vec::new();
-    if !mesh.is_sound() {
-        findings.extend(mesh.to_string().lines().map(str::to_owned));
-    }
-    if report.dropped_triangles > 0 {
-        findings.push(format!("{} triangles without area were dropped", report.dropped_triangles));
-    }
-    if thin.share > NOTABLE_SHARE {
-        findings.push(format!(
-            "{:.1} % of the surface belongs to walls thinner than a cell of {:.3} mm: they come out a cell thick",
-            100.0 * thin.share,
-            solid.grid.cell_mm()
-        ));
-    }
-    if report.leak_faces > 0 {
-        findings.push(format!(
-            "the mesh has holes wider than a cell: {} cells near them were decided one by one by winding number",
-            report.cells_asked_singly
-        ));
-    }
-    if report.inside_out {
-        findings.push("the faces point inwards: the part was taken as turned the right way round".to_owned());
-    }
-    findings
 }

@@ -15,12 +15,6 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// Share of the waypoints that may gouge, listed, before a run counts as failed; and of the paths that may be left out.
-pub const GOUGING_SHARE: f64 = 1e-3;
-
-/// How far the volume of the beads may be off that of what they cover.
-pub const VOLUME_SHARE: f64 = 0.02;
-
 /// The shape of a nozzle, and how it was given.
 #[derive(Clone, Debug)]
 pub struct Shape {
@@ -89,27 +83,6 @@ impl MachineRun {
     pub fn lengths_mm(&self) -> [f64; 2] {
         let left_out = self.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]);
         [self.deposition.bead_mm, left_out.fold(0.0, |sum, length| sum + length)] // a sum of nothing is -0.0
-    }
-
-    /// Whether what is left of gouging, travels and the volume are within bounds.
-    pub fn failed_checks(&self) -> Vec<String> {
-        let mut failed = Vec::new();
-        let (left, waypoints) = (self.resolved.left.len(), self.waypoints());
-        if left as f64 > GOUGING_SHARE * waypoints as f64 {
-            failed.push(format!("{left} of {waypoints} waypoints gouge"));
-        }
-        let [laid, left_out] = self.lengths_mm();
-        if left_out > GOUGING_SHARE * (laid + left_out) {
-            failed.push(format!("{left_out:.1} mm of {:.1} mm of paths are left out", laid + left_out));
-        }
-        if !self.travels.blocked.is_empty() {
-            failed.push(format!("{} travels are blocked", self.travels.blocked.len()));
-        }
-        let (laid, covered) = (self.deposition.extruded_mm3, self.covered_mm3);
-        if (laid - covered).abs() > VOLUME_SHARE * covered {
-            failed.push(format!("{laid:.1} mm3 are laid on {covered:.1} mm3"));
-        }
-        failed
     }
 
     /// The path with the most waypoints.

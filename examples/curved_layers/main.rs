@@ -1,4 +1,5 @@
-//! From a mesh to curved layers that need no support and cannot collide: the order of its cells, and working surfaces.
+//! From a mesh to a print in curved layers: an audited order of its cells, surfaces, tool paths, a machine file, and the motion of
+//! a robot.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 3.
 //! ```sh
@@ -6,19 +7,23 @@
 //! ```
 //! Without `--mesh` it takes a jug made in code. `--help` lists the options, the README the files that it writes.
 
+mod estimate;
 mod field;
+mod findings;
 mod machine;
 mod motion;
 mod outputs;
 mod paths;
 mod surfaces;
 
-use clap::{Parser, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Parser, ValueEnum};
 use curvlay_examples::args::{
-    Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Prevention as PreventionArg, Strategy as StrategyArg,
-    VoxelArgs, above_zero, from_zero, run_with_args, warn,
+    AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Prevention as PreventionArg,
+    Strategy as StrategyArg, VoxelArgs, above_zero, from_zero, run_with_checked_args, typed_name,
 };
 use curvlay_examples::bars::Bars;
+use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
@@ -26,9 +31,11 @@ use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{Prevention, Strategy};
 use curvlay_toolpath::surface::{PathOptions, Pattern, PrintOptions};
 use curvlay_voxel::Resolution;
+use estimate::Memory;
 use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
+use outputs::Files;
 use paths::PathsRun;
 use std::fs::File;
 use std::io::BufReader;
@@ -39,7 +46,13 @@ use surfaces::{SurfaceOptions, SurfacesRun};
 /// How many cells a part gets unless the user says.
 const DEFAULT_CELLS: u64 = 100_000;
 
-/// Curved layers for a part, after Dai (2020), chapter 3: needs no support, cannot collide, and is audited.
+/// A print in curved layers, after Dai (2020), chapter 3: an audited order of cells, surfaces, paths, machine file, robot motion.
+///
+/// Exit status: 0 done. 1 input or output cannot be used. 2 the arguments cannot be used, or not together. 3 done, but a check of ours
+/// failed: more is missed, gouges, is left out, or is laid too much or too little than the --allow options say; the audit of the
+/// layers failed; travels are blocked; of a motion, waypoints are not reached or not printed, transfers are missing, or
+/// the check of the written motions found something. Each finding is a line on stderr, a notice in report.html and a line in
+/// summary.json.
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "curved_layers")]
 struct Args {
@@ -84,8 +97,13 @@ struct Args {
     #[arg(long)]
     compare: bool,
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell", "strategy", "prevention"])]
     resume: Option<PathBuf>,
+    /// Memory in gigabytes that a stage may take; one that is estimated to take more is refused before it begins
+    #[arg(long, value_name = "GB", default_value_t = 8.0, value_parser = above_zero, allow_negative_numbers = true)]
+    max_memory: f64,
+    #[command(flatten)]
+    allow: AllowArgs,
     #[command(flatten)]
     motion: MotionArgs,
     #[command(flatten)]
@@ -112,6 +130,10 @@ impl Args {
         let GrowArgs { eps, beyond_eps, platform_diameter_mm, .. } = self.grow;
         let resolution = self.voxel.cell.map_or(wanted, Resolution::Cell);
         FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, height_mm: self.layer_height }
+    }
+
+    fn memory(&self) -> Memory {
+        Memory(self.max_memory)
     }
 
     fn surface_options(&self) -> SurfaceOptions {
@@ -167,22 +189,46 @@ enum Stage {
     Motion,
 }
 
+/// The options that a run uses from a stage on; it would not look at them before.
+const NEEDS: [(Stage, &str); 4] = [
+    (Stage::Surfaces, "compare"),
+    (Stage::Paths, "bead pattern least_gap"),
+    (
+        Stage::Gcode,
+        "filament nozzle nozzle_celsius bed_celsius rotary workcell allow_volume allow_gouging allow_left_out",
+    ),
+    (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),
+];
+
+/// Says which option would be ignored.
+fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
+    let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    let stage = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
+    for (needed, ids) in NEEDS.into_iter().filter(|(needed, _)| *needed > stage) {
+        if let Some(id) = ids.split(' ').find(|id| is_given(id)) {
+            let (name, needed) = (id.replace('_', "-"), typed_name(needed));
+            return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
+        }
+    }
+    let strategy = matches.get_one("strategy").copied();
+    if is_given("prevention") && !matches!(strategy, Some(StrategyArg::Governed | StrategyArg::Printed)) {
+        return Err("--prevention needs --strategy governed or printed".to_owned());
+    }
+    Ok(())
+}
+
 fn main() -> ExitCode {
-    run_with_args(|args: Args| {
+    run_with_checked_args(check_arguments, |args: Args| {
         let setup = Setup::of(&args)?;
         let folder = args.common.folder("curved_layers")?;
-        let bars = Bars::new(args.common.quiet);
+        let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
+        // What an earlier run has left goes, but for what this one goes on from: it may fail before it has written its own.
+        let kept = args.resume.as_ref().and_then(|path| path.canonicalize().ok());
+        let is_kept = |name: &str| kept.is_some() && folder.path().join(name).canonicalize().ok() == kept;
+        folder.clear(|name| outputs::is_ours(name) && !is_kept(name))?;
         let part = args.mesh.load("jug (made in code)", jug)?;
-        part.warnings.iter().for_each(warn);
-        let saved = args.resume.as_deref().map(|path| surfaces::load(path, &part)).transpose()?;
-        let mut results = work(&args, setup, &part, saved, &bars)?;
-        check_motion(&args, &mut results, &folder, &bars)?;
-        bars.finish();
-        results.field.findings.iter().filter(|finding| !part.warnings.contains(finding)).for_each(warn);
-        let refused = outputs::write(&args, &part, &results, &folder)?;
-        let mut failed = results.failed_checks();
-        failed.extend(refused.map(|why| format!("no programs: {why}")));
-        Ok(Outcome::of(failed))
+        let job = Job { args: &args, setup, part: &part, folder: &folder, bars: &Bars::new(args.common.quiet) };
+        pool(&args)?.install(|| job.work(saved))
     })
 }
 
@@ -202,67 +248,89 @@ impl Setup {
     }
 }
 
-/// What came of the stages.
-struct Results {
+/// What is to be done.
+struct Job<'a> {
+    args: &'a Args,
     setup: Setup,
+    part: &'a Part,
+    folder: &'a OutputFolder,
+    bars: &'a Bars,
+}
+
+/// What came of the stages, and what is wrong with it.
+struct Results {
     field: FieldRun,
     surfaces: Option<SurfacesRun>,
     paths: Option<PathsRun>,
     machine: Option<MachineRun>,
     motion: Option<Motion>,
+    files: Files,
+    findings: Findings,
 }
 
-impl Results {
-    /// What the motion is planned for, once there is a machine file.
-    fn print<'a>(&'a self, args: &'a Args) -> Option<Print<'a>> {
-        let (surfaces, paths) = (self.surfaces.as_ref()?, self.paths.as_ref()?);
-        let (filament_mm, args, nozzle) = (args.filament, &args.motion, &self.setup.nozzle.nozzle);
-        Some(Print { args, nozzle, filament_mm, field: &self.field, surfaces, paths, machine: self.machine.as_ref()? })
-    }
-
-    fn failed_checks(&self) -> Vec<String> {
-        let audit = &self.field.audit;
-        let audit = (!audit.is_ok()).then(|| format!("audit of the layers: {audit}"));
-        let machine = self.machine.iter().flat_map(MachineRun::failed_checks);
-        let motion = self.motion.iter().flat_map(Motion::failed_checks);
-        audit.into_iter().chain(machine).chain(motion).collect()
-    }
-}
-
-/// Runs the stages.
-fn work(args: &Args, setup: Setup, part: &Part, saved: Option<SavedField>, bars: &Bars) -> Result<Results, Failure> {
-    pool(args)?.install(|| {
-        let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
-        let (field, surfaces) = field::run(&args.field_options(), surfaces.as_ref(), part, saved, bars)?;
-        let filled = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths);
-        let paths =
-            filled.map(|surfaces| paths::run(&args.path_options(surfaces.height_mm), surfaces, bars)).transpose()?;
-        let filled = surfaces.as_ref().zip(paths.as_ref()).filter(|_| args.stage >= Stage::Gcode);
-        let machine = filled.map(|(surfaces, paths)| {
-            machine::run(&setup.nozzle.nozzle, &args.print_options(), args.compare, surfaces, paths, bars)
-        });
-        let mut results = Results { setup, field, surfaces, machine: machine.transpose()?, paths, motion: None };
-        if args.stage >= Stage::Motion {
-            results.motion =
-                results.print(args).map(|print| motion::run(&print, &results.setup.cell, bars)).transpose()?;
+impl Job<'_> {
+    /// Runs the stages.
+    fn work(&self, saved: Option<SavedField>) -> Result<Outcome, Failure> {
+        let Job { args, part, bars, .. } = *self;
+        let mut findings = Findings::default();
+        part.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+        findings.say();
+        let longest = part.mesh.bounds().map_or(0.0, |[low, high]| (high - low).max());
+        if let Some(bead) = args.bead.filter(|bead| *bead > longest) {
+            return Err(failure(format!("--bead {bead}: wider than the part is long, {longest:.3} mm")));
         }
-        Ok(results)
-    })
-}
+        let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
+        let (field, surfaces) = field::run(&args.field_options(), surfaces.as_ref(), args.memory(), part, saved, bars)?;
+        part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
+        let files = Files::default();
+        let mut results = Results { field, surfaces, paths: None, machine: None, motion: None, files, findings };
+        self.end(Stage::Surfaces.min(args.stage), &mut results)?;
+        for stage in [Stage::Paths, Stage::Gcode, Stage::Motion].into_iter().filter(|stage| *stage <= args.stage) {
+            self.run(stage, &mut results)?;
+            self.end(stage, &mut results)?;
+        }
+        Ok(results.findings.outcome())
+    }
 
-/// Writes the motion, reads it again and checks it. The machine file then goes as fast as the robot.
-fn check_motion(args: &Args, results: &mut Results, folder: &OutputFolder, bars: &Bars) -> Result<(), Failure> {
-    let Some(mut motion) = results.motion.take() else { return Ok(()) };
-    if let Some(print) = results.print(args) {
-        outputs::trajectory(&motion, folder)?;
-        let file = File::open(folder.path().join(outputs::TRAJECTORY)).map_err(failure)?;
-        pool(args)?.install(|| motion.check(&print, BufReader::new(file), bars))?;
+    /// Runs a stage that comes after the surfaces.
+    fn run(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
+        let Job { args, setup, bars, .. } = self;
+        let (memory, nozzle) = (args.memory(), &setup.nozzle.nozzle);
+        let Results { field, surfaces: Some(surfaces), .. } = &*results else { return Ok(()) };
+        match (stage, &results.paths, &results.machine) {
+            (Stage::Paths, ..) => {
+                let options = args.path_options(surfaces.height_mm);
+                memory.holds_paths(options.bead, field, surfaces)?;
+                results.paths = Some(paths::run(&options, surfaces, bars)?);
+            }
+            (Stage::Gcode, Some(paths), _) => {
+                let options = args.print_options();
+                memory.holds_waypoints(&options, args.stage >= Stage::Motion, paths)?;
+                results.machine = Some(machine::run(nozzle, &options, args.compare, surfaces, paths, bars)?);
+            }
+            (Stage::Motion, Some(paths), Some(machine)) => {
+                let (filament_mm, args) = (args.filament, &args.motion);
+                let print = Print { args, nozzle, filament_mm, field, surfaces, paths, machine };
+                let mut motion = motion::run(&print, &setup.cell, bars)?;
+                // What was written is checked, and the machine file then goes as fast as the robot.
+                outputs::trajectory(&motion, self.folder)?;
+                let file = File::open(self.folder.path().join(outputs::TRAJECTORY)).map_err(failure)?;
+                motion.check(&print, BufReader::new(file), bars)?;
+                results.machine.iter_mut().for_each(|machine| machine.deposition.retime(motion.steps()));
+                results.motion = Some(motion);
+            }
+            _ => {}
+        }
+        Ok(())
     }
-    if let Some(machine) = &mut results.machine {
-        machine.deposition.retime(motion.steps());
+
+    /// Ends a stage: what is wrong is told, and what it has made is written.
+    fn end(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
+        findings::of_stage(stage, self.args, results);
+        self.bars.finish();
+        results.findings.say();
+        outputs::write(stage, self, results)
     }
-    results.motion = Some(motion);
-    Ok(())
 }
 
 fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {

@@ -7,7 +7,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    FillLayersError, FillTotals, FilledLayer, FilledLayers, PathOptions, SurfacePath, fill_layers,
+    FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SurfacePath, fill_layers,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -19,6 +19,8 @@ pub struct PathsRun {
     pub min_gap: f64,
     pub filled: FilledLayers,
     pub totals: FillTotals,
+    /// Parts of the layers that no bead fits into.
+    pub too_thin: LeftOutParts,
     pub times: Times,
 }
 
@@ -58,6 +60,12 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };
-    let PathOptions { bead: bead_mm, min_gap, .. } = *options;
-    Ok(PathsRun { bead_mm, min_gap, totals: filled.totals(), filled, times })
+    let (PathOptions { bead: bead_mm, min_gap, .. }, totals) = (*options, filled.totals());
+    if totals.curves == 0 {
+        return Err(failure(
+            "no layer has a surface, nothing would be printed: take a smaller --cell or more --voxels",
+        ));
+    }
+    let too_thin = filled.left_out(&surfaces.surfaces());
+    Ok(PathsRun { bead_mm, min_gap, totals, too_thin, filled, times })
 }

@@ -7,7 +7,8 @@ use curvlay_layers::curved::surface::{LayerField, SavedField, Spacing, UniformMe
 use curvlay_layers::curved::{Growth, LayerSurfaces, LayersError, Workpiece};
 use curvlay_toolpath::surface::LayerSurface;
 use curvlay_voxel::{Resolution, VoxelGrid};
-use std::fs::File;
+use std::fmt::Display;
+use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::{ControlFlow, Deref};
 use std::path::Path;
@@ -78,17 +79,14 @@ impl SurfacesRun {
     }
 }
 
-/// A field saved by an earlier run.
-pub fn load(path: &Path, part: &Part) -> Result<SavedField, Failure> {
-    let name = path.display();
-    let unreadable = |error| failure(format!("{name}: cannot be read: {error}"));
-    let file = File::open(path).map_err(unreadable)?;
-    if !file.metadata().map_err(unreadable)?.is_file() {
-        return Err(failure(format!("{name}: is no regular file: --resume takes the field.txt of an earlier run")));
+/// A field saved by an earlier run, from a regular file: others may never end.
+pub fn load(path: &Path) -> Result<SavedField, Failure> {
+    let failed = |error: &dyn Display| failure(format!("{}: {error}", path.display()));
+    if !fs::metadata(path).map_err(|error| failed(&format!("cannot be read: {error}")))?.is_file() {
+        return Err(failed(&"is not a file; --resume wants the field.txt of an earlier run"));
     }
-    let saved = SavedField::read(BufReader::new(file)).map_err(|error| failure(format!("{name}: {error}")))?;
-    let stamp = mesh_stamp(&part.mesh.vertices, &part.mesh.triangles);
-    saved.check_mesh(stamp).map_err(|error| failure(format!("{name}: {}: {error}", part.name)))?;
+    let file = File::open(path).map_err(|error| failed(&format!("cannot be read: {error}")))?;
+    let saved = SavedField::read(BufReader::new(file)).map_err(|error| failed(&error))?;
     Ok(saved)
 }
 

@@ -19,7 +19,8 @@
 
 use crate::mesh::{Mesh, MeshError, MeshFault, Placement, Unit, Up, read_mesh};
 use crate::output::{OutputError, OutputFolder};
-use clap::{Args, Parser, ValueEnum};
+use clap::error::ErrorKind;
+use clap::{ArgMatches, Args, Parser, ValueEnum};
 use std::env;
 use std::error::Error;
 use std::ffi::OsString;
@@ -196,6 +197,24 @@ pub enum Prevention {
     Adaptive,
 }
 
+/// What may be wrong before the exit status is 3.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct AllowArgs {
+    /// Share of the part's volume that may be missed before the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
+    pub allow_missed: f64,
+    /// How far the volume laid may be off that of the part, as a share of it, before the exit status is 3; also without what is
+    /// missed
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
+    pub allow_volume: f64,
+    /// Share of the waypoints at which the nozzle may gouge before the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
+    pub allow_gouging: f64,
+    /// Share of the length of the paths that may be left out before the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
+    pub allow_left_out: f64,
+}
+
 /// The name of a choice as it is typed.
 pub fn typed_name(choice: impl ValueEnum) -> String {
     choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
@@ -239,6 +258,24 @@ pub fn from_zero(text: &str) -> Result<f64, String> {
     if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("must be 0 or more, and finite".to_owned()) }
 }
 
+/// A share from 0 to 1, for clap.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn share(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 1".to_owned()) }
+}
+
+/// A number above zero, or `inf` for no limit, for clap.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn limit(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err("must be above 0, or inf for no limit".to_owned()) }
+}
+
 fn eps(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if (0.0..=16.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 16".to_owned()) }
@@ -247,9 +284,9 @@ fn eps(text: &str) -> Result<f64, String> {
 /// How an example ended that could do its work.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// All is well. Missed cells alone are well.
+    /// All is well.
     Done,
-    /// Checks of ours failed: which, a line each.
+    /// Checks of ours failed: which, a line each, as far as that has not been told.
     ChecksFailed(Vec<String>),
 }
 
@@ -260,19 +297,28 @@ impl Outcome {
     }
 }
 
-/// Input or output that cannot be used, in one line.
+/// Input or output that cannot be used, or arguments that do not go together, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failure(String);
+pub struct Failure {
+    message: String,
+    status: u8,
+}
 
 impl Failure {
-    /// Takes the message; line breaks become spaces.
+    /// Input or output that cannot be used. Takes the message; line breaks become spaces.
     pub fn new(message: impl Display) -> Self {
-        Failure(message.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
+        let message = message.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+        Failure { message, status: UNUSABLE }
+    }
+
+    /// The same for arguments that cannot be used together.
+    pub fn of_arguments(message: impl Display) -> Self {
+        Failure { status: ARGUMENTS, ..Failure::new(message) }
     }
 
     /// The line.
     pub fn message(&self) -> &str {
-        &self.0
+        &self.message
     }
 }
 
@@ -295,15 +341,29 @@ const CHECK_FAILED: u8 = 3;
 /// 0: done (help and version, too). 1: `main` failed, one line on stderr says at what. 2: the arguments cannot be
 /// used, one line on stderr says which. 3: done, but checks failed, each with its line on stderr.
 pub fn run_with_args<A: Parser>(main: impl FnOnce(A) -> Result<Outcome, Failure>) -> ExitCode {
-    run_on(env::args_os(), main)
+    run_on(env::args_os(), |_| Ok(()), main)
+}
+
+/// The same for arguments that do not all go together: `check` gets them with where they come from, and says in words
+/// which of them do not.
+pub fn run_with_checked_args<A: Parser>(
+    check: impl FnOnce(&ArgMatches) -> Result<(), String>,
+    main: impl FnOnce(A) -> Result<Outcome, Failure>,
+) -> ExitCode {
+    run_on(env::args_os(), check, main)
 }
 
 /// The same on a command line of its own; the first word is the name of the program.
 pub fn run_on<A: Parser>(
     words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    check: impl FnOnce(&ArgMatches) -> Result<(), String>,
     main: impl FnOnce(A) -> Result<Outcome, Failure>,
 ) -> ExitCode {
-    match A::try_parse_from(words) {
+    let parsed = A::command().try_get_matches_from(words).and_then(|matches| {
+        check(&matches).map_err(|why| A::command().error(ErrorKind::ArgumentConflict, why))?;
+        A::from_arg_matches(&matches)
+    });
+    match parsed {
         Ok(args) => run(|| main(args)),
         Err(error) if !error.use_stderr() => {
             // Help; if it cannot be written, nobody is there to read it.
@@ -326,8 +386,8 @@ pub fn run(main: impl FnOnce() -> Result<Outcome, Failure>) -> ExitCode {
             ExitCode::from(CHECK_FAILED)
         }
         Err(failure) => {
-            say(&format!("error: {}", failure.0));
-            ExitCode::from(UNUSABLE)
+            say(&format!("error: {}", failure.message));
+            ExitCode::from(failure.status)
         }
     }
 }
@@ -345,7 +405,8 @@ pub fn warn(message: impl Display) {
     say(&format!("warning: {message}"));
 }
 
-fn say(line: &str) {
+/// Writes a line to stderr.
+pub(crate) fn say(line: &str) {
     // With stderr gone there is no place left to complain.
     let _ = writeln!(io::stderr(), "{line}");
 }

@@ -5,6 +5,7 @@
 pub mod args;
 pub mod bars;
 pub mod clock;
+pub mod findings;
 pub mod mesh;
 pub mod motion;
 pub mod output;

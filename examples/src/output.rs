@@ -1,10 +1,13 @@
 //! The output folder: checked before the work begins, written file by file, each whole or not at all.
 
-use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The file that says what the others are: it goes first and comes last.
+pub const SUMMARY: &str = "summary.json";
 
 /// A folder that can be written. Folders that were made for it and stayed empty go away with it.
 #[derive(Debug)]
@@ -12,7 +15,7 @@ pub struct OutputFolder {
     path: PathBuf,
     /// Folders that were not there before, outermost first.
     made: Vec<PathBuf>,
-    written: Cell<bool>,
+    written: AtomicBool,
 }
 
 /// Why there is no output.
@@ -57,7 +60,7 @@ impl OutputFolder {
         let mut made: Vec<PathBuf> = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         made.reverse();
         // From here on dropping the folder clears up.
-        let folder = OutputFolder { path: path.to_owned(), made, written: Cell::new(false) };
+        let folder = OutputFolder { path: path.to_owned(), made, written: AtomicBool::new(false) };
         fs::create_dir_all(path).map_err(|source| OutputError::Make { path: path.to_owned(), source })?;
         let trial = folder.temporary("trial");
         File::create(&trial)
@@ -69,6 +72,25 @@ impl OutputFolder {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Takes away what an earlier run has left: the summary first, so that none stands beside files of another run, then all
+    /// files whose name `is_ours`, begun ones included. Folders and all other files stay.
+    ///
+    /// # Errors
+    /// [`OutputError`] when a file cannot be removed or the folder not be read.
+    pub fn clear(&self, is_ours: impl Fn(&str) -> bool) -> Result<(), OutputError> {
+        self.write_list(SUMMARY, false, |_| Ok(()))?;
+        let unread = |source| OutputError::Write { path: self.path.clone(), source };
+        for entry in fs::read_dir(&self.path).map_err(unread)? {
+            let entry = entry.map_err(unread)?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let begun = || name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.').map(|(name, _)| name);
+            if (is_ours(&name) || begun().is_some_and(&is_ours)) && entry.file_type().is_ok_and(|kind| !kind.is_dir()) {
+                self.write_list(&name, false, |_| Ok(()))?;
+            }
+        }
+        Ok(())
     }
 
     /// Writes a file at once.
@@ -156,7 +178,7 @@ impl Unfinished<'_> {
             Ok(file.len())
         });
         let bytes = named.map_err(|source| OutputError::Write { path: self.target.clone(), source })?;
-        self.folder.written.set(true);
+        self.folder.written.store(true, Ordering::Relaxed);
         Ok(bytes)
     }
 }
@@ -170,7 +192,7 @@ impl Drop for Unfinished<'_> {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        if !self.written.get() {
+        if !self.written.load(Ordering::Relaxed) {
             for folder in self.made.iter().rev() {
                 // Only an empty folder can be removed, so nobody's files are at risk.
                 let _ = fs::remove_dir(folder);

@@ -1,6 +1,6 @@
 //! `summary.json`: flat keys in the order in which they were set.
 
-use crate::output::{OutputError, OutputFolder};
+use crate::output::{OutputError, OutputFolder, SUMMARY};
 use serde_json::Value;
 use std::fmt::Write;
 use std::time::Duration;
@@ -116,6 +116,6 @@ impl Summary {
     /// # Errors
     /// [`OutputError`] from the folder.
     pub fn write(&self, folder: &OutputFolder) -> Result<(), OutputError> {
-        folder.write("summary.json", self.to_json())
+        folder.write(SUMMARY, self.to_json())
     }
 }

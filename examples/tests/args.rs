@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use clap::Parser;
+use clap::parser::ValueSource;
 use curvlay_examples::args::{
     Common, Failure, GrowArgs, MeshArgs, Outcome, Prevention, Strategy, VoxelArgs, one_line, run, run_on, typed_name,
 };
@@ -85,7 +86,8 @@ fn what_is_out_of_range_is_refused_in_one_line() {
     for (words, named) in refused {
         let line = one_line(&parse(words).unwrap_err());
         assert!(line.starts_with("error: ") && line.contains(named) && !line.contains('\n'), "{words}: {line}");
-        let status = run_on::<Args>(["name"].into_iter().chain(words.split(' ')), |_| panic!("{words} was taken"));
+        let status =
+            run_on::<Args>(["name"].into_iter().chain(words.split(' ')), |_| Ok(()), |_| panic!("{words} was taken"));
         assert_eq!(status, ExitCode::from(2), "{words}");
     }
     let line = one_line(&parse("--eps 17").unwrap_err());
@@ -97,10 +99,23 @@ fn the_exit_status_says_how_it_ended() {
     assert_eq!(run(|| Ok(Outcome::Done)), ExitCode::from(0));
     assert_eq!(run(|| Err(Failure::new("no ink"))), ExitCode::from(1));
     assert_eq!(run(|| Ok(Outcome::ChecksFailed(vec!["ink".to_owned()]))), ExitCode::from(3));
-    assert_eq!(run_on::<Args>(["name", "--help"], |_| panic!("help does no work")), ExitCode::from(0));
+    assert_eq!(run_on::<Args>(["name", "--help"], |_| Ok(()), |_| panic!("help does no work")), ExitCode::from(0));
     let of_args = |args: Args| Ok(Outcome::of(if args.common.quiet { vec![] } else { vec!["noise".to_owned()] }));
-    assert_eq!(run_on(["name"], of_args), ExitCode::from(3));
-    assert_eq!(run_on(["name", "--quiet"], of_args), ExitCode::from(0));
+    assert_eq!(run_on(["name"], |_| Ok(()), of_args), ExitCode::from(3));
+    assert_eq!(run_on(["name", "--quiet"], |_| Ok(()), of_args), ExitCode::from(0));
+}
+
+#[test]
+fn arguments_that_do_not_go_together_exit_with_2() {
+    assert_eq!(run(|| Err(Failure::of_arguments("not both"))), ExitCode::from(2));
+    let check = |matches: &clap::ArgMatches| match matches.value_source("eps") {
+        Some(ValueSource::CommandLine) => Err("--eps does nothing here".to_owned()),
+        _ => Ok(()),
+    };
+    assert_eq!(run_on::<Args>(["name", "--eps", "1"], check, |_| panic!("was taken")), ExitCode::from(2));
+    assert_eq!(run_on::<Args>(["name"], check, |_| Ok(Outcome::Done)), ExitCode::from(0));
+    // What has been told already is not told again.
+    assert_eq!(run(|| Ok(Outcome::ChecksFailed(Vec::new()))), ExitCode::from(3));
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! The cells of the examples, and what is said of their motions.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, dissertation_cells};
+use curvlay_examples::motion::programs::{pieces, without};
+use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, bounds_of, dissertation_cells};
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
-use curvlay_trajectory::print::{PrintRobot, Waypoint, path_deviations};
-use curvlay_trajectory::{Robot, RunIn, Timeline, Trajectory};
+use curvlay_kinematics::workcell::Workcell;
+use curvlay_trajectory::print::{LegKind, PlanTimes, PrintPlan, PrintRobot, Run, Travel, Waypoint, path_deviations};
+use curvlay_trajectory::transfer::Transfer;
+use curvlay_trajectory::{Bounds, Robot, RunIn, Timeline, Trajectory};
 use std::f64::consts::TAU;
 
 /// A bent line over the flange, with turning directions.
@@ -67,4 +70,69 @@ fn an_arm_that_turns_over_between_two_waypoints_strays() {
     assert!(
         path_deviations(&robot, robot.path(), &trajectory, &trajectory.times()[trajectory.waypoints()], 0.0)[5] > 10.0
     );
+}
+
+/// Four runs on a line with travels between them; the third travel was not found.
+fn plan() -> PrintPlan<6, 1> {
+    let line = Timeline::new(&[0.0, 1.0, 2.0], RunIn::default()).unwrap();
+    let to = |angle: f64| Trajectory::through(&line, &[0.0, 0.5, 1.0].map(|share| [angle * share; 6])).unwrap();
+    let waypoint = line_of_one();
+    let run = |path: usize| Run {
+        path,
+        layer: path as u32,
+        trajectory: to(0.1 * (path + 1) as f64),
+        passes: Vec::new(),
+        filament_mm: Vec::new(),
+        ends: [([0.0], waypoint), ([0.0], waypoint)],
+    };
+    let bounds = bounds_of(dissertation_cells().unwrap().0.limits());
+    let limits = Bounds { acceleration: [5.0; 6], jerk: [50.0; 6], ..bounds };
+    let way = Transfer::through(vec![[0.0; 6], [0.2; 6]], &limits).unwrap();
+    let travel = || Some(Travel { lift: to(0.01), way: way.clone(), approach: to(0.02) });
+    PrintPlan {
+        runs: (0..4).map(run).collect(),
+        travels: vec![travel(), travel(), None],
+        faults: Vec::new(),
+        layers: Vec::new(),
+        max_missed_mm: 0.0,
+        max_deviation_mm: 0.0,
+        min_pace: 1.0,
+        planned_s: 0.0,
+        printing_s: 0.0,
+        times: PlanTimes::default(),
+    }
+}
+
+fn line_of_one() -> Waypoint {
+    line(1)[0]
+}
+
+/// Motions are print, lift, transfer, approach, and the next print. Programs end before one that is left out.
+#[test]
+fn programs_stop_before_a_motion_that_is_not_proven_free() {
+    let plan = plan();
+    let kinds: Vec<LegKind> = plan.legs(0..4).map(|leg| leg.kind).collect();
+    let [print, lift, transfer, approach] = LegKind::ALL;
+    assert_eq!(kinds, [print, lift, transfer, approach, print, lift, transfer, approach, print, print]);
+    let left = |motions: &[usize]| {
+        let safe = without(&plan, &motions.iter().copied().collect());
+        assert_eq!(safe.travels.len(), safe.runs.len().saturating_sub(1));
+        let pieces = pieces(&safe, u64::MAX, |_, _| 1.0);
+        let paths: Vec<Vec<usize>> =
+            pieces.iter().map(|piece| piece.motions.clone().map(|run| safe.runs[run].path).collect()).collect();
+        assert!(pieces.iter().all(|piece| !piece.joined));
+        paths
+    };
+    assert_eq!(left(&[]), [vec![0, 1, 2], vec![3]]);
+    assert_eq!(left(&[0]), [vec![1, 2], vec![3]]);
+    assert_eq!(left(&[1]), [vec![0], vec![1, 2], vec![3]]);
+    assert_eq!(left(&[2]), left(&[3]));
+    assert_eq!(left(&[4]), [vec![0], vec![2], vec![3]]);
+    assert_eq!(left(&[5, 7]), [vec![0, 1], vec![2], vec![3]]);
+    assert_eq!(left(&[8]), [vec![0, 1], vec![3]]);
+    assert_eq!(left(&[9]), [vec![0, 1, 2]]);
+    assert_eq!(left(&[0, 4, 8, 9]), Vec::<Vec<usize>>::new());
+    // No joints of what is left out are in the steps: after 0 without the run, which is at 0.2.
+    let safe = without(&plan, &[4].into());
+    assert!(safe.legs(0..safe.runs.len()).all(|leg| leg.kind == print && leg.run.path != 1));
 }

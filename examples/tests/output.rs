@@ -1,6 +1,8 @@
 //! Output folder, summary, table and report.
 #![allow(clippy::unwrap_used)]
 
+use curvlay_examples::args::Outcome;
+use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::output::{OutputError, OutputFolder};
 use curvlay_examples::plot::Plot;
 use curvlay_examples::render::Image;
@@ -72,6 +74,44 @@ fn a_list_of_nothing_takes_away_that_of_an_earlier_run() {
     assert_eq!(names(&path), [""; 0]);
     fs::create_dir(path.join("faults.csv")).unwrap();
     assert!(matches!(faults(false), Err(OutputError::Write { .. })));
+}
+
+#[test]
+fn clearing_takes_away_what_is_ours_alone() {
+    let path = place("clear");
+    let folder = OutputFolder::create(&path).unwrap();
+    let all = ["summary.json", "a.csv", "b.csv", "mine.csv", ".a.csv.17.part", ".mine.csv.17.part", ".a.csv"];
+    all.iter().for_each(|name| fs::write(path.join(name), "old").unwrap());
+    fs::create_dir(path.join("c.csv")).unwrap();
+    folder.clear(|name| ["a.csv", "b.csv", "c.csv"].contains(&name)).unwrap();
+    assert_eq!(names(&path), [".a.csv", ".mine.csv.17.part", "c.csv", "mine.csv"]);
+    folder.clear(|_| false).unwrap();
+    assert_eq!(names(&path).len(), 4);
+    // A summary that cannot be removed is named.
+    fs::create_dir(path.join("summary.json")).unwrap();
+    assert!(folder.clear(|_| false).unwrap_err().to_string().contains("summary.json"));
+}
+
+/// One list of findings makes notices, keys of the summary and the exit status.
+#[test]
+fn findings_are_told_in_every_place() {
+    let mut findings = Findings::default();
+    assert!(!findings.has_failed() && findings.outcome() == Outcome::Done);
+    findings.add(Severity::above(0.001, 0.001), "walls < a cell", "0.1 %", "near x 1");
+    findings.add(Severity::above(f64::NAN, 1.0), "no volume", "", "");
+    let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    assert_eq!(lines, ["walls < a cell: 0.1 % (near x 1)", "no volume"]);
+    assert_eq!((findings.of(Severity::Told).count(), findings.of(Severity::Failed).count()), (1, 1));
+    assert!(findings.has_failed() && findings.outcome() == Outcome::ChecksFailed(Vec::new()));
+    let mut summary = Summary::new();
+    findings.summary(&mut summary).unwrap();
+    assert_eq!((summary.get("findings_failed"), summary.get("findings_told")), (Some(&1.into()), Some(&1.into())));
+    assert_eq!(summary.get("findings"), Some(&"told: walls < a cell: 0.1 % (near x 1)\nfailed: no volume".into()));
+    let mut report = Report::new("part");
+    findings.report(&mut report);
+    let html = report.to_html();
+    let [failed, told] = ["Check failed: no volume", "walls &lt; a cell: 0.1 %"].map(|text| html.find(text).unwrap());
+    assert!(failed < told, "what failed comes first");
 }
 
 #[test]

@@ -341,6 +341,25 @@ fn missed_cells_have_a_volume_and_a_border() {
     assert!((surfaces.missed_mm3 - 8.0 * CELL.powi(3)).abs() < 1e-12, "{}", surfaces.missed_mm3);
 }
 
+/// Two blocks of one mesh that overlap are one solid; the volume that their faces enclose counts the overlap twice.
+#[test]
+fn overlaps_of_the_mesh_count_once() {
+    let [first, second] = [Solid::block([4, 4, 4]), Solid::block([4, 4, 4])];
+    let moved = second.vertices.iter().map(|vertex| vertex + nalgebra::Vector3::x() * CELL);
+    let vertices: Vec<Point3<f64>> = first.vertices.iter().copied().chain(moved).collect();
+    let count = first.vertices.len() as u32;
+    let second = second.triangles.iter().map(|corners| corners.map(|corner| corner + count));
+    let triangles: Vec<[u32; 3]> = first.triangles.iter().copied().chain(second).collect();
+    let union = Solid::block([5, 4, 4]);
+    let part = Workpiece { vertices: &vertices, triangles: &triangles, ..union.workpiece() };
+    let all: Vec<u32> = union.cells().iter().collect();
+    assert!((part.volume_of(&all, &go).unwrap() - 80.0 * CELL.powi(3)).abs() < 1e-9);
+    let half: Vec<u32> = all.iter().copied().filter(|&cell| union.cells().position(cell)[2] < 2).collect();
+    assert!((part.volume_of(&half, &go).unwrap() - 40.0 * CELL.powi(3)).abs() < 1e-9);
+    assert!(part.volume_of(&[], &go).unwrap() < 1e-300);
+    assert_eq!(part.volume_of(&all, &|_| ControlFlow::Break(())), Err(LayersError::Cancelled));
+}
+
 #[test]
 fn a_saved_field_stands_for_its_order() {
     let solid = random(7);

@@ -17,7 +17,7 @@ use curvlay_trajectory::check::{
 use curvlay_trajectory::print::{LegKind, PrintCell, PrintLimits};
 use nalgebra::{Isometry3, Point3, UnitVector3};
 use rayon::prelude::*;
-use std::io::{self, BufRead};
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -53,6 +53,8 @@ impl<const N: usize> Written<N> {
 /// What came of the check.
 pub struct Checked<const N: usize> {
     pub report: PrintReport<N>,
+    /// How many motions there are.
+    pub motions: usize,
     /// The motion of each finding.
     pub of: Vec<(LegKind, u32, usize)>,
     /// Length of all paths, with what was left out of them, and of what no motion goes along.
@@ -84,6 +86,11 @@ impl Sort {
         }
     }
 
+    /// Whether a motion of which this was found is kept out of the programs. One off its path is no danger.
+    pub fn is_unsafe(self) -> bool {
+        self != Sort::Deviations
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Sort::Limits => "beyond a limit",
@@ -104,41 +111,11 @@ impl<const N: usize> Checked<N> {
         motions.len()
     }
 
-    pub fn failed_checks(&self) -> Vec<String> {
-        let counted = Sort::ALL.map(|sort| (self.count(sort), sort.name())).into_iter().filter(|(count, _)| *count > 0);
-        let counted = counted.map(|(count, what)| format!("{count} motions are {what}, see motion-check.csv"));
-        let unprinted = (self.unprinted_mm > 0.0)
-            .then(|| format!("{:.1} mm of {:.1} mm of paths are not printed", self.unprinted_mm, self.path_mm));
-        counted.chain(unprinted).collect()
+    /// Motions that no program may hold, by their numbers in `trajectory.csv`.
+    pub fn unsafe_motions(&self) -> BTreeSet<usize> {
+        let findings = self.report.findings.iter().filter(|finding| Sort::of(&finding.kind).is_unsafe());
+        findings.map(|finding| finding.motion).collect()
     }
-}
-
-/// Reads the motions of a `trajectory.csv`.
-pub fn read<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>>> {
-    let mut motions: Vec<Written<N>> = Vec::new();
-    let mut last = None;
-    for (number, line) in file.lines().enumerate().skip(1) {
-        let line = line?;
-        let bad = || io::Error::other(format!("trajectory.csv, line {}: cannot be read again", number + 1));
-        let cells: Vec<&str> = line.split(',').collect();
-        let [motion, time, joints @ .., kind, layer, path, waypoint, _] = &cells[..] else { return Err(bad()) };
-        if last.as_deref() != Some(*motion) {
-            last = Some((*motion).to_owned());
-            let kind = LegKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
-            let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
-            let path = path.parse().map_err(|_| bad())?;
-            let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());
-            motions.push(Written { kind, layer, path, times, joints, waypoints });
-        }
-        let motion = motions.last_mut().ok_or_else(bad)?;
-        let joints: Option<Vec<f64>> = joints.iter().map(|joint| joint.parse().ok()).collect();
-        motion.times.push(time.parse().map_err(|_| bad())?);
-        motion.joints.push(joints.and_then(|joints| joints.try_into().ok()).ok_or_else(bad)?);
-        if !waypoint.is_empty() {
-            motion.waypoints.push((waypoint.parse().map_err(|_| bad())?, motion.times[motion.times.len() - 1]));
-        }
-    }
-    Ok(motions)
 }
 
 /// Checks the motions that were written, layer by layer, with the part as it is built by then.
@@ -179,7 +156,7 @@ pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
     let of = report.findings.iter().map(|finding| &motions[finding.motion]);
     let of = of.map(|motion| (motion.kind, motion.layer, motion.path)).collect();
     let [path_mm, unprinted_mm] = lengths(print, motions);
-    Ok(Checked { report, of, path_mm, unprinted_mm, took: start.elapsed() })
+    Ok(Checked { report, motions: motions.len(), of, path_mm, unprinted_mm, took: start.elapsed() })
 }
 
 /// What the checker asks of cell and part.

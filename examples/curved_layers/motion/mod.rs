@@ -10,11 +10,12 @@ mod place;
 use crate::failure;
 use crate::field::FieldRun;
 use crate::machine::{MachineRun, Shape};
+use crate::outputs::motion::read_csv;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use check::Checked;
 use clap::ValueEnum;
-use curvlay_examples::args::{Failure, above_zero, from_zero};
+use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{
     OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, programs, table_options,
@@ -25,7 +26,7 @@ use curvlay_kinematics::workcell::{
 };
 use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
-use curvlay_trajectory::print::{FaultKind, PrintLimits, PrintOptions, PrintPlan, plan_print};
+use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, plan_print};
 use nalgebra::Isometry3;
 use std::f64::consts::PI;
 use std::fs;
@@ -124,10 +125,14 @@ impl MotionArgs {
             (None, Ok(true)) => Ok(ProgramFormat::Urscript),
             (None, Ok(false)) => Ok(ProgramFormat::Rapid),
             (None, Err(_)) => Ok(ProgramFormat::Csv),
-            (Some(ProgramFormat::Urscript), Ok(false)) => Err(failure("--program urscript: not for an ABB arm")),
-            (Some(ProgramFormat::Urscript), Err(why)) => Err(failure(format!("--program urscript: {why}"))),
+            (Some(ProgramFormat::Urscript), Ok(false)) => {
+                Err(Failure::of_arguments("--program urscript: not for an ABB arm"))
+            }
+            (Some(ProgramFormat::Urscript), Err(why)) => {
+                Err(Failure::of_arguments(format!("--program urscript: {why}")))
+            }
             (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => {
-                Err(failure("--program rapid: only for ABB arms, not for a UR"))
+                Err(Failure::of_arguments("--program rapid: only for ABB arms, not for a UR"))
             }
             (Some(format), _) => Ok(format),
         }
@@ -153,61 +158,32 @@ pub struct MotionRun<const N: usize, const F: usize, W> {
     pub checked: Option<Checked<N>>,
 }
 
+/// Does the same with the run of whichever cell it is.
+macro_rules! of_run {
+    ($motion:expr, $run:ident => $does:expr) => {
+        match $motion {
+            $crate::motion::Motion::Six($run) => $does,
+            $crate::motion::Motion::Eight($run) => $does,
+        }
+    };
+}
+pub(crate) use of_run;
+
 impl Motion {
-    /// How many faults of a kind there are.
-    pub fn count(&self, kind: FaultKind) -> usize {
-        match self {
-            Motion::Six(run) => run.plan.count(kind),
-            Motion::Eight(run) => run.plan.count(kind),
-        }
-    }
-
-    /// Whether nothing can be printed.
-    pub fn is_empty(&self) -> bool {
-        match self {
-            Motion::Six(run) => run.plan.runs.is_empty(),
-            Motion::Eight(run) => run.plan.runs.is_empty(),
-        }
-    }
-
     /// Checks the motions that were written to `trajectory.csv`.
     pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
-        match self {
-            Motion::Six(run) => run.check(print, file, bars),
-            Motion::Eight(run) => run.check(print, file, bars),
-        }
+        of_run!(self, run => run.check(print, file, bars))
     }
 
     /// How long the motion takes to each waypoint from the one before: path, waypoint, seconds.
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
-        match self {
-            Motion::Six(run) => run.plan.steps(),
-            Motion::Eight(run) => run.plan.steps(),
-        }
-    }
-
-    /// What the plan leaves undone (whatever is not printed, ways that were not found), and what the check found.
-    pub fn failed_checks(&self) -> Vec<String> {
-        let kinds = [
-            (FaultKind::Unreachable, "waypoints are out of reach and not printed"),
-            (FaultKind::Blocked, "waypoints are blocked and not printed"),
-            (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed"),
-            (FaultKind::NoTransfer, "transfers were not found: the robot has to be brought there by hand"),
-        ];
-        let counted = kinds.map(|(kind, what)| (self.count(kind), what));
-        let failed = counted.into_iter().filter(|(count, _)| *count > 0);
-        let failed = failed.map(|(count, what)| format!("{count} {what}, see motion-faults.csv"));
-        let checked = match self {
-            Motion::Six(run) => run.checked.as_ref().map(Checked::failed_checks),
-            Motion::Eight(run) => run.checked.as_ref().map(Checked::failed_checks),
-        };
-        failed.chain(checked.into_iter().flatten()).collect()
+        of_run!(self, run => run.plan.steps())
     }
 }
 
 impl<const N: usize, const F: usize, W: Workcell<N, F>> MotionRun<N, F, W> {
     fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
-        let motions = check::read(file).map_err(failure)?;
+        let motions = read_csv(file).map_err(failure)?;
         self.checked = Some(check::check(print, (&self.cell, &self.frame_part), &self.limits, &motions, bars)?);
         Ok(())
     }
@@ -312,12 +288,4 @@ pub fn run(print: &Print, cell: &AnyWorkcell, bars: &Bars) -> Result<Motion, Fai
         AnyWorkcell::Six(cell) => Motion::Six(Box::new(print.plan(cell, &PrintOptions::default(), bars)?)),
         AnyWorkcell::Eight(cell) => Motion::Eight(Box::new(print.plan(cell, &table_options(), bars)?)),
     })
-}
-
-/// A limit, for clap.
-fn limit(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|value: &f64| *value > 0.0)
-        .ok_or_else(|| "must be above 0, or inf for no limit".to_owned())
 }

@@ -2,6 +2,7 @@
 
 use super::seconds;
 use crate::field::FieldRun;
+use crate::surfaces::SurfacesRun;
 use crate::{Args, failure};
 use curvlay_examples::args::{Failure, Part, typed_name};
 use curvlay_examples::output::OutputFolder;
@@ -26,25 +27,35 @@ const PAPER: [(&str, u32, f64, u32); 6] = [
     ("Fertility", 77_064, 232.76, 511),
 ];
 
-pub fn products(run: &FieldRun, folder: &OutputFolder) -> Result<(), Failure> {
-    let field = numbers(run);
-    folder.write_with("field.csv", |out| write_field(run, &field, out))?;
+pub fn products(run: &FieldRun, surfaces: Option<&SurfacesRun>, folder: &OutputFolder) -> Result<(), Failure> {
+    let order = numbers(run);
+    let mut layers = vec![None; order.len()];
+    if let Some(surfaces) = surfaces {
+        let by_surface =
+            surfaces.field.cells_by_surface(surfaces.sheets.len(), surfaces.height_mm, run.solid.grid.cell_mm());
+        for (layer, cells) in (1u32..).zip(by_surface.map_err(failure)?) {
+            cells.into_iter().for_each(|cell| layers[cell as usize] = Some(layer));
+        }
+    }
+    folder.write_with("field.csv", |out| write_field(run, &order, &layers, out))?;
     Ok(())
 }
 
-/// The layer of every cell of the grid.
+/// The layer of every cell of the grid in the order of the growth.
 fn numbers(run: &FieldRun) -> Vec<u32> {
     run.growth.order.field(run.solid.grid.dims().iter().map(|&d| d as usize).product())
 }
 
-/// A line for each cell: its place in the grid, the centre in millimetres, and its layer (0: missed).
-fn write_field(run: &FieldRun, field: &[u32], out: &mut dyn Write) -> io::Result<()> {
+/// A line for each cell: its place in the grid, the centre in millimetres, its layer in the order of the growth (0: missed), and the
+/// layer that is printed of which it is a part, if it is.
+fn write_field(run: &FieldRun, order: &[u32], layers: &[Option<u32>], out: &mut dyn Write) -> io::Result<()> {
     let grid = &run.solid.grid;
-    writeln!(out, "x,y,z,x_mm,y_mm,z_mm,layer")?;
+    writeln!(out, "x,y,z,x_mm,y_mm,z_mm,cell_layer,layer")?;
     for cell in grid.iter() {
         let [x, y, z] = grid.position(cell);
-        let centre = grid.centre([x, y, z]);
-        writeln!(out, "{x},{y},{z},{:.4},{:.4},{:.4},{}", centre.x, centre.y, centre.z, field[cell as usize])?;
+        let (centre, cell) = (grid.centre([x, y, z]), cell as usize);
+        let layer = layers[cell].map_or_else(String::new, |layer| layer.to_string());
+        writeln!(out, "{x},{y},{z},{:.4},{:.4},{:.4},{},{layer}", centre.x, centre.y, centre.z, order[cell])?;
     }
     Ok(())
 }
@@ -66,6 +77,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("stage", typed_name(args.stage))?
         .set("triangles", part.mesh.triangles.len())?
         .set("volume_mm3", run.mesh.volume_mm3())?
+        .set("part_volume_mm3", run.part_mm3)?
         .set("watertight", run.mesh.watertight)?
         .set("thinner_than_cell_share", run.thin.share)?
         .set("cell_mm", grid.cell_mm())?
@@ -80,14 +92,21 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("strategy_used", run.strategy)?
         .set("prevention", typed_name(args.grow.prevention))?
         .set("threads", args.common.threads)?
+        .set("max_memory_gb", args.max_memory)?
+        .set("allow_missed", args.allow.allow_missed)?
+        .set("allow_volume", args.allow.allow_volume)?
+        .set("allow_gouging", args.allow.allow_gouging)?
+        .set("allow_left_out", args.allow.allow_left_out)?
         .set_seconds("inspect_s", times.inspect)?
         .set_seconds("voxelise_s", times.voxelise)?
         .set_seconds("peel_s", times.peel)?
         .set_seconds("grow_s", times.grow)?
         .set_seconds("audit_s", times.audit)?
         .set_seconds("total_s", times.total)?
-        .set("layers", growth.order.len())?
+        .set("cell_layers", growth.order.len())?
         .set("missed_cells", growth.missed.len())?
+        .set("missed_volume_mm3", run.missed_mm3)?
+        .set("missed_share", run.missed_share())?
         .set("missed_shadowed", missed(run, |reason| matches!(reason, MissedReason::Shadowed { .. })))?
         .set("missed_unsupported", missed(run, |reason| !matches!(reason, MissedReason::Shadowed { .. })))?
         .set("audit_ok", run.audit.is_ok())?
@@ -105,8 +124,11 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         .row(["strategy".to_owned(), format!("{}: {}", typed_name(args.grow.strategy), run.strategy)])
         .row(["platform".to_owned(), format!("disc of {:.1} mm", run.platform_diameter_mm())])
         .row(["eps".to_owned(), format!("{}, in cells", args.grow.eps)])
-        .row(["layers".to_owned(), growth.order.len().to_string()])
-        .row(["missed cells".to_owned(), growth.missed.len().to_string()])
+        .row(["cell layers".to_owned(), growth.order.len().to_string()])
+        .row([
+            "missed cells".to_owned(),
+            format!("{}, {:.2} % of the volume", growth.missed.len(), 100.0 * run.missed_share()),
+        ])
         .row([
             "small patches".to_owned(),
             format!(
@@ -149,10 +171,6 @@ pub fn report(run: &FieldRun, figures: &Table, report: &mut Report) -> Result<()
         "In which order the cells of the part can be built: every cell has support in an earlier layer, and none lies \
          inside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches it.",
     );
-    run.findings.iter().for_each(|finding| _ = report.notice(finding));
-    if !run.audit.is_ok() {
-        report.notice(&format!("The audit failed: {}", run.audit));
-    }
     report
         .table("", figures)
         .heading("The part, coloured by layer")

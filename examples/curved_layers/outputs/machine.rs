@@ -1,8 +1,9 @@
 //! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
 
 use super::{pictures, seconds};
-use crate::machine::{MachineRun, Shape};
-use crate::{Args, failure};
+use crate::field::FieldRun;
+use crate::machine::MachineRun;
+use crate::{Args, Job, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -91,10 +92,23 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     written.map_err(|error| failure(format!("{name}: {error}")))
 }
 
-pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mut Summary) -> Result<(), Failure> {
+/// The share of the part that is laid, and of how much, in words.
+pub fn filled(field: &FieldRun, run: &MachineRun) -> String {
+    let (laid, part) = (run.deposition.extruded_mm3, field.part_mm3);
+    format!("{:.1} %, {laid:.1} of {part:.1} mm3", 100.0 * laid / part)
+}
+
+pub fn summary(
+    job: &Job,
+    field: &FieldRun,
+    run: &MachineRun,
+    written: &Written,
+    summary: &mut Summary,
+) -> Result<(), Failure> {
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     summary
-        .set("nozzle", nozzle.text.as_str())?
+        .set("filled_share", deposition.extruded_mm3 / field.part_mm3)?
+        .set("nozzle", job.setup.nozzle.text.as_str())?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
         .set_seconds("gouging_s", times.gouging)?
@@ -122,17 +136,17 @@ pub fn summary(nozzle: &Shape, run: &MachineRun, written: &Written, summary: &mu
         .set("max_lift_mm", run.travels.max_lift)?
         .set_seconds("travels_s", times.travels)?
         .set("retractions", deposition.retractions)?
-        .set("gcode_bytes", written.bytes)?
-        .set("machine_checks", run.failed_checks().join("; "))?;
+        .set("gcode_bytes", written.bytes)?;
     Ok(())
 }
 
-pub fn rows(run: &MachineRun, written: &Written, table: &mut Table) {
+pub fn rows(field: &FieldRun, run: &MachineRun, written: &Written, table: &mut Table) {
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     let turns = |turns: &curvlay_toolpath::surface::Turns| {
         format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
     };
     table
+        .row(["filled".to_owned(), filled(field, run)])
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
         .row(["turns, raw".to_owned(), turns(&run.before)])
         .row(["turns".to_owned(), turns(&resolved.turns)])
@@ -179,7 +193,6 @@ fn travels(run: &MachineRun) -> String {
 }
 
 pub fn report(run: &MachineRun, report: &mut Report) {
-    run.failed_checks().iter().for_each(|check| _ = report.notice(check));
     let Some(printed) = run.longest() else { return };
     let turns = |path: &ToolPath| -> Vec<[f64; 2]> {
         let pairs = path.waypoints.windows(2);

@@ -4,19 +4,22 @@
 
 mod field;
 mod machine;
-mod motion;
+pub mod motion;
 mod paths;
 mod pictures;
 mod programs;
 mod surfaces;
 
-use crate::motion::Motion;
-use crate::{Args, Results, failure};
-use curvlay_examples::args::{Failure, Part};
-use curvlay_examples::output::OutputFolder;
+use crate::motion::{Motion, of_run};
+use crate::{Job, Results, Stage, failure};
+use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::findings::Severity;
+use curvlay_examples::output::{OutputFolder, SUMMARY};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_toolpath::gcode::Written;
+use programs::Programs;
 use std::time::Duration;
 
 /// A picture and the line under it.
@@ -25,68 +28,142 @@ type Picture = (String, Vec<u8>);
 /// The motion, knot by knot.
 pub const TRAJECTORY: &str = "trajectory.csv";
 
+/// The files that a run may write, but for programs.
+const NAMES: [&str; 19] = [
+    SUMMARY,
+    "report.html",
+    "field.csv",
+    "field.txt",
+    "field.vtk",
+    "layers.obj",
+    "layers.vtk",
+    "paths.obj",
+    "toolpath.gcode",
+    "toolpath-bc.gcode",
+    "gouging.csv",
+    "left_out.csv",
+    "turns.csv",
+    "blocked_travels.csv",
+    TRAJECTORY,
+    "layers.csv",
+    "motion-faults.csv",
+    "motion-check.csv",
+    "programs.csv",
+];
+
+/// Whether a file of this name is one that a run may write. Programs are `print`, or `print` with numbers behind it.
+pub fn is_ours(name: &str) -> bool {
+    let is_program = |stem: &str| {
+        stem.strip_prefix("print").is_some_and(|rest| !rest.contains(|c: char| !c.is_ascii_digit() && c != '_'))
+    };
+    let endings = [".script", ".mod", ".csv"];
+    NAMES.contains(&name) || endings.iter().any(|ending| name.strip_suffix(ending).is_some_and(is_program))
+}
+
+/// What stands in the machine file and in the programs.
+#[derive(Default)]
+pub struct Files {
+    gcode: Option<Written>,
+    programs: Option<Programs>,
+}
+
 /// Writes the motion itself, which is checked before all else is written.
 pub fn trajectory(motion: &Motion, folder: &OutputFolder) -> Result<(), Failure> {
-    folder.write_with(TRAJECTORY, |out| match motion {
-        Motion::Six(run) => motion::write_csv(run, out),
-        Motion::Eight(run) => motion::write_csv(run, out),
-    })?;
+    folder.write_with(TRAJECTORY, |out| of_run!(motion, run => motion::write_csv(run, out)))?;
     Ok(())
 }
 
-/// Writes all of it. Programs that would be wrong are left out; then it says why.
-pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder) -> Result<Option<String>, Failure> {
-    let Results { setup, field: run, surfaces, paths, machine, motion } = results;
-    let mut summary = Summary::new();
+/// Writes what a stage has made, and the summary of all that is there by then; after the last one the report before it, and the
+/// tables on stdout.
+pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failure> {
+    products(stage, job, results)?;
+    let tables = tables(job, results);
+    let is_last = stage == job.args.stage;
+    if is_last {
+        job.folder.write("report.html", report(job, results, &tables)?.to_html())?;
+    }
+    // The summary comes last: what it tells of is there.
+    summary(stage, job, results)?.write(job.folder)?;
+    if is_last {
+        Table::print_all(tables.iter().filter(|table| !table.rows().is_empty())).map_err(failure)?;
+    }
+    Ok(())
+}
+
+/// The files of a stage. Programs that would be wrong are left out; that is a finding.
+fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failure> {
+    let Results { field, surfaces, paths, machine, motion, files, findings } = results;
+    let Job { args, setup, folder, .. } = job;
+    match stage {
+        Stage::Field | Stage::Surfaces => {
+            field::products(field, surfaces.as_ref(), folder)?;
+            surfaces.iter().try_for_each(|run| surfaces::products(run, folder))
+        }
+        Stage::Paths => paths.iter().try_for_each(|run| paths::products(run, folder)),
+        Stage::Gcode => {
+            files.gcode = machine.as_ref().map(|run| machine::products(args, run, folder)).transpose()?;
+            Ok(())
+        }
+        Stage::Motion => {
+            files.gcode = machine.as_ref().map(|run| machine::products(args, run, folder)).transpose()?;
+            let Some(motion) = motion else { return Ok(()) };
+            of_run!(motion, run => motion::products(run, folder)?);
+            let written =
+                of_run!(motion, run => programs::products(run, setup.format, args.motion.program_steps, folder)?);
+            let refused = written.refused.iter();
+            refused.for_each(|why| findings.add(Severity::Failed, "no programs were written", why, "--program"));
+            findings.say();
+            files.programs = Some(written);
+            Ok(())
+        }
+    }
+}
+
+/// A table of figures for each stage.
+fn tables(job: &Job, results: &Results) -> [Table; 5] {
+    let Results { field, surfaces, paths, machine, motion, files, .. } = results;
     let stages = ["Cells and layers", "Surfaces", "Paths", "Nozzle and machine file", "Motion"];
     let mut tables = stages.map(|stage| Table::new([stage, ""]));
     let [of_field, of_surfaces, of_paths, of_machine, of_motion] = &mut tables;
-    let mut refused = None;
+    field::rows(job.args, job.part, field, of_field);
+    surfaces.iter().for_each(|run| surfaces::rows(run, of_surfaces));
+    paths.iter().for_each(|run| paths::rows(run, of_paths));
+    machine.iter().zip(&files.gcode).for_each(|(run, written)| machine::rows(field, run, written, of_machine));
+    motion.iter().for_each(|motion| of_run!(motion, run => motion::rows(run, of_motion)));
+    files.programs.iter().for_each(|written| programs::rows(written, of_motion));
+    tables
+}
 
-    field::products(run, folder)?;
-    field::summary(args, part, run, &mut summary)?;
-    field::rows(args, part, run, of_field);
-    if let Some(run) = surfaces {
-        surfaces::products(run, folder)?;
-        surfaces::summary(run, &mut summary)?;
-        surfaces::rows(run, of_surfaces);
-    }
-    if let Some(run) = paths {
-        paths::products(run, folder)?;
-        paths::summary(args, run, &mut summary)?;
-        paths::rows(run, of_paths);
-    }
+/// All figures that there are when a stage ends.
+fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failure> {
+    let Results { field, surfaces, paths, machine, motion, files, findings } = results;
+    let mut summary = Summary::new();
+    let figures = &mut summary;
+    field::summary(job.args, job.part, field, figures)?;
+    figures.set("stage_done", typed_name(stage))?;
+    findings.summary(figures)?;
+    surfaces.iter().try_for_each(|run| surfaces::summary(run, figures))?;
+    paths.iter().try_for_each(|run| paths::summary(job.args, run, figures))?;
+    let written = machine.iter().zip(&files.gcode);
+    written.into_iter().try_for_each(|(run, written)| machine::summary(job, field, run, written, figures))?;
+    motion.iter().try_for_each(|motion| of_run!(motion, run => motion::summary(run, figures)))?;
+    files.programs.iter().try_for_each(|written| programs::summary(written, figures))?;
+    Ok(summary)
+}
 
-    if let Some(run) = machine {
-        let written = machine::products(args, run, folder)?;
-        machine::summary(&setup.nozzle, run, &written, &mut summary)?;
-        machine::rows(run, &written, of_machine);
-    }
-    if let Some(run) = motion {
-        match run {
-            Motion::Six(run) => motion::products(run, folder)?,
-            Motion::Eight(run) => motion::products(run, folder)?,
-        }
-        let written = programs::products(run, setup.format, args.motion.program_steps, folder)?;
-        refused = written.refused.clone();
-        match run {
-            Motion::Six(run) => motion::summary(run, &mut summary)?,
-            Motion::Eight(run) => motion::summary(run, &mut summary)?,
-        }
-        programs::summary(&written, &mut summary)?;
-        match run {
-            Motion::Six(run) => motion::rows(run, of_motion),
-            Motion::Eight(run) => motion::rows(run, of_motion),
-        }
-        programs::rows(&written, of_motion);
-    }
-
-    let mut report = Report::new(&format!("Curved layers: {}", part.name));
-    motion.iter().flat_map(Motion::failed_checks).for_each(|check| _ = report.notice(&check));
-    field::report(run, of_field, &mut report)?;
+/// What is wrong comes first.
+fn report(job: &Job, results: &Results, tables: &[Table; 5]) -> Result<Report, Failure> {
+    let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
+    let [of_field, of_surfaces, of_paths, of_machine, of_motion] = tables;
+    let mut report = Report::new(&format!("Curved layers: {}", job.part.name));
+    findings.report(&mut report);
+    machine
+        .iter()
+        .for_each(|run| _ = report.paragraph(&format!("Laid: {} of the part's volume.", machine::filled(field, run))));
+    field::report(field, of_field, &mut report)?;
     if let Some(surfaces) = surfaces {
         report.table("", of_surfaces);
-        surfaces::report(run, surfaces, &mut report);
+        surfaces::report(field, surfaces, &mut report);
         if let Some(paths) = paths {
             report.table("", of_paths);
             paths::report(surfaces, paths, &mut report);
@@ -98,18 +175,10 @@ pub fn write(args: &Args, part: &Part, results: &Results, folder: &OutputFolder)
     }
     if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
         report.table("", of_motion);
-        refused.iter().for_each(|refused| _ = report.notice(&format!("no programs: {refused}")));
-        match motion {
-            Motion::Six(run) => motion::report(surfaces, run, &mut report),
-            Motion::Eight(run) => motion::report(surfaces, run, &mut report),
-        }
+        of_run!(motion, run => motion::report(surfaces, run, &mut report));
     }
-    field::comparison(part, run, &mut report);
-    folder.write("report.html", report.to_html())?;
-    // The summary comes last: where it is, all is there.
-    summary.write(folder)?;
-    Table::print_all(tables.iter().filter(|table| !table.rows().is_empty())).map_err(failure)?;
-    Ok(refused)
+    field::comparison(job.part, field, &mut report);
+    Ok(report)
 }
 
 fn seconds(time: Duration) -> String {

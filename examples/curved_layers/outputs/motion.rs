@@ -2,7 +2,7 @@
 
 use super::{Picture, borrowed, pictures, seconds};
 use crate::motion::MotionRun;
-use crate::motion::check::{Checked, Sort};
+use crate::motion::check::{Checked, Sort, Written};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
@@ -18,7 +18,7 @@ use curvlay_trajectory::check::{JointPeaks, PrintPeak};
 use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 use std::time::Duration;
 
 /// Pictures of the robot.
@@ -90,6 +90,44 @@ pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, ou
     Ok(())
 }
 
+/// Reads the motions of a `trajectory.csv`.
+pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>>> {
+    let mut motions: Vec<Written<N>> = Vec::new();
+    let mut last = None;
+    for (number, line) in file.lines().enumerate().skip(1) {
+        let line = line?;
+        let bad = || io::Error::other(format!("trajectory.csv, line {}: cannot be read again", number + 1));
+        let cells: Vec<&str> = line.split(',').collect();
+        let [motion, time, joints @ .., kind, layer, path, waypoint, _] = &cells[..] else { return Err(bad()) };
+        if last.as_deref() != Some(*motion) {
+            last = Some((*motion).to_owned());
+            let kind = LegKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
+            let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
+            let path = path.parse().map_err(|_| bad())?;
+            let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());
+            motions.push(Written { kind, layer, path, times, joints, waypoints });
+        }
+        let motion = motions.last_mut().ok_or_else(bad)?;
+        let joints: Option<Vec<f64>> = joints.iter().map(|joint| joint.parse().ok()).collect();
+        motion.times.push(time.parse().map_err(|_| bad())?);
+        motion.joints.push(joints.and_then(|joints| joints.try_into().ok()).ok_or_else(bad)?);
+        if !waypoint.is_empty() {
+            motion.waypoints.push((waypoint.parse().map_err(|_| bad())?, motion.times[motion.times.len() - 1]));
+        }
+    }
+    Ok(motions)
+}
+
+/// Planning time by robot time; 0 where the robot does not move.
+fn share(plan_s: f64, robot_s: f64) -> f64 {
+    if robot_s > 0.0 { plan_s / robot_s } else { 0.0 }
+}
+
+/// The same of a layer.
+fn factor(layer: &LayerPlan, times: fn(&PlanTimes) -> Duration) -> f64 {
+    share(times(&layer.times).as_secs_f64(), layer.robot_s)
+}
+
 /// A line a layer: how long the robot moves, and how long a single thread would have planned.
 fn write_layers(layers: &[LayerPlan], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "layer,motions,waypoints,robot_s,plan_s,transfers_s,realtime_factor,faults")?;
@@ -102,7 +140,7 @@ fn write_layers(layers: &[LayerPlan], out: &mut dyn Write) -> io::Result<()> {
             layer.runs,
             layer.waypoints,
             layer.robot_s,
-            layer.factor(PlanTimes::all),
+            factor(layer, PlanTimes::all),
             layer.faults
         )
     })
@@ -114,7 +152,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> Result<(), Failure> {
     let MotionRun { cell, plan: run, limits, margin_mm, frame_part, checked: found, .. } = run;
     let times = &run.times;
-    let worst = run.layers.iter().filter(|layer| layer.runs > 0).map(|layer| layer.factor(PlanTimes::all));
+    let worst = run.layers.iter().map(|layer| factor(layer, PlanTimes::all));
     let limit = |values: [f64; N]| {
         let least = values.into_iter().fold(f64::INFINITY, f64::min);
         if least.is_finite() { Value::from(least) } else { Value::from("none") }
@@ -136,7 +174,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("plan_s", run.plan_s())?
         .set_seconds("plan_motion_s", times.runs)?
         .set_seconds("plan_transfers_s", times.travels)?
-        .set("realtime_factor", run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE))?
+        .set("realtime_factor", share(run.plan_s(), run.robot_s()))?
         .set("realtime_factor_worst_layer", worst.fold(0.0, f64::max))?
         .set("motions", run.runs.len())?
         .set("breaks", run.count(FaultKind::Break))?
@@ -213,7 +251,7 @@ fn check_rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table
 fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut Table) {
     let times = &run.times;
     let count = |kind| run.count(kind);
-    let factor = run.plan_s() / run.robot_s().max(f64::MIN_POSITIVE);
+    let factor = share(run.plan_s(), run.robot_s());
     let reach = format!("{} waypoints, {} more blocked", count(FaultKind::Unreachable), count(FaultKind::Blocked));
     let [printing, planned] = [run.printing_s, run.planned_s].map(|seconds| seconds / 60.0);
     let pace =

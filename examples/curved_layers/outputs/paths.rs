@@ -56,6 +56,8 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("overlap_fraction", totals.overlap_fraction)?
         .set("spill_fraction", totals.spill_fraction)?
         .set("unfillable_fraction", totals.unfillable_fraction)?
+        .set("too_thin_parts", run.too_thin.parts)?
+        .set("too_thin_mm3", run.too_thin.volume_mm3)?
         .set("filled_fraction", totals.filled_fraction)?
         .set("largest_gap_mm", totals.max_gap_mm)?
         .set("sharp_turns", totals.sharp_turns)?

@@ -8,17 +8,20 @@
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
-use crate::motion::{Motion, MotionRun, ProgramFormat};
+use crate::motion::check::Checked;
+use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::programs::{LIFT_POSTURES, pieces, stream, targets, urscript_options};
+use curvlay_examples::motion::programs::{
+    LIFT_POSTURES, pieces, stream, takes_stream, targets, urscript_options, without,
+};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::program::{
     PrintPiece, ProgramLimits, RapidOptions, ServoRate, WriteError, write_csv, write_rapid, write_urscript,
 };
-use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
-use curvlay_trajectory::print::{Run, Travel};
+use curvlay_kinematics::workcell::Workcell;
+use curvlay_trajectory::print::{PrintPlan, Run, Travel};
 use std::io::{BufWriter, Write};
 
 /// Steps of a file: 13 minutes of motion in about 13 MB. B. Brooks (2016, section 4.14) could not load 180,000 lines.
@@ -33,6 +36,8 @@ pub struct Programs {
     pub files: usize,
     pub steps: u64,
     pub bytes: u64,
+    /// Motions that are in none of them, since they are not safe.
+    pub withheld: usize,
     /// Why there are none.
     pub refused: Option<String>,
 }
@@ -58,56 +63,63 @@ impl From<OutputError> for Trouble {
     }
 }
 
-/// Writes the programs of a print; none where it has no motion. What the controller refuses is no program, but no reason
-/// to leave the rest out.
-pub fn products(
-    motion: &Motion,
+/// Writes the programs of a print; none where it has no motion. Motions that the check has found to be unsafe are in none of them.
+/// What the controller refuses is no program, but no reason to leave the rest out.
+pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
+    run: &MotionRun<N, F, W>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Failure> {
-    if format == ProgramFormat::None || motion.is_empty() {
-        return Ok(Programs::default());
+    let withheld = run.checked.as_ref().map(Checked::unsafe_motions).unwrap_or_default();
+    let safe = (!withheld.is_empty()).then(|| without(&run.plan, &withheld));
+    let (cell, plan) = (&run.cell, safe.as_ref().unwrap_or(&run.plan));
+    let none = Programs { withheld: withheld.len(), ..Programs::default() };
+    if format == ProgramFormat::None || plan.runs.is_empty() {
+        return Ok(none);
     }
-    let written = match (motion, format) {
-        (Motion::Six(run), ProgramFormat::Urscript | ProgramFormat::Csv) => of_streams(run, format, most, folder),
-        (Motion::Six(run), _) => of_targets(run, format, most, folder),
-        (Motion::Eight(run), _) => of_targets(run, format, most, folder),
+    let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
+    let written = if is_stream {
+        streams(cell, plan, format, most, folder)
+    } else {
+        targets_of(cell, plan, format, most, folder)
     };
     match written {
-        Ok(programs) => Ok(programs),
-        Err(Trouble::Refused(error)) => Ok(Programs { refused: Some(error.to_string()), ..Programs::default() }),
+        Ok(programs) => Ok(Programs { withheld: withheld.len(), ..programs }),
+        Err(Trouble::Refused(error)) => Ok(Programs { refused: Some(error.to_string()), ..none }),
         Err(Trouble::Failed(failure)) => Err(failure),
     }
 }
 
 /// Programs of joints over time, for arms of Universal Robots.
-fn of_streams(
-    run: &MotionRun<6, 1, SixAxisCell>,
+fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let most = u64::from(most.unwrap_or(STREAM_STEPS));
-    let pieces = pieces(&run.plan, most, |run, travel| {
+    let pieces = pieces(plan, most, |run, travel| {
         (run.duration() + travel.map_or(0.0, Travel::duration)) / ServoRate::Hz125.seconds()
     });
-    let limits = ProgramLimits::of_arm(run.cell.equipment().arm());
+    let limits = ProgramLimits::of_arm(cell.equipment().arm());
     let ending = if format == ProgramFormat::Csv { "csv" } else { "script" };
     let write = |piece: &PrintPiece, name: &str, out: &mut dyn Write| {
-        let steps = stream(&run.cell, &run.plan, piece.motions.clone());
+        let steps = stream(cell, plan, piece.motions.clone());
         if format == ProgramFormat::Csv {
             return write_csv(steps, &limits, out);
         }
-        let options = urscript_options(&run.cell, &run.plan, name);
+        let options = urscript_options(cell, plan, name);
         write_urscript(steps, &options, out).map(|_| ())
     };
-    of_pieces(run, &pieces, ending, folder, write)
+    of_pieces(plan, &pieces, ending, folder, write)
 }
 
 /// Programs of targets on the part, with the axes of a table.
-fn of_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
-    run: &MotionRun<N, F, W>,
+fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
@@ -116,22 +128,22 @@ fn of_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         let corners = travel.map_or(0, |travel| travel.way.corners().len() + 2 * LIFT_POSTURES as usize);
         (motion.passes.len() + 2 + corners) as f64
     };
-    let limits = ProgramLimits::of_arm(run.cell.equipment().arm());
+    let limits = ProgramLimits::of_arm(cell.equipment().arm());
     if format == ProgramFormat::Csv {
-        let pieces = pieces(&run.plan, u64::from(most.unwrap_or(STREAM_STEPS)), moves);
+        let pieces = pieces(plan, u64::from(most.unwrap_or(STREAM_STEPS)), moves);
         let write = |piece: &PrintPiece, _: &str, out: &mut dyn Write| {
-            write_csv(targets(&run.cell, &run.plan, piece.motions.clone()), &limits, out)
+            write_csv(targets(cell, plan, piece.motions.clone()), &limits, out)
         };
-        return of_pieces(run, &pieces, "csv", folder, write);
+        return of_pieces(plan, &pieces, "csv", folder, write);
     }
     // A program for all that hangs together; it is cut into modules by the writer.
-    let pieces = pieces(&run.plan, u64::MAX, moves);
+    let pieces = pieces(plan, u64::MAX, moves);
     let (mut programs, mut unfinished) = (Programs::default(), Vec::new());
     for (number, piece) in pieces.iter().enumerate() {
         let name = if pieces.len() == 1 { "print".to_owned() } else { format!("print{}", number + 1) };
         let moves_per_module = most.unwrap_or(MODULE_MOVES);
-        let options = RapidOptions { name, moves_per_module, ..RapidOptions::of_workcell(run.cell.equipment()) };
-        let done = write_rapid(targets(&run.cell, &run.plan, piece.motions.clone()), &options, |name| {
+        let options = RapidOptions { name, moves_per_module, ..RapidOptions::of_workcell(cell.equipment()) };
+        let done = write_rapid(targets(cell, plan, piece.motions.clone()), &options, |name| {
             let (begun, file) = folder.begin(name)?;
             unfinished.push(begun);
             Ok(file)
@@ -146,8 +158,8 @@ fn of_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
 }
 
 /// A file for each piece, and a list of them.
-fn of_pieces<const N: usize, const F: usize, R>(
-    run: &MotionRun<N, F, R>,
+fn of_pieces<const N: usize, const F: usize>(
+    plan: &PrintPlan<N, F>,
     pieces: &[PrintPiece],
     ending: &str,
     folder: &OutputFolder,
@@ -164,7 +176,7 @@ fn of_pieces<const N: usize, const F: usize, R>(
         write(piece, &name, &mut file)?;
         file.flush().map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         unfinished.push(begun);
-        let [first, last] = [piece.motions.start, piece.motions.end - 1].map(|at| run.plan.runs[at].layer + 1);
+        let [first, last] = [piece.motions.start, piece.motions.end - 1].map(|at| plan.runs[at].layer + 1);
         let begins = match (number, piece.joined) {
             (0, _) => "first",
             (_, true) => "where the one before ends",
@@ -186,6 +198,7 @@ pub fn summary(run: &Programs, summary: &mut Summary) -> Result<(), Failure> {
         .set("program_files", run.files)?
         .set("program_steps", run.steps)?
         .set("program_bytes", run.bytes)?
+        .set("program_withheld", run.withheld)?
         .set("program_refused", run.refused.as_deref().unwrap_or(""))?;
     Ok(())
 }

@@ -55,8 +55,11 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("boundary_at_waits_mm", boundary.at_waits_mm)?
         .set("boundary_at_holes_mm", boundary.at_holes_mm)?
         .set("slivers", run.sheets.iter().map(|sheet| sheet.slivers).sum::<usize>())?
+        .set("surface_crossings_found", run.clipped.found.crossing)?
+        .set("surface_crossings", run.clipped.left.crossing)?
+        .set("clipped_surfaces", run.clipped.surfaces)?
+        .set("clipped_mm2", run.clipped.area_mm2)?
         .set("layer_volume_mm3", spacing.volume_mm3)?
-        .set("missed_volume_mm3", run.missed_mm3)?
         .set("spacing_mean_mm", spacing.mean_mm)?
         .set("spacing_std_mm", spacing.std_mm)?
         .set("spacing_p05_mm", spacing.p05_mm)?

@@ -10,7 +10,7 @@ use std::io::{self, Write};
 /// What stands for a cell without a value.
 const NONE: f64 = -1.0;
 
-/// Writes a field as structured points with a value for each cell, -1 for none: ParaView shows them as boxes, and its
+/// Writes a field as structured points with its value for each cell, `field`, -1 for none: ParaView shows them as boxes, and its
 /// filter *Threshold* takes away the empty ones.
 ///
 /// # Arguments
@@ -26,15 +26,15 @@ const NONE: f64 = -1.0;
 /// let field = LayerField::new(&cells, vec![0.5, f64::NAN], 1.0)?;
 /// let mut file = Vec::new();
 /// write_field_vtk(&mut file, &field, 0.8, [0.0; 3].into())?;
-/// assert!(String::from_utf8(file)?.ends_with("CELL_DATA 2\nSCALARS layer double 1\nLOOKUP_TABLE default\n0.5\n-1\n"));
+/// assert!(String::from_utf8(file)?.ends_with("CELL_DATA 2\nSCALARS field double 1\nLOOKUP_TABLE default\n0.5\n-1\n"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_field_vtk(mut out: impl Write, field: &LayerField, cell_mm: f64, origin: Point3<f64>) -> io::Result<()> {
     let [nx, ny, nz] = field.dims();
-    writeln!(out, "# vtk DataFile Version 3.0\nLayers of the cells of a part, in millimetres\nASCII")?;
+    writeln!(out, "# vtk DataFile Version 3.0\nField of the cells of a part, in millimetres\nASCII")?;
     writeln!(out, "DATASET STRUCTURED_POINTS\nDIMENSIONS {} {} {}", nx + 1, ny + 1, nz + 1)?;
     writeln!(out, "ORIGIN {} {} {}\nSPACING {cell_mm} {cell_mm} {cell_mm}", origin.x, origin.y, origin.z)?;
-    writeln!(out, "CELL_DATA {}\nSCALARS layer double 1\nLOOKUP_TABLE default", field.values().len())?;
+    writeln!(out, "CELL_DATA {}\nSCALARS field double 1\nLOOKUP_TABLE default", field.values().len())?;
     for value in field.values() {
         writeln!(out, "{}", if value.is_nan() { NONE } else { *value })?;
     }

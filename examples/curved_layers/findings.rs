@@ -1,0 +1,221 @@
+//! What is wrong with what each stage has made, in plain words: when it is told, and when the exit status is 3.
+
+use crate::field::FieldRun;
+use crate::machine::MachineRun;
+use crate::motion::check::{Checked, Sort};
+use crate::motion::of_run;
+use crate::paths::PathsRun;
+use crate::surfaces::SurfacesRun;
+use crate::{Args, Results, Stage};
+use Severity::{Failed, Told};
+use curvlay_examples::args::AllowArgs;
+use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_layers::curved::MissedReason;
+use curvlay_trajectory::print::{FaultKind, PrintPlan};
+
+/// Shares of area from which on something is worth a word. Of thin walls sharp edges alone make up some tenths of a percent.
+const NOTABLE_SHARE: f64 = 0.01;
+
+/// From how far on the volume of layers is told, and the volume laid; as shares of the part.
+const NOTABLE_LAYERS: f64 = 0.05;
+const NOTABLE_VOLUME: f64 = 0.02;
+
+/// From how much longer on than planned printing is told to be slow: a motion from rest to rest is always a little longer.
+const NOTABLE_DELAY: f64 = 0.05;
+
+/// Adds what is wrong with a stage that has ended; the first two end together.
+pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
+    let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
+    match stage {
+        Stage::Field | Stage::Surfaces => {
+            of_field(field, args.grow.platform_diameter_mm, &args.allow, findings);
+            surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
+        }
+        Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
+        Stage::Gcode => machine.iter().for_each(|run| of_machine(field, run, &args.allow, findings)),
+        Stage::Motion => {
+            motion.iter().for_each(|motion| of_run!(motion, run => of_plan(&run.plan, run.checked.as_ref(), findings)))
+        }
+    }
+}
+
+/// Of the mesh, the cells and their order. The diameter is that of the platform that was asked for.
+fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut Findings) {
+    let (report, cell_mm) = (&run.solid.report, run.solid.grid.cell_mm());
+    if !run.mesh.is_sound() {
+        // The first line says how large it is.
+        run.mesh.to_string().lines().skip(1).for_each(|line| findings.add(Told, format!("the mesh: {line}"), "", ""));
+    }
+    if report.dropped_triangles > 0 {
+        findings.add(Told, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
+    }
+    if report.leak_faces > 0 {
+        let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
+        findings.add(Told, "the mesh has holes wider than a cell", amount, "");
+    }
+    if report.inside_out {
+        findings.add(Told, "the faces point inwards: the part was taken as turned the right way round", "", "");
+    }
+    if let (true, Some((thinnest, at))) = (run.thin.share > NOTABLE_SHARE, run.thin.thinnest) {
+        let meets = run.mesh.touching.count + run.mesh.crossings.count > 0;
+        let or =
+            if meets { ", or parts of the mesh touch or overlap" } else { ": where no bead fits they are not printed" };
+        let what = format!("walls are thinner than a cell of {cell_mm:.3} mm{or}");
+        let place = format!("{thinnest:.3} mm near x {:.2}, y {:.2}, z {:.2} of the mesh", at.x, at.y, at.z);
+        findings.add(Told, what, format!("{} of the surface", percent(run.thin.share)), place);
+    }
+    let taken_mm = run.platform_diameter_mm();
+    if taken_mm > diameter_mm + cell_mm {
+        let what = format!("the part does not fit on a platform of {diameter_mm} mm");
+        findings.add(Told, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
+    }
+    if !run.audit.is_ok() {
+        findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");
+    }
+    let (missed, share) = (&run.growth.missed, run.missed_share());
+    if !missed.is_empty() {
+        let inside = missed.iter().filter(|cell| matches!(cell.reason, MissedReason::Shadowed { .. })).count();
+        let amount = format!(
+            "{} of its volume, {} of {} cells: {inside} inside the hull of what is built by then, {} with nothing to stand on",
+            percent(share),
+            missed.len(),
+            run.solid.grid.count(),
+            missed.len() - inside
+        );
+        let place = "field.csv, cell_layer 0; --allow-missed";
+        findings.add(Severity::above(share, allow.allow_missed), "a part of the solid is not built", amount, place);
+    }
+}
+
+/// Of the surfaces.
+fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
+    let (layers, part) = (run.spacing.volume_mm3, field.part_mm3);
+    if (layers / part - 1.0).abs() > NOTABLE_LAYERS {
+        let amount = format!("{} of its volume, {layers:.1} of {part:.1} mm3", percent(layers / part));
+        findings.add(
+            Told,
+            "the layers do not hold what the part holds",
+            amount,
+            "layers.vtk; another --layer-height or --cell",
+        );
+    }
+    let left = run.clipped.left;
+    if left.crossing > 0 {
+        let amount = format!("at {} of {} edges", left.crossing, left.edges);
+        findings.add(Told, "surfaces pass through each other where clipping cannot cut them", amount, "layers.vtk");
+    }
+    if run.spacing.squeezed_share > NOTABLE_SHARE {
+        let amount = format!("{} of the area", percent(run.spacing.squeezed_share));
+        findings.add(Told, "surfaces are nearer to each other than 0.3 of the layer height", amount, "layers.vtk");
+    }
+}
+
+/// Of the paths.
+fn of_paths(run: &PathsRun, findings: &mut Findings) {
+    let totals = &run.totals;
+    let (too_thin, unfillable) = (&run.too_thin, totals.unfillable_fraction);
+    if unfillable > NOTABLE_SHARE {
+        let what = format!("no bead of {:.3} mm fits into a part of the layers", run.bead_mm);
+        let amount = format!(
+            "{} of their area; {} pieces of {:.1} mm3 get none at all",
+            percent(unfillable),
+            too_thin.parts,
+            too_thin.volume_mm3
+        );
+        findings.add(Told, what, amount, "--bead");
+    }
+    if totals.self_crossings > 0 {
+        findings.add(Told, "paths cross each other", format!("{} times", totals.self_crossings), "paths.obj");
+    }
+}
+
+/// Of the machine file.
+fn of_machine(field: &FieldRun, run: &MachineRun, allow: &AllowArgs, findings: &mut Findings) {
+    let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
+    if left > 0 {
+        let share = left as f64 / waypoints as f64;
+        let amount = format!("at {left} of {waypoints} waypoints, {}", percent(share));
+        let severity = Severity::above(share, allow.allow_gouging);
+        findings.add(
+            severity,
+            "the nozzle is in what is built or in the plate",
+            amount,
+            "gouging.csv; --allow-gouging",
+        );
+    }
+    let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
+    if pieces > 0 {
+        let share = left_out / (laid + left_out);
+        let amount = format!("{pieces} pieces, {left_out:.1} of {:.1} mm, {}", laid + left_out, percent(share));
+        let severity = Severity::above(share, allow.allow_left_out);
+        findings.add(
+            severity,
+            "paths are left out, as the nozzle does not get there",
+            amount,
+            "left_out.csv; --allow-left-out",
+        );
+    }
+    if !run.resolved.sharp.is_empty() {
+        let amount = format!(
+            "{} times, by {:.0} degrees at most",
+            run.resolved.sharp.len(),
+            run.resolved.turns.largest.to_degrees()
+        );
+        findings.add(
+            Told,
+            "the nozzle turns by more than 10 degrees from one waypoint to the next",
+            amount,
+            "turns.csv",
+        );
+    }
+    if !run.travels.blocked.is_empty() {
+        let amount = run.travels.blocked.len().to_string();
+        findings.add(Failed, "travels run into what is built", amount, "blocked_travels.csv");
+    }
+    let (laid, part, missed) = (run.deposition.extruded_mm3, field.part_mm3, field.missed_mm3);
+    let (filled, rest) = (laid / part, laid / (part - missed));
+    let off = |share: f64| (share - 1.0).abs();
+    if off(filled).max(off(rest)) > NOTABLE_VOLUME {
+        let what = if rest < 1.0 { "less is laid than the part holds" } else { "more is laid than the part holds" };
+        let severity = Severity::above(off(filled).max(off(rest)), allow.allow_volume);
+        let rest = if missed > 0.0 { format!("; {} of what is not missed", percent(rest)) } else { String::new() };
+        let amount = format!("{} of its volume, {laid:.1} of {part:.1} mm3{rest}", percent(filled));
+        findings.add(severity, what, amount, "--allow-volume");
+    }
+}
+
+/// Of the motion: what the plan leaves undone, and what the check of the written motions found.
+fn of_plan<const N: usize, const F: usize>(
+    plan: &PrintPlan<N, F>,
+    checked: Option<&Checked<N>>,
+    findings: &mut Findings,
+) {
+    let kinds = [
+        (FaultKind::Unreachable, "waypoints are out of the robot's reach and not printed"),
+        (FaultKind::Blocked, "waypoints are not printed, as the robot would run into something at each of them"),
+        (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed"),
+        (FaultKind::NoTransfer, "transfers were not found: programs end there, and the robot has to be moved by hand"),
+    ];
+    for (kind, what) in kinds.into_iter().filter(|(kind, _)| plan.count(*kind) > 0) {
+        findings.add(Failed, what, plan.count(kind).to_string(), "motion-faults.csv");
+    }
+    if plan.printing_s > (1.0 + NOTABLE_DELAY) * plan.planned_s {
+        let [printing, planned] = [plan.printing_s, plan.planned_s].map(|seconds| seconds / 60.0);
+        let amount = format!(
+            "printing takes {printing:.1} min instead of {planned:.1}, at {} of the planned feed at least",
+            percent(plan.min_pace)
+        );
+        findings.add(Told, "motions are slowed down to keep the limits of joints and extruder", amount, "layers.csv");
+    }
+    let Some(checked) = checked else { return };
+    for sort in Sort::ALL.into_iter().filter(|sort| checked.count(*sort) > 0) {
+        let programs = if sort.is_unsafe() { "; they are in no program" } else { "" };
+        let what = format!("motions are {}{programs}", sort.name());
+        findings.add(Failed, what, format!("{} of {}", checked.count(sort), checked.motions), "motion-check.csv");
+    }
+    if checked.unprinted_mm > 0.0 {
+        let (unprinted, all) = (checked.unprinted_mm, checked.path_mm);
+        let amount = format!("{unprinted:.1} of {all:.1} mm, {}", percent(unprinted / all));
+        findings.add(Failed, "paths are not printed", amount, "left_out.csv, motion-faults.csv");
+    }
+}
