@@ -202,7 +202,7 @@ fn a_field_in_a_grid_that_was_moved_is_taken_again() {
     let (status, line) = status_and_line(&run_in(&third, &["--resume", &saved]));
     assert!(status == 1 && line.contains(&higher), "{status} {line}");
     let (status, line) = status_and_line(&run_in(&third, &["--resume", &first]));
-    assert!(status == 1 && line.contains("is no regular file"), "{status} {line}");
+    assert!(status == 1 && line.contains("is not a file"), "{status} {line}");
 }
 
 /// `best` builds the same order at every stage, and counts all the time that it takes to choose.
@@ -225,7 +225,9 @@ fn the_order_is_the_same_at_every_stage() {
         assert!(figures["missed_cells"].as_u64().unwrap() > 0, "there is nothing to choose");
         let figure = |key: &str| figures[key].as_f64().unwrap();
         assert!(figure("total_s") > figure("grow_s") + figure("audit_s") + figure("voxelise_s"));
+        // All columns but the last: the layers that are printed are not known at stage `field`.
         let field = fs::read_to_string(Path::new(&out).join("field.csv")).unwrap();
+        let field: Vec<String> = field.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect();
         orders.push((figures["strategy_used"].clone(), figures["missed_cells"].clone(), field));
     }
     assert!(orders[0] == orders[1], "{:?} {:?}", orders[0].0, orders[1].0);
@@ -470,7 +472,7 @@ fn each_path_begins_near_where_the_one_before_ends() {
 fn the_nozzle_keeps_on_its_way_between_waypoints() {
     let scratch = Scratch::new("way");
     let out = scratch.path("out");
-    let args = ["--voxels", "3000", "--stage", "motion", "--program", "none", "--quiet", "--out", &out];
+    let args = ["--voxels", "3500", "--stage", "motion", "--program", "none", "--quiet", "--out", &out];
     let output = run(&args);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = summary(&out);
@@ -936,12 +938,14 @@ fn a_saved_field_must_be_one() {
     let last = text.lines().rev().nth(1).unwrap();
     let far = format!("{} 1e15", last.split_once(' ').unwrap().0);
     let thick = text.lines().find(|line| line.starts_with("layer_cells")).unwrap();
-    for (from, to) in [(last, &far[..]), (thick, "layer_cells 1e9")] {
+    for (from, to, why) in
+        [(last, &far[..], "no part of 24 cells is as high"), (thick, "layer_cells 1e9", "layer_cells")]
+    {
         let file = scratch.path("bad.txt");
         fs::write(&file, text.replace(from, to)).unwrap();
         let (status, line) =
             status_and_line(&run(&["--mesh", &mesh, "--resume", &file, "--quiet", "--out", &scratch.path("bad")]));
-        assert!(status == 1 && line.contains("no field has them"), "{status} {line}");
+        assert!(status == 1 && line.contains(why), "{status} {line}");
     }
     let endless = Path::new("/dev/zero");
     if endless.exists() {

@@ -194,7 +194,7 @@ fn pieces(triangles: &[[u32; 3]]) -> usize {
 }
 
 /// Solids with each of the outcomes of [`the_best_of_two_loses_less`].
-const SEEDS: [u64; 9] = [0, 1, 3, 6, 78, 259, 355, 725, 1791];
+const SEEDS: [u64; 9] = [0, 1, 3, 6, 78, 113, 379, 725, 1791];
 
 #[test]
 fn the_best_of_two_loses_less() {
