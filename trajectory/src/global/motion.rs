@@ -34,7 +34,7 @@ pub struct MissedReport {
     /// On the motion after the first pass.
     pub total: f64,
     /// No path of the last linearised problem has less, unless its squared jerk is more than
-    /// [`GlobalOptions::rise`] above. Next to `total`: on these branches no path nearby holds the bounds. Other
+    /// [`GlobalOptions::rise`](super::GlobalOptions::rise) above. Next to `total`: on these branches no path nearby holds the bounds. Other
     /// branches, other turns of the tool and other times may.
     pub lower_bound: f64,
 }
