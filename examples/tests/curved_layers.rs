@@ -472,7 +472,7 @@ fn each_path_begins_near_where_the_one_before_ends() {
 fn the_nozzle_keeps_on_its_way_between_waypoints() {
     let scratch = Scratch::new("way");
     let out = scratch.path("out");
-    let args = ["--voxels", "3500", "--stage", "motion", "--program", "none", "--quiet", "--out", &out];
+    let args = ["--voxels", "3000", "--stage", "motion", "--program", "none", "--quiet", "--out", &out];
     let output = run(&args);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = summary(&out);

@@ -29,6 +29,7 @@ mod planner;
 mod postures;
 mod run;
 mod travel;
+mod ways;
 
 pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, PrintRobotFn, Waypoint};
 pub use course::path_deviations;

@@ -4,15 +4,15 @@ use super::cell::{PrintCell, PrintRobot};
 use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath, check};
 use super::parallel;
-use super::plan::{Fault, FaultKind, LayerPlan, PrintPlan, Run, Travel};
+use super::plan::{Fault, FaultKind, LayerPlan, PrintPlan, Run};
 use super::postures::{Before, Chosen, choose, prepare};
 use super::run::{Planned, smoothed};
-use super::travel::travel;
+use super::ways::{Found, Ways};
 use crate::Progress;
 use std::collections::VecDeque;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Layers are smoothed side by side until there are so many paths a thread: more only take memory for what is built.
 const PATHS_A_THREAD: usize = 2;
@@ -126,9 +126,6 @@ struct Ahead<const N: usize, const F: usize, C> {
     layers: Vec<Layer<N, F, C>>,
 }
 
-/// What came of a travel: the motion, or why there is none.
-type Found<const N: usize> = (Result<Travel<N>, String>, Duration);
-
 impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> PrintPlanner<'a, N, F, R, C> {
     /// Nothing planned yet.
     ///
@@ -189,9 +186,9 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
         self.plan.times.runs += start.elapsed();
         (self.cell, self.before, self.next) = (ahead.cell, ahead.before, end);
         self.ready.extend(ahead.layers);
-        for planned in planned {
+        for mut planned in planned {
             let start = Instant::now();
-            let travels = self.travels(&planned, &task)?;
+            let travels = self.travels(&mut planned, &task)?;
             self.plan.times.travels += start.elapsed();
             if let Some(layer) = self.ready.pop_front() {
                 self.add(&layer, planned, travels);
@@ -244,30 +241,21 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
         })
     }
 
-    /// The ways to each of the runs of the first layer that is ready.
-    fn travels(&self, planned: &[Planned<N, F>], task: &Task<'_, N, F, R>) -> Result<Vec<Found<N>>, PrintError> {
+    /// The ways to each of the runs of the first layer that is ready. Where none is found, one of the two paths may get other
+    /// postures.
+    fn travels(&self, planned: &mut Vec<Planned<N, F>>, task: &Task<'_, N, F, R>) -> Result<Vec<Found<N>>, PrintError> {
         let Some(layer) = self.ready.front() else { return Ok(Vec::new()) };
-        let before = self.plan.runs.last();
-        let runs: Vec<&Run<N, F>> = before.into_iter().chain(planned.iter().flat_map(|path| &path.runs)).collect();
-        // Seeds of the searches: the place of the run in the print.
-        let first = self.plan.runs.len() - usize::from(before.is_some());
-        let pairs: Vec<(usize, [&Run<N, F>; 2])> =
-            runs.windows(2).enumerate().map(|(k, pair)| (first + k, [pair[0], pair[1]])).collect();
-        let to = |cell: &C, &(number, ends): &(usize, [&Run<N, F>; 2])| {
-            if (task.stopped)() {
-                return Err(PrintError::Cancelled);
-            }
-            let start = Instant::now();
-            let found = travel(number, ends, task, cell);
-            if (task.stopped)() { Err(PrintError::Cancelled) } else { Ok((found, start.elapsed())) }
+        let mut built = layer.cell.clone();
+        built.build(layer.number).map_err(|what| PrintError::Cell { layer: layer.number, what })?;
+        let ways = Ways {
+            paths: self.paths,
+            chosen: &layer.chosen,
+            cells: [&layer.cell, &built],
+            before: self.plan.runs.last(),
+            first: self.plan.travels.len(),
+            task,
         };
-        // The way to the layer is gone before any of it is there.
-        let (there, within) = pairs.split_at(usize::from(before.is_some()).min(pairs.len()));
-        let mut found = there.iter().map(|pair| to(&layer.cell, pair)).collect::<Result<Vec<_>, _>>()?;
-        let mut cell = layer.cell.clone();
-        cell.build(layer.number).map_err(|what| PrintError::Cell { layer: layer.number, what })?;
-        found.extend(parallel::map(within, |pair| to(&cell, pair))?);
-        Ok(found)
+        ways.find(planned)
     }
 
     /// Adds a layer.

@@ -10,6 +10,7 @@ use super::options::{PrintError, PrintPath};
 use super::plan::{Fault, FaultKind};
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, Ladder, LadderError, LadderOptions, plan_ladder};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
@@ -140,6 +141,37 @@ pub(super) fn prepare<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Ok(Prepared { path: number, layer: path.layer, sections, kept, faults, took: start.elapsed() })
 }
 
+/// How a ladder along a section is looked for.
+#[derive(Clone, Copy)]
+struct Search<const N: usize, const F: usize> {
+    /// How much clearance waypoints keep that have so much.
+    enough: Clearance,
+    /// The only branch, where not all are wanted.
+    branch: Option<u32>,
+    /// Samples of the free parameters, and how often they are doubled.
+    samples: ([u32; F], u32),
+    /// Whether it may break off.
+    breaks: bool,
+    /// Where the arm is before.
+    from: Option<[f64; N]>,
+}
+
+/// A ladder along a section.
+fn ladder<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    Section { waypoints, times, best, .. }: &Section,
+    Search { enough, branch, samples: (samples, doublings), breaks, from }: Search<N, F>,
+    task: &Task<'_, N, F, R>,
+    cell: &impl PrintCell<N>,
+) -> Result<Ladder<N, F>, LadderError> {
+    // Where a joint is too slow for the feed, the motion goes slower.
+    let inner = Bounds { velocity: [f64::INFINITY; N], ..task.inside() };
+    let clearances: Vec<Clearance> = best.iter().map(|&best| best.max(enough)).collect();
+    let step = task.options.max_step;
+    let options = LadderOptions { samples, doublings, step, breaks, from, ..LadderOptions::default() };
+    let guarded = Guarded { on_path: OnPath { robot: task.robot, waypoints }, cell, clearances: &clearances, branch };
+    plan_ladder(&guarded, times, &inner, &options, &|_| task.flow())
+}
+
 /// Chooses a posture for each waypoint of a path, beginning near where the arm is before; on the same branch, if the path
 /// can be followed on it. `before` becomes where the arm is then.
 pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
@@ -150,17 +182,10 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
 ) -> Result<Chosen<N, F>, PrintError> {
     let start = Instant::now();
     let mut ladders = Vec::new();
-    // Where a joint is too slow for the feed, the motion goes slower.
-    let inner = Bounds { velocity: [f64::INFINITY; N], ..task.inside() };
-    for Section { waypoints, times, best, .. } in &prepared.sections {
-        let plan = |enough: Clearance, branch, (samples, doublings), breaks| {
-            let clearances: Vec<Clearance> = best.iter().map(|&best| best.max(enough)).collect();
-            let from = before.map(|before| before.joints);
-            let step = task.options.max_step;
-            let options = LadderOptions { samples, doublings, step, breaks, from, ..LadderOptions::default() };
-            let on_path = OnPath { robot: task.robot, waypoints };
-            let guarded = Guarded { on_path, cell, clearances: &clearances, branch };
-            plan_ladder(&guarded, times, &inner, &options, &|_| task.flow())
+    for section in &prepared.sections {
+        let from = before.map(|before| before.joints);
+        let plan = |enough, branch, samples, breaks| {
+            ladder(section, Search { enough, branch, samples, breaks, from }, task, cell)
         };
         let same = before.map(|before| before.branch);
         // Less clearance than the best of a waypoint is taken only where there is no path otherwise.
@@ -182,6 +207,31 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Ok(Chosen { prepared, ladders })
 }
 
+/// The same path with other postures, on one branch after the other, those with the most clearance first; each unbroken. The first
+/// postures are near `from`.
+pub(super) fn others<'a, const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    Prepared { sections, .. }: &'a Prepared,
+    from: Option<[f64; N]>,
+    task: &'a Task<'_, N, F, R>,
+    cell: &'a impl PrintCell<N>,
+) -> impl Iterator<Item = Vec<Ladder<N, F>>> + 'a {
+    let mut branches = BTreeSet::new();
+    if let Some(first) = sections.first() {
+        let on_path = OnPath { robot: task.robot, waypoints: &first.waypoints };
+        for free in samples_of(&on_path.free(), &task.options.samples) {
+            on_path.solutions(0, &free, &mut |branch, _| {
+                branches.insert(branch);
+            });
+        }
+    }
+    let each =
+        Clearance::ALL.into_iter().flat_map(move |enough| branches.clone().into_iter().map(move |b| (enough, b)));
+    each.filter_map(move |(enough, branch)| {
+        let search = Search { enough, branch: Some(branch), samples: (task.options.samples, 0), breaks: false, from };
+        sections.iter().map(|section| ladder(section, search, task, cell).ok()).collect()
+    })
+}
+
 /// A posture within the stops at the first sample of the free parameters that has one.
 fn first_posture<const N: usize, const F: usize>(
     robot: &impl Robot<N, F>,
@@ -189,10 +239,21 @@ fn first_posture<const N: usize, const F: usize>(
     waypoint: usize,
     samples: &[u32; F],
 ) -> Option<[f64; N]> {
-    let ranges = robot.free();
-    (0..samples.iter().product()).find_map(|sample: u32| {
+    samples_of(&robot.free(), samples).find_map(|free| {
+        let mut found = None;
+        robot.solutions(waypoint, &free, &mut |_, joints| {
+            let fits = (0..N).all(|j| bounds.lower[j] <= joints[j] && joints[j] <= bounds.upper[j]);
+            found = found.or(fits.then_some(joints));
+        });
+        found
+    })
+}
+
+/// Free parameters, evenly over their ranges.
+fn samples_of<const F: usize>(ranges: &[FreeRange; F], samples: &[u32; F]) -> impl Iterator<Item = [f64; F]> {
+    (0..samples.iter().product()).map(|sample: u32| {
         let mut rest = sample;
-        let free = std::array::from_fn(|f| {
+        std::array::from_fn(|f| {
             let k = rest % samples[f];
             rest /= samples[f];
             match ranges[f] {
@@ -201,12 +262,6 @@ fn first_posture<const N: usize, const F: usize>(
                     least + (most - least) * f64::from(k) / f64::from(samples[f].max(2) - 1)
                 }
             }
-        });
-        let mut found = None;
-        robot.solutions(waypoint, &free, &mut |_, joints| {
-            let fits = (0..N).all(|j| bounds.lower[j] <= joints[j] && joints[j] <= bounds.upper[j]);
-            found = found.or(fits.then_some(joints));
-        });
-        found
+        })
     })
 }

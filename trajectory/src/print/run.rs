@@ -20,6 +20,7 @@ const RUN_SPACING: f64 = 0.05;
 const MAX_SPLIT: usize = 4;
 
 /// What came of a path.
+#[derive(Clone)]
 pub(super) struct Planned<const N: usize, const F: usize> {
     pub runs: Vec<Run<N, F>>,
     pub faults: Vec<Fault>,

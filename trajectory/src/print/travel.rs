@@ -27,9 +27,16 @@ const LIFT_STEP_RAD: f64 = 0.2;
 const NO_ACCELERATION: f64 = 1e3;
 const NO_JERK: f64 = 1e6;
 
-/// How a transfer is looked for, one way after the other: from near by, from far off, and both again with the tool turned
-/// about the nozzle, which takes links of the arm out of the way. Then longer, too, and with shorter edges, the shortest for ends
-/// that are nearly shut in; at last much longer.
+/// How a transfer is looked for, one way after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Search {
+    /// From near by, from far off, and both again, longer, with the tool turned about the nozzle, which takes links of the arm
+    /// out of the way.
+    Short,
+    /// With much shorter edges, for ends that are nearly shut in; then much longer.
+    Long,
+}
+
 const EFFORTS: [Effort; 6] = {
     let near = Effort { far: false, turns: &[0.0], iterations: 500, step: 0.5 };
     let turned = Effort { turns: &[0.25, -0.25, 0.5, -0.5, 1.0, -1.0], iterations: 5000, step: 0.25, ..near };
@@ -37,6 +44,16 @@ const EFFORTS: [Effort; 6] = {
     let long = Effort { far: true, iterations: 60_000, step: 0.5, ..turned };
     [near, Effort { far: true, ..near }, turned, Effort { far: true, ..turned }, tight, long]
 };
+
+impl Search {
+    fn efforts(self) -> &'static [Effort] {
+        let (short, long) = EFFORTS.split_at(4);
+        match self {
+            Search::Short => short,
+            Search::Long => long,
+        }
+    }
+}
 
 #[derive(Clone, Copy)]
 struct Effort {
@@ -55,6 +72,7 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     [from, to]: [&Run<N, F>; 2],
     task: &Task<'_, N, F, R>,
     cell: &C,
+    search: Search,
 ) -> Result<Travel<N>, String> {
     let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
     let (start, goal) = (before[before.len() - 1], after[0]);
@@ -64,7 +82,7 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     let moment = Moment::After { path: from.path };
     let mut why = String::new();
     let mut tried = Vec::new();
-    for effort in &EFFORTS {
+    for effort in search.efforts() {
         if (task.stopped)() {
             break;
         }
