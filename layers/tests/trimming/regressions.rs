@@ -70,3 +70,29 @@ fn a_segment_goes_through_near_points_even_along_an_edge() {
     }
     assert_eq!(count, trimmed.boundary.len());
 }
+
+/// A triangle without height whose corner beside its longest side is on the boundary too: nothing could be turned, contracted or
+/// dropped there, and surfaces with such a triangle have no geodesics. The two sides of it fall apart.
+#[test]
+fn a_triangle_without_height_between_two_boundaries_is_cut_out() {
+    let mesh = cuboid([-1.0; 3], [5.0; 3]);
+    let sheet = sheet(&[[0, 0, 0], [4, 0, 0], [2, 0, 0], [1, 2, 0], [3, 2, 0]], &[[0, 1, 2], [0, 2, 3], [2, 1, 4]]);
+    let trimmed = trim(&mesh, &sheet);
+    check(&sheet, &trimmed);
+    assert_eq!((trimmed.slivers, trimmed.sources, trimmed.vertices.len()), (0, vec![1, 2], 6));
+}
+
+/// The same between four triangles: the slit that is left has no width, and both of its ends are single vertices.
+#[test]
+fn a_triangle_without_height_inside_leaves_a_slit() {
+    let mesh = cuboid([-3.0; 3], [5.0; 3]);
+    // Across the longest side lies a triangle without height as well, with its corner in another place.
+    let sheet = sheet(
+        &[[0, 0, 0], [4, 0, 0], [1, 0, 0], [3, 0, 0], [2, 2, 0], [2, -2, 0]],
+        &[[0, 1, 2], [1, 0, 3], [0, 2, 4], [2, 1, 4], [0, 5, 3], [3, 5, 1]],
+    );
+    let trimmed = trim(&mesh, &sheet);
+    check(&sheet, &trimmed);
+    assert_eq!(trimmed.slivers, 0);
+    assert!((trimmed.area() - 8.0).abs() < 1e-12);
+}

@@ -8,7 +8,8 @@
 //!
 //! Nothing is done that would leave a surface that is no manifold, turn a triangle over, or move the boundary off the
 //! mesh: new boundary vertices and midpoints are held against the mesh. So some slivers stay, and are counted: where
-//! the solid itself is that thin, for one.
+//! the solid itself is that thin, for one. Those without any height are cut out in the end ([`FLAT`]): no direction and no distance can be
+//! measured on them. The surface then ends on both sides of a slit without width.
 
 use super::solid::Solid;
 use super::surface::{Across, Surface, altitude, next, previous};
@@ -24,6 +25,10 @@ const SHORT_MM: f64 = 2.0 * MIN_ALTITUDE_MM;
 /// How far a boundary may leave the mesh where its edges are put together, as a share of their length. Less keeps the edges of narrow
 /// facets, more rounds off what a bead can still show.
 const THIN: f64 = 0.02;
+
+/// Altitude of a triangle without height, as a share of its longest side: far above what rounding makes of 0, far below what a
+/// computation on the surface can use.
+const FLAT: f64 = 1e-9;
 
 /// Rounds over all slivers. Two are usual: what one leaves the next takes.
 const ROUNDS: usize = 8;
@@ -42,6 +47,8 @@ pub(super) fn remove_slivers(surface: &mut Surface, solid: &Solid) {
             break;
         }
     }
+    let flat: Vec<_> = cleaner.surface.present().filter(|&triangle| cleaner.is_flat(triangle)).collect();
+    flat.into_iter().for_each(|triangle| cleaner.cut_out(triangle));
 }
 
 /// Puts edges of the boundary on the mesh together that are shorter than a length, where the boundary then keeps within
@@ -251,6 +258,34 @@ impl Cleaner<'_> {
             self.join(self.surface.across(half), Across::End(kind));
         }
         true
+    }
+
+    fn is_flat(&self, triangle: usize) -> bool {
+        let longest = (0..3).map(|k| self.length(3 * triangle as u32 + k)).fold(0.0, f64::max);
+        altitude(&self.surface.corners(triangle)) <= FLAT * longest
+    }
+
+    /// Takes out a triangle, whatever is around it. A corner at which two fans are left becomes two vertices.
+    fn cut_out(&mut self, triangle: usize) {
+        let sides = [0, 1, 2].map(|k| 3 * triangle as u32 + k);
+        let across = sides.map(|half| self.surface.across(half));
+        let kind = across.iter().find_map(|across| match across {
+            Across::End(kind) => Some(*kind),
+            Across::Half(_) => None,
+        });
+        self.surface.gone[triangle] = true;
+        across.into_iter().for_each(|across| self.join(across, Across::End(kind.unwrap_or(BoundaryKind::Border))));
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for k in 0..3 {
+            let (Across::Half(after), Across::Half(before)) = (across[k], across[(k + 2) % 3]) else { continue };
+            self.surface.fan(before, &mut first);
+            self.surface.fan(next(after), &mut second);
+            if first[0] != second[0] {
+                let point = self.surface.points.len() as u32;
+                self.surface.points.push(*self.surface.place(second[0]));
+                second.iter().for_each(|&half| self.surface.triangles[half as usize / 3][half as usize % 3] = point);
+            }
+        }
     }
 
     fn on_mesh(&self, p: &Point3<f64>) -> bool {
