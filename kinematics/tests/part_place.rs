@@ -9,8 +9,8 @@ use curvlay_kinematics::workcell::{
     PositionerGeometry, PositionerPart, SixAxisCell, VERSION, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{
-    Assessment, BestPosture, JointLimits, PartPlace, PlaceError, Waypoint, best_place, place_grid,
-    representative_waypoints,
+    Assessment, BestPosture, JointLimits, PartPlace, PlaceError, PlateError, PlateOptions, Waypoint, best_place,
+    centred_on_plate, place_grid, place_on_plate, representative_waypoints,
 };
 use proptest::prelude::*;
 use std::cell::RefCell;
@@ -379,4 +379,50 @@ fn a_print_is_moved_into_reach() {
     assert!(!middle.unreachable.is_empty(), "{middle:?}");
     assert!(best.unreachable.is_empty() && best.tight.is_empty(), "{best:?}");
     assert!(best.assessments < (places.len() * few.len()) as u64);
+}
+
+/// Every waypoint at every place, counted one by one.
+#[test]
+fn a_print_stands_where_the_fewest_waypoints_are_bad() {
+    let cell = ur3();
+    let print: Vec<Waypoint> =
+        [(0.0, 0.0, 5.0), (160.0, 0.0, 5.0), (80.0, 60.0, 60.0)].map(|(x, y, z)| upright(x, y, z)).into();
+    let options = PlateOptions { steps: 2, comfortable_mm: 20.0, rim_mm: 1.0, ..PlateOptions::new([24]) };
+    let found = place_on_plate(&cell, &print, 260.0, &options, &|_| Continue(())).unwrap();
+
+    let middle = Isometry3::translation(-80.0, -20.0, 0.0);
+    assert!(
+        (centred_on_plate(print.iter().map(|at| &at.position)).translation.vector - middle.translation.vector).norm()
+            < 1e-12
+    );
+    let mut model = cell.equipment().scene(260.0);
+    model.allowed = ["nozzle", "hot end"].map(|name| [name.into(), "plate".into()]).into();
+    let scene = Scene::new(SceneModel { margin: options.margin_mm, ..model }).unwrap();
+    let frees: Vec<[f64; 1]> = (0..24).map(|k| [TAU * f64::from(k) / 24.0]).collect();
+    let plate_mm = cell.equipment().plate_diameter_mm(260.0);
+    let wide = print.iter().map(|at| (middle * at.position).coords.xy().norm()).fold(0.0, f64::max);
+    let places = place_grid((plate_mm / 2.0 - wide - 1.0).max(0.0), 2, 1).unwrap();
+    let bad = |place: &PartPlace| {
+        let worth = print.iter().map(|at| {
+            let position = place.pose() * middle * at.position;
+            slow_posture(&cell, &scene, cell.limits(), &frees, 20.0, &Waypoint { position, ..*at })
+        });
+        let worth: Vec<_> = worth.collect();
+        let none = worth.iter().filter(|worth| worth.is_none()).count();
+        (none, worth.iter().flatten().filter(|worth| worth.0 < 20.0).count())
+    };
+    // Of the best ones the first: they go outwards.
+    let best = places.iter().min_by_key(|place| bad(place)).unwrap();
+    assert!(places.iter().any(|place| bad(place) > bad(best)));
+    let expected = best.pose() * middle;
+    assert!((found.translation.vector - expected.translation.vector).norm() < 1e-9, "{found} {expected}");
+    let none = PlateOptions { samples: [0], ..options };
+    assert!(matches!(
+        place_on_plate(&cell, &print, 260.0, &none, &|_| Continue(())),
+        Err(PlateError::Place(PlaceError::Option { what: "samples", .. }))
+    ));
+    assert_eq!(
+        place_on_plate(&cell, &print, 260.0, &options, &|_| Break(())),
+        Err(PlateError::Place(PlaceError::Cancelled))
+    );
 }

@@ -17,6 +17,7 @@ pub mod indicator;
 mod jerk;
 mod ladder;
 mod local;
+mod parallel;
 mod path;
 pub mod print;
 mod progress;

@@ -1,6 +1,7 @@
 //! What the checker reports.
 
 use super::{CheckOptions, MotionKind};
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The largest value of something, and where it occurs.
@@ -92,6 +93,66 @@ pub enum FindingKind {
     },
     /// The joints have no pose of the nozzle; counted are samples, the first is named.
     OutOfReach,
+}
+
+/// Classes of findings, by what they mean for the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FindingClass {
+    /// A joint is beyond a limit.
+    Limits,
+    /// The nozzle is off its path: the part suffers, and nothing is in danger.
+    Deviations,
+    /// The nozzle is in what is built.
+    Contacts,
+    /// The motion is not proven free.
+    Collisions,
+    /// The motion does not follow from the one before, or has no pose.
+    Joins,
+}
+
+impl FindingClass {
+    /// All of them.
+    pub const ALL: [FindingClass; 5] = [
+        FindingClass::Limits,
+        FindingClass::Deviations,
+        FindingClass::Contacts,
+        FindingClass::Collisions,
+        FindingClass::Joins,
+    ];
+
+    /// Whether a motion with such a finding should not be executed.
+    pub fn is_unsafe(self) -> bool {
+        self != FindingClass::Deviations
+    }
+
+    /// What is said of such a motion, in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            FindingClass::Limits => "beyond a limit",
+            FindingClass::Deviations => "off the path",
+            FindingClass::Contacts => "with the nozzle in what is built",
+            FindingClass::Collisions => "not proven free",
+            FindingClass::Joins => "not joined",
+        }
+    }
+}
+
+impl FindingKind {
+    /// Its class.
+    pub fn class(&self) -> FindingClass {
+        match self {
+            FindingKind::Limit { .. } => FindingClass::Limits,
+            FindingKind::Deviation { .. } | FindingKind::Tilt { .. } | FindingKind::Skipped { .. } => {
+                FindingClass::Deviations
+            }
+            FindingKind::Contact { .. } => FindingClass::Contacts,
+            FindingKind::Collision { .. } => FindingClass::Collisions,
+            FindingKind::Jump { .. }
+            | FindingKind::Gap { .. }
+            | FindingKind::Overlap { .. }
+            | FindingKind::OutOfReach => FindingClass::Joins,
+        }
+    }
 }
 
 /// What is wrong with a motion: of each kind the worst, and how many there are.
@@ -270,6 +331,11 @@ impl<const N: usize> PrintReport<N> {
     /// Whether nothing is wrong.
     pub fn is_ok(&self) -> bool {
         self.findings.is_empty()
+    }
+
+    /// The motions with a finding of a class that is asked for.
+    pub fn motions_with(&self, class: impl Fn(FindingClass) -> bool) -> BTreeSet<usize> {
+        self.findings.iter().filter(|finding| class(finding.kind.class())).map(|finding| finding.motion).collect()
     }
 
     /// Share of the time with an acceleration above its limit, 0 to 1.
