@@ -8,7 +8,7 @@ pub mod check;
 
 use crate::failure;
 use crate::field::FieldRun;
-use crate::machine::{MachineRun, Shape};
+use crate::machine::MachineRun;
 use crate::outputs::motion::read_csv;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
@@ -97,7 +97,7 @@ pub enum ProgramFormat {
 
 impl MotionArgs {
     /// The workcell; with another nozzle, if one was asked for.
-    pub fn cell(&self, nozzle: Option<&Shape>) -> Result<AnyWorkcell, Failure> {
+    pub fn cell(&self, nozzle: Option<[f64; 4]>) -> Result<AnyWorkcell, Failure> {
         let named = |error: String| match &self.workcell {
             Some(file) => failure(format!("{}: {error}", file.display())),
             None => failure(error),
@@ -107,10 +107,10 @@ impl MotionArgs {
             None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
         };
         let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;
-        if let Some(Shape { numbers: [tip, angle, height, block], .. }) = nozzle {
+        if let Some([tip, angle, height, block]) = nozzle {
             let shape = &mut model.nozzle;
-            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (*tip, *angle);
-            (shape.cone_height_mm, shape.block_diameter_mm) = (*height, *block);
+            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (tip, angle);
+            (shape.cone_height_mm, shape.block_diameter_mm) = (height, block);
             shape.block_top_mm = shape.block_top_mm.max(height + MIN_BLOCK_MM);
         }
         AnyWorkcell::new(model).map_err(|error| named(error.to_string()))
@@ -119,19 +119,14 @@ impl MotionArgs {
     /// The format that is wanted.
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
         let takes_stream = programs::takes_stream(cell.equipment());
+        let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
         match (self.program, takes_stream) {
             (None, Ok(true)) => Ok(ProgramFormat::Urscript),
             (None, Ok(false)) => Ok(ProgramFormat::Rapid),
             (None, Err(_)) => Ok(ProgramFormat::Csv),
-            (Some(ProgramFormat::Urscript), Ok(false)) => {
-                Err(Failure::of_arguments("--program urscript: not for an ABB arm"))
-            }
-            (Some(ProgramFormat::Urscript), Err(why)) => {
-                Err(Failure::of_arguments(format!("--program urscript: {why}")))
-            }
-            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => {
-                Err(Failure::of_arguments("--program rapid: only for ABB arms, not for a UR"))
-            }
+            (Some(ProgramFormat::Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
+            (Some(ProgramFormat::Urscript), Err(why)) => refused(&format!("urscript: {why}")),
+            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
             (Some(format), _) => Ok(format),
         }
     }
@@ -267,7 +262,7 @@ impl Print<'_> {
         let stack = self.paths.filled.stack(&layers)?;
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
         let (grid, height_mm) = (&field.solid.grid, surfaces.height_mm);
-        let layers = surfaces.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
+        let layers = surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
         let part = PartCells {
             dims: grid.dims(),
             rows: grid.rows(),

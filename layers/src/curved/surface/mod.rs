@@ -41,7 +41,7 @@ pub use lattice::{APART, JUMP};
 pub use spacing::{
     HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing, measure_spacing_within,
 };
-pub use store::{OtherMesh, ReadFieldError, SavedField, mesh_stamp};
+pub use store::{OtherCells, OtherMesh, ReadFieldError, SavedField, mesh_stamp};
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};
 
