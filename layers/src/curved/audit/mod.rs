@@ -9,6 +9,7 @@
 
 mod body;
 mod depth;
+mod vec3;
 mod wrap;
 
 use super::{Cells, LayerOrder, Neighbours, Platform, Rules, RulesError};

@@ -10,8 +10,10 @@
 //! Surfaces are clipped in their order, each to what is left of those before. The border that a cut makes is the surface's own
 //! ([`BoundaryKind::Border`]).
 
+use super::Trimmer;
 use super::crossing::meet;
 use super::crossings::{AllTriangles, SurfaceCrossings, count_crossings, crosses};
+use super::error::TrimError;
 use super::patch::NONE;
 use super::pieces::Pieces;
 use super::predicates::Moves;
@@ -19,7 +21,7 @@ use super::sheet::Sheet;
 use super::slivers::remove_slivers;
 use super::solid::Solid;
 use super::surface::Surface;
-use super::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
+use super::trimmed::{BoundaryKind, TrimmedSheet};
 use crate::Progress;
 use crate::curved::boxes::Bounds;
 use crate::curved::surface::{Report, SurfaceSlices, in_parallel_watched};

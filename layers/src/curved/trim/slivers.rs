@@ -11,8 +11,10 @@
 //! the solid itself is that thin, for one.
 
 use super::solid::Solid;
-use super::surface::{Across, Surface, altitude, next, previous};
-use super::{BoundaryKind, MIN_ALTITUDE_MM};
+use super::surface::{Across, Surface, next, previous};
+use super::triangle::MIN_ALTITUDE_MM;
+use super::triangle::altitude;
+use super::trimmed::BoundaryKind;
 use nalgebra::{Point3, Vector3};
 
 /// How far from the mesh a boundary may come to lie, mm: half of what is promised.
