@@ -15,7 +15,7 @@
 //! [`LayerStack::travels`]: super::LayerStack::travels
 
 use super::orientation::{JOINED, ToolPath, Waypoint, angle};
-use super::travel::Pose;
+use super::pose::Pose;
 use crate::gcode;
 use nalgebra::{Point3, UnitVector3};
 use std::collections::BTreeMap;

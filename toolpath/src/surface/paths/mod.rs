@@ -20,6 +20,7 @@ mod curve;
 mod cut;
 mod narrow;
 mod plan;
+mod polyline;
 mod segments;
 mod spacing;
 mod spirals;
@@ -33,11 +34,12 @@ use super::order::Visit;
 use crate::Progress;
 use curve::Loop;
 use nalgebra::Point3;
+use polyline::Curve;
 pub use spacing::BEAD_WIDTHS;
 use spacing::Spacing;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use thin::{Curve, thinned};
+use thin::thinned;
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.
 const MOST_LEVELS: usize = 100_000;

@@ -7,9 +7,9 @@
 //! farthest again. Branches follow by themselves, from where the first bead covers them.
 
 use super::crossing::cross;
+use super::polyline::Curve;
 use super::segments::{Segments, nearest};
 use super::spacing::Spacing;
-use super::thin::Curve;
 use super::{PathError, Watch};
 use crate::surface::level_set::{Around, LevelField, SurfacePoint};
 use crate::surface::mesh::previous;

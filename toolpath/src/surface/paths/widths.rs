@@ -6,9 +6,9 @@
 //! widens what a neighbour narrows, and in turn, far into what was even.)
 
 use super::crossing::normal;
+use super::polyline::Curve;
 use super::segments::Segments;
 use super::spacing::{BEAD_WIDTHS, Spacing};
-use super::thin::Curve;
 use super::{PathError, Watch};
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::{Point3, Vector3};
