@@ -7,9 +7,8 @@
 use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, nozzle_of};
 use curvlay_examples::motion::{programs, table_options};
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
-use curvlay_kinematics::centred_on_plate;
-use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
+use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
 use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
@@ -52,13 +51,12 @@ fn main() -> Result<(), Failure> {
     let plan = filled.plan(&surfaces, &nozzle, &options, &|_| Continue(()))?;
 
     // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
-    let tips = plan.resolved.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| &waypoint.tip);
     let grown = PartCells {
         dims: cells.dims(),
         rows: cells.rows(),
         cell_mm: CELL_MM,
         origin: part.origin,
-        frame_part: centred_on_plate(tips),
+        frame_part: centred_on_plate(plan.resolved.tips()),
         layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
     };
     let stack = filled.stack(&surfaces)?;

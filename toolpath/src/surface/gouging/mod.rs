@@ -175,6 +175,13 @@ pub struct ResolvedPaths {
     pub sharp: Vec<SharpTurn>,
 }
 
+impl ResolvedPaths {
+    /// Where the tip is at each waypoint, path by path.
+    pub fn tips(&self) -> impl Iterator<Item = &Point3<f64>> {
+        self.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| &waypoint.tip)
+    }
+}
+
 /// Why gouging is not looked for.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
