@@ -5,6 +5,8 @@
 //! * [`gcode`]: machine files, written and read: the extended G-code of robots, and rotary axes of tables.
 
 pub mod gcode;
+#[cfg(feature = "serde")]
+mod infinite;
 mod progress;
 pub mod surface;
 

@@ -24,6 +24,8 @@ mod progress;
 pub mod qp;
 mod random;
 mod robot;
+#[cfg(feature = "serde")]
+mod serial;
 mod spline;
 mod timing;
 pub mod transfer;

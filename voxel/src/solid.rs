@@ -24,6 +24,7 @@ pub struct Voxelisation {
 
 /// What [`voxelise`](crate::voxelise) found on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct VoxelReport {
     /// Triangles that count: those with an area.

@@ -22,6 +22,11 @@ use std::ops::ControlFlow;
 
 /// How large the cells are.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Resolution {
     /// This edge, in millimetres. The grid begins where the part does: its low corner is that of the bounding box.
     Cell(f64),
@@ -43,6 +48,7 @@ pub enum Resolution {
 
 /// Options of [`voxelise`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct VoxelOptions {
     /// How large the cells are; 100,000 cells unless said otherwise.
     pub resolution: Resolution,

@@ -26,6 +26,7 @@ const SLOWEST: f64 = 1e-3;
 
 /// How material is laid.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct DepositionOptions {
     /// Diameter of the filament in millimetres: 1.75.
     pub filament_diameter: f64,

@@ -56,6 +56,7 @@ const LARGEST: f64 = 1e6;
 
 /// How ways from path to path are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct TravelOptions {
     /// What is to be kept from everything built, in millimetres: 1. From the plate, too, but where no way does.
     pub clearance: f64,

@@ -88,6 +88,7 @@ impl<const N: usize> CheckedMotion<'_, N> {
 
 /// What is tolerated, and how dense samples are.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct CheckOptions {
     /// Share by which a velocity, acceleration or jerk may pass its limit. Times and angles written with few digits need
     /// more: an error `e` of an angle makes up to about `12 e / h^3` of jerk on a piece of `h` seconds.

@@ -1,11 +1,13 @@
 //! What the checker reports.
 
 use super::{CheckOptions, MotionKind};
+use crate::spline::Quantity;
 use std::collections::BTreeSet;
 use std::fmt;
 
 /// The largest value of something, and where it occurs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrintPeak {
     /// The value, with its sign.
     pub value: f64,
@@ -17,6 +19,7 @@ pub struct PrintPeak {
 
 /// The largest rates of a joint, everywhere on the splines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointPeaks {
     /// In rad/s.
     pub velocity: PrintPeak,
@@ -28,14 +31,15 @@ pub struct JointPeaks {
 
 /// What is wrong.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum FindingKind {
     /// A joint is beyond a limit; counted are pieces and joints.
     Limit {
         /// The joint, counted from 0.
         joint: usize,
-        /// `position`, `velocity`, `acceleration` or `jerk`: each is a finding of its own.
-        what: &'static str,
+        /// Of what: each is a finding of its own.
+        what: Quantity,
         /// The value, with its sign.
         value: f64,
         /// The limit, with the sign of the side that is left.
@@ -75,6 +79,7 @@ pub enum FindingKind {
         /// The point, counted from 0.
         point: usize,
         /// How far the tip is from it when it passes, in millimetres; infinite if the nozzle has no pose on the path.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serial::limit"))]
         distance_mm: f64,
     },
     /// The nozzle is too deep in something; counted are samples.
@@ -157,6 +162,7 @@ impl FindingKind {
 
 /// What is wrong with a motion: of each kind the worst, and how many there are.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// The motion, counted from 0.
     pub motion: usize,
@@ -230,12 +236,14 @@ pub struct MotionReport<const N: usize> {
 
 /// What was found on a whole print.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrintReport<const N: usize> {
     /// What is wrong, motion by motion; empty for a sound print.
     pub findings: Vec<Finding>,
     /// Motions that do not begin where the one before ends, declared ([`super::CheckedMotion::apart`]) or not.
     pub gaps: Vec<usize>,
     /// The largest rates of each joint.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub joints: [JointPeaks; N],
     /// The largest distance of a tip from its path, in millimetres; `None` if there was no path.
     pub deviation: Option<PrintPeak>,

@@ -13,6 +13,7 @@ use std::ops::{ControlFlow, Range};
 
 /// A motion as it stands in a file. All motions have one clock.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WrittenMotion<const N: usize> {
     /// What it is for.
     pub kind: LegKind,
@@ -23,6 +24,7 @@ pub struct WrittenMotion<const N: usize> {
     /// Times of the knots, rising, in seconds.
     pub times: Vec<f64>,
     /// Joints at the knots.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::arrays"))]
     pub joints: Vec<[f64; N]>,
     /// The waypoints of the path that it passes, rising, and when, in seconds. Those between the first and the last are printed
     /// as well.
@@ -62,6 +64,7 @@ pub trait GrowingPrintScene<const N: usize>: Sync {
 
 /// Of which motion a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FindingPlace {
     /// What the motion is for.
     pub kind: LegKind,
@@ -73,6 +76,7 @@ pub struct FindingPlace {
 
 /// What was found on a written print.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WrittenReport<const N: usize> {
     /// The findings and the extremes.
     pub print: PrintReport<N>,

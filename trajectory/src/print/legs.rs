@@ -10,6 +10,7 @@ const SAME_KNOT_S: f64 = 1e-6;
 
 /// What a motion is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum LegKind {
     /// Along a path.
     Print,

@@ -54,6 +54,7 @@ pub const HISTOGRAM_END: f64 = 3.0;
 
 /// How far apart surfaces lie.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spacing {
     /// For each surface, for each triangle: the spacing in millimetres; `None` where no neighbour is in reach.
     pub values_mm: Vec<Vec<Option<f64>>>,

@@ -36,6 +36,7 @@ use std::ops::ControlFlow;
 
 /// How gouging is corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct GougingOptions {
     /// How deep the nozzle may enter a layer, as a share of its height: a quarter.
     pub allowed_depth: f64,
@@ -53,6 +54,7 @@ pub struct GougingOptions {
     pub cut: bool,
     /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
     /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
     pub max_depth: f64,
     /// Whether there is a plate at z = 0, below which nothing may reach: yes.
     pub plate: bool,

@@ -54,6 +54,7 @@ type Watch<'a> = &'a dyn Fn() -> Result<(), PathError>;
 
 /// How a region is filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Pattern {
     /// One continuous curve for each region, from the boundary inward and back out.
@@ -68,6 +69,7 @@ pub enum Pattern {
 
 /// How paths are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct PathOptions {
     /// Width of a bead, in millimetres: 0.8 by default.
     pub bead: f64,
