@@ -35,7 +35,7 @@ pub enum Resolution {
     /// a few dozen sizes and places of the grid (free in x and y; the part stands on a plane of the grid). There may be
     /// no nearer number then.
     Count(u64),
-    /// This edge, and a grid whose low corner has this x and y, as [`VoxelGrid::origin`] gives them: what a search for a
+    /// This edge, and a grid whose low corner has this x and y, as [`VoxelGrid::origin`](crate::VoxelGrid::origin) gives them: what a search for a
     /// [count](Resolution::Count) found once is made again, to the last bit. The corner lies no more than a cell before
     /// the part, and is taken to the nearest 2^-20 of a cell from it.
     At {
@@ -53,7 +53,7 @@ pub struct VoxelOptions {
     /// How large the cells are; 100,000 cells unless said otherwise.
     pub resolution: Resolution,
     /// Most bytes that the bits of the grid may take, 256 MiB (2,147,483,648 cells) unless said otherwise, at most
-    /// [`VoxelGrid::MAX_BYTES`]. A larger grid is refused before it is allocated, with the size of cells that fits. The
+    /// [`VoxelGrid::MAX_BYTES`](crate::VoxelGrid::MAX_BYTES). A larger grid is refused before it is allocated, with the size of cells that fits. The
     /// work takes about two to three times that, up to fifteen times for a mesh with holes and faces on planes of the
     /// grid, and some 150 bytes for each triangle.
     pub max_bytes: u64,
@@ -81,7 +81,7 @@ impl Default for VoxelOptions {
 ///
 /// # Errors
 /// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a surface of one side alone,
-/// a resolution that is none, a grid beyond the limits of [`VoxelGrid`] or of `max_bytes` (before it is allocated, with
+/// a resolution that is none, a grid beyond the limits of [`VoxelGrid`](crate::VoxelGrid) or of `max_bytes` (before it is allocated, with
 /// the size or the number of cells that fits), a mesh that touches no cell, and if it was stopped.
 ///
 /// # Cost
