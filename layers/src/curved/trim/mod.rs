@@ -48,6 +48,7 @@ use solid::Solid;
 use std::ops::ControlFlow;
 use surface::Surface;
 pub use triangle::MIN_ALTITUDE_MM;
+pub(in crate::curved) use trimmed::slices;
 pub use trimmed::{BoundaryEdge, BoundaryKind, TrimmedSheet};
 
 /// Triangles from one report to the next: a few milliseconds, and for a mesh with holes some tenths of a second.

@@ -1,5 +1,6 @@
 //! What is left of a sheet.
 
+use crate::curved::surface::SurfaceSlices;
 use nalgebra::Point3;
 
 /// The part of a sheet that lies inside a solid.
@@ -53,4 +54,9 @@ pub enum BoundaryKind {
     Border,
     /// A winding number of one half, across a hole of the mesh.
     Hole,
+}
+
+/// Sheets as plain slices.
+pub(in crate::curved) fn slices(sheets: &[TrimmedSheet]) -> Vec<SurfaceSlices<'_>> {
+    sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect()
 }
