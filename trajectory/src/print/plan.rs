@@ -1,10 +1,8 @@
 //! What comes of planning: runs, travels, and what cannot be printed as it is.
 
 use super::cell::Waypoint;
-use super::legs::LegKind;
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
-use std::collections::BTreeSet;
 use std::time::Duration;
 
 /// The whole print.
@@ -200,31 +198,6 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// Faults of a kind.
     pub fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
-    }
-
-    /// The plan without some of its motions. A run goes, with the travels to and from it; a travel goes as if it had not been
-    /// found. So programs end before each of them, and the next one has to be approached by hand.
-    ///
-    /// # Arguments
-    /// * `motions`: by their numbers in [`PrintPlan::legs`] of all runs.
-    pub fn without(&self, motions: &BTreeSet<usize>) -> Self {
-        let (mut runs, mut travels, mut first) = (Vec::new(), Vec::new(), 0);
-        for (number, run) in self.runs.iter().enumerate() {
-            let kinds: Vec<LegKind> = self.legs(number..number + 1).map(|leg| leg.kind).collect();
-            let gone = |print: bool| {
-                let mut legs = (first..).zip(&kinds);
-                legs.any(|(motion, &kind)| (kind == LegKind::Print) == print && motions.contains(&motion))
-            };
-            if gone(true) {
-                travels.last_mut().into_iter().for_each(|to: &mut Option<Travel<N>>| *to = None);
-            } else {
-                runs.push(run.clone());
-                travels.push(self.travels.get(number).cloned().flatten().filter(|_| !gone(false)));
-            }
-            first += kinds.len();
-        }
-        travels.pop();
-        PrintPlan { runs, travels, ..self.clone() }
     }
 
     /// How long the motion takes to each waypoint of a path from the one before: path, waypoint, seconds.
