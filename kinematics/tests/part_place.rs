@@ -261,7 +261,7 @@ fn scene<const N: usize, const F: usize>(cell: &impl Workcell<N, F>, margin: f64
         name: "wall".into(),
         mount: Mount::Base,
         mount_body: Isometry3::identity(),
-        shape: Shape::block(Point3::new(-200.0, wall, -200.0), Point3::new(200.0, wall + 50.0, 200.0)),
+        shape: Shape::block(Point3::new(-1000.0, wall, -1000.0), Point3::new(1000.0, wall + 50.0, 1000.0)),
     });
     Scene::new(SceneModel { margin, ..model }).unwrap()
 }
