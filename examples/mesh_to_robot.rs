@@ -4,11 +4,11 @@
 //! cargo run --release --example mesh_to_robot -- part.stl cell.json folder   # without arguments: a jug under a UR3
 //! ```
 
-use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, in_the_middle, nozzle_of};
+use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, nozzle_of};
 use curvlay_examples::motion::{programs, table_options};
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
-use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
+use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
 use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
@@ -56,7 +56,7 @@ fn main() -> Result<(), Failure> {
         rows: cells.rows(),
         cell_mm: CELL_MM,
         origin: part.origin,
-        frame_part: in_the_middle(&plan.resolved.paths),
+        frame_part: centred_on_plate(plan.resolved.tips()),
         layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
     };
     let stack = filled.stack(&surfaces)?;

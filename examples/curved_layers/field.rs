@@ -14,7 +14,6 @@ use curvlay_layers::curved::{
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// What cells the part gets, and how their order is found.
@@ -100,19 +99,15 @@ pub fn run(
     let mesh = mesh.map_err(|error| of_part(&error))?;
     let resolution = saved.as_ref().map_or(options.resolution, surfaces::resolution);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
-    let (solid, voxelise_time) = timed(|| {
-        voxelise(vertices, triangles, &voxel_options, &|p| {
-            bars.update(p.stage, p.done, p.total);
-            ControlFlow::Continue(())
-        })
-    });
+    let (solid, voxelise_time) =
+        timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));
     let solid = solid.map_err(|error| of_part(&error))?;
     memory.holds_cells(solid.grid.dims(), solid.grid.count())?;
     let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
     let thin = thin.map_err(|error| of_part(&error))?;
 
-    let cells = Cells::new(solid.grid.dims(), solid.grid.rows()).map_err(failure)?;
-    saved.as_ref().map_or(Ok(()), |saved| surfaces::check_cells(saved, &solid.grid))?;
+    let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
+    saved.iter().try_for_each(|saved| saved.check_cells(&cells, solid.grid.origin()))?;
     let (cell_mm, platform_mm) = (solid.grid.cell_mm(), options.platform_diameter_mm);
     let platform = Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
         of_part(&format!(
@@ -134,8 +129,7 @@ pub fn run(
     let clock = StageClock::default();
     let progress = |p: curvlay_layers::Progress| {
         clock.note(p.stage, p.done);
-        bars.update(p.stage, p.done, p.total);
-        ControlFlow::Continue(())
+        bars.show(p.stage, p.done, p.total)
     };
     if !(mesh.is_sound() && mesh.components == 1 + mesh.cavities) {
         clock.note("volume", 0);
@@ -149,7 +143,7 @@ pub fn run(
     let layers_failed = |error| surfaces::failed(error, part);
     clock.note("grow", 0);
     let (growth, strategy, audit, made) = if let Some(saved) = saved {
-        let growth = saved.growth().map_err(failure)?;
+        let growth = saved.growth()?;
         let audit = audited(&growth)?;
         let of_field = |options: &SurfaceOptions| {
             let height_mm = options.height_mm.unwrap_or(cell_mm);

@@ -2,7 +2,7 @@
 
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
-use crate::motion::check::{Checked, Sort};
+use crate::motion::check::Checked;
 use crate::motion::of_run;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
@@ -11,6 +11,7 @@ use Severity::{Failed, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, percent};
 use curvlay_layers::curved::MissedReason;
+use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
 
 /// Shares of area from which on something is worth a word. Of thin walls sharp edges alone make up some tenths of a percent.
@@ -208,10 +209,12 @@ fn of_plan<const N: usize, const F: usize>(
         findings.add(Told, "motions are slowed down to keep the limits of joints and extruder", amount, "layers.csv");
     }
     let Some(checked) = checked else { return };
-    for sort in Sort::ALL.into_iter().filter(|sort| checked.count(*sort) > 0) {
-        let programs = if sort.is_unsafe() { "; they are in no program" } else { "" };
-        let what = format!("motions are {}{programs}", sort.name());
-        findings.add(Failed, what, format!("{} of {}", checked.count(sort), checked.motions), "motion-check.csv");
+    let report = &checked.report;
+    for class in FindingClass::ALL.into_iter().filter(|class| report.count(*class) > 0) {
+        let programs = if class.is_unsafe() { "; they are in no program" } else { "" };
+        let what = format!("motions are {}{programs}", class.name());
+        let amount = format!("{} of {}", report.count(class), report.print.motions);
+        findings.add(Failed, what, amount, "motion-check.csv");
     }
     if checked.unprinted_mm > 0.0 {
         let (unprinted, all) = (checked.unprinted_mm, checked.path_mm);

@@ -1,52 +1,26 @@
 //! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
 
-use crate::failure;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_examples::motion::nozzle_of;
-use curvlay_kinematics::workcell::{Equipment, NozzleModel};
 use curvlay_toolpath::surface::{
     Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, ToolPath, Travels, Turns,
 };
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// The shape of a nozzle, and how it was given.
-#[derive(Clone, Debug)]
-pub struct Shape {
-    pub nozzle: Nozzle,
-    /// Tip flat, half angle in degrees, height of the cone, block.
-    pub numbers: [f64; 4],
-    pub text: String,
-}
-
-impl Shape {
-    /// That of a workcell.
-    pub fn of(equipment: &Equipment) -> Result<Self, Failure> {
-        let nozzle = nozzle_of(equipment).map_err(failure)?;
-        let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
-            equipment.model().nozzle;
-        let numbers = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
-        Ok(Shape { nozzle, numbers, text: numbers.map(|number| number.to_string()).join(",") })
-    }
-}
-
-/// A nozzle as four numbers, for clap.
-pub fn shape(text: &str) -> Result<Shape, String> {
-    let numbers: Result<Vec<f64>, std::num::ParseFloatError> =
-        text.split(',').map(|number| number.trim().parse()).collect();
-    let Ok(Ok(numbers)) = numbers.map(<[f64; 4]>::try_from) else {
+/// A nozzle as four numbers, for clap: tip flat, half angle in degrees, height of the cone, block.
+pub fn shape(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let Some(shape) = numbers.ok().and_then(|numbers| <[f64; 4]>::try_from(numbers).ok()) else {
         return Err(
             "must be four numbers: tip flat (mm), half angle (degrees), height of the cone, block (mm)".to_owned()
         );
     };
-    let [tip, angle, height, block] = numbers;
-    let nozzle = Nozzle::new(tip, angle.to_radians(), height, block).map_err(|error| error.to_string())?;
-    Ok(Shape { nozzle, numbers, text: text.to_owned() })
+    let [tip, angle, height, block] = shape;
+    Nozzle::new(tip, angle.to_radians(), height, block).map(|_| shape).map_err(|error| error.to_string())
 }
 
 /// What came of the stage.
@@ -103,13 +77,11 @@ pub fn run(
     let clock = StageClock::default();
     let progress = |p: curvlay_toolpath::Progress| {
         clock.note(p.stage, p.done);
-        bars.update(p.stage, p.done, p.total);
-        ControlFlow::Continue(())
+        bars.show(p.stage, p.done, p.total)
     };
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
-    let PrintPlan { before, resolved, travels, deposition } =
-        paths.filled.plan(&layers, nozzle, options, &progress).map_err(failure)?;
+    let PrintPlan { before, resolved, travels, deposition } = paths.filled.plan(&layers, nozzle, options, &progress)?;
     clock.stop();
     let gouging = clock.on_the_clock(&["gouging", "built"]);
     let orientation = gouging + clock.on_the_clock(&["orient", "share"]);
@@ -118,8 +90,8 @@ pub fn run(
     let mut run = MachineRun { before, resolved, travels, deposition, covered_mm3, unfiltered: None, times };
     if let Some(longest) = run.longest().filter(|_| compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
-        let stack = paths.filled.stack(&layers).map_err(failure)?;
-        let unfiltered = stack.orient(&options, &progress).map_err(failure)?;
+        let stack = paths.filled.stack(&layers)?;
+        let unfiltered = stack.orient(&options, &progress)?;
         // Paths may have been cut.
         let of_curve = |other: &ToolPath| (other.layer, other.curve) == (longest.layer, longest.curve);
         run.unfiltered = unfiltered.paths.into_iter().find(of_curve);

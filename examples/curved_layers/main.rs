@@ -19,18 +19,17 @@ mod surfaces;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Parser, ValueEnum};
 use curvlay_examples::args::{
-    AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Prevention as PreventionArg,
-    Strategy as StrategyArg, VoxelArgs, above_zero, from_zero, run_with_checked_args, typed_name,
+    AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, from_zero,
+    run_with_checked_args, typed_name,
 };
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
+use curvlay_examples::motion::nozzle_of;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_layers::curved::{Prevention, Strategy};
-use curvlay_toolpath::surface::{PathOptions, Pattern, PrintOptions};
-use curvlay_voxel::Resolution;
+use curvlay_toolpath::surface::{Nozzle, PathOptions, Pattern, PrintOptions};
 use estimate::Memory;
 use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
@@ -83,7 +82,7 @@ struct Args {
     /// Shape of the nozzle: diameter of its tip flat (mm), half angle of its cone (degrees), height of the cone (mm),
     /// diameter of the block above it (mm) [default: that of the workcell, 1,45,8,20 in those that come along]
     #[arg(long, value_name = "TIP,ANGLE,HEIGHT,BLOCK", value_parser = machine::shape)]
-    nozzle: Option<machine::Shape>,
+    nozzle: Option<[f64; 4]>,
     /// Temperature of the nozzle, for the machine file, in degrees Celsius
     #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
     nozzle_celsius: Option<f64>,
@@ -113,22 +112,8 @@ struct Args {
 /// The arguments as the stages take them.
 impl Args {
     fn field_options(&self) -> FieldOptions {
-        let wanted = Resolution::Count(self.voxel.voxels.unwrap_or(DEFAULT_CELLS));
-        let prevention = match self.grow.prevention {
-            PreventionArg::Incremental => Prevention::Incremental,
-            PreventionArg::Adaptive => Prevention::Adaptive,
-        };
-        let strategy = match self.grow.strategy {
-            StrategyArg::Best => None,
-            StrategyArg::Greedy => Some(Strategy::Greedy),
-            StrategyArg::Incremental => Some(Strategy::Incremental),
-            StrategyArg::Adaptive => Some(Strategy::Adaptive),
-            StrategyArg::Governed => Some(Strategy::Governed(prevention)),
-            StrategyArg::Unbuild => Some(Strategy::Unbuild),
-            StrategyArg::Printed => Some(Strategy::Printed(prevention)),
-        };
         let GrowArgs { eps, beyond_eps, platform_diameter_mm, .. } = self.grow;
-        let resolution = self.voxel.cell.map_or(wanted, Resolution::Cell);
+        let (resolution, strategy) = (self.voxel.resolution(DEFAULT_CELLS), self.grow.strategy());
         FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, height_mm: self.layer_height }
     }
 
@@ -211,7 +196,7 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
         }
     }
     let strategy = matches.get_one("strategy").copied();
-    if is_given("prevention") && !matches!(strategy, Some(StrategyArg::Governed | StrategyArg::Printed)) {
+    if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
         return Err("--prevention needs --strategy governed or printed".to_owned());
     }
     Ok(())
@@ -236,15 +221,13 @@ fn main() -> ExitCode {
 struct Setup {
     cell: AnyWorkcell,
     format: ProgramFormat,
-    nozzle: machine::Shape,
+    nozzle: Nozzle,
 }
 
 impl Setup {
     fn of(args: &Args) -> Result<Self, Failure> {
-        let cell = args.motion.cell(args.nozzle.as_ref())?;
-        let format = args.motion.format(&cell)?;
-        let nozzle = args.nozzle.clone().map_or_else(|| machine::Shape::of(cell.equipment()), Ok)?;
-        Ok(Setup { cell, format, nozzle })
+        let cell = args.motion.cell(args.nozzle)?;
+        Ok(Setup { format: args.motion.format(&cell)?, nozzle: nozzle_of(cell.equipment())?, cell })
     }
 }
 
@@ -295,7 +278,7 @@ impl Job<'_> {
     /// Runs a stage that comes after the surfaces.
     fn run(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
         let Job { args, setup, bars, .. } = self;
-        let (memory, nozzle) = (args.memory(), &setup.nozzle.nozzle);
+        let (memory, nozzle) = (args.memory(), &setup.nozzle);
         let Results { field, surfaces: Some(surfaces), .. } = &*results else { return Ok(()) };
         match (stage, &results.paths, &results.machine) {
             (Stage::Paths, ..) => {

@@ -6,7 +6,7 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{LayerField, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field};
 use curvlay_layers::curved::{Growth, LayerSurfaces, LayersError, Workpiece};
 use curvlay_toolpath::surface::LayerSurface;
-use curvlay_voxel::{Resolution, VoxelGrid};
+use curvlay_voxel::Resolution;
 use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -35,12 +35,14 @@ pub struct Made {
 
 /// What came of the stage.
 pub struct SurfacesRun {
-    made: Made,
+    layers: LayerSurfaces,
+    /// The field, and all else that it takes to go on from here another time.
+    pub saved: SavedField,
+    pub method: String,
+    pub waits: usize,
     /// Spacing for the field of hop counts, to compare with.
     pub plain_spacing: Option<Spacing>,
     pub times: Times,
-    /// What it takes to go on from here another time.
-    pub saved: SavedField,
 }
 
 /// How long the steps took.
@@ -52,19 +54,11 @@ pub struct Times {
     pub spacing: Duration,
 }
 
-impl Deref for Made {
+impl Deref for SurfacesRun {
     type Target = LayerSurfaces;
 
     fn deref(&self) -> &LayerSurfaces {
         &self.layers
-    }
-}
-
-impl Deref for SurfacesRun {
-    type Target = Made;
-
-    fn deref(&self) -> &Made {
-        &self.made
     }
 }
 
@@ -95,34 +89,19 @@ pub fn resolution(saved: &SavedField) -> Resolution {
     Resolution::At { cell_mm: saved.cell_mm, corner: [saved.origin.x, saved.origin.y] }
 }
 
-/// Whether the cells of the mesh are those that a saved field is of, at the same place.
-pub fn check_cells(saved: &SavedField, grid: &VoxelGrid) -> Result<(), Failure> {
-    if saved.field.dims() != grid.dims() || saved.rows != grid.rows() {
-        return Err(failure("the saved field is of other cells than the mesh gives: grow it anew"));
-    }
-    let ([x, y, z], grid_at) = (saved.origin.coords.into(), grid.origin());
-    if saved.origin != grid_at {
-        let [gx, gy, gz]: [f64; 3] = grid_at.coords.into();
-        return Err(failure(format!(
-            "the saved field has origin_mm {x} {y} {z}, the cells of the mesh {gx} {gy} {gz}: grow it anew"
-        )));
-    }
-    Ok(())
-}
-
 /// What stands beside the surfaces: the field to save, times, and what to compare with.
 pub fn finish(
     options: &SurfaceOptions,
-    made: Made,
+    Made { layers, field, method, waits }: Made,
     workpiece: &Workpiece,
     growth: &Growth,
     part: &Part,
     clock: &StageClock,
 ) -> Result<SurfacesRun, Failure> {
     let plain_spacing = || -> Result<Spacing, Failure> {
-        let plain = plain_field(&workpiece.cells, &growth.order).map_err(failure)?;
+        let plain = plain_field(&workpiece.cells, &growth.order)?;
         let silent = |_| ControlFlow::Continue(());
-        let plain = workpiece.surfaces(&plain, &growth.missed_cells(), made.height_mm, &silent);
+        let plain = workpiece.surfaces(&plain, &growth.missed_cells(), layers.height_mm, &silent);
         Ok(plain.map_err(|error| failed(error, part))?.spacing)
     };
     let plain_spacing = options.compare.then(plain_spacing).transpose()?;
@@ -130,13 +109,14 @@ pub fn finish(
         [&["uniform", "audit uniform"][..], &["contour"], &["trim", "crossings", "clip"], &["spacing"]]
             .map(|stages| clock.on_the_clock(stages));
     let saved = SavedField {
-        field: made.field.clone(),
+        field,
         rows: workpiece.cells.rows().to_vec(),
         cell_mm: workpiece.cell_mm,
         origin: workpiece.origin,
         mesh: mesh_stamp(&part.mesh.vertices, &part.mesh.triangles),
     };
-    Ok(SurfacesRun { made, plain_spacing, times: Times { even, contour, trim, spacing }, saved })
+    let times = Times { even, contour, trim, spacing };
+    Ok(SurfacesRun { layers, saved, method, waits, plain_spacing, times })
 }
 
 /// Why there are no surfaces, in one line.

@@ -21,6 +21,8 @@ use crate::mesh::{Mesh, MeshError, MeshFault, Placement, Unit, Up, read_mesh};
 use crate::output::{OutputError, OutputFolder};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, Parser, ValueEnum};
+use curvlay_layers::curved;
+use curvlay_voxel::Resolution;
 use std::env;
 use std::error::Error;
 use std::ffi::OsString;
@@ -149,6 +151,13 @@ pub struct VoxelArgs {
     pub cell: Option<f64>,
 }
 
+impl VoxelArgs {
+    /// As voxelising takes it; so many cells unless the user says.
+    pub fn resolution(&self, default_count: u64) -> Resolution {
+        self.cell.map_or(Resolution::Count(self.voxels.unwrap_or(default_count)), Resolution::Cell)
+    }
+}
+
 /// How the part grows.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct GrowArgs {
@@ -167,6 +176,25 @@ pub struct GrowArgs {
     /// How the strategies governed and printed keep cells from being shadowed
     #[arg(long, default_value = "adaptive")]
     pub prevention: Prevention,
+}
+
+impl GrowArgs {
+    /// As growing takes it; `None` for the best one.
+    pub fn strategy(&self) -> Option<curved::Strategy> {
+        let prevention = match self.prevention {
+            Prevention::Incremental => curved::Prevention::Incremental,
+            Prevention::Adaptive => curved::Prevention::Adaptive,
+        };
+        match self.strategy {
+            Strategy::Best => None,
+            Strategy::Greedy => Some(curved::Strategy::Greedy),
+            Strategy::Incremental => Some(curved::Strategy::Incremental),
+            Strategy::Adaptive => Some(curved::Strategy::Adaptive),
+            Strategy::Governed => Some(curved::Strategy::Governed(prevention)),
+            Strategy::Unbuild => Some(curved::Strategy::Unbuild),
+            Strategy::Printed => Some(curved::Strategy::Printed(prevention)),
+        }
+    }
 }
 
 /// How the next layer is chosen.

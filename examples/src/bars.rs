@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
+use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 /// Shows how far each stage has come. Can be told from several threads.
@@ -22,13 +23,9 @@ impl Bars {
     /// of a progress report:
     /// ```
     /// use curvlay_examples::bars::Bars;
-    /// use std::ops::ControlFlow;
     /// let bars = Bars::new(true);
-    /// let progress = |stage: &str, done: u64, total: u64| {
-    ///     bars.update(stage, done, total);
-    ///     ControlFlow::<()>::Continue(())
-    /// };
-    /// assert!(progress("grow", 3, 10).is_continue());
+    /// bars.update("grow", 3, 10);
+    /// assert!(bars.show("grow", 4, 10).is_continue());
     /// ```
     pub fn update(&self, stage: &str, done: u64, total: u64) {
         if !self.shown {
@@ -47,6 +44,12 @@ impl Bars {
             }
             bar.set_position(done);
         }
+    }
+
+    /// The same for callbacks that may stop the work, which this does not.
+    pub fn show(&self, stage: &str, done: u64, total: u64) -> ControlFlow<()> {
+        self.update(stage, done, total);
+        ControlFlow::Continue(())
     }
 
     /// Closes the last bar.

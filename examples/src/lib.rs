@@ -6,6 +6,7 @@ pub mod args;
 pub mod bars;
 pub mod clock;
 pub mod findings;
+mod html;
 pub mod mesh;
 pub mod motion;
 pub mod output;

@@ -3,7 +3,7 @@
 mod printing;
 pub mod programs;
 
-pub use printing::{PlacedPaths, PrintingCell, in_the_middle, nozzle_of, placed, table_options};
+pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
 
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{

@@ -1,5 +1,6 @@
 //! Line plots as SVG, for the report.
 
+use crate::html::escaped;
 use std::fmt::Write;
 
 /// Size of the drawing, and the margins around the plot: left, top, right, bottom.
@@ -97,8 +98,8 @@ impl Plot {
             "\n<text class=\"x\" x=\"{}\" y=\"{}\">{}</text><text class=\"x\" transform=\"translate(14 {middle}) rotate(-90)\">{}</text></svg>",
             (width + left - right) / 2.0,
             height - 6.0,
-            crate::report::escaped(&self.x_label),
-            crate::report::escaped(&self.y_label)
+            escaped(&self.x_label),
+            escaped(&self.y_label)
         );
         svg
     }
@@ -107,7 +108,7 @@ impl Plot {
     pub fn legend(&self) -> String {
         let mut html = String::new();
         for Line { name, colour: [r, g, b], .. } in &self.lines {
-            let name = crate::report::escaped(name);
+            let name = escaped(name);
             let _ =
                 write!(html, "<span class=\"key\"><i style=\"background:#{r:02x}{g:02x}{b:02x}\"></i>{name}</span> ");
         }

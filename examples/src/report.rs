@@ -1,5 +1,6 @@
 //! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
 
+use crate::html::escaped;
 use crate::plot::Plot;
 use crate::table::Table;
 use std::fmt::Write;
@@ -185,23 +186,6 @@ figcaption { padding: 0.6rem 0.9rem; color: var(--soft); font-size: 0.9rem; bord
 .key i { display: inline-block; width: 1.1em; height: 0.3em; margin-right: 0.4em; vertical-align: middle; }
 @media print { body { background: none; } figure { break-inside: avoid; } }
 ";
-
-/// Text as it may stand between tags and in quoted attributes.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut html = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => html += "&amp;",
-            '<' => html += "&lt;",
-            '>' => html += "&gt;",
-            '"' => html += "&quot;",
-            '\'' => html += "&#39;",
-            c if c.is_control() && !c.is_whitespace() => html.push('\u{fffd}'),
-            c => html.push(c),
-        }
-    }
-    html
-}
 
 /// RFC 4648, section 4.
 fn base64(bytes: &[u8]) -> String {

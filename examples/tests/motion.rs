@@ -1,7 +1,7 @@
 //! The cells of the examples, and what is said of their motions.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
-use curvlay_examples::motion::programs::{pieces, without};
+use curvlay_examples::motion::programs::pieces;
 use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, bounds_of, dissertation_cells};
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_kinematics::workcell::Workcell;
@@ -115,7 +115,7 @@ fn programs_stop_before_a_motion_that_is_not_proven_free() {
     let [print, lift, transfer, approach] = LegKind::ALL;
     assert_eq!(kinds, [print, lift, transfer, approach, print, lift, transfer, approach, print, print]);
     let left = |motions: &[usize]| {
-        let safe = without(&plan, &motions.iter().copied().collect());
+        let safe = plan.without(&motions.iter().copied().collect());
         assert_eq!(safe.travels.len(), safe.runs.len().saturating_sub(1));
         let pieces = pieces(&safe, u64::MAX, |_, _| 1.0);
         let paths: Vec<Vec<usize>> =
@@ -133,6 +133,6 @@ fn programs_stop_before_a_motion_that_is_not_proven_free() {
     assert_eq!(left(&[9]), [vec![0, 1, 2]]);
     assert_eq!(left(&[0, 4, 8, 9]), Vec::<Vec<usize>>::new());
     // No joints of what is left out are in the steps: after 0 without the run, which is at 0.2.
-    let safe = without(&plan, &[4].into());
+    let safe = plan.without(&[4].into());
     assert!(safe.legs(0..safe.runs.len()).all(|leg| leg.kind == print && leg.run.path != 1));
 }

@@ -41,8 +41,9 @@ pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, 
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
 pub use placement::{
-    Assessment, BestPlace, BestPosture, PartPlace, PlaceError, Placement, PlacementError, ReachOptions,
-    Representatives, best_place, fullest_box, place_grid, reachable_points, representative_waypoints,
+    Assessment, BestPlace, BestPosture, PartPlace, PlaceError, Placement, PlacementError, PlateError, PlateOptions,
+    ReachOptions, Representatives, best_place, centred_on_plate, fullest_box, place_grid, place_on_plate,
+    reachable_points, representative_waypoints,
 };
 pub use pose::{InvalidPose, PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};

@@ -5,12 +5,12 @@
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, ArmPart, EightAxisCell, FrameModel, Held, LimitsModel, NozzleModel, PlateModel,
-    PositionerGeometry, PositionerPart, SixAxisCell, VERSION, Workcell, WorkcellModel,
+    AnyWorkcell, ArmGeometry, ArmPart, EightAxisCell, FrameModel, FreeRange, Held, LimitsModel, NozzleModel,
+    PlateModel, PositionerGeometry, PositionerPart, SixAxisCell, VERSION, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{
-    Assessment, BestPosture, JointLimits, PartPlace, PlaceError, Waypoint, best_place, place_grid,
-    representative_waypoints,
+    Assessment, BestPosture, JointLimits, PartPlace, PlaceError, PlateError, PlateOptions, Waypoint, best_place,
+    centred_on_plate, place_grid, place_on_plate, representative_waypoints,
 };
 use proptest::prelude::*;
 use std::cell::RefCell;
@@ -379,4 +379,55 @@ fn a_print_is_moved_into_reach() {
     assert!(!middle.unreachable.is_empty(), "{middle:?}");
     assert!(best.unreachable.is_empty() && best.tight.is_empty(), "{best:?}");
     assert!(best.assessments < (places.len() * few.len()) as u64);
+}
+
+/// Every waypoint at every place, counted one by one.
+#[test]
+fn a_print_stands_where_the_fewest_waypoints_are_bad() {
+    let cell = irb1200();
+    let print: Vec<Waypoint> =
+        [(0.0, 0.0, 5.0), (40.0, 0.0, 5.0), (20.0, 30.0, 160.0)].map(|(x, y, z)| upright(x, y, z)).into();
+    let options = PlateOptions { steps: 2, comfortable_mm: 3.0, rim_mm: 1.0, ..PlateOptions::new([3, 4]) };
+    let found = place_on_plate(&cell, &print, 900.0, &options, &|_| Continue(())).unwrap();
+
+    let middle = Isometry3::translation(-20.0, -10.0, 0.0);
+    assert!(
+        (centred_on_plate(print.iter().map(|at| &at.position)).translation.vector - middle.translation.vector).norm()
+            < 1e-12
+    );
+    let mut model = cell.equipment().scene(900.0);
+    model.allowed = ["nozzle", "hot end"].map(|name| [name.into(), "plate".into()]).into();
+    let scene = Scene::new(SceneModel { margin: options.margin_mm, ..model }).unwrap();
+    let at = |range: FreeRange, k: u32, count: u32| match range {
+        FreeRange::Turn => TAU * f64::from(k) / f64::from(count),
+        FreeRange::Within(min, max) => min + (max - min) * f64::from(k) / f64::from(count - 1),
+    };
+    let [tilt, turn] = cell.free();
+    let frees: Vec<[f64; 2]> = (0..3).flat_map(|i| (0..4).map(move |k| [at(tilt, i, 3), at(turn, k, 4)])).collect();
+    let plate_mm = cell.equipment().plate_diameter_mm(900.0);
+    let wide = print.iter().map(|at| (middle * at.position).coords.xy().norm()).fold(0.0, f64::max);
+    let places = place_grid((plate_mm / 2.0 - wide - 1.0).max(0.0), 2, 1).unwrap();
+    let bad = |place: &PartPlace| {
+        let worth = print.iter().map(|at| {
+            let position = place.pose() * middle * at.position;
+            slow_posture(&cell, &scene, cell.limits(), &frees, 3.0, &Waypoint { position, ..*at })
+        });
+        let worth: Vec<_> = worth.collect();
+        let none = worth.iter().filter(|worth| worth.is_none()).count();
+        (none, worth.iter().flatten().filter(|worth| worth.0 < 3.0).count())
+    };
+    // Of the best ones the first: they go outwards.
+    let best = places.iter().min_by_key(|place| bad(place)).unwrap();
+    assert!(places.iter().any(|place| bad(place) > bad(best)));
+    let expected = best.pose() * middle;
+    assert!((found.translation.vector - expected.translation.vector).norm() < 1e-9, "{found} {expected}");
+    let none = PlateOptions { samples: [0, 1], ..options };
+    assert!(matches!(
+        place_on_plate(&cell, &print, 900.0, &none, &|_| Continue(())),
+        Err(PlateError::Place(PlaceError::Option { what: "samples", .. }))
+    ));
+    assert_eq!(
+        place_on_plate(&cell, &print, 900.0, &options, &|_| Break(())),
+        Err(PlateError::Place(PlaceError::Cancelled))
+    );
 }

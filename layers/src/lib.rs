@@ -1,14 +1,12 @@
-//! Layers for multi-axis additive manufacturing: in which order the cells of a solid can be built.
+#![doc = include_str!("../README.md")]
 //!
-//! A printer that turns the part can lay material in any direction, so a layer need not be plane. This crate
-//! finds curved layers that need no support and that a nozzle of any size reaches without a collision, and it
-//! audits any such order from first principles.
+//! # Where to find what
 //!
-//! * [`curved`]: growing fields after Dai et al. (2018), their audit and their quality, and the surfaces of their layers. All of it in
-//!   one call: [`curved::Workpiece::layers`].
+//! * [`curved::Workpiece`]: all of it in one call. [`curved::Strategy`], [`curved::grow`], [`curved::unbuild`]: orders of cells;
+//!   [`curved::audit`]: whether an order can be built.
+//! * [`curved::surface`]: the field of uniform layers, its surfaces, and how far apart they lie.
+//! * [`curved::trim`]: surfaces that end on the skin of a part.
 //! * [`planar`]: plane layers after Boge (2019): what a printer misses that cannot turn the part.
-//!
-//! Sets of cells come in as plain bits ([`curved::Cells`]), so any voxeliser will do.
 
 pub mod curved;
 pub mod planar;
@@ -16,8 +14,3 @@ mod progress;
 
 pub use nalgebra;
 pub use progress::Progress;
-
-/// The snippet of the README, compiled and run with the examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;

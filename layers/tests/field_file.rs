@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_layers::curved::surface::{
-    LayerField, OtherMesh, ReadFieldError, SavedField, Spacing, measure_spacing, mesh_stamp, write_field_vtk,
-    write_surfaces_vtk,
+    LayerField, OtherCells, OtherMesh, ReadFieldError, SavedField, Spacing, measure_spacing, mesh_stamp,
+    write_field_vtk, write_surfaces_vtk,
 };
 use curvlay_layers::curved::{Cells, CellsError};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::io::{self, BufReader, Read};
 use std::ops::ControlFlow;
@@ -170,6 +170,17 @@ fn a_changed_mesh_is_told() {
     let field = SavedField { mesh: stamp, ..saved([1, 1, 1], &[Some(0.5)], 0).unwrap() };
     assert_eq!(field.check_mesh(stamp), Ok(()));
     assert_eq!(field.check_mesh(1), Err(OtherMesh { saved: stamp, now: 1 }));
+}
+
+#[test]
+fn other_cells_are_told() {
+    let field = saved([2, 1, 1], &[Some(0.5), Some(1.0)], 0).unwrap();
+    let (cells, at) = (field.cells().unwrap(), field.origin);
+    assert_eq!(field.check_cells(&cells, at), Ok(()));
+    assert_eq!(field.check_cells(&Cells::new([2, 1, 1], &[0b01]).unwrap(), at), Err(OtherCells::Cells));
+    assert_eq!(field.check_cells(&Cells::new([1, 2, 1], &[1, 1]).unwrap(), at), Err(OtherCells::Cells));
+    let now = at + Vector3::x();
+    assert_eq!(field.check_cells(&cells, now), Err(OtherCells::Origin { saved: at, now }));
 }
 
 #[test]

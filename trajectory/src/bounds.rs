@@ -2,16 +2,22 @@
 
 /// Bounds of `N` joints, radians and seconds; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bounds<const N: usize> {
     /// Least angles.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::lower_limits"))]
     pub lower: [f64; N],
     /// Greatest angles.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limits"))]
     pub upper: [f64; N],
     /// Greatest speeds, rad/s.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limits"))]
     pub velocity: [f64; N],
     /// Greatest accelerations, rad/s^2.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limits"))]
     pub acceleration: [f64; N],
     /// Greatest jerks, rad/s^3.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limits"))]
     pub jerk: [f64; N],
 }
 

@@ -17,12 +17,15 @@ pub mod indicator;
 mod jerk;
 mod ladder;
 mod local;
+mod parallel;
 mod path;
 pub mod print;
 mod progress;
 pub mod qp;
 mod random;
 mod robot;
+#[cfg(feature = "serde")]
+mod serial;
 mod spline;
 mod timing;
 pub mod transfer;

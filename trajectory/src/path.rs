@@ -22,6 +22,7 @@ pub enum Timing<'a> {
 
 /// What counts as a defect.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct PathOptions {
     /// Waypoints nearer than this to the one before are repeated, in millimetres. Default 0.01: at 5 mm/s two
     /// milliseconds, less than a robot controller's cycle.

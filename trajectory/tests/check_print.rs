@@ -137,9 +137,7 @@ fn agrees<const N: usize>(trajectory: &Trajectory<N>, bounds: &Bounds<N>) -> Res
         };
         let theirs = violations.iter().filter(|v| v.quantity == quantity).map(|v| badness(v.value, v.bound));
         let ours = report.findings.iter().filter_map(|finding| match finding.kind {
-            FindingKind::Limit { what, value, limit, .. } if what == quantity.to_string() => {
-                Some(badness(value, limit))
-            }
+            FindingKind::Limit { what, value, limit, .. } if what == quantity => Some(badness(value, limit)),
             _ => None,
         });
         let (ours, theirs) = (ours.collect::<Vec<_>>(), theirs.fold(0.0, f64::max));
@@ -310,7 +308,10 @@ fn a_lowered_limit_is_found() {
         assert!(!report.findings.is_empty());
         for finding in &report.findings {
             let FindingKind::Limit { joint, what: named, value, limit } = finding.kind else { panic!("{finding}") };
-            assert!(joint == 1 && named == what && value.abs() > limit.abs() && finding.count > 0, "{finding}");
+            assert!(
+                joint == 1 && named.to_string() == what && value.abs() > limit.abs() && finding.count > 0,
+                "{finding}"
+            );
             assert!(finding.to_string().contains(what));
         }
         assert_eq!(report.share_over_jerk() > 0.0, at == 3);

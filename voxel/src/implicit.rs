@@ -18,6 +18,7 @@ use std::ops::ControlFlow;
 
 /// Options of [`VoxelGrid::from_implicit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct ImplicitOptions {
     /// Edge of a cell, in millimetres; 1 unless said otherwise.
     pub cell_mm: f64,

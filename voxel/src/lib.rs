@@ -7,6 +7,7 @@
 //! * [`orient`]: triangles of mixed winding turned so that they look outwards.
 //! * [`VoxelGrid`]: cells as bits, with their place in space. Also from functions and lists of cells, from implicit
 //!   functions ([`VoxelGrid::from_implicit`]) and from text ([`read_text_grid`]).
+//! * [`fn@polygonise`]: the surface of an implicit function as a mesh.
 //! * [`mod@inspect`]: what is wrong with a mesh. [`BoundaryDistance`]: how far it is to its surface.
 //!
 //! The closed solid is the surface together with all points round which it goes: those with a winding number above one
@@ -22,8 +23,10 @@ mod interior;
 mod lattice;
 mod neighbours;
 mod orient;
+mod polygonise;
 mod progress;
 mod search;
+mod solid;
 mod surface;
 mod text;
 mod voxelise;
@@ -36,6 +39,8 @@ pub use implicit::{ImplicitError, ImplicitOptions};
 pub use nalgebra;
 pub use neighbours::Connectivity;
 pub use orient::{OneSided, OrientError, OrientReport, Oriented, orient};
+pub use polygonise::{ImplicitMesh, PolygoniseError, polygonise};
 pub use progress::Progress;
+pub use solid::{VoxelReport, Voxelisation};
 pub use text::{TextGrid, TextGridError, WriteTextGridError, read_text_grid, write_text_grid};
-pub use voxelise::{Resolution, VoxelOptions, VoxelReport, Voxelisation, voxelise};
+pub use voxelise::{Resolution, VoxelOptions, voxelise};

@@ -6,7 +6,7 @@
 //! jumps where a flat face passes a plane of the grid; the numbers between are looked for by moving the grid along
 //! x and y, at the sizes on both sides of the jump.
 
-use crate::voxelise::{Solid, Trial};
+use crate::solid::{Solid, Trial};
 use crate::{TooFine, VoxelError};
 
 /// The search ends when the count is off by less than one in so many: ten times nearer than the 1 % that is meant,

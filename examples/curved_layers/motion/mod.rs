@@ -5,11 +5,10 @@
 //! cell while the part grows is that of [`GrowingScene`], and here is the check of what has been written (`check`).
 
 pub mod check;
-mod place;
 
 use crate::failure;
 use crate::field::FieldRun;
-use crate::machine::{MachineRun, Shape};
+use crate::machine::MachineRun;
 use crate::outputs::motion::read_csv;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
@@ -18,20 +17,19 @@ use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{
-    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, programs, table_options,
+    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, programs, table_options, waypoints,
 };
-use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
     AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
 };
+use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
 use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
-use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, plan_print};
+use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, Waypoint, plan_print};
 use nalgebra::Isometry3;
 use std::f64::consts::PI;
 use std::fs;
 use std::io::BufRead;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -99,7 +97,7 @@ pub enum ProgramFormat {
 
 impl MotionArgs {
     /// The workcell; with another nozzle, if one was asked for.
-    pub fn cell(&self, nozzle: Option<&Shape>) -> Result<AnyWorkcell, Failure> {
+    pub fn cell(&self, nozzle: Option<[f64; 4]>) -> Result<AnyWorkcell, Failure> {
         let named = |error: String| match &self.workcell {
             Some(file) => failure(format!("{}: {error}", file.display())),
             None => failure(error),
@@ -109,10 +107,10 @@ impl MotionArgs {
             None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
         };
         let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;
-        if let Some(Shape { numbers: [tip, angle, height, block], .. }) = nozzle {
+        if let Some([tip, angle, height, block]) = nozzle {
             let shape = &mut model.nozzle;
-            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (*tip, *angle);
-            (shape.cone_height_mm, shape.block_diameter_mm) = (*height, *block);
+            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (tip, angle);
+            (shape.cone_height_mm, shape.block_diameter_mm) = (height, block);
             shape.block_top_mm = shape.block_top_mm.max(height + MIN_BLOCK_MM);
         }
         AnyWorkcell::new(model).map_err(|error| named(error.to_string()))
@@ -121,19 +119,14 @@ impl MotionArgs {
     /// The format that is wanted.
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
         let takes_stream = programs::takes_stream(cell.equipment());
+        let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
         match (self.program, takes_stream) {
             (None, Ok(true)) => Ok(ProgramFormat::Urscript),
             (None, Ok(false)) => Ok(ProgramFormat::Rapid),
             (None, Err(_)) => Ok(ProgramFormat::Csv),
-            (Some(ProgramFormat::Urscript), Ok(false)) => {
-                Err(Failure::of_arguments("--program urscript: not for an ABB arm"))
-            }
-            (Some(ProgramFormat::Urscript), Err(why)) => {
-                Err(Failure::of_arguments(format!("--program urscript: {why}")))
-            }
-            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => {
-                Err(Failure::of_arguments("--program rapid: only for ABB arms, not for a UR"))
-            }
+            (Some(ProgramFormat::Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
+            (Some(ProgramFormat::Urscript), Err(why)) => refused(&format!("urscript: {why}")),
+            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
             (Some(format), _) => Ok(format),
         }
     }
@@ -172,20 +165,16 @@ pub(crate) use of_run;
 impl Motion {
     /// Checks the motions that were written to `trajectory.csv`.
     pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
-        of_run!(self, run => run.check(print, file, bars))
+        of_run!(self, run => {
+            let cell = (&run.cell, &run.frame_part);
+            run.checked = Some(check::check(print, cell, &run.limits, &read_csv(file)?, bars)?);
+        });
+        Ok(())
     }
 
     /// How long the motion takes to each waypoint from the one before: path, waypoint, seconds.
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
         of_run!(self, run => run.plan.steps())
-    }
-}
-
-impl<const N: usize, const F: usize, W: Workcell<N, F>> MotionRun<N, F, W> {
-    fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
-        let motions = read_csv(file).map_err(failure)?;
-        self.checked = Some(check::check(print, (&self.cell, &self.frame_part), &self.limits, &motions, bars)?);
-        Ok(())
     }
 }
 
@@ -232,16 +221,24 @@ impl Print<'_> {
     ) -> Result<MotionRun<N, F, W>, Failure> {
         let start = Instant::now();
         let robot = OnCell::new(cell.clone(), Vec::new());
-        let frame_part = self.place(cell, options, bars)?;
+        let place = PlateOptions {
+            stop_margin: options.stop_margin,
+            margin_mm: self.args.margin,
+            comfortable_mm: self.growing_options().clearances_mm[0],
+            rim_mm: self.paths.bead_mm,
+            ..PlateOptions::new(options.samples)
+        };
+        let waypoint = |at: Waypoint| curvlay_kinematics::Waypoint { position: at.position, axis: at.axis };
+        let all: Vec<_> = self.machine.resolved.paths.iter().flat_map(waypoints).map(waypoint).collect();
+        let plate_mm = self.field.platform_diameter_mm();
+        let progress = |p: curvlay_kinematics::Progress| bars.show(p.stage, p.done, p.total);
+        let frame_part = place_on_plate(cell, &all, plate_mm, &place, &progress)?;
         let limits = self.limits(cell.limits());
         let paths = PlacedPaths::new(&self.machine.resolved.paths, &self.machine.deposition, &frame_part);
-        let progress = |p: curvlay_trajectory::Progress| {
-            bars.update(p.stage, p.done, p.total);
-            ControlFlow::Continue(())
-        };
+        let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
         let plan = self.in_workcell((cell, &frame_part), PLANNED_DEPTH, bars, |growing| {
             let took = start.elapsed();
-            let mut plan = plan_print(&robot, growing, &paths.paths(), &limits, options, &progress).map_err(failure)?;
+            let mut plan = plan_print(&robot, growing, &paths.paths(), &limits, options, &progress)?;
             plan.times.runs += took;
             Ok(plan)
         })?;
@@ -258,27 +255,24 @@ impl Print<'_> {
         work: impl FnOnce(PrintingCell<N, F, W>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let Print { field, surfaces, nozzle, .. } = *self;
-        let progress = |p: curvlay_toolpath::Progress| {
-            bars.update(p.stage, p.done, p.total);
-            ControlFlow::Continue(())
-        };
+        let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
         // The workcell knows the plate.
         let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
         let layers = surfaces.surfaces();
-        let stack = self.paths.filled.stack(&layers).map_err(failure)?;
-        let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress).map_err(failure)?;
+        let stack = self.paths.filled.stack(&layers)?;
+        let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
         let (grid, height_mm) = (&field.solid.grid, surfaces.height_mm);
-        let layers = surfaces.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm());
+        let layers = surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
         let part = PartCells {
             dims: grid.dims(),
             rows: grid.rows(),
             cell_mm: grid.cell_mm(),
             origin: grid.origin(),
             frame_part: *frame_part,
-            layers: &layers.map_err(failure)?,
+            layers: &layers,
         };
-        let scene = GrowingScene::new(cell, &part, field.platform_diameter_mm(), &self.growing_options());
-        work(PrintingCell::new(scene.map_err(failure)?, &contacts))
+        let scene = GrowingScene::new(cell, &part, field.platform_diameter_mm(), &self.growing_options())?;
+        work(PrintingCell::new(scene, &contacts))
     }
 }
 

@@ -32,7 +32,7 @@ pub fn products(run: &FieldRun, surfaces: Option<&SurfacesRun>, folder: &OutputF
     let mut layers = vec![None; order.len()];
     if let Some(surfaces) = surfaces {
         let by_surface =
-            surfaces.field.cells_by_surface(surfaces.sheets.len(), surfaces.height_mm, run.solid.grid.cell_mm());
+            surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), surfaces.height_mm, run.solid.grid.cell_mm());
         for (layer, cells) in (1u32..).zip(by_surface.map_err(failure)?) {
             cells.into_iter().for_each(|cell| layers[cell as usize] = Some(layer));
         }

@@ -10,6 +10,7 @@ use curvlay_examples::plot::Plot;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
 use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath};
 use std::collections::HashSet;
@@ -106,9 +107,12 @@ pub fn summary(
     summary: &mut Summary,
 ) -> Result<(), Failure> {
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
+    let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
+        job.setup.cell.equipment().model().nozzle;
+    let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
         .set("filled_share", deposition.extruded_mm3 / field.part_mm3)?
-        .set("nozzle", job.setup.nozzle.text.as_str())?
+        .set("nozzle", nozzle.map(|number| number.to_string()).join(","))?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
         .set_seconds("gouging_s", times.gouging)?

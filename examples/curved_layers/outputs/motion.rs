@@ -2,7 +2,7 @@
 
 use super::{Picture, borrowed, pictures, seconds};
 use crate::motion::MotionRun;
-use crate::motion::check::{Checked, Sort, Written};
+use crate::motion::check::Checked;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
@@ -14,7 +14,7 @@ use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_kinematics::scene::{Body, Mount, Shape};
 use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
-use curvlay_trajectory::check::{JointPeaks, PrintPeak};
+use curvlay_trajectory::check::{FindingClass, FindingPlace, JointPeaks, PrintPeak, WrittenMotion};
 use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
@@ -54,10 +54,11 @@ pub fn products<const N: usize, const F: usize, W>(
             writeln!(out, "{},{},{},{kind},{what}", fault.layer + 1, fault.path, fault.waypoint)
         })
     })?;
-    let findings = run.checked.iter().flat_map(|checked| checked.report.findings.iter().zip(&checked.of));
+    let findings =
+        run.checked.iter().flat_map(|checked| checked.report.print.findings.iter().zip(&checked.report.places));
     folder.write_list("motion-check.csv", findings.clone().next().is_some(), |out| {
         writeln!(out, "motion,layer,path,kind,time_s,what")?;
-        findings.clone().try_for_each(|(finding, (kind, layer, path))| {
+        findings.clone().try_for_each(|(finding, FindingPlace { kind, layer, path })| {
             let what = finding.to_string().replace(',', ";");
             writeln!(out, "{},{},{path},{},{:.4},{what}", finding.motion, layer + 1, kind.name(), finding.time)
         })
@@ -91,8 +92,8 @@ pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, ou
 }
 
 /// Reads the motions of a `trajectory.csv`.
-pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>>> {
-    let mut motions: Vec<Written<N>> = Vec::new();
+pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<WrittenMotion<N>>> {
+    let mut motions: Vec<WrittenMotion<N>> = Vec::new();
     let mut last = None;
     for (number, line) in file.lines().enumerate().skip(1) {
         let line = line?;
@@ -105,7 +106,7 @@ pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<Written<N>
             let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
             let path = path.parse().map_err(|_| bad())?;
             let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());
-            motions.push(Written { kind, layer, path, times, joints, waypoints });
+            motions.push(WrittenMotion { kind, layer, path, times, joints, waypoints });
         }
         let motion = motions.last_mut().ok_or_else(bad)?;
         let joints: Option<Vec<f64>> = joints.iter().map(|joint| joint.parse().ok()).collect();
@@ -191,7 +192,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
 
 /// Figures of the check.
 fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Result<(), Failure> {
-    let report = &checked.report;
+    let report = &checked.report.print;
     let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
     for (joint, peaks) in report.joints.iter().enumerate() {
         let joint = joint + 1;
@@ -203,11 +204,11 @@ fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Resul
     summary
         .set_seconds("check_s", checked.took)?
         .set("check_findings", report.findings.len())?
-        .set("check_limits", checked.count(Sort::Limits))?
-        .set("check_deviations", checked.count(Sort::Deviations))?
-        .set("check_contacts", checked.count(Sort::Contacts))?
-        .set("collisions", checked.count(Sort::Collisions))?
-        .set("check_joins", checked.count(Sort::Joins))?
+        .set("check_limits", checked.report.count(FindingClass::Limits))?
+        .set("check_deviations", checked.report.count(FindingClass::Deviations))?
+        .set("check_contacts", checked.report.count(FindingClass::Contacts))?
+        .set("collisions", checked.report.count(FindingClass::Collisions))?
+        .set("check_joins", checked.report.count(FindingClass::Joins))?
         .set("time_over_acceleration_share", report.share_over_acceleration())?
         .set("time_over_jerk_share", report.share_over_jerk())?
         .set("max_deviation_mm", peak(&report.deviation))?
@@ -225,7 +226,7 @@ pub fn rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table: 
 
 fn check_rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table: &mut Table) {
     let Some(checked) = &run.checked else { return };
-    let report = &checked.report;
+    let report = &checked.report.print;
     let most = |of: fn(&JointPeaks) -> f64| report.joints.iter().map(of).fold(0.0, f64::max);
     let rates = format!(
         "{:.2} rad/s, {:.2} rad/s2, {:.1} rad/s3 at most; above a limit {:.2} % of the time",
@@ -235,7 +236,7 @@ fn check_rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table
         100.0 * report.share_over_acceleration().max(report.share_over_jerk()),
     );
     let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
-    let found = Sort::ALL.map(|sort| format!("{} {}", checked.count(sort), sort.name())).join(", ");
+    let found = FindingClass::ALL.map(|class| format!("{} {}", checked.report.count(class), class.name())).join(", ");
     table
         .row(["checked in".to_owned(), seconds(checked.took)])
         .row(["joints".to_owned(), rates])

@@ -11,9 +11,7 @@ use crate::failure;
 use crate::motion::check::Checked;
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::programs::{
-    LIFT_POSTURES, pieces, stream, takes_stream, targets, urscript_options, without,
-};
+use curvlay_examples::motion::programs::{LIFT_POSTURES, pieces, stream, takes_stream, targets, urscript_options};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
@@ -21,6 +19,7 @@ use curvlay_kinematics::program::{
     PrintPiece, ProgramLimits, RapidOptions, ServoRate, WriteError, write_csv, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::Workcell;
+use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{PrintPlan, Run, Travel};
 use std::io::{BufWriter, Write};
 
@@ -71,8 +70,9 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Failure> {
-    let withheld = run.checked.as_ref().map(Checked::unsafe_motions).unwrap_or_default();
-    let safe = (!withheld.is_empty()).then(|| without(&run.plan, &withheld));
+    let unsafe_motions = |checked: &Checked<N>| checked.report.print.motions_with(FindingClass::is_unsafe);
+    let withheld = run.checked.as_ref().map(unsafe_motions).unwrap_or_default();
+    let safe = (!withheld.is_empty()).then(|| run.plan.without(&withheld));
     let (cell, plan) = (&run.cell, safe.as_ref().unwrap_or(&run.plan));
     let none = Programs { withheld: withheld.len(), ..Programs::default() };
     if format == ProgramFormat::None || plan.runs.is_empty() {

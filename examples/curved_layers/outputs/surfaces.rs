@@ -14,7 +14,8 @@ use std::io::{self, Write};
 pub fn products(run: &SurfacesRun, folder: &OutputFolder) -> Result<(), Failure> {
     folder.write_with("layers.obj", |out| write_obj(run, out))?;
     folder.write_with("layers.vtk", |out| write_surfaces_vtk(out, &run.slices(), Some(&run.spacing)))?;
-    folder.write_with("field.vtk", |out| write_field_vtk(out, &run.field, run.saved.cell_mm, run.saved.origin))?;
+    folder
+        .write_with("field.vtk", |out| write_field_vtk(out, &run.saved.field, run.saved.cell_mm, run.saved.origin))?;
     folder.write_with("field.txt", |out| run.saved.write(out))?;
     Ok(())
 }

@@ -5,13 +5,13 @@
 
 use curvlay_kinematics::workcell::{ClearanceLevel, Equipment, GrowingScene, NOZZLE, Workcell};
 use curvlay_toolpath::surface::{
-    self, Contact, ContactError, Contacts, Deposition, Nozzle, NozzleError, NozzlePart, Obstacle, PathSchedule, Pose,
-    ToolPath,
+    self, ContactError, Contacts, Deposition, Nozzle, NozzleError, NozzlePart, Obstacle, PathSchedule, Pose, ToolPath,
 };
+use curvlay_trajectory::check::{Contact, GrowingPrintScene};
 use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::print::{Clearance, Moment, PrintCell, PrintOptions, PrintPath, Waypoint};
 use curvlay_trajectory::transfer::FreeSpace;
-use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use nalgebra::Isometry3;
 
 /// A workcell with the part as far as it is built.
 #[derive(Clone)]
@@ -20,10 +20,12 @@ pub struct PrintingCell<'a, const N: usize, const F: usize, W> {
     contacts: &'a Contacts<'a>,
 }
 
-/// A waypoint of a tool path in the part frame.
-pub fn placed(waypoint: &surface::Waypoint, frame_part: &Isometry3<f64>) -> Waypoint {
-    let axis = UnitVector3::new_unchecked(frame_part.rotation * waypoint.direction.into_inner());
-    Waypoint { position: frame_part * waypoint.tip, axis }
+/// How deep the nozzle counts where that cannot be said, in millimetres: deeper than any part.
+const UNKNOWN_MM: f64 = 1e6;
+
+/// The waypoints of a tool path as planning of motions takes them.
+pub fn waypoints(path: &ToolPath) -> Vec<Waypoint> {
+    path.waypoints.iter().map(|waypoint| Waypoint { position: waypoint.tip, axis: waypoint.direction }).collect()
 }
 
 /// The nozzle of a workcell as tool paths are planned with.
@@ -36,13 +38,6 @@ pub fn nozzle_of(equipment: &Equipment) -> Result<Nozzle, NozzleError> {
     Nozzle::new(shape.tip_flat_mm, half_angle, shape.cone_height_mm, shape.block_diameter_mm)
 }
 
-/// Maps the part to the part frame so that the mean of its waypoints is in the middle of the plate.
-pub fn in_the_middle(paths: &[ToolPath]) -> Isometry3<f64> {
-    let tips = || paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.tip.coords);
-    let mean = tips().sum::<Vector3<f64>>() / tips().count().max(1) as f64;
-    Isometry3::translation(-mean.x, -mean.y, 0.0)
-}
-
 /// The paths of a print in the part frame, with the plan of what they lay when.
 pub struct PlacedPaths {
     paths: Vec<(u32, Vec<Waypoint>, PathSchedule)>,
@@ -52,7 +47,7 @@ impl PlacedPaths {
     /// Of the paths of a plan and what is laid along them, with where the part stands.
     pub fn new(paths: &[ToolPath], deposition: &Deposition, frame_part: &Isometry3<f64>) -> Self {
         let paths = paths.iter().zip(deposition.schedules()).map(|(path, schedule)| {
-            let waypoints = path.waypoints.iter().map(|waypoint| placed(waypoint, frame_part)).collect();
+            let waypoints = waypoints(path).iter().map(|waypoint| waypoint.moved(frame_part)).collect();
             (path.layer, waypoints, schedule)
         });
         PlacedPaths { paths: paths.collect() }
@@ -92,46 +87,32 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
         PrintingCell { scene, contacts }
     }
 
-    /// Where the nozzle is in the part frame.
-    pub fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
-        self.scene.workcell().nozzle_on_part(joints)
-    }
-
-    /// Maps the part to the part frame.
-    pub fn frame_part(&self) -> &Isometry3<f64> {
-        self.scene.frame_part()
-    }
-
-    /// What may touch on a cubic piece of a transfer, in words.
-    pub fn touches_moving(&self, control: &[[f64; N]; 4]) -> Option<String> {
-        swept(self.scene.sweep_moving(control))
-    }
-
     /// Where a nozzle over the part frame is in the part.
-    fn in_part(&self, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Pose {
-        let frame_part = self.frame_part();
-        let tip = frame_part.inverse_transform_point(tip);
-        Pose { tip, direction: frame_part.inverse_transform_unit_vector(axis) }
+    fn in_part(&self, nozzle: &Waypoint) -> Pose {
+        let frame_part = self.scene.frame_part();
+        let tip = frame_part.inverse_transform_point(&nozzle.position);
+        Pose { tip, direction: frame_part.inverse_transform_unit_vector(&nozzle.axis) }
     }
 
     /// Where a nozzle over the part frame is deepest in what is built at some moment, or in the plate, if that is deeper than it
     /// may be.
-    ///
-    /// # Errors
-    /// A question that has no answer is not "nowhere".
-    pub fn deepest(
-        &self,
-        moment: surface::Moment,
-        tip: &Point3<f64>,
-        axis: &UnitVector3<f64>,
-    ) -> Result<Option<Contact>, ContactError> {
-        let pose = self.in_part(tip, axis);
-        let of_layers = self.contacts.deepest(moment, &pose)?;
-        let of_plate = self.scene.workcell().equipment().depth_in_plate(tip, axis).map(|plate| {
+    fn deepest(&self, moment: Moment, nozzle: &Waypoint) -> Result<Option<surface::Contact>, ContactError> {
+        let pose = self.in_part(nozzle);
+        let of_layers = self.contacts.deepest(built(moment), &pose)?;
+        let equipment = self.scene.workcell().equipment();
+        let of_plate = equipment.depth_in_plate(&nozzle.position, &nozzle.axis).map(|plate| {
             let part = if plate.body == NOZZLE { NozzlePart::Tip } else { NozzlePart::Block };
-            Contact { obstacle: Obstacle::Plate, depth: plate.depth_mm, height: 0.0, part, point: pose.tip }
+            surface::Contact { obstacle: Obstacle::Plate, depth: plate.depth_mm, height: 0.0, part, point: pose.tip }
         });
         Ok(of_layers.into_iter().chain(of_plate).max_by(|a, b| a.depth.total_cmp(&b.depth)))
+    }
+}
+
+/// A moment as contacts have it.
+fn built(moment: Moment) -> surface::Moment {
+    match moment {
+        Moment::At { path, waypoint } => surface::Moment::At { path, waypoint },
+        Moment::After { path } => surface::Moment::After { path },
     }
 }
 
@@ -162,13 +143,33 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for Printin
     }
 
     fn is_gouging(&self, moment: Moment, nozzle: &Waypoint) -> bool {
-        let moment = match moment {
-            Moment::At { path, waypoint } => surface::Moment::At { path, waypoint },
-            Moment::After { path } => surface::Moment::After { path },
+        let equipment = self.scene.workcell().equipment();
+        let above_plate = equipment.depth_in_plate(&nozzle.position, &nozzle.axis).is_none();
+        !(above_plate && self.contacts.is_free(built(moment), &self.in_part(nozzle)).unwrap_or(false))
+    }
+}
+
+impl<const N: usize, const F: usize, W: Workcell<N, F>> GrowingPrintScene<N> for PrintingCell<'_, N, F, W> {
+    fn begin(&mut self, layer: u32) -> Result<(), String> {
+        PrintCell::begin(self, layer)?;
+        self.build(layer)
+    }
+
+    fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
+        self.scene.workcell().nozzle_on_part(joints)
+    }
+
+    /// By the rule of the machine file. A question that has no answer is not "nowhere".
+    fn contact(&self, moment: Moment, nozzle: &Waypoint) -> Option<Contact> {
+        let (depth_mm, what) = match self.deepest(moment, nozzle) {
+            Ok(found) => found.map(|found| (found.depth, format!("{} with its {}", found.obstacle, found.part)))?,
+            Err(error) => (UNKNOWN_MM, error.to_string()),
         };
-        let Waypoint { position, axis } = nozzle;
-        let above_plate = self.scene.workcell().equipment().depth_in_plate(position, axis).is_none();
-        !(above_plate && self.contacts.is_free(moment, &self.in_part(position, axis)).unwrap_or(false))
+        Some(Contact { depth_mm, what })
+    }
+
+    fn sweep(&self, is_transfer: bool, control: &[[f64; N]; 4]) -> Option<String> {
+        if is_transfer { swept(self.scene.sweep_moving(control)) } else { self.touches(control) }
     }
 }
 

@@ -6,7 +6,6 @@ use curvlay_kinematics::program::{
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Postures by which the nozzle lifts off, and by which it comes down, in a program of targets.
@@ -34,30 +33,6 @@ pub fn pieces<const N: usize, const F: usize>(
         (steps(run, travel), travel.is_some())
     });
     print_pieces(motions, max_steps)
-}
-
-/// A plan without some of its motions. A run goes, with the travels to and from it; a travel goes as if it had not been found. So
-/// programs end before each of them, and the next one has to be approached by hand.
-///
-/// # Arguments
-/// * `motions`: by their numbers in [`PrintPlan::legs`] of all runs.
-pub fn without<const N: usize, const F: usize>(plan: &PrintPlan<N, F>, motions: &BTreeSet<usize>) -> PrintPlan<N, F> {
-    let (mut runs, mut travels, mut first) = (Vec::new(), Vec::new(), 0);
-    for (number, run) in plan.runs.iter().enumerate() {
-        let kinds: Vec<LegKind> = plan.legs(number..number + 1).map(|leg| leg.kind).collect();
-        let gone = |print: bool| {
-            (first..).zip(&kinds).any(|(motion, &kind)| (kind == LegKind::Print) == print && motions.contains(&motion))
-        };
-        if gone(true) {
-            travels.last_mut().into_iter().for_each(|to: &mut Option<Travel<N>>| *to = None);
-        } else {
-            runs.push(run.clone());
-            travels.push(plan.travels.get(number).cloned().flatten().filter(|_| !gone(false)));
-        }
-        first += kinds.len();
-    }
-    travels.pop();
-    PrintPlan { runs, travels, ..plan.clone() }
 }
 
 /// Some runs and the travels behind them as joints of the arm over time, at the 125 Hz of a UR.

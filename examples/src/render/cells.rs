@@ -1,7 +1,7 @@
 //! Cells coloured by layer: the faces that the camera sees, shaded by the lie of the cells around them.
 
 use super::colours::layer_colour;
-use super::cut::Plane;
+use super::plane::Plane;
 use super::raster::from_rgb;
 use super::scene::Scene;
 use nalgebra::{Point3, Vector3};

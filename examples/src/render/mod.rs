@@ -9,11 +9,13 @@ mod colours;
 mod cut;
 mod glyphs;
 mod image;
+mod plane;
 mod raster;
 mod scene;
 
 pub use cells::{LayeredCells, LayeredCellsError};
 pub use colours::{INK, MISSED, PLATFORM, Rgb, layer_colour, ramp};
-pub use cut::{Plane, draw_cut};
+pub use cut::draw_cut;
 pub use image::Image;
+pub use plane::Plane;
 pub use scene::{Camera, Scene};

@@ -2,10 +2,12 @@
 
 mod nozzle;
 mod part;
+mod plate;
 mod posture;
 mod sample;
 
 pub use nozzle::{Placement, PlacementError, ReachOptions, fullest_box, reachable_points};
 pub use part::{Assessment, BestPlace, PartPlace, PlaceError, best_place, place_grid};
+pub use plate::{PlateError, PlateOptions, centred_on_plate, place_on_plate};
 pub use posture::BestPosture;
 pub use sample::{Representatives, representative_waypoints};

@@ -1,6 +1,6 @@
 //! Waypoints of a motion that lie on the line between two others.
 
-use super::{PrintKnot, TargetOptions};
+use super::knot::{PrintKnot, TargetOptions};
 use crate::workcell::{ControllerPose, Workcell};
 use nalgebra::{Isometry3, UnitQuaternion};
 

@@ -31,6 +31,7 @@ mod check;
 mod csv;
 mod dome;
 mod external;
+mod knot;
 mod merge;
 mod names;
 mod prints;
@@ -45,10 +46,8 @@ pub use check::{ProgramLimits, WriteError};
 pub use csv::{CsvReader, write_csv};
 pub use dome::DomeRig;
 pub use external::{ExternalAxes, Payload};
-pub use prints::{
-    PrintKnot, PrintPiece, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream,
-    print_targets,
-};
+pub use knot::{PrintKnot, TargetOptions};
+pub use prints::{PrintPiece, StreamLeg, StreamOptions, TargetMotion, print_pieces, print_stream, print_targets};
 pub use rapid::{
     FilamentOutput, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten,
     ReadWarning, read_rapid, write_rapid,

@@ -12,6 +12,7 @@ pub const SMALL_PATCH: usize = 20;
 
 /// How well an order is cut into layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LayerQuality {
     /// Number of layers.
     pub layers: usize,

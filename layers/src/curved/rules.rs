@@ -7,6 +7,7 @@ use curvlay_hull::Depth;
 
 /// Which cells support a cell ("AM-stable neighbours").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Neighbours {
     /// The 18 cells that share a face or an edge (Boge 2019, Definition 3: distance 1 or the root of 2).
     #[default]
@@ -47,6 +48,7 @@ const ONE_NORM: [[i32; 3]; 24] = [
 
 /// What counts as supported and what as inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Rules {
     /// Depth below the surface of the hull from which a cell centre counts as inside, in cells; 0 means that a
     /// centre on the surface is inside (Boge's rule). Taken to the nearest 1/1024 of a cell. Default 1.

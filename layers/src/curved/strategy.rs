@@ -17,6 +17,7 @@ use std::ops::ControlFlow;
 
 /// How the next layer of cells is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Strategy {
     /// All cells that can be built now (Algorithm 1).
     Greedy,

@@ -18,7 +18,7 @@ use super::surface::{
     extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
-use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer};
+use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer, slices};
 use crate::Progress;
 use nalgebra::{Point3, Vector3};
 use std::collections::HashSet;
@@ -441,10 +441,6 @@ fn begin(stage: &'static str, progress: &(dyn Fn(Progress) -> ControlFlow<()> + 
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(LayersError::Cancelled),
     }
-}
-
-fn slices(sheets: &[TrimmedSheet]) -> Vec<SurfaceSlices<'_>> {
-    sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect()
 }
 
 impl LayerSurfaces {

@@ -15,7 +15,7 @@
 //! [`LayerStack::travels`]: super::LayerStack::travels
 
 use super::orientation::{JOINED, ToolPath, Waypoint, angle};
-use super::travel::Pose;
+use super::pose::Pose;
 use crate::gcode;
 use nalgebra::{Point3, UnitVector3};
 use std::collections::BTreeMap;
@@ -26,6 +26,7 @@ const SLOWEST: f64 = 1e-3;
 
 /// How material is laid.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct DepositionOptions {
     /// Diameter of the filament in millimetres: 1.75.
     pub filament_diameter: f64,

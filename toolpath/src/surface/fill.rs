@@ -98,6 +98,7 @@ pub struct LeftOutParts {
 
 /// Figures of all layers. Fractions are of the area of all surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FillTotals {
     /// Connected regions that a bead fits into.
     pub regions: usize,

@@ -26,6 +26,7 @@ mod order;
 mod orientation;
 mod parallel;
 mod paths;
+mod pose;
 mod print;
 mod stack;
 mod statistics;
@@ -51,9 +52,10 @@ pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath,
 pub use paths::{
     BEAD_WIDTHS, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
 };
+pub use pose::Pose;
 pub use print::{PrintError, PrintOptions, PrintPlan};
 pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };
-pub use travel::{BlockedTravel, Pose, TravelOptions, Travels};
+pub use travel::{BlockedTravel, TravelOptions, Travels};

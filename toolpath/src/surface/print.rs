@@ -21,6 +21,7 @@ const PLATE_CLEARANCE: f64 = 0.1;
 
 /// How a print is planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct PrintOptions {
     /// How the nozzle is oriented.
     pub orient: OrientOptions,

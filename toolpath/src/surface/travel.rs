@@ -26,9 +26,10 @@
 use super::gouging::{GougingError, Nozzle, Obstacle, Scene, Stand};
 use super::orientation::{JOINED, ToolPath, Waypoint, along, angle};
 use super::parallel;
+use super::pose::{Pose, farthest, lean};
 use super::stack::{Built, LayerStack};
 use crate::Progress;
-use nalgebra::{Point3, UnitVector3, Vector3};
+use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
 /// Legs are halved until their middle stands for them but for this share of the clearance. Less finds ways through gaps that
@@ -55,6 +56,7 @@ const LARGEST: f64 = 1e6;
 
 /// How ways from path to path are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct TravelOptions {
     /// What is to be kept from everything built, in millimetres: 1. From the plate, too, but where no way does.
     pub clearance: f64,
@@ -70,15 +72,6 @@ impl Default for TravelOptions {
     fn default() -> Self {
         TravelOptions { clearance: 1.0, min_lift: 2.0, max_lift: 200.0, plate: true }
     }
-}
-
-/// Where the tip is and how the nozzle stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// The tip, in millimetres.
-    pub tip: Point3<f64>,
-    /// From the tip into the nozzle.
-    pub direction: UnitVector3<f64>,
 }
 
 /// A travel for which no free way is known.
@@ -239,26 +232,6 @@ struct Finder<'a> {
 
 fn lifted(waypoint: &Waypoint, by: f64) -> Pose {
     Pose { tip: waypoint.tip + waypoint.direction.into_inner() * by, direction: waypoint.direction }
-}
-
-impl Pose {
-    /// A share of the way to another: the tip goes straight, the direction turns evenly. None between opposite directions.
-    pub(super) fn toward(&self, to: &Pose, share: f64) -> Option<Pose> {
-        let direction = along(&self.direction, &to.direction, share)?;
-        Some(Pose { tip: self.tip + (to.tip - self.tip) * share, direction })
-    }
-}
-
-/// The farthest that a point of a box may be from another; 0 if there is no box.
-pub(super) fn farthest([low, high]: &[Point3<f64>; 2], p: &Point3<f64>) -> f64 {
-    let side = |k: usize| (p[k] - low[k]).abs().max((p[k] - high[k]).abs());
-    let far = side(0).hypot(side(1)).hypot(side(2));
-    if far.is_finite() { far } else { 0.0 }
-}
-
-/// How far a pose leans from the upright.
-pub(super) fn lean(pose: &Pose) -> f64 {
-    angle(&pose.direction, &Vector3::z_axis())
 }
 
 /// How long a way is. The lifts at its ends count, too.

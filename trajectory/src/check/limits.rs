@@ -4,6 +4,7 @@ use super::curve::{Cubic, Curve};
 use super::report::{Findings, raise};
 use super::{CheckOptions, FindingKind, JointPeaks, PrintPeak};
 use crate::Bounds;
+use crate::spline::Quantity;
 
 pub(super) struct Rates<const N: usize> {
     pub joints: [JointPeaks; N],
@@ -42,10 +43,10 @@ pub(super) fn check<const N: usize>(
             };
             let (low, high) = positions(&cubic, |s, value| peak(at(s), value));
             if low.value < bounds.lower[joint] - options.position_slack {
-                limit(bounds.lower[joint] - low.value, low, "position", bounds.lower[joint]);
+                limit(bounds.lower[joint] - low.value, low, Quantity::Position, bounds.lower[joint]);
             }
             if high.value > bounds.upper[joint] + options.position_slack {
-                limit(high.value - bounds.upper[joint], high, "position", bounds.upper[joint]);
+                limit(high.value - bounds.upper[joint], high, Quantity::Position, bounds.upper[joint]);
             }
             let mut velocity = peak(begin, cubic.v);
             cubic.crest().into_iter().for_each(|s| raise(&mut velocity, peak(at(s), cubic.velocity(s))));
@@ -54,9 +55,9 @@ pub(super) fn check<const N: usize>(
             raise(&mut acceleration, peak(at(h), cubic.a_end));
             let jerk = peak(begin, cubic.j);
             let limited = [
-                ("velocity", velocity, &bounds.velocity),
-                ("acceleration", acceleration, &bounds.acceleration),
-                ("jerk", jerk, &bounds.jerk),
+                (Quantity::Velocity, velocity, &bounds.velocity),
+                (Quantity::Acceleration, acceleration, &bounds.acceleration),
+                (Quantity::Jerk, jerk, &bounds.jerk),
             ];
             for (what, peak, limits) in limited {
                 if peak.value.abs() > most(limits, joint) {

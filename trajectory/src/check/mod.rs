@@ -29,9 +29,11 @@ mod limits;
 mod report;
 mod samples;
 mod scene;
+mod written;
 
-pub use report::{Finding, FindingKind, JointPeaks, MotionReport, PrintPeak, PrintReport};
+pub use report::{Finding, FindingClass, FindingKind, JointPeaks, MotionReport, PrintPeak, PrintReport};
 pub use scene::{Contact, Moment, PrintScene, PrintSceneFn};
+pub use written::{FindingPlace, GrowingPrintScene, WrittenMotion, WrittenReport, check_written};
 
 use crate::{Bounds, BoundsError, Progress};
 use curve::Curve;
@@ -86,6 +88,7 @@ impl<const N: usize> CheckedMotion<'_, N> {
 
 /// What is tolerated, and how dense samples are.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct CheckOptions {
     /// Share by which a velocity, acceleration or jerk may pass its limit. Times and angles written with few digits need
     /// more: an error `e` of an angle makes up to about `12 e / h^3` of jerk on a piece of `h` seconds.
@@ -251,6 +254,24 @@ pub enum CheckError {
         begin: f64,
         /// When the motion ends.
         end: f64,
+    },
+    /// A motion along a path, or to a waypoint of it, that there is not, or from a later waypoint to an earlier one.
+    #[error("motion {motion}: path {path} has no waypoint {waypoint}, or it is passed in the wrong order")]
+    NoWaypoint {
+        /// The motion, counted from 0.
+        motion: usize,
+        /// Its path.
+        path: usize,
+        /// The waypoint.
+        waypoint: usize,
+    },
+    /// The scene cannot add a layer.
+    #[error("layer {layer} cannot be added: {why}")]
+    Layer {
+        /// The layer, counted from 0.
+        layer: u32,
+        /// Why, in words.
+        why: String,
     },
     /// Limits that nothing can keep.
     #[error(transparent)]

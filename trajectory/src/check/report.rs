@@ -1,10 +1,13 @@
 //! What the checker reports.
 
 use super::{CheckOptions, MotionKind};
+use crate::spline::Quantity;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The largest value of something, and where it occurs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrintPeak {
     /// The value, with its sign.
     pub value: f64,
@@ -16,6 +19,7 @@ pub struct PrintPeak {
 
 /// The largest rates of a joint, everywhere on the splines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointPeaks {
     /// In rad/s.
     pub velocity: PrintPeak,
@@ -27,14 +31,15 @@ pub struct JointPeaks {
 
 /// What is wrong.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum FindingKind {
     /// A joint is beyond a limit; counted are pieces and joints.
     Limit {
         /// The joint, counted from 0.
         joint: usize,
-        /// `position`, `velocity`, `acceleration` or `jerk`: each is a finding of its own.
-        what: &'static str,
+        /// Of what: each is a finding of its own.
+        what: Quantity,
         /// The value, with its sign.
         value: f64,
         /// The limit, with the sign of the side that is left.
@@ -74,6 +79,7 @@ pub enum FindingKind {
         /// The point, counted from 0.
         point: usize,
         /// How far the tip is from it when it passes, in millimetres; infinite if the nozzle has no pose on the path.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serial::limit"))]
         distance_mm: f64,
     },
     /// The nozzle is too deep in something; counted are samples.
@@ -94,8 +100,69 @@ pub enum FindingKind {
     OutOfReach,
 }
 
+/// Classes of findings, by what they mean for the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FindingClass {
+    /// A joint is beyond a limit.
+    Limits,
+    /// The nozzle is off its path: the part suffers, and nothing is in danger.
+    Deviations,
+    /// The nozzle is in what is built.
+    Contacts,
+    /// The motion is not proven free.
+    Collisions,
+    /// The motion does not follow from the one before, or has no pose.
+    Joins,
+}
+
+impl FindingClass {
+    /// All of them.
+    pub const ALL: [FindingClass; 5] = [
+        FindingClass::Limits,
+        FindingClass::Deviations,
+        FindingClass::Contacts,
+        FindingClass::Collisions,
+        FindingClass::Joins,
+    ];
+
+    /// Whether a motion with such a finding should not be executed.
+    pub fn is_unsafe(self) -> bool {
+        self != FindingClass::Deviations
+    }
+
+    /// What is said of such a motion, in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            FindingClass::Limits => "beyond a limit",
+            FindingClass::Deviations => "off the path",
+            FindingClass::Contacts => "with the nozzle in what is built",
+            FindingClass::Collisions => "not proven free",
+            FindingClass::Joins => "not joined",
+        }
+    }
+}
+
+impl FindingKind {
+    /// Its class.
+    pub fn class(&self) -> FindingClass {
+        match self {
+            FindingKind::Limit { .. } => FindingClass::Limits,
+            FindingKind::Deviation { .. } | FindingKind::Tilt { .. } | FindingKind::Skipped { .. } => {
+                FindingClass::Deviations
+            }
+            FindingKind::Contact { .. } => FindingClass::Contacts,
+            FindingKind::Collision { .. } => FindingClass::Collisions,
+            FindingKind::Jump { .. }
+            | FindingKind::Gap { .. }
+            | FindingKind::Overlap { .. }
+            | FindingKind::OutOfReach => FindingClass::Joins,
+        }
+    }
+}
+
 /// What is wrong with a motion: of each kind the worst, and how many there are.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// The motion, counted from 0.
     pub motion: usize,
@@ -169,12 +236,14 @@ pub struct MotionReport<const N: usize> {
 
 /// What was found on a whole print.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrintReport<const N: usize> {
     /// What is wrong, motion by motion; empty for a sound print.
     pub findings: Vec<Finding>,
     /// Motions that do not begin where the one before ends, declared ([`super::CheckedMotion::apart`]) or not.
     pub gaps: Vec<usize>,
     /// The largest rates of each joint.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub joints: [JointPeaks; N],
     /// The largest distance of a tip from its path, in millimetres; `None` if there was no path.
     pub deviation: Option<PrintPeak>,
@@ -270,6 +339,11 @@ impl<const N: usize> PrintReport<N> {
     /// Whether nothing is wrong.
     pub fn is_ok(&self) -> bool {
         self.findings.is_empty()
+    }
+
+    /// The motions with a finding of a class that is asked for.
+    pub fn motions_with(&self, class: impl Fn(FindingClass) -> bool) -> BTreeSet<usize> {
+        self.findings.iter().filter(|finding| class(finding.kind.class())).map(|finding| finding.motion).collect()
     }
 
     /// Share of the time with an acceleration above its limit, 0 to 1.

@@ -8,6 +8,7 @@ pub(super) const MAX_STUCK: usize = 4;
 
 /// Two free parameters that tilt the tool, and how far they may.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Cone {
     /// The free parameters, as the two components of a tilt.
     pub tilts: [usize; 2],
@@ -17,6 +18,7 @@ pub struct Cone {
 
 /// How to smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct GlobalOptions {
     /// Most rounds of the first pass, of its second try where bounds are missed, and of the second pass. Default 40.
     pub rounds: usize,

@@ -28,6 +28,7 @@ pub struct Sample<const N: usize> {
 
 /// How samples are gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct SamplingOptions {
     /// Random samples on the contact space to begin with: `m`, which the paper does not state.
     pub initial: usize,

@@ -35,6 +35,7 @@ use std::ops::{ControlFlow, Range};
 
 /// How far apart two nodes are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Norm {
     /// The weighted sum of squared differences, Eq. 4.5.
     Squared,
@@ -44,6 +45,7 @@ pub enum Norm {
 
 /// How the shortest path is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum LadderSearch {
     /// All samples at all waypoints. The result is a shortest path.
     Exact,
@@ -58,9 +60,15 @@ pub enum LadderSearch {
 
 /// How a ladder is built and searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields, bound(deserialize = ""))
+)]
 pub struct LadderOptions<const N: usize, const F: usize> {
     /// Samples of each free parameter to begin with. Default 4, as in section 4.3.1; 360 is the dense graph of Table
     /// 4.2.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub samples: [u32; F],
     /// How often the samples may be doubled while there is no path. Default 7, to 512 samples.
     pub doublings: u32,
@@ -68,10 +76,12 @@ pub struct LadderOptions<const N: usize, const F: usize> {
     /// off where it did. Default 0, at most 10.
     pub refinements: u32,
     /// Weight of each joint, the diagonal of `W`. Default 1.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub weights: [f64; N],
     /// How far each joint may go from a waypoint to the next, whatever its speed, in radians. Default infinite. Where
     /// waypoints are seconds apart, speeds allow to turn the arm over between two of them: both are met, but what is
     /// between them is not the path.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limits"))]
     pub step: [f64; N],
     /// Default [`Norm::Squared`].
     pub norm: Norm,
@@ -83,6 +93,7 @@ pub struct LadderOptions<const N: usize, const F: usize> {
     /// Where the joints are before the path: the way to the first waypoint then costs what a step does, but no speed
     /// bounds it. Of many paths that are nearly as short it takes the one that is near by, without whole turns on the way.
     /// Default none: a path may begin anywhere.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::optional_array"))]
     pub from: Option<[f64; N]>,
 }
 

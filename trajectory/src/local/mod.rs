@@ -29,6 +29,11 @@ const SAME: f64 = 1e-6;
 
 /// How the filter goes about it. The defaults are the dissertation's.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields, bound(deserialize = ""))
+)]
 pub struct FilterOptions<const N: usize> {
     /// Windows are laid at most so often. Default 100.
     pub iterations: usize,
@@ -41,6 +46,7 @@ pub struct FilterOptions<const N: usize> {
     /// Share by which a window's sum of squared jerks must fall to count as a success. Default 1e-3.
     pub gain: f64,
     /// Weight of each joint, the diagonal of `W`. Default 1.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub weights: [f64; N],
 }
 

@@ -20,6 +20,12 @@ impl Waypoint {
         let axis = UnitVector3::new_normalize(nozzle.rotation * Vector3::z());
         Waypoint { position: Point3::from(nozzle.translation.vector), axis }
     }
+
+    /// The same waypoint in another frame.
+    pub fn moved(&self, frame: &Isometry3<f64>) -> Self {
+        let axis = UnitVector3::new_unchecked(frame.rotation * self.axis.into_inner());
+        Waypoint { position: frame * self.position, axis }
+    }
 }
 
 /// A robot by itself, without a path: kinematics between joints and the nozzle on the part.

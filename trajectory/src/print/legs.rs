@@ -1,8 +1,9 @@
 //! The print as it is executed: motions from rest to rest, one after the other.
 
-use super::plan::{PrintPlan, Run};
+use super::plan::{PrintPlan, Run, Travel};
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Knots of a transfer nearer in time than this, in seconds, are one: where its jerk changes twice at once.
@@ -10,6 +11,7 @@ const SAME_KNOT_S: f64 = 1e-6;
 
 /// What a motion is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum LegKind {
     /// Along a path.
     Print,
@@ -115,5 +117,29 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             let all = [(LegKind::Print, Way::Spline(&run.trajectory))].into_iter().chain(behind);
             all.map(move |(kind, way)| Leg { kind, run, way }).filter(|leg| leg.duration() > SAME_KNOT_S)
         })
+    }
+    /// The plan without some of its motions. A run goes, with the travels to and from it; a travel goes as if it had not been
+    /// found. So programs end before each of them, and the next one has to be approached by hand.
+    ///
+    /// # Arguments
+    /// * `motions`: by their numbers in [`PrintPlan::legs`] of all runs.
+    pub fn without(&self, motions: &BTreeSet<usize>) -> Self {
+        let (mut runs, mut travels, mut first) = (Vec::new(), Vec::new(), 0);
+        for (number, run) in self.runs.iter().enumerate() {
+            let kinds: Vec<LegKind> = self.legs(number..number + 1).map(|leg| leg.kind).collect();
+            let gone = |print: bool| {
+                let mut legs = (first..).zip(&kinds);
+                legs.any(|(motion, &kind)| (kind == LegKind::Print) == print && motions.contains(&motion))
+            };
+            if gone(true) {
+                travels.last_mut().into_iter().for_each(|to: &mut Option<Travel<N>>| *to = None);
+            } else {
+                runs.push(run.clone());
+                travels.push(self.travels.get(number).cloned().flatten().filter(|_| !gone(false)));
+            }
+            first += kinds.len();
+        }
+        travels.pop();
+        PrintPlan { runs, travels, ..self.clone() }
     }
 }

@@ -23,7 +23,6 @@ mod cell;
 mod course;
 mod legs;
 mod options;
-mod parallel;
 mod plan;
 mod planner;
 mod postures;

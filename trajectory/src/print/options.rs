@@ -38,12 +38,15 @@ impl PrintPath<'_> {
 
 /// What every motion keeps within.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PrintLimits<const N: usize> {
     /// Stops, speeds, accelerations and jerks; infinite for none.
     pub bounds: Bounds<N>,
     /// The greatest flow of the extruder, in mm^3/s; infinite for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limit"))]
     pub max_flow_mm3_s: f64,
     /// How fast the flow may change, in mm^3/s^2; infinite for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limit"))]
     pub max_flow_ramp_mm3_s2: f64,
     /// Section of the filament, in mm^2.
     pub filament_mm2: f64,
@@ -74,18 +77,27 @@ impl<const N: usize> PrintLimits<N> {
 
 /// How postures are searched, by the kinds of joints that the robot has.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields, bound(deserialize = ""))
+)]
 pub struct PrintOptions<const N: usize, const F: usize> {
     /// Samples of the free parameters at which a waypoint is tried, and of the ladder to begin with.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub samples: [u32; F],
     /// Samples with which a waypoint is searched that has no posture at those. One without a posture here is reported as
     /// out of reach or blocked.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub dense_samples: [u32; F],
     /// Where the few lead nowhere, as many as a step leads from one to the next.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub near_samples: [u32; F],
     /// How often the ladder may double these.
     pub doublings: u32,
     /// How far each joint may go from a waypoint to the next, in radians. Directions of neighbouring waypoints should differ
     /// by less; what goes much farther turns the arm over, and the nozzle goes anywhere between.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limits"))]
     pub max_step: [f64; N],
     /// How far from its stops a joint stays at waypoints, in radians: motions overshoot between them.
     pub stop_margin: f64,

@@ -67,6 +67,7 @@ impl<const N: usize, const F: usize> Run<N, F> {
 
 /// How long steps took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlanTimes {
     /// Postures and runs.
     pub runs: Duration,
@@ -83,6 +84,7 @@ impl PlanTimes {
 
 /// What is said of a layer. Travels count with the layer to which they lead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LayerPlan {
     /// The layer.
     pub layer: u32,

@@ -3,12 +3,12 @@
 use super::cell::{PrintCell, PrintRobot};
 use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath, check};
-use super::parallel;
 use super::plan::{Fault, FaultKind, LayerPlan, PrintPlan, Run};
 use super::postures::{Before, Chosen, choose, prepare};
 use super::run::{Planned, smoothed};
 use super::ways::{Found, Ways};
 use crate::Progress;
+use crate::parallel;
 use std::collections::VecDeque;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};

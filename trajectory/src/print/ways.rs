@@ -7,11 +7,11 @@
 use super::cell::{PrintCell, PrintRobot};
 use super::course::Task;
 use super::options::{PrintError, PrintPath};
-use super::parallel;
 use super::plan::{Run, Travel};
 use super::postures::{Chosen, others};
 use super::run::{Planned, smoothed};
 use super::travel::{Search, travel};
+use crate::parallel;
 use std::time::{Duration, Instant};
 
 /// Paths that get other postures at most, to close one gap.

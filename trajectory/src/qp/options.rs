@@ -2,6 +2,7 @@
 
 /// How long and how exactly to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct QpOptions {
     /// Most iterations. Default 60; a sound problem takes 8 to 30. One that comes to no end, and is not proved to be
     /// infeasible, gets as many again from a start for large multipliers.

@@ -34,6 +34,7 @@ const ROUGH: f64 = 0.02;
 
 /// How a path is timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct TimePathOptions {
     /// By what share the duration may be longer than the least of the discretised problem; between 0 and 1.
     pub tolerance: f64,

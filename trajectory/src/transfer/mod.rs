@@ -25,6 +25,7 @@ use crate::vectors::square;
 
 /// How a transfer is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct TransferOptions {
     /// Longest edge of the trees, in radians. Longer ones cross open space in fewer checks, shorter ones pass narrow gaps.
     pub step: f64,

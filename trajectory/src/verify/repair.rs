@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 /// How waypoints are repaired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct RepairOptions {
     /// Of each waypoint, this many candidates are tried: half of them the nearest, half ever farther off, so that there are
     /// steps between a posture and one far away. The motions to be checked grow with its square.

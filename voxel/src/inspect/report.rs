@@ -8,6 +8,7 @@ const PLACES: usize = 8;
 
 /// How often a fault was found, and where first.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// How often.
     pub count: usize,
@@ -17,6 +18,7 @@ pub struct Finding {
 
 /// Where something was found. Triangles are counted from 0 in the order of the input.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Place {
     /// The triangle, or the first of those concerned.
     pub triangle: u32,
@@ -28,6 +30,7 @@ pub struct Place {
 
 /// A hole: open edges that hang together.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hole {
     /// Number of edges round it.
     pub edges: usize,
@@ -39,6 +42,7 @@ pub struct Hole {
 
 /// Which way the faces of a mesh look. The solid is where the winding number is above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Orientation {
     /// Outwards: no winding number is below zero (the skin of a cavity rightly looks into the cavity).
@@ -57,6 +61,7 @@ pub enum Orientation {
 /// three find useless: triangles without area (but for those that fill the slit between an edge and a corner on it) and
 /// repeats.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshReport {
     /// Triangles of the input.

@@ -28,6 +28,7 @@ pub struct Oriented {
 
 /// What [`orient`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct OrientReport {
     /// Triangles of the input.

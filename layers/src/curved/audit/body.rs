@@ -5,14 +5,8 @@
 //! row and a short outline for each level, and the offset of its hull in a direction is found by looking at the
 //! outlines, level by level, where a box around the level does not rule it out.
 
+use super::vec3::Vec3;
 use super::wrap::outline;
-
-/// A point or a direction of the doubled lattice.
-pub(super) type Vec3 = [i64; 3];
-
-pub(super) fn dot(a: Vec3, b: Vec3) -> i64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
 
 /// The convex outline of what lies on one level.
 struct Level {

@@ -8,7 +8,8 @@
 //! its normal, until that direction turns out to be a witness, or no facet comes near. The coarse hull is part of the
 //! true one, so then `c` is inside. All numbers are integers; squares take 128 bits.
 
-use super::body::{Body, Vec3, dot};
+use super::body::Body;
+use super::vec3::{Vec3, dot};
 use super::wrap::facet_normals;
 
 /// Points of the coarse hull above which it is started afresh: it costs the square of their number to wrap.

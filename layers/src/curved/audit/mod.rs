@@ -9,6 +9,7 @@
 
 mod body;
 mod depth;
+mod vec3;
 mod wrap;
 
 use super::{Cells, LayerOrder, Neighbours, Platform, Rules, RulesError};
@@ -27,6 +28,7 @@ const CELLS_PER_REPORT: u64 = 1 << 12;
 
 /// What is wrong with an order. Cells are given by their numbers, layers are counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Fault {
     /// The cell has no neighbour in an earlier layer and does not stand on the platform.
@@ -88,6 +90,7 @@ pub enum Fault {
 
 /// How many faults there are of each kind; the kinds are those of [`Fault`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FaultCounts {
     /// Cells without support.
     pub unsupported: usize,
@@ -111,6 +114,7 @@ pub struct FaultCounts {
 
 /// What an audit found.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AuditReport {
     /// Cells of the solid.
     pub cells: usize,

@@ -4,7 +4,7 @@
 //! plane of a facet are gathered before its outline is taken, so facets with many corners need no special care.
 //! Coordinates are below 2^15, differences below 2^16, normals below 2^33 and offsets below 2^50: all in `i64`.
 
-use super::body::{Vec3, dot};
+use super::vec3::{Vec3, cross, dot, minus};
 use std::collections::HashSet;
 
 /// Outward normals of the facets of the hull of `points`, and with them the normals of the outline of its
@@ -112,12 +112,4 @@ pub(super) fn outline<T: Copy>(items: &mut [T], place: impl Fn(T) -> [i64; 2]) -
         corners.extend(items.first()); // all at one place
     }
     corners
-}
-
-fn minus(a: Vec3, b: Vec3) -> Vec3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

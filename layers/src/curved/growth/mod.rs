@@ -38,6 +38,7 @@ use std::ops::ControlFlow;
 
 /// How to keep cells from being shadowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Prevention {
     /// Not at all: the greedy scheme (Dai's Algorithm 1).
     None,
@@ -54,6 +55,7 @@ pub enum Prevention {
 
 /// Which cells become candidates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Candidates {
     /// Every neighbour of anything built.
     #[default]
@@ -64,6 +66,7 @@ pub enum Candidates {
 
 /// In which order cells and their neighbours are looked at. It matters where candidates are tried in that order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Visit {
     /// By rising cell number: lowest level first.
     #[default]
@@ -74,6 +77,7 @@ pub enum Visit {
 
 /// How [`grow`] goes about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct GrowthOptions {
     /// How to keep cells from being shadowed. Default: incremental.
     pub prevention: Prevention,
@@ -108,6 +112,7 @@ pub struct MissedCell {
 
 /// Figures about a growth; they are the same on every machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GrowthStatistics {
     /// Layers in which all candidates could be built at once.
     pub whole_layers: u64,

@@ -3,11 +3,10 @@
 //! The plate is at 0; layer `k`, counted from 1, is the cells with `k - 1 <= value < k`, so `k - 1/2` is its middle.
 
 use super::super::{Cells, LayerOrder};
-use super::lattice::{Lattice, ROOM};
 
 /// When each cell of a part is built, in layers.
 ///
-/// A cell has no value if it is empty or missed. [`plain_field`] makes a field of whole layers, [`uniform_field`](super::uniform_field)
+/// A cell has no value if it is empty or missed. [`plain_field`](super::plain_field) makes a field of whole layers, [`uniform_field`](super::uniform_field)
 /// a smooth one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerField {
@@ -94,14 +93,14 @@ impl LayerField {
         if any { Ok(LayerField { dims: cells.dims(), values, layer_cells }) } else { Err(FieldError::Empty) }
     }
 
-    /// The field with the values of the lattice, which was made of it.
-    pub(super) fn with_values(mut self, lattice: &Lattice) -> Self {
-        let [nx, ny, _] = self.dims.map(|d| d as usize);
-        for (row, values) in self.values.chunks_exact_mut(nx).enumerate() {
-            let start = lattice.index([0, (row % ny) as u32, (row / ny) as u32].map(|c| c + ROOM));
-            values.copy_from_slice(&lattice.values[start..start + nx]);
-        }
-        self
+    /// The field with other values at its cells.
+    pub(super) fn with_values(self, values: Vec<f64>) -> Self {
+        LayerField { values, ..self }
+    }
+
+    /// The field with layers of another thickness, in cells.
+    pub(super) fn with_layer_cells(self, layer_cells: f64) -> Self {
+        LayerField { layer_cells, ..self }
     }
 
     /// Cells of the grid along x, y and z.
@@ -194,34 +193,4 @@ impl LayerField {
         }
         order
     }
-}
-
-/// The plain field of an order: a cell of layer `k` (from 1) has the value `k - 1/2`.
-///
-/// The thickness of its layers is their mean: the number of cells over the sum of the slopes at them. (Dai 2020, section
-/// 3.6.3, takes 1.25 cells, found by experiment.)
-///
-/// # Errors
-/// [`FieldError`] for an order that names cells outside the solid, or none.
-///
-/// # Example
-/// ```
-/// use curvlay_layers::curved::{Cells, LayerOrder, surface::plain_field};
-/// let cells = Cells::new([1, 1, 3], &[1; 3])?;
-/// let mut order = LayerOrder::new();
-/// (0..3).for_each(|cell| order.push([cell]));
-/// let field = plain_field(&cells, &order)?;
-/// assert_eq!((field.value(2), field.layer_cells()), (Some(2.5), 1.0));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn plain_field(cells: &Cells, order: &LayerOrder) -> Result<LayerField, FieldError> {
-    let len = cells.dims().iter().map(|&d| d as usize).product();
-    if let Some(&cell) = order.cells().iter().find(|&&cell| cell as usize >= len) {
-        return Err(FieldError::OutsideGrid { cell, len });
-    }
-    let layers = order.field(len);
-    let value = |&layer: &u32| if layer == 0 { f64::NAN } else { f64::from(layer) - 0.5 };
-    let field = LayerField::new(cells, layers.iter().map(value).collect(), 1.0)?;
-    let mean_slope = Lattice::of(&field).mean_slope();
-    Ok(LayerField { layer_cells: if mean_slope > 0.0 { 1.0 / mean_slope } else { 1.0 }, ..field })
 }

@@ -56,6 +56,14 @@ impl Lattice {
         lattice
     }
 
+    /// The values at the cells of the grid that it was made of.
+    pub(super) fn values_at_cells(&self) -> Vec<f64> {
+        let [nx, ny, nz] = self.dims.map(|side| side - 2 * ROOM);
+        let rows = (0..nz).flat_map(|z| (0..ny).map(move |y| [0, y, z]));
+        let starts = rows.map(|row| self.index(row.map(|c| c + ROOM)));
+        starts.flat_map(|start| self.values[start..start + nx as usize].iter().copied()).collect()
+    }
+
     pub(super) fn index(&self, [x, y, z]: [u32; 3]) -> usize {
         x as usize + self.dims[0] as usize * (y as usize + self.dims[1] as usize * z as usize)
     }

@@ -26,6 +26,8 @@ mod extend;
 mod field;
 mod fit;
 mod lattice;
+mod plain;
+mod slices;
 mod slope;
 mod spacing;
 mod store;
@@ -35,13 +37,13 @@ mod vtk;
 
 pub use contour::{ContourError, Surface, VertexPlacement, contour, contour_with};
 pub use extend::{ExtendedField, extend};
-pub use field::{FieldError, LayerField, plain_field};
+pub use field::{FieldError, LayerField};
 pub use fit::FittedLevels;
 pub use lattice::{APART, JUMP};
-pub use spacing::{
-    HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, SurfaceSlices, measure_spacing, measure_spacing_within,
-};
-pub use store::{OtherMesh, ReadFieldError, SavedField, mesh_stamp};
+pub use plain::plain_field;
+pub use slices::SurfaceSlices;
+pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, measure_spacing, measure_spacing_within};
+pub use store::{OtherCells, OtherMesh, ReadFieldError, SavedField, mesh_stamp};
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};
 

@@ -45,7 +45,7 @@ pub(super) fn evened(field: LayerField) -> LayerField {
         let found = in_parallel(solid.len(), LEAST_SHARE, |k| moved(&lattice, &ways, solid[k]));
         solid.iter().zip(found).for_each(|(&node, value)| lattice.values[node] = value);
     }
-    field.with_values(&lattice)
+    field.with_values(lattice.values_at_cells())
 }
 
 /// The unit vector along the slope at a node; zero if there is none. Not a number along an axis on which the front parts or

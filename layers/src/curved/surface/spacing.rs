@@ -16,6 +16,7 @@
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
+use super::slices::SurfaceSlices;
 use super::tree::Tree;
 use super::{Report, in_parallel_watched};
 use crate::Progress;
@@ -51,11 +52,9 @@ const BARS: usize = 60;
 /// Where the histogram ends, in layer heights.
 pub const HISTOGRAM_END: f64 = 3.0;
 
-/// A surface as plain slices: its points in millimetres, and its triangles.
-pub type SurfaceSlices<'a> = (&'a [Point3<f64>], &'a [[u32; 3]]);
-
 /// How far apart surfaces lie.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spacing {
     /// For each surface, for each triangle: the spacing in millimetres; `None` where no neighbour is in reach.
     pub values_mm: Vec<Vec<Option<f64>>>,

@@ -121,6 +121,26 @@ pub struct OtherMesh {
     pub now: u64,
 }
 
+/// The cells are not those that a field was made for.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OtherCells {
+    /// Other cells, or another grid.
+    #[error("the saved field is of other cells than the mesh gives: grow it anew")]
+    Cells,
+    /// The grid is elsewhere.
+    #[error(
+        "the saved field has origin_mm {} {} {}, the cells of the mesh {} {} {}: grow it anew",
+        saved.x, saved.y, saved.z, now.x, now.y, now.z
+    )]
+    Origin {
+        /// The low corner in the file.
+        saved: Point3<f64>,
+        /// That of the cells.
+        now: Point3<f64>,
+    },
+}
+
 /// A number that tells meshes apart: any change of a coordinate, a triangle or their order changes it (64-bit FNV-1a;
 /// G. Fowler, L. C. Noll, K.-P. Vo). Not made to withstand forgers.
 ///
@@ -172,6 +192,17 @@ impl SavedField {
     /// [`OtherMesh`] if not.
     pub fn check_mesh(&self, now: u64) -> Result<(), OtherMesh> {
         if self.mesh == now { Ok(()) } else { Err(OtherMesh { saved: self.mesh, now }) }
+    }
+
+    /// Whether the field was made for these cells, at this low corner in millimetres.
+    ///
+    /// # Errors
+    /// [`OtherCells`] if not.
+    pub fn check_cells(&self, cells: &Cells, origin: Point3<f64>) -> Result<(), OtherCells> {
+        if self.field.dims() != cells.dims() || self.rows != cells.rows() {
+            return Err(OtherCells::Cells);
+        }
+        if self.origin == origin { Ok(()) } else { Err(OtherCells::Origin { saved: self.origin, now: origin }) }
     }
 
     /// Writes the field.

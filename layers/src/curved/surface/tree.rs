@@ -1,6 +1,6 @@
 //! The triangles of many surfaces in a tree, for short lines across them.
 
-use super::spacing::SurfaceSlices;
+use super::slices::SurfaceSlices;
 use crate::curved::boxes::{self, Bounds};
 use nalgebra::{Point3, Vector3};
 

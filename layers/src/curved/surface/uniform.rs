@@ -14,8 +14,9 @@
 //! the clock is held closer to the order, and at last the order itself is the field. So what comes out always passes
 //! the audit.
 
-use super::field::{FieldError, LayerField, plain_field};
+use super::field::{FieldError, LayerField};
 use super::lattice::Lattice;
+use super::plain::plain_field;
 use super::slope::evened;
 use crate::Progress;
 use crate::curved::growth::grow_by_clock;

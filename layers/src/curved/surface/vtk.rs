@@ -3,7 +3,8 @@
 //! W. Schroeder, K. Martin, B. Lorensen, *The VTK User's Guide*, "VTK File Formats": version 3.0, ASCII.
 
 use super::field::LayerField;
-use super::spacing::{Spacing, SurfaceSlices};
+use super::slices::SurfaceSlices;
+use super::spacing::Spacing;
 use nalgebra::Point3;
 use std::io::{self, Write};
 

@@ -10,8 +10,10 @@
 //! Surfaces are clipped in their order, each to what is left of those before. The border that a cut makes is the surface's own
 //! ([`BoundaryKind::Border`]).
 
+use super::Trimmer;
 use super::crossing::meet;
 use super::crossings::{AllTriangles, SurfaceCrossings, count_crossings, crosses};
+use super::error::TrimError;
 use super::patch::NONE;
 use super::pieces::Pieces;
 use super::predicates::Moves;
@@ -19,10 +21,10 @@ use super::sheet::Sheet;
 use super::slivers::remove_slivers;
 use super::solid::Solid;
 use super::surface::Surface;
-use super::{BoundaryKind, TrimError, TrimmedSheet, Trimmer};
+use super::trimmed::{BoundaryKind, TrimmedSheet, slices};
 use crate::Progress;
 use crate::curved::boxes::Bounds;
-use crate::curved::surface::{Report, SurfaceSlices, in_parallel_watched};
+use crate::curved::surface::{Report, in_parallel_watched};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -155,10 +157,6 @@ impl Trimmer {
         left.sources.iter_mut().for_each(|source| *source = sheet.sources[*source as usize]);
         Ok(Some(left))
     }
-}
-
-fn slices(sheets: &[TrimmedSheet]) -> Vec<SurfaceSlices<'_>> {
-    sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect()
 }
 
 fn sorted([a, b]: [u32; 2]) -> [u32; 2] {

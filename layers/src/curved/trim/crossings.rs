@@ -8,9 +8,10 @@
 
 use super::crossing::{pierce, through};
 use super::edges::Edges;
+use super::error::{Input, MOST, TrimError, check};
 use super::exact::height;
 use super::predicates::{Moves, passing, side};
-use super::{Input, MIN_ALTITUDE_MM, TrimError, check};
+use super::triangle::MIN_ALTITUDE_MM;
 use crate::Progress;
 use crate::curved::boxes::{Bounds, Tree};
 use crate::curved::surface::{Report, SurfaceSlices, in_parallel_watched};
@@ -81,8 +82,8 @@ impl<'a> AllTriangles<'a> {
     /// Of surfaces that have been checked.
     pub(super) fn new(surfaces: &'a [SurfaceSlices<'a>]) -> Result<Self, TrimError> {
         let count: usize = surfaces.iter().map(|(_, triangles)| triangles.len()).sum();
-        if count > super::MOST {
-            return Err(TrimError::TooMany { input: Input::Sheet, most: super::MOST });
+        if count > MOST {
+            return Err(TrimError::TooMany { input: Input::Sheet, most: MOST });
         }
         let mut places = Vec::with_capacity(count);
         let mut boxes = Vec::with_capacity(count);

@@ -6,12 +6,13 @@
 //! it, and on its other side it differs by the rise of the cut. What is smaller than a triangle of the sheet may be missed.
 
 use super::edges::Edges;
+use super::error::{TrimError, Watch};
 use super::patch::NONE;
 use super::pieces::Pieces;
 use super::solid::Solid;
-use super::surface::{altitude, next, previous};
+use super::surface::{next, previous};
+use super::triangle::altitude;
 use super::winding::Dipoles;
-use super::{TrimError, Watch};
 use nalgebra::{Point3, Vector3};
 
 /// What stands for the infinitely small step of the sheet where numbers are computed and not counted, mm: its parts in

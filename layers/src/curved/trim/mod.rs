@@ -23,6 +23,7 @@ mod clip;
 mod crossing;
 mod crossings;
 mod edges;
+mod error;
 mod exact;
 mod holes;
 mod patch;
@@ -32,31 +33,26 @@ mod sheet;
 mod slivers;
 mod solid;
 mod surface;
+mod triangle;
+mod trimmed;
 mod winding;
 
 use crate::Progress;
 pub use clip::Clipped;
 pub use crossings::{SurfaceCrossings, count_crossings};
+pub use error::{Input, MAX_COORDINATE, TrimError};
 use nalgebra::{Point3, Vector3};
 use pieces::Pieces;
 use sheet::Sheet;
 use solid::Solid;
-use std::fmt;
 use std::ops::ControlFlow;
 use surface::Surface;
-
-/// Coordinates may not exceed this, in mm: a thousand kilometres. Far beyond it the exact signs would overflow.
-pub const MAX_COORDINATE: f64 = 1e9;
-
-/// A triangle with an altitude below this is a sliver, in mm: far below what a machine resolves, far above the rounding
-/// of coordinates.
-pub const MIN_ALTITUDE_MM: f64 = 1e-6;
+pub use triangle::MIN_ALTITUDE_MM;
+pub(in crate::curved) use trimmed::slices;
+pub use trimmed::{BoundaryEdge, BoundaryKind, TrimmedSheet};
 
 /// Triangles from one report to the next: a few milliseconds, and for a mesh with holes some tenths of a second.
 const TRIANGLES_PER_REPORT: usize = 512;
-
-/// What asks whether to go on: so many triangles of so many are done.
-type Watch<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
 
 /// A solid, ready to trim any number of sheets.
 ///
@@ -194,157 +190,4 @@ impl Trimmer {
         slivers::remove_slivers(&mut surface, &self.solid);
         Ok(surface.finish(&self.solid))
     }
-}
-
-/// The part of a sheet that lies inside a solid.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TrimmedSheet {
-    /// Places, mm.
-    pub vertices: Vec<Point3<f64>>,
-    /// Numbers of vertices; an oriented manifold with boundary.
-    pub triangles: Vec<[u32; 3]>,
-    /// For each triangle the number of the triangle of the sheet that it is part of.
-    pub sources: Vec<u32>,
-    /// The edges that only one triangle has, as that triangle runs along them.
-    pub boundary: Vec<BoundaryEdge>,
-    /// Length of the boundary on the mesh, mm.
-    pub mesh_mm: f64,
-    /// Length of the sheet's own border inside the solid, mm.
-    pub border_mm: f64,
-    /// Length of the boundary across holes of the mesh, mm.
-    pub hole_mm: f64,
-    /// The greatest distance to the mesh of a vertex or midpoint of the boundary on the mesh, measured, mm.
-    pub error_mm: f64,
-    /// Whether the mesh has holes, so that inside was decided by a winding number of one half.
-    pub holed: bool,
-    /// Triangles with an altitude below [`MIN_ALTITUDE_MM`] that could not be taken out.
-    pub slivers: usize,
-}
-
-impl TrimmedSheet {
-    /// The area, mm2.
-    pub fn area(&self) -> f64 {
-        let corners = self.triangles.iter().map(|corners| corners.map(|corner| self.vertices[corner as usize]));
-        corners.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
-    }
-}
-
-/// An edge of the boundary of a trimmed sheet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BoundaryEdge {
-    /// Its vertices; the sheet is to its left.
-    pub ends: [u32; 2],
-    /// What ends the sheet there.
-    pub kind: BoundaryKind,
-}
-
-/// What ends a trimmed sheet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum BoundaryKind {
-    /// The mesh.
-    Mesh,
-    /// The sheet's own border, inside the solid.
-    Border,
-    /// A winding number of one half, across a hole of the mesh.
-    Hole,
-}
-
-/// Which of the two inputs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
-    /// The mesh of the solid.
-    Mesh,
-    /// The sheet.
-    Sheet,
-}
-
-impl fmt::Display for Input {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Input::Mesh => "mesh",
-            Input::Sheet => "sheet",
-        })
-    }
-}
-
-/// Why a sheet could not be trimmed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TrimError {
-    /// No triangle with three different corners.
-    #[error("the mesh has no triangles")]
-    EmptyMesh,
-    /// A triangle names a vertex that is not there.
-    #[error("triangle {triangle} of the {input} names vertex {vertex}, but there are {vertices}")]
-    BadCorner {
-        /// Of which input.
-        input: Input,
-        /// The triangle.
-        triangle: usize,
-        /// What it names.
-        vertex: u32,
-        /// How many there are.
-        vertices: usize,
-    },
-    /// A coordinate that is not finite or beyond [`MAX_COORDINATE`].
-    #[error("vertex {vertex} of the {input} has an invalid coordinate: it must be finite and within +-1e9 mm")]
-    BadCoordinate {
-        /// Of which input.
-        input: Input,
-        /// The vertex.
-        vertex: usize,
-    },
-    /// More triangles than can be numbered.
-    #[error("the {input} has more than {most} triangles or vertices")]
-    TooMany {
-        /// Of which input.
-        input: Input,
-        /// As many as there may be.
-        most: usize,
-    },
-    /// A triangle of the sheet with twice the same corner.
-    #[error("triangle {triangle} of the sheet repeats a corner")]
-    RepeatedCorner {
-        /// The triangle.
-        triangle: usize,
-    },
-    /// An edge that two triangles of the sheet run along the same way.
-    #[error(
-        "triangle {triangle} of the sheet runs along edge {}-{} as another one does: the sheet is no oriented manifold",
-        .edge[0], .edge[1]
-    )]
-    NotManifold {
-        /// The second of the two triangles.
-        triangle: usize,
-        /// Vertices of the edge.
-        edge: [u32; 2],
-    },
-    /// Where the mesh passes through itself, the cuts cross each other without end.
-    #[error("triangle {triangle} of the sheet cannot be cut: the mesh passes through itself too often there")]
-    Tangled {
-        /// The triangle.
-        triangle: usize,
-    },
-    /// The callback stopped the work.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-/// As many triangles or vertices as there may be: their half-edges and cuts are numbered by 32 bits.
-const MOST: usize = 1 << 28;
-
-fn check(input: Input, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), TrimError> {
-    if vertices.len().max(triangles.len()) > MOST {
-        return Err(TrimError::TooMany { input, most: MOST });
-    }
-    let good = |p: &Point3<f64>| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
-    if let Some(vertex) = vertices.iter().position(|p| !good(p)) {
-        return Err(TrimError::BadCoordinate { input, vertex });
-    }
-    for (triangle, corners) in triangles.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
-            return Err(TrimError::BadCorner { input, triangle, vertex, vertices: vertices.len() });
-        }
-    }
-    Ok(())
 }

@@ -5,10 +5,10 @@
 //! pieces follow from one of each connected part of the sheet, by the rises of the edges between them.
 
 use super::crossing::{End, meet, pierce};
+use super::error::{TrimError, Watch};
 use super::patch::{NEAR, NONE, Patch, SIDE};
 use super::sheet::Sheet;
 use super::solid::Solid;
-use super::{TrimError, Watch};
 use crate::curved::boxes::Bounds;
 use nalgebra::Point3;
 

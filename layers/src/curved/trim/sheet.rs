@@ -1,7 +1,7 @@
 //! The sheet to be trimmed: checked, its edges numbered.
 
 use super::edges::Edges;
-use super::{Input, TrimError, check};
+use super::error::{Input, TrimError, check};
 use nalgebra::Point3;
 
 pub(super) struct Sheet<'a> {

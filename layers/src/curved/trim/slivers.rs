@@ -12,8 +12,10 @@
 //! measured on them. The surface then ends on both sides of a slit without width.
 
 use super::solid::Solid;
-use super::surface::{Across, Surface, altitude, next, previous};
-use super::{BoundaryKind, MIN_ALTITUDE_MM};
+use super::surface::{Across, Surface, next, previous};
+use super::triangle::MIN_ALTITUDE_MM;
+use super::triangle::altitude;
+use super::trimmed::BoundaryKind;
 use nalgebra::{Point3, Vector3};
 
 /// How far from the mesh a boundary may come to lie, mm: half of what is promised.

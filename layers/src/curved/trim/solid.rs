@@ -2,9 +2,9 @@
 
 use super::crossing::leaves;
 use super::edges::Edges;
-use super::surface::altitude;
-use super::winding::Dipoles;
-use super::{Input, MIN_ALTITUDE_MM, TrimError, check};
+use super::error::{Input, TrimError, check};
+use super::triangle::{MIN_ALTITUDE_MM, altitude, closest};
+use super::winding::{Dipoles, Mesh};
 use crate::curved::boxes::{Bounds, Tree};
 use nalgebra::{Point3, Vector3};
 
@@ -54,11 +54,14 @@ impl Solid {
         let holed = !edges.are_balanced(&triangles);
         let boxes: Vec<_> = triangles.iter().map(|t| Bounds::of(t.map(|c| &points[c as usize]))).collect();
         let tree = Tree::new(&boxes);
-        let mut solid = Solid { points, triangles, sides: edges.sides, ends: edges.ends, tree, holes: None };
-        if holed {
-            solid.holes = Some(Dipoles::new(&solid));
-        }
-        Ok(solid)
+        let holes = holed.then(|| Dipoles::new(&Mesh { points: &points, triangles: &triangles, tree: &tree }));
+        Ok(Solid { points, triangles, sides: edges.sides, ends: edges.ends, tree, holes })
+    }
+
+    /// The winding number at any point, whole or not, to a few hundredths.
+    pub(super) fn winding_near(&self, dipoles: &Dipoles, p: &Point3<f64>) -> f64 {
+        let Solid { points, triangles, tree, .. } = self;
+        dipoles.winding(&Mesh { points, triangles, tree }, p)
     }
 
     pub(super) fn corners(&self, triangle: u32) -> [&Point3<f64>; 3] {
@@ -128,28 +131,4 @@ fn weld(vertices: &[Point3<f64>]) -> (Vec<Point3<f64>>, Vec<u32>) {
         points.push(at(same[0]));
     }
     (points, place)
-}
-
-/// The point of a triangle that is nearest to `p`: C. Ericson, *Real-Time Collision Detection* (2005), section 5.1.5.
-fn closest([a, b, c]: [&Point3<f64>; 3], p: &Point3<f64>) -> Point3<f64> {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (along_b, along_c) = (ab.dot(&ap), ac.dot(&ap));
-    let (bb, bc, cc) = (ab.norm_squared(), ab.dot(&ac), ac.norm_squared());
-    // What is left of the way to `p`, along the sides, at `b` and at `c`.
-    let (b_b, b_c) = (along_b - bb, along_c - bc);
-    let (c_b, c_c) = (along_b - bc, along_c - cc);
-    let on = |from: &Point3<f64>, to: &Point3<f64>| {
-        let side = to - from;
-        let share = (p - from).dot(&side) / side.norm_squared();
-        from + side * share.clamp(0.0, 1.0)
-    };
-    let over_c = along_b * b_c - b_b * along_c;
-    let over_b = c_b * along_c - along_b * c_c;
-    let over_a = b_b * c_c - c_b * b_c;
-    let area = over_a + over_b + over_c;
-    if over_a > 0.0 && over_b > 0.0 && over_c > 0.0 {
-        return a + ab * (over_b / area) + ac * (over_c / area);
-    }
-    let nearer = |q: Point3<f64>, r: Point3<f64>| if (r - p).norm_squared() < (q - p).norm_squared() { r } else { q };
-    nearer(nearer(on(a, b), on(b, c)), on(c, a))
 }

@@ -3,7 +3,8 @@
 use super::patch::NONE;
 use super::pieces::Pieces;
 use super::solid::Solid;
-use super::{BoundaryEdge, BoundaryKind, MIN_ALTITUDE_MM, TrimmedSheet};
+use super::triangle::{MIN_ALTITUDE_MM, altitude};
+use super::trimmed::{BoundaryEdge, BoundaryKind, TrimmedSheet};
 use nalgebra::Point3;
 
 /// What lies across a side.
@@ -142,12 +143,6 @@ impl Surface {
         }
         sheet
     }
-}
-
-/// The least altitude of a triangle.
-pub(super) fn altitude([a, b, c]: &[Point3<f64>; 3]) -> f64 {
-    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    if longest > 0.0 { (b - a).cross(&(c - a)).norm() / longest } else { 0.0 }
 }
 
 pub(super) fn next(half: u32) -> u32 {

@@ -4,13 +4,27 @@
 //! for surfaces with holes is that of A. Jacobson et al., ACM Trans. Graphics 32(4), 2013. A far group of triangles
 //! counts as one dipole: G. Barill et al., ACM Trans. Graphics 37(4), 2018, section 3.1, first order.
 
-use super::solid::Solid;
+use crate::curved::boxes::Tree;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 
 /// A group counts as one from so many radii away. With 3 the first order errs by a few hundredths at most, which is
 /// enough to tell inside from outside; less would not be, more only costs time.
 const FAR: f64 = 3.0;
+
+/// Triangles with a tree over them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mesh<'a> {
+    pub(super) points: &'a [Point3<f64>],
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) tree: &'a Tree,
+}
+
+impl<'a> Mesh<'a> {
+    fn corners(&self, triangle: u32) -> [&'a Point3<f64>; 3] {
+        self.triangles[triangle as usize].map(|corner| &self.points[corner as usize])
+    }
+}
 
 /// A group of triangles for each node of the tree.
 #[derive(Debug)]
@@ -25,9 +39,9 @@ struct Dipole {
 }
 
 impl Dipoles {
-    pub(super) fn new(solid: &Solid) -> Dipoles {
+    pub(super) fn new(mesh: &Mesh) -> Dipoles {
         let one = |triangle: u32| {
-            let [a, b, c] = solid.corners(triangle);
+            let [a, b, c] = mesh.corners(triangle);
             let area = (b - a).cross(&(c - a)) / 2.0;
             let centre = Point3::from((a.coords + b.coords + c.coords) / 3.0);
             let radius = [a, b, c].map(|p| (p - centre).norm()).into_iter().fold(0.0, f64::max);
@@ -38,7 +52,24 @@ impl Dipoles {
             let first = all.next().unwrap_or_else(|| unreachable!("a leaf holds triangles"));
             all.fold(first, |sum, next| join(&sum, &next))
         };
-        Dipoles(solid.tree.fold(leaf, join))
+        Dipoles(mesh.tree.fold(leaf, join))
+    }
+
+    /// The winding number of the mesh at any point, whole or not, to a few hundredths.
+    pub(super) fn winding(&self, mesh: &Mesh, p: &Point3<f64>) -> f64 {
+        let (mut far_sum, mut near_sum) = (0.0, Angles::default());
+        let far = |node: usize| {
+            let dipole = &self.0[node];
+            let to = dipole.centre - p;
+            let distance = to.norm();
+            let is_far = distance > FAR * dipole.radius;
+            if is_far {
+                far_sum += to.dot(&dipole.area) / (distance * distance * distance);
+            }
+            is_far
+        };
+        mesh.tree.walk(far, |triangle| near_sum.add(half_solid_angle(mesh.corners(triangle), p)));
+        (far_sum + 2.0 * near_sum.sum()) / (4.0 * PI)
     }
 }
 
@@ -48,25 +79,6 @@ fn join(a: &Dipole, b: &Dipole) -> Dipole {
     let centre = a.centre + (b.centre - a.centre) * share;
     let radius = [a, b].map(|part| (part.centre - centre).norm() + part.radius).into_iter().fold(0.0, f64::max);
     Dipole { centre, area: a.area + b.area, weight, radius }
-}
-
-impl Solid {
-    /// The winding number at any point, whole or not, to a few hundredths.
-    pub(super) fn winding_near(&self, dipoles: &Dipoles, p: &Point3<f64>) -> f64 {
-        let (mut far_sum, mut near_sum) = (0.0, Angles::default());
-        let far = |node: usize| {
-            let dipole = &dipoles.0[node];
-            let to = dipole.centre - p;
-            let distance = to.norm();
-            let is_far = distance > FAR * dipole.radius;
-            if is_far {
-                far_sum += to.dot(&dipole.area) / (distance * distance * distance);
-            }
-            is_far
-        };
-        self.tree.walk(far, |triangle| near_sum.add(half_solid_angle(self.corners(triangle), p)));
-        (far_sum + 2.0 * near_sum.sum()) / (4.0 * PI)
-    }
 }
 
 /// Half the solid angle of a triangle, as the cosine and sine of it times the same length; positive where the point sees its

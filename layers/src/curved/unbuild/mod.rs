@@ -39,6 +39,7 @@ use std::ops::ControlFlow;
 
 /// How [`unbuild`] goes about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct UnbuildOptions {
     /// How often the removal may start again when it had to give something up. Default 6: on the parts that we know
     /// nothing was gained after the fifth time, and each costs as much as the first.

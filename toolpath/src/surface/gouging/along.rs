@@ -12,8 +12,7 @@
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
 use super::built::{after, before};
-use super::contact::Contact;
-use super::deepest::{Scene, Stand};
+use super::deepest::{Contact, Scene, Stand};
 use super::{Gouge, GougingOptions};
 use crate::surface::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3};

@@ -18,13 +18,13 @@
 //! nozzle is free all along it (as in `travel`). Ranges for which this does not hold are halved, down to single samples.
 
 use super::built::{after, before, built, touched};
-use super::deepest::{Scene, Stand};
-use super::{GougingError, GougingOptions, Nozzle, NozzlePart, Obstacle};
+use super::deepest::{Contact, Scene, Stand};
+use super::{GougingError, GougingOptions, Nozzle};
 use crate::Progress;
 use crate::surface::orientation::{ToolPath, angle};
 use crate::surface::parallel;
+use crate::surface::pose::{Pose, farthest, lean};
 use crate::surface::stack::{Keys, LayerStack};
-use crate::surface::travel::{Pose, farthest, lean};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 
@@ -52,23 +52,6 @@ pub enum Moment {
         /// The path, by its place in the list of paths.
         path: usize,
     },
-}
-
-/// Where a nozzle is deepest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// What it is in.
-    pub obstacle: Obstacle,
-    /// How deep it is in the layer, as thick as that is, or how far below the plate, in millimetres. Infinite where the
-    /// block reaches down without end.
-    pub depth: f64,
-    /// Thickness of the layer there, in millimetres; 0 for the plate.
-    pub height: f64,
-    /// Which part of the nozzle is deepest.
-    pub part: NozzlePart,
-    /// Where: a point of the layer less the skin that may be entered, or the lowest point of the nozzle. Where the block reaches
-    /// down without end, a point of its lower edge.
-    pub point: Point3<f64>,
 }
 
 /// Why a question has no answer.

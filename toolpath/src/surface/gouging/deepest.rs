@@ -13,8 +13,7 @@
 //! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
 
 use super::Obstacle;
-use super::contact::Contact;
-use super::nozzle::Nozzle;
+use super::nozzle::{Nozzle, NozzlePart};
 use crate::surface::stack::{Keys, LayerStack, Node, Tree, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
@@ -24,6 +23,23 @@ pub(super) const PIECE: f64 = 0.02;
 
 /// A worse point counts if it is worse by this share: the search for a cut need not be exact.
 const ROUGH: f64 = 0.1;
+
+/// Where a nozzle is deepest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// What it is in.
+    pub obstacle: Obstacle,
+    /// How deep it is in the layer, as thick as that is, or how far below the plate, in millimetres. Infinite where the
+    /// block reaches down without end.
+    pub depth: f64,
+    /// Thickness of the layer there, in millimetres; 0 for the plate.
+    pub height: f64,
+    /// Which part of the nozzle is deepest.
+    pub part: NozzlePart,
+    /// Where: a point of the layer less the skin that may be entered, or the lowest point of the nozzle. Where the block reaches
+    /// down without end, a point of its lower edge.
+    pub point: Point3<f64>,
+}
 
 /// What a nozzle must keep clear of.
 pub(in crate::surface) struct Scene<'a> {

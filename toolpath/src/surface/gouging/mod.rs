@@ -25,7 +25,8 @@ mod tilt;
 use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
 use super::stack::LayerStack;
 use crate::Progress;
-pub use contact::{Contact, ContactError, Contacts, Moment};
+pub use contact::{ContactError, Contacts, Moment};
+pub use deepest::Contact;
 pub(super) use deepest::{Scene, Stand};
 use nalgebra::Point3;
 pub use nozzle::{Nozzle, NozzleError, NozzlePart};
@@ -35,6 +36,7 @@ use std::ops::ControlFlow;
 
 /// How gouging is corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct GougingOptions {
     /// How deep the nozzle may enter a layer, as a share of its height: a quarter.
     pub allowed_depth: f64,
@@ -52,6 +54,7 @@ pub struct GougingOptions {
     pub cut: bool,
     /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
     /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
     pub max_depth: f64,
     /// Whether there is a plate at z = 0, below which nothing may reach: yes.
     pub plate: bool,
@@ -172,6 +175,13 @@ pub struct ResolvedPaths {
     pub turns: Turns,
     /// Neighbours that differ by more than the limit.
     pub sharp: Vec<SharpTurn>,
+}
+
+impl ResolvedPaths {
+    /// Where the tip is at each waypoint, path by path.
+    pub fn tips(&self) -> impl Iterator<Item = &Point3<f64>> {
+        self.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| &waypoint.tip)
+    }
 }
 
 /// Why gouging is not looked for.

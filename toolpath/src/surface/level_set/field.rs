@@ -5,13 +5,10 @@
 //! straight line between its ends, and triangles that hide a summit get a vertex on it (see `refine`). Then the linear
 //! field over the finer triangles follows the distance within the tolerance, and its level sets are exact polylines.
 
-use super::refine::Refiner;
-use super::{LevelSetError, SurfacePoint};
-use crate::Progress;
+use super::SurfacePoint;
 use crate::surface::geodesic::SurfaceDistance;
 use crate::surface::mesh::{NONE, next};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// A distance as a field that is linear over triangles, on a refined copy of the mesh.
 #[derive(Clone, Debug)]
@@ -26,36 +23,17 @@ pub struct LevelField<'d> {
 }
 
 impl<'d> LevelField<'d> {
-    /// Refines the mesh of a distance until the distance is linear over each triangle within a tolerance.
-    ///
-    /// # Arguments
-    /// * `tolerance`: in millimetres. The level sets run where the distance is that of the level within about this
-    ///   much. A hundredth of a bead is fine enough for paths.
-    ///
-    /// # Errors
-    /// [`LevelSetError::Tolerance`], [`LevelSetError::TooFine`], [`LevelSetError::Cancelled`].
-    ///
-    /// # Cost
-    /// A few questions for the distance on each edge, and some fifty on each edge that the medial axis crosses.
-    pub fn new(
-        distance: &'d SurfaceDistance<'d>,
-        tolerance: f64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Self, LevelSetError> {
-        if !(tolerance > 0.0 && tolerance.is_finite()) {
-            return Err(LevelSetError::Tolerance { tolerance });
-        }
+    /// The distance at the vertices of its mesh, taken as linear over the triangles as they are.
+    pub(super) fn unrefined(distance: &'d SurfaceDistance<'d>) -> Self {
         let mesh = distance.mesh();
-        let mut field = LevelField {
+        LevelField {
             distance,
             points: mesh.vertices().to_vec(),
             values: distance.at_vertices().to_vec(),
             triangles: mesh.triangles().to_vec(),
             parents: (0..mesh.triangles().len() as u32).collect(),
             twins: (0..mesh.half_edges()).map(|h| mesh.twin(h).unwrap_or(NONE)).collect(),
-        };
-        Refiner::new(&mut field, tolerance).refine(progress)?;
-        Ok(field)
+        }
     }
 
     /// The distance.

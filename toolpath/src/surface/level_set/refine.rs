@@ -7,7 +7,7 @@
 use super::LevelSetError;
 use super::field::LevelField;
 use crate::Progress;
-use crate::surface::geodesic::TriangleLights;
+use crate::surface::geodesic::{SurfaceDistance, TriangleLights};
 use crate::surface::mesh::{NONE, next, previous};
 use nalgebra::Point3;
 use std::cmp::{Ordering, Reverse};
@@ -73,8 +73,34 @@ impl PartialEq for Off {
 
 impl Eq for Off {}
 
+impl<'d> LevelField<'d> {
+    /// Refines the mesh of a distance until the distance is linear over each triangle within a tolerance.
+    ///
+    /// # Arguments
+    /// * `tolerance`: in millimetres. The level sets run where the distance is that of the level within about this
+    ///   much. A hundredth of a bead is fine enough for paths.
+    ///
+    /// # Errors
+    /// [`LevelSetError::Tolerance`], [`LevelSetError::TooFine`], [`LevelSetError::Cancelled`].
+    ///
+    /// # Cost
+    /// A few questions for the distance on each edge, and some fifty on each edge that the medial axis crosses.
+    pub fn new(
+        distance: &'d SurfaceDistance<'d>,
+        tolerance: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, LevelSetError> {
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(LevelSetError::Tolerance { tolerance });
+        }
+        let mut field = LevelField::unrefined(distance);
+        Refiner::new(&mut field, tolerance).refine(progress)?;
+        Ok(field)
+    }
+}
+
 /// A field that is being refined.
-pub(super) struct Refiner<'r, 'd> {
+struct Refiner<'r, 'd> {
     field: &'r mut LevelField<'d>,
     tolerance: f64,
     /// Lights of triangles seen of late; that of triangle `t` has the place `t % KEPT`.
@@ -88,7 +114,7 @@ pub(super) struct Refiner<'r, 'd> {
 }
 
 impl<'r, 'd> Refiner<'r, 'd> {
-    pub fn new(field: &'r mut LevelField<'d>, tolerance: f64) -> Self {
+    fn new(field: &'r mut LevelField<'d>, tolerance: f64) -> Self {
         let (half_edges, triangles) = (field.half_edges() as usize, field.triangles.len());
         let mut refiner = Refiner {
             field,
@@ -104,7 +130,7 @@ impl<'r, 'd> Refiner<'r, 'd> {
         refiner
     }
 
-    pub fn refine(&mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), LevelSetError> {
+    fn refine(&mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), LevelSetError> {
         let most = self.field.triangles.len() * (MOST_NEW[0] + 1) + MOST_NEW[1];
         loop {
             while let Some(Off { key: (_, Reverse(h)), ends, cut }) = self.edges.pop() {

@@ -36,6 +36,7 @@ pub(super) const JOINED: f64 = 1e-6;
 
 /// How paths are sampled and oriented.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct OrientOptions {
     /// Distance between points along a curve in millimetres: 1. It is evened out between corners.
     pub step: f64,
@@ -115,6 +116,7 @@ impl ToolPath {
 
 /// How much directions turn between neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Turns {
     /// Pairs of neighbours.
     pub steps: usize,

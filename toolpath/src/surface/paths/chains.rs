@@ -11,11 +11,11 @@ use super::curve::Loop;
 use crate::surface::level_set::LevelSets;
 use std::collections::BTreeMap;
 
-/// From point to point of a ring that are asked for their neighbours, in beads.
-const PROBES: f64 = 0.5;
-/// Rings that face each other across a ridge with no ring between them are two beads apart at most where they are
-/// nearest. Probes may miss that place by some way.
-const FACING: f64 = 2.5;
+/// Distance of the points of a ring that are asked for their neighbours, in beads.
+const PROBE_DISTANCE: f64 = 0.5;
+/// Rings that face each other across a ridge, with no ring between them, are neighbours up to this distance, in beads: they are two
+/// apart at most where they are nearest, and probes may miss that place by some way.
+const MAX_FACING_DISTANCE: f64 = 2.5;
 
 /// How a door lies beside its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,7 +169,7 @@ impl Tree<'_> {
                 self.probes(door).fold(f64::INFINITY, nearer)
             };
             let distance = *apart.entry([door, ring]).or_insert_with(least);
-            if distance < FACING * self.bead {
+            if distance < MAX_FACING_DISTANCE * self.bead {
                 near.push((distance, ring));
             }
         }
@@ -179,7 +179,7 @@ impl Tree<'_> {
 
     fn probes(&self, ring: u32) -> impl Iterator<Item = nalgebra::Point3<f64>> + '_ {
         self.loops[ring as usize].iter().flat_map(|on| {
-            let count = (on.length() / (PROBES * self.bead)).ceil().max(4.0);
+            let count = (on.length() / (PROBE_DISTANCE * self.bead)).ceil().max(4.0);
             (0..count as usize).map(move |k| on.position(on.length() * k as f64 / count))
         })
     }

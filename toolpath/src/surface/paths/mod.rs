@@ -20,6 +20,7 @@ mod curve;
 mod cut;
 mod narrow;
 mod plan;
+mod polyline;
 mod segments;
 mod spacing;
 mod spirals;
@@ -33,11 +34,12 @@ use super::order::Visit;
 use crate::Progress;
 use curve::Loop;
 use nalgebra::Point3;
+use polyline::Curve;
 pub use spacing::BEAD_WIDTHS;
 use spacing::Spacing;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use thin::{Curve, thinned};
+use thin::thinned;
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.
 const MOST_LEVELS: usize = 100_000;
@@ -52,6 +54,7 @@ type Watch<'a> = &'a dyn Fn() -> Result<(), PathError>;
 
 /// How a region is filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Pattern {
     /// One continuous curve for each region, from the boundary inward and back out.
@@ -66,6 +69,7 @@ pub enum Pattern {
 
 /// How paths are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct PathOptions {
     /// Width of a bead, in millimetres: 0.8 by default.
     pub bead: f64,

@@ -7,35 +7,36 @@
 //! farthest again. Branches follow by themselves, from where the first bead covers them.
 
 use super::crossing::cross;
+use super::polyline::Curve;
 use super::segments::{Segments, nearest};
 use super::spacing::Spacing;
-use super::thin::Curve;
 use super::{PathError, Watch};
 use crate::surface::level_set::{Around, LevelField, SurfacePoint};
 use crate::surface::mesh::previous;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// How far from a single bead its branches begin, in beads: what it covers, and a little.
-const BRANCH: f64 = 0.75;
-/// Least length of a single bead, in beads. What is shorter is drawn out to this: a dot where there is room for no more.
-const SHORTEST: f64 = 0.25;
+/// How far from a single bead its branches begin, in beads: what it covers (half a bead), and a little.
+const BRANCH_DISTANCE: f64 = 0.75;
+/// Least length of a single bead, in beads. What is shorter is extended to this: a dot where there is room for no more.
+const MIN_LENGTH: f64 = 0.25;
 /// Points of single beads, which follow edges of the mesh, are at least this far apart, in beads.
-const THIN: f64 = 0.05;
-/// How strongly paths avoid places off the middle: the power of the room that a step costs.
-const POWER: i32 = 3;
-/// Beads that fit may lie as deep in others as this share of half the least width.
-const DEEP: f64 = 0.25;
+const MIN_POINT_DISTANCE: f64 = 0.05;
+/// How strongly paths avoid places off the middle: a step costs its length over this power of the clearance there,
+/// so a higher one keeps nearer to the middle.
+const CLEARANCE_POWER: i32 = 3;
+/// Fitted beads may overlap others by this share of half the least width, so that gaps a little too narrow get one as well.
+const MAX_OVERLAP_SHARE: f64 = 0.25;
 /// Segments are looked up this far from a vertex, in beads: half the widest bead and half the least one.
-const LOOK: f64 = 1.0;
-/// Even beads leave the room between rings as it is: only what is nearer to the boundary than this, in beads, gets a
+const LOOKUP_DISTANCE: f64 = 1.0;
+/// Uniform beads leave the space between rings as it is: only what is nearer to the boundary than this, in beads, gets a
 /// single one. Rings that are left out for being short are no farther in.
-const EVEN_MOST: f64 = 0.66;
-/// And an even bead that is shorter than this, in beads, is left out: most of it would lie outside.
-const EVEN_SHORTEST: f64 = 1.0;
-/// Vertices with room are this far from other curves, in beads: half the least width and the least room. An edge between two
-/// of them that is shorter than twice this crosses none.
-const APART: f64 = 0.5;
+const UNIFORM_MAX_BOUNDARY_DISTANCE: f64 = 0.66;
+/// And a uniform bead that is shorter than this, in beads, is left out: most of it would lie outside.
+const UNIFORM_MIN_LENGTH: f64 = 1.0;
+/// Vertices with clearance are this far from other curves, in beads: half the least width and the least clearance. An edge between
+/// two of them that is shorter than twice this crosses none.
+const MIN_CURVE_DISTANCE: f64 = 0.5;
 
 /// Shortest paths: for each vertex what it costs, how long the path is, and the vertex before.
 type Reached = Vec<Option<(f64, f64, u32)>>;
@@ -53,11 +54,11 @@ pub(super) fn single_beads(
     widths: &[Vec<f64>],
     watch: Watch,
 ) -> Result<Vec<Single>, PathError> {
-    let beside = Beside { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOK * bead) };
+    let beside = Beside { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead) };
     let least = spacing.least_single();
     let (shallow, most) = match spacing.fits() {
-        true => ((1.0 - DEEP) * least, f64::INFINITY),
-        false => (least, EVEN_MOST * bead),
+        true => ((1.0 - MAX_OVERLAP_SHARE) * least, f64::INFINITY),
+        false => (least, UNIFORM_MAX_BOUNDARY_DISTANCE * bead),
     };
     let room = |v: u32| match field.values[v as usize] {
         value if value >= least && value < most => beside.room(field.points[v as usize], value, shallow),
@@ -65,7 +66,7 @@ pub(super) fn single_beads(
     };
     let room: Vec<f64> = (0..field.values.len() as u32).map(room).collect();
     let mut open: Vec<bool> = room.iter().map(|&room| room > 0.0).collect();
-    let graph = Graph { field, around: Around::new(field), room, beside, safe: 2.0 * APART * bead };
+    let graph = Graph { field, around: Around::new(field), room, beside, safe: 2.0 * MIN_CURVE_DISTANCE * bead };
     let parts = field.distance().mesh().regions();
     let mut has_curve = vec![false; parts.count];
     let part_of = |point: &SurfacePoint| parts.of_triangle[point.triangle as usize] as usize;
@@ -80,13 +81,13 @@ pub(super) fn single_beads(
         watch()?;
         let part = graph.part(v, &open);
         let way = graph.longest(&part, &open);
-        let covered = graph.reach(&way, |v| open[v as usize], |length, _| length, BRANCH * bead);
+        let covered = graph.reach(&way, |v| open[v as usize], |length, _| length, BRANCH_DISTANCE * bead);
         part.iter().filter(|&&v| covered[v as usize].is_some()).for_each(|&v| open[v as usize] = false);
         waiting.extend(part.iter().rev().filter(|&&v| open[v as usize]));
-        if !spacing.fits() && graph.along(&way) < EVEN_SHORTEST * bead {
+        if !spacing.fits() && graph.along(&way) < UNIFORM_MIN_LENGTH * bead {
             continue;
         }
-        let (points, room) = graph.line(&way, SHORTEST * bead);
+        let (points, room) = graph.line(&way, MIN_LENGTH * bead);
         let Some(mesh_part) = points.first().map(part_of) else { continue };
         if has_curve[mesh_part] && graph.covered(&way) < gap * bead * bead {
             continue;
@@ -94,7 +95,7 @@ pub(super) fn single_beads(
         if points.len() > 1 && !graph.crosses(&points, &found) {
             has_curve[mesh_part] = true;
             let widths = room.into_iter().map(|room| spacing.single(room));
-            singles.push(apart(points.iter().copied().zip(widths), THIN * bead));
+            singles.push(apart(points.iter().copied().zip(widths), MIN_POINT_DISTANCE * bead));
             found.push(points);
         }
     }
@@ -234,7 +235,7 @@ impl Graph<'_, '_> {
             return Vec::new();
         };
         let far = |from: u32| {
-            let cost = |length: f64, mean: f64| length * (value(summit) / mean).powi(POWER);
+            let cost = |length: f64, mean: f64| length * (value(summit) / mean).powi(CLEARANCE_POWER);
             let reached = self.reach(&[from], |v| open[v as usize], cost, f64::INFINITY);
             let length = |v: u32| reached[v as usize].map_or(0.0, |(_, length, _)| length);
             let end = part.iter().copied().max_by(|&a, &b| length(a).total_cmp(&length(b)).then(b.cmp(&a)));

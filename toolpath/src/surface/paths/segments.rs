@@ -1,6 +1,6 @@
 //! Segments of curves, looked up by where they are.
 
-use super::thin::Curve;
+use super::polyline::Curve;
 use nalgebra::Point3;
 
 /// Pieces of lines by the cells of a grid.

@@ -37,40 +37,46 @@ use crate::surface::level_set::{LevelSets, SurfacePoint};
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Point3;
 
-/// Half of a window, in beads, widest first. The wider, the more even the spacing: bridges are `sin(atan(1 / h)) h` beads
-/// apart, 0.83, 0.71, 0.45, 0.24, 0.12, and the less they turn. But beside the outermost and the innermost bridge a wedge as long as the
-/// window stays bare: half windows of three beads leave 2 % more bare, and 0.83 is still a width that a bead may have.
-const WINDOWS: [f64; 5] = [1.5, 1.0, 0.5, 0.25, 0.125];
-/// The same where a single ring is joined to its parent: two bridges straight across, a bead apart, leave nothing bare.
-const PAIR_WINDOWS: [f64; 4] = [0.5, 0.375, 0.25, 0.125];
-/// Where the bridge of a chain comes to its parent, in half windows from the middle.
-const DOOR: f64 = 0.5;
-/// Least width of a half window that is tried on small rings, as a share of their length; a window takes two of them
-/// and a margin.
-const SHARE: f64 = 1.0 / 6.0;
-/// How far matching places may lie apart, in beads. One where rings run side by side; more at corners.
-const APART: f64 = 1.6;
-/// Places that are tried: most on a ring, and most that get a close look.
-const PLACES: usize = 256;
-const CLOSE_LOOKS: usize = 48;
-/// How much of its way between two levels a point of a bridge must have made, as a share of what it should.
-const ON_THE_WAY: f64 = 0.25;
-/// Places between two stations where the same is asked, and the share there.
-const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
-const BETWEEN_SHARE: f64 = 0.02;
-/// How far bridges keep apart, as a share of a bead or half window. Made as intended they are at least 0.4 apart.
-const CLEAR: f64 = 0.3;
+/// Half widths of the windows that are tried, in beads, widest first. The wider, the more even the spacing: bridges are
+/// `sin(atan(1 / h)) h` beads apart, 0.83, 0.71, 0.45, 0.24, 0.12, and the less they turn. But beside the outermost and the
+/// innermost bridge a wedge as long as the window stays bare: half windows of three beads leave 2 % more bare, and 0.83 is still
+/// a width that a bead may have.
+const HALF_WINDOWS: [f64; 5] = [1.5, 1.0, 0.5, 0.25, 0.125];
+/// The same where a single ring is joined to its parent, in widths of the bead there: two bridges straight across, a bead apart,
+/// leave nothing bare.
+const PAIR_HALF_WINDOWS: [f64; 4] = [0.5, 0.375, 0.25, 0.125];
+/// Where the bridge of a chain comes to its parent, in half windows from the middle: half way along.
+const PARENT_BRIDGE: f64 = 0.5;
+/// Half windows on small rings are at most this share of their length: a window takes two of them and a margin.
+const MAX_HALF_WINDOW_SHARE: f64 = 1.0 / 6.0;
+/// How far apart matching places of two rings may be, in beads: one where rings run side by side, and more at corners.
+const MAX_NODE_DISTANCE: f64 = 1.6;
+/// Most places on a ring that are rated: bounds the cost on long rings.
+const MAX_PLACES: usize = 256;
+/// Most of these, the best first, of which bridges are made and checked, which costs far more.
+const MAX_CHECKED_PLACES: usize = 48;
+/// How much of its way between two levels a point of a bridge must have made at least, as a share of what it should. Below 1, since
+/// distance does not rise evenly between two rings where the surface bends.
+const MIN_PROGRESS: f64 = 0.25;
+/// Places between two stations where the same is asked, as shares of the step, and the share of progress there: only to stay
+/// between the two rings.
+const SUBSTEPS: [f64; 3] = [0.25, 0.5, 0.75];
+const MIN_SUBSTEP_PROGRESS: f64 = 0.02;
+/// How far bridges keep apart, as a share of a bead or half window, whichever is less. Made as intended they are at least 0.4
+/// apart.
+const BRIDGE_CLEARANCE: f64 = 0.3;
 /// How far a bridge may be from straight, in beads: sheets that bend more sharply have no place for it.
-const BEND: f64 = 0.3;
-/// And between its stations it follows the surface where that is farther than this from straight, in beads.
-const OFF: f64 = 0.005;
-/// A ring that no bridge leads to is left out if it is shorter, in beads: it goes round less than a disc as wide as a bead,
-/// which a single bead fills as well.
-const BLOT: f64 = std::f64::consts::PI;
-/// How far along the rings that it joins a bridge is held against them, in beads.
-const BESIDE: f64 = 2.0;
-/// Points of a bridge for each bead of length.
-const STEPS: f64 = 8.0;
+const MAX_BRIDGE_DEVIATION: f64 = 0.3;
+/// Between its stations a bridge gets points on the surface where that is farther than this from straight, in beads.
+const BRIDGE_TOLERANCE: f64 = 0.005;
+/// A ring that no bridge leads to is left out if it is shorter, in beads: it goes round less than a disc as wide as a bead, which
+/// a single bead fills as well.
+const MIN_RING_LENGTH: f64 = std::f64::consts::PI;
+/// How far along the rings that it joins a bridge is checked for crossings, in beads: longer than the longest bridge, about
+/// `hypot(1.5, 1)`.
+const RING_CHECK_LENGTH: f64 = 2.0;
+/// Points of a bridge for each bead of length: chords of an eighth of a bead.
+const POINTS_PER_BEAD: f64 = 8.0;
 
 /// The rings that the spirals of a layer are made of.
 pub(super) struct Rings<'a> {
@@ -93,9 +99,9 @@ pub(super) fn connect(rings: &Rings, chains: &[Chain], watch: Watch) -> Result<P
     Ok(weaver.plan)
 }
 
-/// A ring and the place of the line on it.
+/// A node of a line across the rings: a ring, and the place of the line on it.
 #[derive(Clone, Copy)]
-struct Rung<'a> {
+struct Node<'a> {
     on: &'a Loop,
     ring: u32,
     level: usize,
@@ -104,7 +110,7 @@ struct Rung<'a> {
     half: f64,
 }
 
-impl Rung<'_> {
+impl Node<'_> {
     fn at(&self, share: f64) -> f64 {
         self.place + share * self.half
     }
@@ -120,18 +126,18 @@ impl Rung<'_> {
     }
 }
 
-/// From where to where a rung is cut, in half windows from its place.
+/// From where to where a node is cut, in half windows from its place.
 fn cut_shares(k: usize, last: usize, parented: bool) -> [f64; 2] {
     match k {
         _ if parented && last == 1 => [-1.0, 1.0],
-        0 if parented => [-1.0, DOOR],
+        0 if parented => [-1.0, PARENT_BRIDGE],
         0 => [-1.0, 0.5],
         _ if k == last => [-0.5, 1.0],
         _ => [-1.0, 1.0],
     }
 }
 
-/// A bridge by stations: the number of its lower rung, how far along the windows, and how far up to the next rung.
+/// A bridge by stations: the number of its lower node, how far along the windows, and how far up to the next node.
 type Stations = Vec<(usize, f64, f64)>;
 
 struct Weaver<'a> {
@@ -172,14 +178,14 @@ impl<'a> Weaver<'a> {
     /// Whether a ring is short and still whole.
     fn is_blot(&self, ring: u32) -> bool {
         let length = self.rings.loops[ring as usize].as_ref().map_or(0.0, Loop::length);
-        length < BLOT * self.rings.bead && self.plan.is_whole(ring)
+        length < MIN_RING_LENGTH * self.rings.bead && self.plan.is_whole(ring)
     }
 
     /// A single ring, opened in the middle of its longest arc.
     fn open(&mut self, ring: u32, chain: &Chain) {
         let Some(on) = &self.rings.loops[ring as usize] else { return };
         let (from, length) = self.plan.longest_arc(on, ring);
-        let (middle, half) = (from + length / 2.0, (self.rings.bead / 2.0).min(length * SHARE));
+        let (middle, half) = (from + length / 2.0, (self.rings.bead / 2.0).min(length * MAX_HALF_WINDOW_SHARE));
         let cut = self.plan.cut(ring, middle - half, middle + half);
         self.plan.start((cut, Side::To), chain.region);
     }
@@ -188,22 +194,22 @@ impl<'a> Weaver<'a> {
     /// bridges them. Says whether that was possible.
     fn weave(&mut self, rings: &[u32], chain: &Chain, beside: Option<Beside>) -> bool {
         let lines = self.lines(rings, chain, beside);
-        let windows = if beside.is_some() && rings.len() == 2 { &PAIR_WINDOWS[..] } else { &WINDOWS[..] };
+        let windows = if beside.is_some() && rings.len() == 2 { &PAIR_HALF_WINDOWS[..] } else { &HALF_WINDOWS[..] };
         for &window in windows {
-            let mut rated: Vec<(f64, Vec<Rung>)> = lines
+            let mut rated: Vec<(f64, Vec<Node>)> = lines
                 .iter()
-                .map(|places| self.rungs(rings, places, window, beside))
-                .filter_map(|rungs| self.rate(&rungs).map(|rate| (rate, rungs)))
+                .map(|places| self.nodes(rings, places, window, beside))
+                .filter_map(|nodes| self.rate(&nodes).map(|rate| (rate, nodes)))
                 .collect();
             rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (_, rungs) in rated.iter_mut().take(CLOSE_LOOKS) {
+            for (_, nodes) in rated.iter_mut().take(MAX_CHECKED_PLACES) {
                 for _way_round in 0..2 {
-                    let bridges = self.stations(rungs, beside.is_some());
-                    if let Some(points) = self.lay(rungs, beside.is_some(), &bridges) {
-                        self.commit(rungs, chain, beside.is_some(), points);
+                    let bridges = self.stations(nodes, beside.is_some());
+                    if let Some(points) = self.lay(nodes, beside.is_some(), &bridges) {
+                        self.commit(nodes, chain, beside.is_some(), points);
                         return true;
                     }
-                    rungs.iter_mut().for_each(|rung| rung.half = -rung.half);
+                    nodes.iter_mut().for_each(|node| node.half = -node.half);
                 }
             }
         }
@@ -221,7 +227,7 @@ impl<'a> Weaver<'a> {
             _ => 0,
         };
         let length = loops[first].length();
-        let count = ((2.0 * length / self.rings.bead).ceil() as usize).clamp(8, PLACES);
+        let count = ((2.0 * length / self.rings.bead).ceil() as usize).clamp(8, MAX_PLACES);
         let line = |k: usize| {
             let mut places = vec![0.0; rings.len()];
             places[first] = length * k as f64 / count as f64;
@@ -231,7 +237,7 @@ impl<'a> Weaver<'a> {
             for k in first + 1..rings.len() {
                 let (place, distance) = loops[k].nearest(loops[k - 1].position(places[k - 1]));
                 // Past the end of what they have side by side.
-                if distance > APART * self.rings.bead {
+                if distance > MAX_NODE_DISTANCE * self.rings.bead {
                     return None;
                 }
                 places[k] = place;
@@ -241,34 +247,34 @@ impl<'a> Weaver<'a> {
         (0..count).filter_map(line).collect()
     }
 
-    fn rungs(&self, rings: &[u32], places: &[f64], half: f64, beside: Option<Beside>) -> Vec<Rung<'a>> {
+    fn nodes(&self, rings: &[u32], places: &[f64], half: f64, beside: Option<Beside>) -> Vec<Node<'a>> {
         let pair = rings.len() == 2 && beside.is_some();
-        let rung = |(k, (&ring, &place)): (usize, (&u32, &f64))| {
+        let node = |(k, (&ring, &place)): (usize, (&u32, &f64))| {
             let on = self.rings.loops[ring as usize].as_ref()?;
             // The two bridges of a pair are beads of this width, side by side.
             let width = || self.rings.spacing.width(&on.at(self.rings.mesh, place)).0;
             let half = half * if pair { width() } else { self.rings.bead };
-            let half = half.min(on.length() * SHARE);
+            let half = half.min(on.length() * MAX_HALF_WINDOW_SHARE);
             // Rings have what is higher on their left: across a ridge they run in opposite directions.
             let half = if k == 0 && beside == Some(Beside::Across) { -half } else { half };
             let level = self.rings.sets.rings[ring as usize].level;
-            Some(Rung { on, ring, level, place, half })
+            Some(Node { on, ring, level, place, half })
         };
-        rings.iter().zip(places).enumerate().filter_map(rung).collect()
+        rings.iter().zip(places).enumerate().filter_map(node).collect()
     }
 
     /// How far matching places lie apart at most, in beads; none if too far, or where a ring is cut already.
-    fn rate(&self, rungs: &[Rung]) -> Option<f64> {
-        let free = |rung: &Rung| {
-            let margin = (0.5 * self.rings.bead).min(rung.on.length() / 20.0);
-            let [from, to] = rung.cut([-1.0, 1.0]);
-            self.plan.is_free(rung.on, rung.ring, from - margin, to + margin)
+    fn rate(&self, nodes: &[Node]) -> Option<f64> {
+        let free = |node: &Node| {
+            let margin = (0.5 * self.rings.bead).min(node.on.length() / 20.0);
+            let [from, to] = node.cut([-1.0, 1.0]);
+            self.plan.is_free(node.on, node.ring, from - margin, to + margin)
         };
-        if !rungs.iter().all(free) {
+        if !nodes.iter().all(free) {
             return None;
         }
         let mut rate: f64 = 0.0;
-        for pair in rungs.windows(2) {
+        for pair in nodes.windows(2) {
             // Across a ridge rings may be up to two beads apart.
             let scale = if self.across(pair) { 2.0 } else { 1.0 } * self.rings.bead;
             for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
@@ -276,21 +282,21 @@ impl<'a> Weaver<'a> {
                 rate = rate.max((one - other).norm() / scale);
             }
         }
-        (rate <= APART).then_some(rate)
+        (rate <= MAX_NODE_DISTANCE).then_some(rate)
     }
 
-    fn across(&self, pair: &[Rung]) -> bool {
+    fn across(&self, pair: &[Node]) -> bool {
         pair[0].level == pair[1].level
     }
 
     /// The bridges of a chain, in a fixed order: entry or exit, arms, the turn inside.
-    fn stations(&self, rungs: &[Rung], parented: bool) -> Vec<Stations> {
-        let half = rungs.iter().map(|rung| rung.half.abs()).fold(0.0, f64::max);
-        let steps = (STEPS * half.hypot(self.rings.bead) / self.rings.bead).ceil().max(4.0) as usize;
+    fn stations(&self, nodes: &[Node], parented: bool) -> Vec<Stations> {
+        let half = nodes.iter().map(|node| node.half.abs()).fold(0.0, f64::max);
+        let steps = (POINTS_PER_BEAD * half.hypot(self.rings.bead) / self.rings.bead).ceil().max(4.0) as usize;
         let shares = || (0..=steps).map(|k| k as f64 / steps as f64);
         let falling = |k: usize| shares().map(move |t| (k, t - 1.0, t));
         let rising = |k: usize| shares().map(move |t| (k, t, t));
-        let last = rungs.len() - 1;
+        let last = nodes.len() - 1;
         let mut bridges: Vec<Stations> = Vec::new();
         if parented && last == 1 {
             return vec![shares().map(|u| (0, 1.0, 1.0 - u)).collect(), shares().map(|t| (0, -1.0, t)).collect()];
@@ -298,7 +304,7 @@ impl<'a> Weaver<'a> {
         match parented {
             // From the door half way along, then straight to the parent.
             true => {
-                bridges.push(shares().map(|u| (0, DOOR.max(1.0 - u), 1.0 - u)).collect());
+                bridges.push(shares().map(|u| (0, PARENT_BRIDGE.max(1.0 - u), 1.0 - u)).collect());
             }
             false => bridges.push(rising(0).collect()),
         }
@@ -308,27 +314,27 @@ impl<'a> Weaver<'a> {
     }
 
     /// Points of bridges; none if one of them leaves its band or comes too near to another.
-    fn lay(&self, rungs: &[Rung], parented: bool, bridges: &[Stations]) -> Option<Vec<Vec<SurfacePoint>>> {
+    fn lay(&self, nodes: &[Node], parented: bool, bridges: &[Stations]) -> Option<Vec<Vec<SurfacePoint>>> {
         let mut laid: Vec<Vec<SurfacePoint>> = Vec::with_capacity(bridges.len());
-        let mut in_band: Vec<Vec<(usize, Point3<f64>)>> = vec![Vec::new(); rungs.len() - 1];
+        let mut in_band: Vec<Vec<(usize, Point3<f64>)>> = vec![Vec::new(); nodes.len() - 1];
         for (number, stations) in bridges.iter().enumerate() {
             let mut points: Vec<SurfacePoint> = Vec::with_capacity(stations.len());
             for (n, &(k, share, t)) in stations.iter().enumerate() {
-                let pair = &rungs[k..k + 2];
+                let pair = &nodes[k..k + 2];
                 let point = self.station(pair, share, t)?;
                 if let (Some(&last), Some(&(before, _, s))) = (points.last(), n.checked_sub(1).map(|n| &stations[n]))
                     && before == k
                 {
                     // Between stations too: rings may have corners.
-                    for part in BETWEEN {
+                    for part in SUBSTEPS {
                         let wanted = last.position + (point.position - last.position) * part;
                         let between = locate(self.rings.mesh, last.triangle, wanted);
-                        if !self.is_between(pair, &between, s + (t - s) * part, BETWEEN_SHARE) {
+                        if !self.is_between(pair, &between, s + (t - s) * part, MIN_SUBSTEP_PROGRESS) {
                             return None;
                         }
                         in_band[k].push((number, wanted));
                         // Over a crest straight lines leave the surface.
-                        if (between.position - wanted).norm() > OFF * self.rings.bead {
+                        if (between.position - wanted).norm() > BRIDGE_TOLERANCE * self.rings.bead {
                             points.push(between);
                         }
                     }
@@ -336,15 +342,15 @@ impl<'a> Weaver<'a> {
                 in_band[k].push((number, point.position));
                 points.push(point);
             }
-            if self.crosses(rungs, number, parented, &points) || self.meets_rings(rungs, number, parented, &points) {
+            if self.crosses(nodes, number, parented, &points) || self.meets_rings(nodes, number, parented, &points) {
                 return None;
             }
             laid.push(points);
         }
         for (k, points) in in_band.iter().enumerate() {
-            let half = rungs[k].half.abs().min(rungs[k + 1].half.abs());
-            let clear = CLEAR * half.min(self.rings.bead);
-            let taken = self.band(&rungs[k..k + 2]).map_or(&[][..], |band| &self.taken[band]);
+            let half = nodes[k].half.abs().min(nodes[k + 1].half.abs());
+            let clear = BRIDGE_CLEARANCE * half.min(self.rings.bead);
+            let taken = self.band(&nodes[k..k + 2]).map_or(&[][..], |band| &self.taken[band]);
             for (n, (number, p)) in points.iter().enumerate() {
                 let near = |q: &Point3<f64>| (p - q).norm() < clear;
                 if points[..n].iter().any(|(other, q)| other != number && near(q)) || taken.iter().any(near) {
@@ -357,30 +363,30 @@ impl<'a> Weaver<'a> {
 
     /// Whether a bridge crosses itself or what is left of the rings that it joins: levels alone do not tell, where a ring
     /// turns back on itself. Bridges have the numbers of [`Self::stations`].
-    fn crosses(&self, rungs: &[Rung], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
-        let last = rungs.len() - 1;
+    fn crosses(&self, nodes: &[Node], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
+        let last = nodes.len() - 1;
         let (before, after) = match number {
             0 if parented && last == 1 => (Some((1, 1.0)), (0, 1.0)),
             1 if parented && last == 1 => (Some((0, -1.0)), (1, -1.0)),
-            0 if parented => (Some((1, 1.0)), (0, DOOR)),
+            0 if parented => (Some((1, 1.0)), (0, PARENT_BRIDGE)),
             0 => (None, (1, 1.0)),
             _ if number == last => (Some((last - 1, -1.0)), (last, -0.5)),
             _ => (Some((number - 1, -1.0)), (number + 1, 1.0)),
         };
-        let mut all: Vec<SurfacePoint> = before.map_or(Vec::new(), |(k, share)| self.arc(&rungs[k], share));
+        let mut all: Vec<SurfacePoint> = before.map_or(Vec::new(), |(k, share)| self.arc(&nodes[k], share));
         all.reverse();
         all.extend(points);
-        all.extend(self.arc(&rungs[after.0], after.1));
+        all.extend(self.arc(&nodes[after.0], after.1));
         crosses_itself(self.rings.mesh, &all, SAME * self.rings.bead)
     }
 
     /// Whether a bridge crosses what its own cuts leave of the rings around the bands that it passes. A ring may be as
     /// thin as a needle, and the bridge pass from one side of it to the other between two points.
-    fn meets_rings(&self, rungs: &[Rung], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
-        let (mesh, last) = (self.rings.mesh, rungs.len() - 1);
+    fn meets_rings(&self, nodes: &[Node], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
+        let (mesh, last) = (self.rings.mesh, nodes.len() - 1);
         let first = number.saturating_sub(1).min(last - 1);
         let through = if number == 0 || number == last { first } else { (first + 1).min(last - 1) };
-        let bands = (first..=through).filter_map(|k| self.band(&rungs[k..k + 2]));
+        let bands = (first..=through).filter_map(|k| self.band(&nodes[k..k + 2]));
         let mut around: Vec<u32> = Vec::new();
         for band in bands.map(|band| &self.rings.sets.bands[band]) {
             around.extend(band.below.iter().chain(&band.above));
@@ -391,8 +397,8 @@ impl<'a> Weaver<'a> {
         let is_end = |at: &SurfacePoint| same(at, &points[0]) || same(at, &points[points.len() - 1]);
         around.into_iter().any(|ring| {
             let Some(on) = &self.rings.loops[ring as usize] else { return false };
-            let rung = (0..=last).find(|&k| rungs[k].ring == ring);
-            let cut = rung.map_or([0.0; 2], |k| rungs[k].cut(cut_shares(k, last, parented)));
+            let node = (0..=last).find(|&k| nodes[k].ring == ring);
+            let cut = node.map_or([0.0; 2], |k| nodes[k].cut(cut_shares(k, last, parented)));
             points.windows(2).any(|pair| {
                 let way = pair[1].position - pair[0].position;
                 let left = on.left(mesh, cut, pair[0].position + 0.5 * way, 0.5 * way.norm());
@@ -404,10 +410,10 @@ impl<'a> Weaver<'a> {
     }
 
     /// A ring from one end of its window on, away from the window.
-    fn arc(&self, rung: &Rung, share: f64) -> Vec<SurfacePoint> {
-        let (on, mesh, place) = (rung.on, self.rings.mesh, rung.at(share));
-        let reach = (BESIDE * self.rings.bead).min(0.25 * on.length());
-        match rung.side(share > 0.0) {
+    fn arc(&self, node: &Node, share: f64) -> Vec<SurfacePoint> {
+        let (on, mesh, place) = (node.on, self.rings.mesh, node.at(share));
+        let reach = (RING_CHECK_LENGTH * self.rings.bead).min(0.25 * on.length());
+        match node.side(share > 0.0) {
             Side::To => on.forward(mesh, place, place + reach),
             Side::From => {
                 let mut points = on.forward(mesh, place - reach, place);
@@ -417,14 +423,14 @@ impl<'a> Weaver<'a> {
         }
     }
 
-    /// The band between two rungs.
-    fn band(&self, pair: &[Rung]) -> Option<usize> {
+    /// The band between two nodes.
+    fn band(&self, pair: &[Node]) -> Option<usize> {
         let [one, other] = [0, 1].map(|k| &self.rings.sets.rings[pair[k].ring as usize]);
         let bands = [one.above, one.below];
         bands.into_iter().find(|&band| band == other.above || band == other.below).map(|band| band as usize)
     }
 
-    fn station(&self, pair: &[Rung], share: f64, t: f64) -> Option<SurfacePoint> {
+    fn station(&self, pair: &[Node], share: f64, t: f64) -> Option<SurfacePoint> {
         let mesh = self.rings.mesh;
         let places = [0, 1].map(|k| pair[k].at(share));
         if t <= 0.0 || t >= 1.0 {
@@ -435,14 +441,14 @@ impl<'a> Weaver<'a> {
         let wanted = from + (to - from) * t;
         let near = usize::from(t > 0.5);
         let point = locate(mesh, pair[near].on.triangle(places[near]), wanted);
-        if (point.position - wanted).norm() > BEND * self.rings.bead {
+        if (point.position - wanted).norm() > MAX_BRIDGE_DEVIATION * self.rings.bead {
             return None;
         }
-        self.is_between(pair, &point, t, ON_THE_WAY).then_some(point)
+        self.is_between(pair, &point, t, MIN_PROGRESS).then_some(point)
     }
 
     /// Whether a point lies between two rings, as far on the way as a share of what it should.
-    fn is_between(&self, pair: &[Rung], point: &SurfacePoint, t: f64, share: f64) -> bool {
+    fn is_between(&self, pair: &[Node], point: &SurfacePoint, t: f64, share: f64) -> bool {
         let way = share * t.min(1.0 - t);
         match self.across(pair) {
             // A tip of the next ring may reach in between.
@@ -458,12 +464,12 @@ impl<'a> Weaver<'a> {
         }
     }
 
-    fn commit(&mut self, rungs: &[Rung], chain: &Chain, parented: bool, mut laid: Vec<Vec<SurfacePoint>>) {
+    fn commit(&mut self, nodes: &[Node], chain: &Chain, parented: bool, mut laid: Vec<Vec<SurfacePoint>>) {
         let mesh = self.rings.mesh;
-        let last = rungs.len() - 1;
-        for (k, pair) in rungs.windows(2).enumerate() {
+        let last = nodes.len() - 1;
+        for (k, pair) in nodes.windows(2).enumerate() {
             let Some(band) = self.band(pair) else { continue };
-            // All bridges that pass between these two: those that start one or two rungs before.
+            // All bridges that pass between these two: those that start one or two nodes before.
             let bridges = laid.iter().enumerate().filter(|(n, _)| {
                 let first = n.saturating_sub(1).min(last - 1);
                 (first..=first + 1).contains(&k)
@@ -472,18 +478,18 @@ impl<'a> Weaver<'a> {
                 self.taken[band].extend(points.iter().map(|p| p.position));
                 let between = |pair: &[SurfacePoint]| {
                     let [from, to] = [pair[0].position, pair[1].position];
-                    BETWEEN.map(|part| from + (to - from) * part)
+                    SUBSTEPS.map(|part| from + (to - from) * part)
                 };
                 self.taken[band].extend(points.windows(2).flat_map(between));
             }
         }
-        let mut cuts: Vec<usize> = Vec::with_capacity(rungs.len());
-        for (k, rung) in rungs.iter().enumerate() {
-            let [from, to] = rung.cut(cut_shares(k, last, parented));
-            cuts.push(self.plan.cut(rung.ring, from, to));
+        let mut cuts: Vec<usize> = Vec::with_capacity(nodes.len());
+        for (k, node) in nodes.iter().enumerate() {
+            let [from, to] = node.cut(cut_shares(k, last, parented));
+            cuts.push(self.plan.cut(node.ring, from, to));
         }
-        let left = |k: usize| -> Option<End> { Some((cuts[k], rungs[k].side(false))) };
-        let right = |k: usize| -> Option<End> { Some((cuts[k], rungs[k].side(true))) };
+        let left = |k: usize| -> Option<End> { Some((cuts[k], nodes[k].side(false))) };
+        let right = |k: usize| -> Option<End> { Some((cuts[k], nodes[k].side(true))) };
         let inside = laid.pop().unwrap_or_default();
         let mut laid = laid.into_iter();
         let outside = laid.next().unwrap_or_default();
@@ -491,12 +497,12 @@ impl<'a> Weaver<'a> {
             self.plan.bridge(outside, [right(1), right(0)]);
         } else {
             // The exit goes on along the door for a little, as the first arm leaves it.
-            let steps = STEPS as usize;
-            let along = (1..=steps).rev().map(|k| rungs[0].at(-0.5 * k as f64 / steps as f64));
-            let mut points: Vec<SurfacePoint> = along.map(|place| rungs[0].on.at(mesh, place)).collect();
+            let steps = POINTS_PER_BEAD as usize;
+            let along = (1..=steps).rev().map(|k| nodes[0].at(-0.5 * k as f64 / steps as f64));
+            let mut points: Vec<SurfacePoint> = along.map(|place| nodes[0].on.at(mesh, place)).collect();
             points.extend(outside);
             self.plan.bridge(points, [None, right(1)]);
-            self.plan.start((cuts[0], rungs[0].side(true)), chain.region);
+            self.plan.start((cuts[0], nodes[0].side(true)), chain.region);
         }
         for (k, points) in laid.enumerate() {
             self.plan.bridge(points, [left(k), right(k + 2)]);

@@ -8,6 +8,7 @@
 //! the surface folds, since a chord there leaves it.
 
 use super::crossing::{cross, normal};
+use super::polyline::Curve;
 use super::segments::Segments;
 use super::{PathError, Watch};
 use crate::surface::level_set::SurfacePoint;
@@ -20,22 +21,6 @@ pub(super) const SAME: f64 = 1e-9;
 const FOLD: f64 = 0.866;
 /// Side of a cell in which segments are looked up, in beads. Smaller ones take more of them, larger ones more tests.
 const CELL: f64 = 0.5;
-
-/// A curve that is to be thinned.
-pub(super) struct Curve {
-    pub points: Vec<SurfacePoint>,
-    pub closed: bool,
-    pub region: u32,
-    /// Points nearer to the one kept before are left out; in millimetres.
-    pub least: f64,
-}
-
-impl Curve {
-    /// How many segments it has; each begins at the point of its number.
-    pub fn segments(&self) -> usize {
-        if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
-    }
-}
 
 /// For each curve the points that are kept; the first and the last are.
 pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64, watch: Watch) -> Result<(), PathError> {

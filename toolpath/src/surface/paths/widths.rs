@@ -1,24 +1,24 @@
-//! How wide beads are on bridges: as wide as the room between what lies on their sides.
+//! How wide beads are on bridges: as wide as the clearance between what lies on their sides.
 //!
-//! Along rings levels say how wide beads are. Bridges lead from one to the other, next to each other, and there the room
+//! Along rings levels say how wide beads are. Bridges lead from one to the other, next to each other, and there the clearance
 //! is measured: straight aside, on each side half the way to the next bridge, what the bead of a ring leaves of the way to
 //! it, or the way to the boundary. A bead is as wide as both together. (Fitting those along rings likewise was tried: it
 //! widens what a neighbour narrows, and in turn, far into what was even.)
 
 use super::crossing::normal;
+use super::polyline::Curve;
 use super::segments::Segments;
 use super::spacing::{BEAD_WIDTHS, Spacing};
-use super::thin::Curve;
 use super::{PathError, Watch};
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::{Point3, Vector3};
 
-/// How far aside is looked, in beads: half the widest bead, and a whole one.
-const LOOK: f64 = 1.25;
-/// What lies more to the top or bottom than this share of its distance is on another sheet.
-const LEVEL: f64 = 0.6;
+/// How far aside neighbours are looked for, in beads: as far as two of the widest beads side by side reach from middle to middle.
+const LOOKUP_DISTANCE: f64 = 1.25;
+/// What lies above or below by more than this share of its distance is on another sheet of the surface: 37 degrees.
+const MAX_HEIGHT_SHARE: f64 = 0.6;
 /// What is no farther away along the curve than this many times its distance is the curve itself.
-const SAME_CURVE: f64 = 2.0;
+const SAME_CURVE_RATIO: f64 = 2.0;
 /// The number in place of a curve's that stands for the boundary.
 const BOUNDARY: u32 = u32::MAX;
 
@@ -32,15 +32,15 @@ pub(super) fn fitted(
 ) -> Result<Vec<Vec<f64>>, PathError> {
     let levels: Vec<Vec<(f64, bool)>> =
         curves.iter().map(|curve| curve.points.iter().map(|at| spacing.width(at)).collect()).collect();
-    let mut segments = Segments::of(curves, 4.0 / 3.0 * LOOK * bead);
+    let mut segments = Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead);
     for h in (0..mesh.half_edges()).filter(|&h| mesh.twin(h).is_none()) {
         segments.add(ends_of(mesh, h), [BOUNDARY, h]);
     }
     segments.sort();
     let arcs = curves.iter().map(arcs).collect();
-    let room = Room { mesh, curves, levels: &levels, segments, arcs, bead };
+    let clearance = Clearance { mesh, curves, levels: &levels, segments, arcs, bead };
     let width = |number: usize, k: usize| match levels[number][k] {
-        (_, true) => room.width(number, k),
+        (_, true) => clearance.width(number, k),
         (width, false) => width,
     };
     let of_curve = |number: usize| {
@@ -65,7 +65,7 @@ fn arcs(curve: &Curve) -> Vec<f64> {
     arcs
 }
 
-struct Room<'a> {
+struct Clearance<'a> {
     mesh: &'a SurfaceMesh,
     curves: &'a [Curve],
     /// What levels say at each point, and whether it is on a bridge.
@@ -75,7 +75,7 @@ struct Room<'a> {
     bead: f64,
 }
 
-impl Room<'_> {
+impl Clearance<'_> {
     /// The width at a point: the mean of the segments before and after it, each in its middle.
     fn width(&self, number: usize, point: usize) -> f64 {
         let (points, arcs) = (&self.curves[number].points, &self.arcs[number]);
@@ -93,10 +93,10 @@ impl Room<'_> {
         width.clamp(BEAD_WIDTHS[0] * self.bead, BEAD_WIDTHS[1] * self.bead)
     }
 
-    /// The room on the left and on the right of a place of a curve.
+    /// The clearance on the left and on the right of a place of a curve.
     fn aside(&self, number: u32, arc: f64, p: Point3<f64>, [way, up]: [Vector3<f64>; 2]) -> [f64; 2] {
         let left = up.cross(&way);
-        let mut room = [(LOOK * self.bead, 0.5 * BEAD_WIDTHS[1] * self.bead); 2];
+        let mut clearance = [(LOOKUP_DISTANCE * self.bead, 0.5 * BEAD_WIDTHS[1] * self.bead); 2];
         for name in self.segments.near(p) {
             let ends = match name {
                 [BOUNDARY, h] => ends_of(self.mesh, h),
@@ -115,8 +115,8 @@ impl Room<'_> {
             let to = q - p;
             let distance = to.norm();
             let side = usize::from(to.dot(&left) < 0.0);
-            if distance >= room[side].0
-                || to.dot(&up).abs() > LEVEL * distance
+            if distance >= clearance[side].0
+                || to.dot(&up).abs() > MAX_HEIGHT_SHARE * distance
                 || (name[0] == number && self.is_same(number, arc, name[1] as usize, (q - ends[0]).norm(), distance))
             {
                 continue;
@@ -129,15 +129,15 @@ impl Room<'_> {
                     if bridge || also { 0.5 * distance } else { distance - 0.5 * (one + (two - one) * share) }
                 }
             };
-            room[side] = (distance, left_over.max(0.0));
+            clearance[side] = (distance, left_over.max(0.0));
         }
-        room.map(|(_, left_over)| left_over)
+        clearance.map(|(_, left_over)| left_over)
     }
 
     /// Whether a place of a curve is the continuation of another: no farther along the curve than straight, but for a
     /// factor.
     fn is_same(&self, number: u32, arc: f64, segment: usize, along: f64, distance: f64) -> bool {
         let arcs = &self.arcs[number as usize];
-        (arcs[segment] + along - arc).abs() <= SAME_CURVE * distance
+        (arcs[segment] + along - arc).abs() <= SAME_CURVE_RATIO * distance
     }
 }

@@ -51,6 +51,7 @@ pub struct BeadCurve<'a> {
 
 /// How finely to look, and for what.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct StatisticsOptions {
     /// Samples across a bead of mean width (by length): 14. So beads of three quarters of it still have ten.
     pub samples_per_width: f64,
@@ -62,6 +63,7 @@ pub struct StatisticsOptions {
     /// unfillable. Zero, so that nothing does.
     pub min_width_mm: f64,
     /// `in_width_range` counts widths from the first to the second; in millimetres, all of them.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite::pair"))]
     pub width_range_mm: [f64; 2],
 }
 
@@ -79,8 +81,10 @@ impl Default for StatisticsOptions {
 
 /// The largest disc on the surface that touches neither a bead nor crosses the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gap {
     /// Its radius: half the width of the gap; two steps of the raster too small at most. Infinite on a closed surface without beads.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
     pub radius_mm: f64,
     /// Its centre.
     pub at: Point3<f64>,
@@ -88,6 +92,7 @@ pub struct Gap {
 
 /// Figures of one curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CurveStatistics {
     /// Length of the polyline.
     pub length_mm: f64,
@@ -103,6 +108,7 @@ pub struct CurveStatistics {
 
 /// Figures of beads on a surface. Shares are of the area of the surface unless they say otherwise.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathStatistics {
     /// Area of the surface.
     pub area_mm2: f64,

@@ -18,6 +18,7 @@ use super::samples::Sample;
 
 /// How a machine is trained.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct SvmOptions {
     /// `gamma`, in 1/rad^2: 0.7 in the paper. Kernels are about `1 / sqrt(gamma)` wide.
     pub gamma: f64,

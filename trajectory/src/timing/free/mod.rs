@@ -28,6 +28,7 @@ use std::ops::ControlFlow;
 
 /// How a path is timed together with its free parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct TimeFreeOptions {
     /// Most rounds of sequential convex programming. Default 10; 0 times the start.
     pub rounds: usize,

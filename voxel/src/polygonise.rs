@@ -7,7 +7,6 @@
 //! Lattice points are numbered `x + nx * (y + ny * z)`; an edge goes up along one to three axes at once, and bit `i`
 //! of its direction says that it goes up along axis `i`.
 
-use crate::mesh::Mesh;
 use nalgebra::{Point3, Vector3};
 
 /// The orders of the axes: from the low corner up along the first axis, then the second, then the third. The first
@@ -21,29 +20,85 @@ const MARGIN: f64 = 0.02;
 /// Halvings of an edge before the surface is taken for flat: to 1/256 of a cell.
 const HALVINGS: usize = 8;
 
-/// The surface of the solid `value < 0` between `low` and `high`, on a lattice of edge `cell`.
+/// Most points of the lattice: each takes some 30 bytes.
+const MAX_POINTS: usize = 1 << 26;
+
+/// The surface of an implicit function: a closed, oriented manifold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImplicitMesh {
+    /// Corners in millimetres.
+    pub vertices: Vec<Point3<f64>>,
+    /// Three of them each, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Why a function does not become a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PolygoniseError {
+    /// A corner of the box is not finite.
+    #[error("an invalid box from {low:?} to {high:?}: the corners must be finite")]
+    Bounds {
+        /// Low corner.
+        low: [f64; 3],
+        /// High corner.
+        high: [f64; 3],
+    },
+    /// The edge of a cell is not a positive finite number.
+    #[error("cells of {cell_mm} mm: the edge must be positive and finite")]
+    CellSize {
+        /// The edge that was asked for.
+        cell_mm: f64,
+    },
+    /// The lattice is too large.
+    #[error("a lattice of {dims:?} points: at most 2^26 are allowed, so take larger cells")]
+    TooFine {
+        /// Points along x, y and z; cut off at `u64::MAX`.
+        dims: [u64; 3],
+    },
+}
+
+/// The surface of the solid `value < 0` between `low` and `high`, on a lattice of edge `cell_mm`.
+///
+/// # Arguments
+/// * `value`: below zero inside; what is not a number counts as outside.
+/// * `low`, `high`: corners of a box in millimetres. What reaches its border is cut off there.
 ///
 /// # Returns
-/// A watertight manifold, faces outwards; what reaches the border of the lattice is cut off there. Empty without an
-/// inside. Where `value` is linear the vertices are exact up to rounding.
+/// A watertight manifold, faces outwards. Empty without an inside. Where `value` is linear the vertices are exact up to rounding.
 ///
-/// # Panics
-/// If `cell` is not above zero, or the lattice has more than 2^29 points.
+/// # Errors
+/// [`PolygoniseError`] for a box or a cell that is none, and for a lattice of more than 2^26 points, before it is allocated.
 ///
 /// # Cost
-/// One evaluation a lattice point, and ten a vertex.
+/// One evaluation a lattice point, and ten a vertex. Deterministic, on one thread.
 ///
 /// # Example
 /// ```
-/// use curvlay_examples::{nalgebra::Point3, shapes::polygonise};
-/// let ball = polygonise(|p| p.coords.norm() - 1.0, Point3::new(-1.5, -1.5, -1.5), Point3::new(1.5, 1.5, 1.5), 0.25);
+/// use curvlay_voxel::{nalgebra::Point3, polygonise};
+/// let [low, high] = [-1.5, 1.5].map(|c| Point3::new(c, c, c));
+/// let ball = polygonise(|p| p.coords.norm() - 1.0, low, high, 0.25)?;
 /// assert!(ball.vertices.iter().all(|v| (v.coords.norm() - 1.0).abs() < 0.02));
+/// # Ok::<(), curvlay_voxel::PolygoniseError>(())
 /// ```
-pub fn polygonise(value: impl Fn(Point3<f64>) -> f64, low: Point3<f64>, high: Point3<f64>, cell: f64) -> Mesh {
-    assert!(cell > 0.0, "a cell of {cell}");
-    let n = [0, 1, 2].map(|axis| ((high[axis] - low[axis]) / cell).ceil().max(0.0) as usize + 1);
+pub fn polygonise(
+    value: impl Fn(Point3<f64>) -> f64,
+    low: Point3<f64>,
+    high: Point3<f64>,
+    cell_mm: f64,
+) -> Result<ImplicitMesh, PolygoniseError> {
+    if !low.iter().chain(high.iter()).all(|c| c.is_finite()) {
+        return Err(PolygoniseError::Bounds { low: low.into(), high: high.into() });
+    }
+    if !(cell_mm > 0.0 && cell_mm.is_finite()) {
+        return Err(PolygoniseError::CellSize { cell_mm });
+    }
+    let cell = cell_mm;
+    let n = [0, 1, 2].map(|axis| (((high[axis] - low[axis]) / cell).ceil().max(0.0) as usize).saturating_add(1));
     let points = n.iter().try_fold(1_usize, |all, &side| all.checked_mul(side));
-    assert!(points.is_some_and(|all| all <= 1 << 29), "a lattice of {n:?} points");
+    if points.is_none_or(|points| points > MAX_POINTS) {
+        return Err(PolygoniseError::TooFine { dims: n.map(|side| side as u64) });
+    }
     let place = |at: [usize; 3]| low + Vector3::new(at[0] as f64, at[1] as f64, at[2] as f64) * cell;
     let number = |at: [usize; 3]| at[0] + n[0] * (at[1] + n[1] * at[2]);
 
@@ -52,7 +107,7 @@ pub fn polygonise(value: impl Fn(Point3<f64>) -> f64, low: Point3<f64>, high: Po
     let mut inside = Vec::with_capacity(n.iter().product());
     for_each([0; 3], n, |at| inside.push(!border(at) && value(place(at)) < 0.0));
 
-    let mut mesh = Mesh::default();
+    let mut mesh = ImplicitMesh::default();
     let mut vertex_on = vec![u32::MAX; inside.len() * 7];
     let mut vertex = |within: [usize; 3], beyond: [usize; 3], vertices: &mut Vec<Point3<f64>>| -> u32 {
         let edge = (0..3).filter(|&axis| within[axis] != beyond[axis]).map(|axis| 1 << axis).sum::<usize>();
@@ -82,7 +137,7 @@ pub fn polygonise(value: impl Fn(Point3<f64>) -> f64, low: Point3<f64>, high: Po
             }
         }
     });
-    mesh
+    Ok(mesh)
 }
 
 /// Calls `visit` for all lattice points from `low` to below `high`, x fastest.
@@ -130,26 +185,28 @@ fn cut(inside: [bool; 4]) -> Vec<[usize; 2]> {
     Vec::new()
 }
 
-/// Evens out the triangles of a mesh of the surface `value = 0`: in each round every vertex goes to the mean of its
-/// neighbours, all at once, and from there back to the surface. Meant for surfaces that are smooth on the scale of a
-/// triangle; the triangles themselves stay as they are.
-pub fn relax(mesh: &mut Mesh, value: impl Fn(Point3<f64>) -> f64, rounds: usize) {
-    let mut edge = 0.0_f64;
-    for &[a, b, _] in &mesh.triangles {
-        edge = edge.max((mesh.vertices[a as usize] - mesh.vertices[b as usize]).norm());
-    }
-    for _ in 0..rounds {
-        let mut sums = vec![(Vector3::zeros(), 0.0); mesh.vertices.len()];
-        for &[a, b, c] in &mesh.triangles {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let (sum, count) = &mut sums[from as usize];
-                *sum += mesh.vertices[to as usize].coords;
-                *count += 1.0;
-            }
+impl ImplicitMesh {
+    /// Evens out the triangles of a mesh of the surface `value = 0`: in each round every vertex goes to the mean of its
+    /// neighbours, all at once, and from there back to the surface. Meant for surfaces that are smooth on the scale of a
+    /// triangle; the triangles themselves stay as they are.
+    pub fn relax(&mut self, value: impl Fn(Point3<f64>) -> f64, rounds: usize) {
+        let mut edge = 0.0_f64;
+        for &[a, b, _] in &self.triangles {
+            edge = edge.max((self.vertices[a as usize] - self.vertices[b as usize]).norm());
         }
-        for (vertex, (sum, count)) in mesh.vertices.iter_mut().zip(sums) {
-            if count > 0.0 {
-                *vertex = onto_surface(&value, Point3::from(sum / count), edge);
+        for _ in 0..rounds {
+            let mut sums = vec![(Vector3::zeros(), 0.0); self.vertices.len()];
+            for &[a, b, c] in &self.triangles {
+                for (from, to) in [(a, b), (b, c), (c, a)] {
+                    let (sum, count) = &mut sums[from as usize];
+                    *sum += self.vertices[to as usize].coords;
+                    *count += 1.0;
+                }
+            }
+            for (vertex, (sum, count)) in self.vertices.iter_mut().zip(sums) {
+                if count > 0.0 {
+                    *vertex = onto_surface(&value, Point3::from(sum / count), edge);
+                }
             }
         }
     }

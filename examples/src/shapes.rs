@@ -1,10 +1,7 @@
 //! Solids made in code, for examples that are run without a file.
 
-mod polygonise;
-
-pub use polygonise::{polygonise, relax};
-
 use crate::mesh::Mesh;
+use curvlay_voxel::{ImplicitMesh, polygonise};
 use nalgebra::{Point3, Vector3};
 
 /// Edge of the lattice on which the jug is cut out, in mm: about 30,000 triangles.
@@ -22,8 +19,11 @@ const ROUNDING: f64 = 1e-9;
 pub fn jug() -> Mesh {
     // Half a cell between the lattice and the plate keeps the foot smooth.
     let low = Point3::new(-58.0, -36.0, -2.5 * JUG_CELL);
-    let mut mesh = polygonise(jug_distance, low, Point3::new(65.0, 36.0, 98.0), JUG_CELL);
-    relax(&mut mesh, jug_distance, JUG_ROUNDS);
+    let surface = polygonise(jug_distance, low, Point3::new(65.0, 36.0, 98.0), JUG_CELL);
+    let mut surface = surface.unwrap_or_else(|error| unreachable!("the jug has a box: {error}"));
+    surface.relax(jug_distance, JUG_ROUNDS);
+    let ImplicitMesh { vertices, triangles } = surface;
+    let mut mesh = Mesh { vertices, triangles };
     for vertex in &mut mesh.vertices {
         if vertex.z.abs() < ROUNDING {
             vertex.z = 0.0;

@@ -1,0 +1,33 @@
+//! How a nozzle stands.
+
+use super::orientation::{along, angle};
+use nalgebra::{Point3, UnitVector3, Vector3};
+
+/// Where the tip is and how the nozzle stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The tip, in millimetres.
+    pub tip: Point3<f64>,
+    /// From the tip into the nozzle.
+    pub direction: UnitVector3<f64>,
+}
+
+impl Pose {
+    /// A share of the way to another: the tip goes straight, the direction turns evenly. None between opposite directions.
+    pub(super) fn toward(&self, to: &Pose, share: f64) -> Option<Pose> {
+        let direction = along(&self.direction, &to.direction, share)?;
+        Some(Pose { tip: self.tip + (to.tip - self.tip) * share, direction })
+    }
+}
+
+/// The farthest that a point of a box may be from another; 0 if there is no box.
+pub(super) fn farthest([low, high]: &[Point3<f64>; 2], p: &Point3<f64>) -> f64 {
+    let side = |k: usize| (p[k] - low[k]).abs().max((p[k] - high[k]).abs());
+    let far = side(0).hypot(side(1)).hypot(side(2));
+    if far.is_finite() { far } else { 0.0 }
+}
+
+/// How far a pose leans from the upright.
+pub(super) fn lean(pose: &Pose) -> f64 {
+    angle(&pose.direction, &Vector3::z_axis())
+}
