@@ -29,6 +29,7 @@ mod lattice;
 mod slope;
 mod spacing;
 mod store;
+mod torn;
 mod tree;
 mod uniform;
 mod vtk;
