@@ -160,8 +160,11 @@ pub fn run(
         (growth, "saved", audit, made)
     } else if let Some(surfaces) = surfaces {
         let height_mm = surfaces.height_mm.unwrap_or(cell_mm);
-        let LayeredPart { strategy, growth, audit, uniform, surfaces: layers } =
-            workpiece.layers(options.strategy, height_mm, &progress).map_err(layers_failed)?;
+        let layered = match surfaces.coherent {
+            true => workpiece.coherent_layers(options.strategy, height_mm, &progress),
+            false => workpiece.layers(options.strategy, height_mm, &progress),
+        };
+        let LayeredPart { strategy, growth, audit, uniform, surfaces: layers } = layered.map_err(layers_failed)?;
         let made =
             Made { layers, method: surfaces::method_name(uniform.method), field: uniform.field, waits: uniform.jumps };
         (growth, strategy.name(), audit, Some(made))
@@ -177,7 +180,7 @@ pub fn run(
     let [peel, grow, audit_time] =
         [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"]].map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
-    let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "contour", "trim", "spacing"]);
+    let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"]);
     let total = inspect_time + voxelise_time + grow + audit_time + surfaces_time;
     let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
