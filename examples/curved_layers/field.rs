@@ -6,10 +6,10 @@ use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
+use curvlay_layers::curved::surface::{COHERENT_STEPS, SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules, Strategy,
-    Workpiece, audit, layer_quality,
+    AuditReport, Cells, Growth, LayerOrder, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules,
+    Strategy, Workpiece, audit, layer_quality,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -142,15 +142,19 @@ pub fn run(
         let all: Vec<u32> = cells.iter().collect();
         workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
     }
-    let audited = |growth: &Growth| {
+    let audited = |order: &LayerOrder, missed: &[u32]| {
         clock.note("audit", 0);
-        audit(&cells, &platform, &workpiece.rules, &growth.order, &growth.missed_cells(), &progress).map_err(failure)
+        audit(&cells, &platform, &workpiece.rules, order, missed, &progress).map_err(failure)
     };
     let layers_failed = |error| surfaces::failed(error, part);
     clock.note("grow", 0);
     let (growth, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth().map_err(failure)?;
-        let audit = audited(&growth)?;
+        let audit = match audited(&growth.order, &growth.missed_cells())? {
+            audit if audit.is_ok() => audit,
+            // Of a coherent field it is the steps that hold.
+            _ => audited(&saved.field.steps(COHERENT_STEPS), &growth.missed_cells())?,
+        };
         let of_field = |options: &SurfaceOptions| {
             let height_mm = options.height_mm.unwrap_or(cell_mm);
             workpiece.surfaces(&saved.field, &growth.missed_cells(), height_mm, &progress).map_err(layers_failed)

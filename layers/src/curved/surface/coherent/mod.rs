@@ -16,7 +16,7 @@
 //! `F(t)` (`flood.rs`). Nothing in this asks for jumps.
 //!
 //! # Steps
-//! Times are cut into steps, [`STEPS`] to a layer, and both rules hold from step to step: that is stricter than from layer to layer
+//! Times are cut into steps, [`COHERENT_STEPS`] to a layer, and both rules hold from step to step: that is stricter than from layer to layer
 //! for shadows, and lets a cell stand on one of the same layer that is a step earlier, where layers are thicker than a cell.
 //!
 //! # Method
@@ -48,9 +48,10 @@ use part::Part;
 use smooth::{Cuts, smoothed};
 use std::ops::ControlFlow;
 
-/// Steps in a layer. A support is a step earlier at least, so layers are up to so many cells thick. With 1 `fertility` keeps 2.3 % of
+/// Steps in a layer of a [`coherent_field`]. A support is a step earlier at least, so layers are up to so many cells thick. With 1 `fertility` keeps 2.3 % of
 /// neighbours 3 layers apart, with 2 0.11 %, with 3 or 4 0.05 %. A power of two: steps are exact in floating point.
-const STEPS: f64 = 4.0;
+pub const COHERENT_STEPS: u32 = 4;
+const STEPS: f64 = COHERENT_STEPS as f64;
 
 /// Rounds of smoothing, sweeps in each, and sweeps of a last light one.
 const ROUNDS: usize = 5;
@@ -125,10 +126,10 @@ pub fn coherent_field(
         let Some(times) = envelope.coherent(times.clone(), kept * STEPS)? else {
             continue;
         };
-        let (field, steps) = field_of(cells, &part, &times)?;
+        let field = field_of(cells, &part, &times)?;
         let jumps = Lattice::of(&field).jumps();
         if best.as_ref().is_none_or(|best| jumps < best.jumps) {
-            let audit = audit(cells, platform, rules, &steps.rounded(), missed, &auditing)?;
+            let audit = audit(cells, platform, rules, &field.steps(COHERENT_STEPS), missed, &auditing)?;
             if audit.is_ok() {
                 best = Some(UniformField { field, method: UniformMethod::Coherent, audit, jumps });
             }
@@ -137,15 +138,13 @@ pub fn coherent_field(
     Ok(best)
 }
 
-/// The field of times in steps, in layers, and in steps.
-fn field_of(cells: &Cells, part: &Part, times: &[f64]) -> Result<(LayerField, LayerField), FieldError> {
+/// The field of times in steps, evened.
+fn field_of(cells: &Cells, part: &Part, times: &[f64]) -> Result<LayerField, FieldError> {
     let mut values = vec![f64::NAN; cells.dims().iter().map(|&d| d as usize).product()];
     part.cells.iter().zip(times).for_each(|(&cell, time)| values[cell as usize] = time / STEPS);
     let slope = Lattice::of(&LayerField::new(cells, values.clone(), 1.0)?).mean_slope();
     let field = LayerField::new(cells, values, if slope > 0.0 { 1.0 / slope } else { 1.0 })?;
-    let field = evened_in_steps(field, STEPS);
-    let steps = LayerField::new(cells, field.values().iter().map(|value| value * STEPS).collect(), 1.0)?;
-    Ok((field, steps))
+    Ok(evened_in_steps(field, STEPS))
 }
 
 /// What the envelope of times depends on.
