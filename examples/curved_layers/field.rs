@@ -6,10 +6,10 @@ use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
+use curvlay_layers::curved::surface::{COHERENT_STEPS, SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules, Strategy,
-    Workpiece, audit, layer_quality,
+    AuditReport, Cells, Growth, LayerOrder, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules,
+    Strategy, Workpiece, audit, layer_quality,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -136,15 +136,19 @@ pub fn run(
         let all: Vec<u32> = cells.iter().collect();
         workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
     }
-    let audited = |growth: &Growth| {
+    let audited = |order: &LayerOrder, missed: &[u32]| {
         clock.note("audit", 0);
-        audit(&cells, &platform, &workpiece.rules, &growth.order, &growth.missed_cells(), &progress).map_err(failure)
+        audit(&cells, &platform, &workpiece.rules, order, missed, &progress).map_err(failure)
     };
     let layers_failed = |error| surfaces::failed(error, part);
     clock.note("grow", 0);
     let (growth, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
-        let audit = audited(&growth)?;
+        let audit = match audited(&growth.order, &growth.missed_cells())? {
+            audit if audit.is_ok() => audit,
+            // Of a coherent field it is the steps that hold.
+            _ => audited(&saved.field.steps(COHERENT_STEPS), &growth.missed_cells())?,
+        };
         let of_field = |options: &SurfaceOptions| {
             let height_mm = options.height_mm.unwrap_or(cell_mm);
             workpiece.surfaces(&saved.field, &growth.missed_cells(), height_mm, &progress).map_err(layers_failed)
@@ -154,8 +158,11 @@ pub fn run(
         (growth, "saved", audit, made)
     } else if let Some(surfaces) = surfaces {
         let height_mm = surfaces.height_mm.unwrap_or(cell_mm);
-        let LayeredPart { strategy, growth, audit, uniform, surfaces: layers } =
-            workpiece.layers(options.strategy, height_mm, &progress).map_err(layers_failed)?;
+        let layered = match surfaces.coherent {
+            true => workpiece.coherent_layers(options.strategy, height_mm, &progress),
+            false => workpiece.layers(options.strategy, height_mm, &progress),
+        };
+        let LayeredPart { strategy, growth, audit, uniform, surfaces: layers } = layered.map_err(layers_failed)?;
         let made =
             Made { layers, method: surfaces::method_name(uniform.method), field: uniform.field, waits: uniform.jumps };
         (growth, strategy.name(), audit, Some(made))
@@ -171,7 +178,7 @@ pub fn run(
     let [peel, grow, audit_time] =
         [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"]].map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
-    let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "contour", "trim", "spacing"]);
+    let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"]);
     let total = inspect_time + voxelise_time + grow + audit_time + surfaces_time;
     let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);

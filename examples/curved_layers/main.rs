@@ -67,6 +67,10 @@ struct Args {
     /// Distance of the layers in millimetres [default: the edge of a cell]
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     layer_height: Option<f64>,
+    /// Tries layers that are torn as little as the part allows as well, and takes them if they end less inside the part; they may be
+    /// less even
+    #[arg(long, conflicts_with = "resume")]
+    coherent: bool,
     /// Width of a bead in millimetres [default: the distance of the layers]
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     bead: Option<f64>,
@@ -122,7 +126,7 @@ impl Args {
     }
 
     fn surface_options(&self) -> SurfaceOptions {
-        SurfaceOptions { height_mm: self.layer_height, compare: self.compare }
+        SurfaceOptions { height_mm: self.layer_height, coherent: self.coherent, compare: self.compare }
     }
 
     fn path_options(&self, height_mm: f64) -> PathOptions {
@@ -176,7 +180,7 @@ enum Stage {
 
 /// The options that a run uses from a stage on; it would not look at them before.
 const NEEDS: [(Stage, &str); 4] = [
-    (Stage::Surfaces, "compare"),
+    (Stage::Surfaces, "coherent compare"),
     (Stage::Paths, "bead pattern least_gap"),
     (
         Stage::Gcode,

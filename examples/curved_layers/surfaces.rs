@@ -19,6 +19,8 @@ use std::time::Duration;
 pub struct SurfaceOptions {
     /// Layer height; none for the edge of a cell.
     pub height_mm: Option<f64>,
+    /// Tries a field that is torn as little as the part allows, too.
+    pub coherent: bool,
     /// Makes the surfaces of hop counts as well, to compare with.
     pub compare: bool,
 }
@@ -106,7 +108,7 @@ pub fn finish(
     };
     let plain_spacing = options.compare.then(plain_spacing).transpose()?;
     let [even, contour, trim, spacing] =
-        [&["uniform", "audit uniform"][..], &["contour"], &["trim", "crossings", "clip"], &["spacing"]]
+        [&["uniform", "audit uniform", "coherent"][..], &["contour"], &["trim", "crossings", "clip"], &["spacing"]]
             .map(|stages| clock.on_the_clock(stages));
     let saved = SavedField {
         field,
@@ -134,6 +136,7 @@ pub fn method_name(method: UniformMethod) -> String {
         UniformMethod::Clock { lag, stays_level } => {
             format!("clock, lead {lag} layers, {}", if stays_level { "level fronts stay level" } else { "fronts turn" })
         }
+        UniformMethod::Coherent => "coherent field".to_owned(),
         _ => "plain".to_owned(),
     }
 }

@@ -5,7 +5,7 @@ mod common;
 
 use common::{go, random_rows};
 use curvlay_layers::curved::surface::{
-    ContourError, LayerField, SavedField, contour, extend, measure_spacing_within, uniform_field,
+    ContourError, LayerField, SavedField, UniformMethod, contour, extend, measure_spacing_within, uniform_field,
 };
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
@@ -235,6 +235,29 @@ fn the_best_of_two_loses_less() {
 }
 
 /// An order alone needs no surfaces but to choose between two.
+#[test]
+fn coherent_layers_are_taken_where_they_end_less_inside() {
+    let mut taken = 0;
+    for seed in 0..12 {
+        let solid = random(seed);
+        let part = solid.workpiece();
+        let (Ok(before), Ok(after)) = (part.layers(None, 0.8, &go), part.coherent_layers(None, 0.8, &go)) else {
+            continue;
+        };
+        assert_eq!((&before.growth.order, &before.growth.missed), (&after.growth.order, &after.growth.missed));
+        assert!(after.uniform.audit.is_ok());
+        if after.uniform.method == UniformMethod::Coherent {
+            assert!(after.surfaces.boundary.at_waits_mm < before.surfaces.boundary.at_waits_mm, "{seed}");
+            assert!(after.surfaces.pieces() <= before.surfaces.pieces(), "{seed}");
+            taken += 1;
+        } else {
+            assert_eq!(before.uniform.method, after.uniform.method);
+            assert_eq!(before.surfaces, after.surfaces);
+        }
+    }
+    assert!(taken > 0);
+}
+
 #[test]
 fn an_order_is_grown_without_surfaces_where_there_is_no_choice() {
     let stages = |part: &Workpiece, strategy| {

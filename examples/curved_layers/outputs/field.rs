@@ -85,6 +85,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("ny", ny)?
         .set("nz", nz)?
         .set("cells", grid.count())?
+        .set("coherent", args.coherent)?
         .set("eps_cells", args.grow.eps)?
         .set("beyond_eps", args.grow.beyond_eps)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?

@@ -44,6 +44,8 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("layer_height_mm", run.height_mm)?
         .set("even_method", run.method.as_str())?
         .set("waits", run.waits)?
+        .set("torn_share", run.saved.field.torn_share(2.0))?
+        .set("torn_share_3", run.saved.field.torn_share(3.0))?
         .set_seconds("surfaces_s", times.even + times.contour)?
         .set_seconds("even_s", times.even)?
         .set_seconds("contour_s", times.contour)?

@@ -14,8 +14,8 @@ use super::platform::Platform;
 use super::rules::Rules;
 use super::strategy::Strategy;
 use super::surface::{
-    ContourError, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError, UniformField, contour,
-    extend, measure_spacing_within, uniform_field,
+    ContourError, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError, UniformField,
+    coherent_field, contour, extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer, slices};
@@ -33,6 +33,9 @@ const BORDER_EDGE: f64 = 0.1;
 
 /// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
 const MIN_THICKNESS: f64 = 0.02;
+
+/// What coherent layers may lose of the volume. Even ones lose up to one hundredth; beyond three it shows in the material laid.
+const MAX_LOST: f64 = 0.03;
 
 /// A part to be layered: its mesh, the cells made of it, and what it stands on.
 #[derive(Clone, Copy, Debug)]
@@ -228,6 +231,39 @@ impl Workpiece<'_> {
             return self.layered(grown, height_mm, progress);
         }
         self.better_than(grown, height_mm, progress)
+    }
+
+    /// Layers the part as [`Workpiece::layers`] does, and once more from a [`coherent_field`] of the same order; takes that one if its
+    /// surfaces end less inside the part ([`LayerBoundary::at_waits_mm`]), in no more [pieces](LayerSurfaces::pieces), and lose no
+    /// more of the volume ([`LayerSurfaces::lost_mm3`]), or no more than three hundredths of it. The order of the cells and the missed ones are
+    /// the same either way; layers may be less even ([`Spacing::std_mm`]).
+    ///
+    /// # Errors
+    /// [`LayersError`].
+    ///
+    /// # Cost
+    /// That of [`Workpiece::layers`], [`coherent_field`] and [`Workpiece::surfaces`] together. `progress` is called with the stage `coherent`
+    /// as well.
+    pub fn coherent_layers(
+        &self,
+        strategy: Option<Strategy>,
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayeredPart, LayersError> {
+        let Workpiece { cells, platform, rules, .. } = self;
+        let layered = self.layers(strategy, height_mm, progress)?;
+        let missed = layered.growth.missed_cells();
+        begin("coherent", progress)?;
+        let Some(uniform) = coherent_field(cells, platform, rules, &layered.growth.order, &missed, progress)? else {
+            return Ok(layered);
+        };
+        let surfaces = self.surfaces(&uniform.field, &missed, height_mm, progress)?;
+        let (now, before) = (&surfaces, &layered.surfaces);
+        let [lost_now, lost_before] = [now, before].map(|surfaces| surfaces.lost_mm3(self.volume_mm3));
+        let is_better = now.boundary.at_waits_mm < before.boundary.at_waits_mm
+            && now.pieces() <= before.pieces()
+            && lost_now <= lost_before.max(MAX_LOST * self.volume_mm3);
+        Ok(if is_better { LayeredPart { uniform, surfaces, ..layered } } else { layered })
     }
 
     /// The order that [`Workpiece::layers`] makes layers of, with the same arguments.

@@ -17,6 +17,7 @@
 //! [`grow_as_printed`] has none of these departures.
 
 mod clock;
+mod covered;
 mod front;
 mod grower;
 mod order;
@@ -24,6 +25,7 @@ mod prevention;
 mod printed;
 
 pub(in crate::curved) use clock::grow_by_clock;
+pub(in crate::curved) use covered::{Covered, covered};
 pub use printed::grow_as_printed;
 
 use super::cells::Cells;

@@ -184,8 +184,15 @@ impl LayerField {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn rounded(&self) -> LayerOrder {
+        self.steps(1)
+    }
+
+    /// The field cut into steps, so many to a layer: the order of a field whose cells may stand on others of their layer
+    /// ([`coherent_field`](super::coherent_field)). Steps without cells are left out; cells within a step rise.
+    pub fn steps(&self, per_layer: u32) -> LayerOrder {
+        let step = |value: f64| (value * f64::from(per_layer)) as u64;
         let mut by_layer: Vec<(u64, u32)> =
-            (0..).zip(&self.values).filter(|(_, v)| !v.is_nan()).map(|(cell, v)| (*v as u64, cell)).collect();
+            (0..).zip(&self.values).filter(|(_, v)| !v.is_nan()).map(|(cell, v)| (step(*v), cell)).collect();
         by_layer.sort_unstable();
         let mut order = LayerOrder::new();
         for layer in by_layer.chunk_by(|a, b| a.0 == b.0) {

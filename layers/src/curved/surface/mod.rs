@@ -21,6 +21,7 @@ use crate::Progress;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+mod coherent;
 mod contour;
 mod extend;
 mod field;
@@ -31,10 +32,12 @@ mod slices;
 mod slope;
 mod spacing;
 mod store;
+mod torn;
 mod tree;
 mod uniform;
 mod vtk;
 
+pub use coherent::{COHERENT_STEPS, coherent_field};
 pub use contour::{ContourError, Surface, VertexPlacement, contour, contour_with};
 pub use extend::{ExtendedField, extend};
 pub use field::{FieldError, LayerField};

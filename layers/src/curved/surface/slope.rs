@@ -36,13 +36,19 @@ const SHARE: f64 = 0.8;
 
 /// The field with a slope of 1 as far as its layers allow.
 pub(super) fn evened(field: LayerField) -> LayerField {
+    evened_in_steps(field, 1.0)
+}
+
+/// The same with values that stay in their steps, of which a layer has so many, and the slope of a layer in its thickness.
+pub(super) fn evened_in_steps(field: LayerField, steps: f64) -> LayerField {
+    let slope = 1.0 / field.layer_cells();
     let mut lattice = Lattice::of(&field);
     let solid: Vec<usize> = (0..lattice.values.len()).filter(|&node| !lattice.values[node].is_nan()).collect();
     let mut ways = vec![[0.0; 3]; lattice.values.len()];
     for _ in 0..SWEEPS {
-        let found = in_parallel(solid.len(), LEAST_SHARE, |k| way(&lattice, solid[k]));
+        let found = in_parallel(solid.len(), LEAST_SHARE, |k| way(&lattice, solid[k]).map(|way| way * slope));
         solid.iter().zip(found).for_each(|(&node, way)| ways[node] = way);
-        let found = in_parallel(solid.len(), LEAST_SHARE, |k| moved(&lattice, &ways, solid[k]));
+        let found = in_parallel(solid.len(), LEAST_SHARE, |k| moved(&lattice, &ways, solid[k], steps));
         solid.iter().zip(found).for_each(|(&node, value)| lattice.values[node] = value);
     }
     field.with_values(lattice.values_at_cells())
@@ -78,7 +84,7 @@ fn step(a: f64, b: f64) -> f64 {
 }
 
 /// The value of a node after a sweep. One without joined neighbours stays.
-fn moved(lattice: &Lattice, ways: &[[f64; 3]], node: usize) -> f64 {
+fn moved(lattice: &Lattice, ways: &[[f64; 3]], node: usize, steps: f64) -> f64 {
     let value = lattice.values[node];
     let layer = value.floor();
     let own = layer + 0.5;
@@ -111,7 +117,8 @@ fn moved(lattice: &Lattice, ways: &[[f64; 3]], node: usize) -> f64 {
         if is_bound { (0.5 - MARGIN) * across[side] } else { 0.5 }
     };
     let (low, high) = (own - reach(0), (own + reach(1)).min(layer + 1.0 - GAP));
-    (value + SHARE * (sum / count - value)).clamp(low, high)
+    let (first, end) = ((value * steps).floor() / steps, ((value * steps).floor() + 1.0) / steps - GAP);
+    (value + SHARE * (sum / count - value)).clamp(low.min(end), high.max(first)).clamp(first, end)
 }
 
 #[cfg(test)]

@@ -52,6 +52,8 @@ pub enum UniformMethod {
         /// Whether level fronts stayed level where the part gets wider.
         stays_level: bool,
     },
+    /// Smoothed as far as the part allows ([`coherent_field`](super::coherent_field)).
+    Coherent,
     /// The clock left cells over: it is the plain field of the order.
     Plain,
 }
@@ -162,7 +164,7 @@ struct Attempt {
 }
 
 /// The bits of the cells of an order, which are in the grid.
-fn rows_of(cells: &Cells, order: &LayerOrder) -> Vec<u64> {
+pub(super) fn rows_of(cells: &Cells, order: &LayerOrder) -> Vec<u64> {
     let mut rows = vec![0; cells.rows().len()];
     for &cell in order.cells() {
         let [x, y, z] = cells.position(cell);
