@@ -23,6 +23,7 @@ mod body;
 mod boxes;
 mod cells;
 mod growth;
+mod impossible;
 mod order;
 mod peel;
 mod platform;
@@ -38,7 +39,7 @@ mod unbuild;
 mod watch;
 mod workpiece;
 
-pub use audit::{AuditError, AuditReport, Fault, FaultCounts, audit};
+pub use audit::{AuditError, AuditReport, Fault, FaultCounts, ProofError, audit, check_impossible};
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
@@ -46,6 +47,7 @@ pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,
 };
+pub use impossible::{Impossible, prove_impossible};
 pub use order::LayerOrder;
 pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};

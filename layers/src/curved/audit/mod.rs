@@ -9,8 +9,11 @@
 
 mod body;
 mod depth;
+mod impossible;
 mod vec3;
 mod wrap;
+
+pub use impossible::{ProofError, check_impossible};
 
 use super::{Cells, LayerOrder, Neighbours, Platform, Rules, RulesError};
 use crate::Progress;

@@ -1,0 +1,147 @@
+//! Whether proofs that cells are impossible hold, from first principles.
+//!
+//! Each proof is checked against those before it: (1) no chain of neighbours leads from the platform to the cell without one of its
+//! forced cells, (2) none without a cell of its wall, (3) each cell of the wall puts the cell inside the hull, with the platform and the
+//! forced cells. Impossible cells of earlier proofs are in no chain.
+
+use super::super::impossible::Impossible;
+use super::body::Body;
+use super::depth::{Depths, Question};
+use super::{Bits, stands_on, supporters};
+use crate::curved::{Cells, Platform, Rules, RulesError};
+
+/// Why a proof does not hold.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProofError {
+    /// The rules are unsound or do not fit the grid.
+    #[error(transparent)]
+    Rules(#[from] RulesError),
+    /// The proof names a number that is no cell of the solid.
+    #[error("proof {proof}: there is no cell {cell}")]
+    NoCell {
+        /// Number of the proof.
+        proof: usize,
+        /// The number that is no cell.
+        cell: u32,
+    },
+    /// A chain of neighbours leads to the cell without this forced cell.
+    #[error("proof {proof}: a chain of neighbours leads from the platform to the cell without cell {forced}")]
+    NotForced {
+        /// Number of the proof.
+        proof: usize,
+        /// The cell that is not forced.
+        forced: u32,
+    },
+    /// A chain of neighbours leads to the cell without a cell of the wall.
+    #[error("proof {proof}: a chain of neighbours leads from the platform to the cell and meets no cell of the wall")]
+    Open {
+        /// Number of the proof.
+        proof: usize,
+    },
+    /// A cell of the wall does not put the cell inside the hull.
+    #[error("proof {proof}: with cell {wall} of the wall, the cell stays accessible")]
+    Harmless {
+        /// Number of the proof.
+        proof: usize,
+        /// The cell of the wall.
+        wall: u32,
+    },
+}
+
+/// Checks proofs that cells are impossible. It shares no code with [`prove_impossible`](crate::curved::prove_impossible).
+///
+/// # Errors
+/// [`ProofError`]: for the first proof that does not hold, and why.
+///
+/// # Cost
+/// For each proof with a wall or forced cells a pass over all cells, and some 100 us for each cell of a wall.
+///
+/// # Example
+/// As in [`prove_impossible`](crate::curved::prove_impossible).
+pub fn check_impossible(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    proofs: &[Impossible],
+) -> Result<(), ProofError> {
+    rules.check(cells.dims())?;
+    let question = Question {
+        eps: rules.eps_in_1024ths()?,
+        closed: rules.eps_is_inside,
+        flat: rules.flat,
+        reaches_down: platform.reaches_down(),
+    };
+    let len = cells.dims().iter().product::<u32>();
+    let mut chains = Chains { cells, platform, rules, impossible: Bits::of(cells) };
+    // Cells that a chain reaches without walls, as long as they are up to date.
+    let mut open: Option<Bits> = None;
+    for (proof, Impossible { cell, forced, wall }) in proofs.iter().enumerate() {
+        let mut named = forced.iter().chain(wall).chain([cell]);
+        if let Some(&cell) = named.find(|&&cell| cell >= len || !cells.contains(cells.position(cell))) {
+            return Err(ProofError::NoCell { proof, cell });
+        }
+        let place = cells.position(*cell);
+        for &forced in forced {
+            if chains.without(&[forced]).contains(place) {
+                return Err(ProofError::NotForced { proof, forced });
+            }
+        }
+        let is_open = match wall.is_empty() {
+            true => open.get_or_insert_with(|| chains.without(&[])).contains(place),
+            false => chains.without(wall).contains(place),
+        };
+        if is_open {
+            return Err(ProofError::Open { proof });
+        }
+        let centre = |cell: u32| cells.position(cell).map(|k| 2 * i64::from(k) + 1);
+        for &wall in wall {
+            let mut body = Body::new(cells.dims(), platform.corners(), platform.top());
+            forced.iter().chain([&wall]).for_each(|&built| body.add(cells.position(built)));
+            body.settle();
+            if !Depths::new(question, &body).is_inside(&body, centre(*cell)) {
+                return Err(ProofError::Harmless { proof, wall });
+            }
+        }
+        if chains.impossible.insert(place) && !wall.is_empty() {
+            open = None;
+        }
+    }
+    Ok(())
+}
+
+struct Chains<'a> {
+    cells: &'a Cells<'a>,
+    platform: &'a Platform,
+    rules: &'a Rules,
+    /// Cells of earlier proofs.
+    impossible: Bits,
+}
+
+impl Chains<'_> {
+    /// The cells to which a chain leads from the platform without these cells and the impossible ones.
+    fn without(&self, barred: &[u32]) -> Bits {
+        let mut shut = Bits { dims: self.impossible.dims, words: self.impossible.words.clone() };
+        barred.iter().for_each(|&cell| _ = shut.insert(self.cells.position(cell)));
+        let mut reached = Bits::of(self.cells);
+        let corners = self.platform.corners();
+        let stands =
+            |[x, y, z]: [u32; 3]| z == 0 && stands_on(corners, [x, y].map(|k| 2 * i64::from(k) + 1), self.rules.flat);
+        let level = self.cells.dims()[0] * self.cells.dims()[1];
+        let feet = self.cells.iter().take_while(|&cell| cell < level).map(|cell| self.cells.position(cell));
+        let mut waiting: Vec<[u32; 3]> = feet.filter(|&place| stands(place) && !shut.contains(place)).collect();
+        waiting.iter().for_each(|&place| _ = reached.insert(place));
+        let steps = supporters(self.rules.neighbours);
+        while let Some(place) = waiting.pop() {
+            for step in &steps {
+                let [x, y, z] = [0, 1, 2].map(|k| i64::from(place[k]) + step[k]);
+                let (Ok(x), Ok(y), Ok(z)) = (u32::try_from(x), u32::try_from(y), u32::try_from(z)) else { continue };
+                let next = [x, y, z];
+                if self.cells.contains(next) && !shut.contains(next) && reached.insert(next) {
+                    waiting.push(next);
+                }
+            }
+        }
+        reached
+    }
+}
