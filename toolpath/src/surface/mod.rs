@@ -11,6 +11,7 @@
 //!   it where it would run into what is built ([`LayerStack::resolve_gouging`]), and finds ways from path to path that keep clear
 //!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] reports how deep a nozzle is in what is built, at any pose and
 //!   moment of the print.
+//! * [`check_support`]: which beads lie on nothing, judged by the paths as they are laid.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 //!
 //! All of this in two calls: [`fill_layers`] fills the surfaces of a part and orders their curves, [`FilledLayers::plan`] plans the
@@ -30,6 +31,7 @@ mod pose;
 mod print;
 mod stack;
 mod statistics;
+mod support;
 mod travel;
 mod union;
 
@@ -58,4 +60,5 @@ pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };
+pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
 pub use travel::{BlockedTravel, TravelOptions, Travels};

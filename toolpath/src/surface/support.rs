@@ -1,0 +1,408 @@
+//! Which beads lie on something: a check of paths as they are laid.
+//!
+//! Dai 2020, section 3.2, asks that material is laid on what is there. Growing proves that for cells; what becomes of cells as
+//! beads is another matter. So this check takes the paths that are extruded, and nothing else: it shares no code with what plans
+//! them, and knows neither surfaces nor fields.
+//!
+//! The tip runs at the top of a bead, so the *middle* of a bead is half its height from the tip, against the direction of the nozzle.
+//! Its section is that of a slicer: a core, as wide as the bead less its height, with a round rim. A place of a bead is
+//! *supported* if the plate z = 0 is near its middle, or the core of a bead that
+//!
+//! * was laid before, on another layer (neighbours in the same layer hold it aside, not up), and
+//! * lies below: nearer to the plate, or whatever the nozzle points at, by a share of a layer height along the direction of the nozzle.
+//!
+//! Between waypoints middles and sizes go evenly from one to the next. Distances are to the place of the centre line that is nearest:
+//! exact for beads no wider than high, and for wider ones where their centre line is upright to their nozzle. Places are looked at one by
+//! one, a small step apart, each for the piece of bead around it: the end of an unsupported piece is within half a step of where
+//! it is found, unless it is shorter than a step.
+//!
+//! Segments stand in a grid of cells about as wide as the greatest distance, so time is near linear in the length of the paths.
+
+use super::orientation::{ToolPath, Waypoint};
+use super::parallel;
+use crate::Progress;
+use nalgebra::{Point3, Vector3};
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+/// Coordinates and sizes beyond this, in millimetres, are refused: numbers of cells stay exact.
+const LARGEST: f64 = 1e7;
+
+/// More places than this are refused: the step is a slip of the unit.
+const MOST_PLACES: f64 = 1e9;
+
+/// What counts as support.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupportOptions {
+    /// How far the middle of a bead may be from what carries it, in layer heights: 1.5.
+    pub max_distance: f64,
+    /// How far below it that has to be, along the direction of the nozzle, in layer heights: a quarter. Beads of squeezed layers lie
+    /// nearer, on what is below those.
+    pub min_drop: f64,
+    /// How far apart places are that are looked at, in layer heights: a tenth.
+    pub step: f64,
+    /// Whether there is a plate at z = 0: yes.
+    pub plate: bool,
+}
+
+impl Default for SupportOptions {
+    fn default() -> Self {
+        SupportOptions { max_distance: 1.5, min_drop: 0.25, step: 0.1, plate: true }
+    }
+}
+
+/// A piece of a bead that lies on nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnsupportedPiece {
+    /// The path, by its place in the list of paths.
+    pub path: usize,
+    /// Where it begins and ends, by length along the curve as the waypoints have it, in millimetres. On a closed path it may go on beyond
+    /// the end, from the start.
+    pub arcs: [f64; 2],
+    /// The tip in its middle.
+    pub tip: Point3<f64>,
+}
+
+impl UnsupportedPiece {
+    /// Its length in millimetres.
+    pub fn length(&self) -> f64 {
+        self.arcs[1] - self.arcs[0]
+    }
+}
+
+/// What the check found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BeadSupport {
+    /// Length of all beads, in millimetres.
+    pub bead_mm: f64,
+    /// The pieces that lie on nothing, in the order in which they are laid.
+    pub unsupported: Vec<UnsupportedPiece>,
+}
+
+impl BeadSupport {
+    /// Length of all pieces that lie on nothing, in millimetres.
+    pub fn unsupported_mm(&self) -> f64 {
+        self.unsupported.iter().map(UnsupportedPiece::length).fold(0.0, |sum, length| sum + length) // a sum of nothing is -0.0
+    }
+
+    /// The same as a share of the length of all beads; 0 if there are none.
+    pub fn unsupported_share(&self) -> f64 {
+        if self.bead_mm > 0.0 { self.unsupported_mm() / self.bead_mm } else { 0.0 }
+    }
+
+    /// Length of the longest piece that lies on nothing, in millimetres.
+    pub fn longest_mm(&self) -> f64 {
+        self.unsupported.iter().map(UnsupportedPiece::length).fold(0.0, f64::max)
+    }
+}
+
+/// Why beads cannot be checked.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SupportError {
+    /// An option that is no use.
+    #[error("{option} is {value}: {wanted}")]
+    Option {
+        /// Its name.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it may be.
+        wanted: &'static str,
+    },
+    /// A path without a second waypoint.
+    #[error("path {path} has {waypoints} waypoints: it needs two")]
+    FewWaypoints {
+        /// The path, from 0.
+        path: usize,
+        /// Its waypoints.
+        waypoints: usize,
+    },
+    /// A waypoint that is not finite, beyond 1e7 mm, has no bead, or goes back along its curve.
+    #[error(
+        "waypoint {waypoint} of path {path} is not finite, beyond 1e7 mm, has no bead, or goes back along its curve"
+    )]
+    BadWaypoint {
+        /// The path, from 0.
+        path: usize,
+        /// The waypoint, from 0.
+        waypoint: usize,
+    },
+    /// The step is too small for the length of the paths.
+    #[error("a step of {step_mm} mm takes {places:.1e} places, above the limit of 1e9")]
+    TooManyPlaces {
+        /// The step in millimetres.
+        step_mm: f64,
+        /// Places that it takes.
+        places: f64,
+    },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Checks whether beads lie on something.
+///
+/// # Arguments
+/// * `paths`: in the order in which they are laid.
+/// * `layer_height`: in millimetres.
+/// * `progress`: called with the stage `support` after each path, from any thread; may cancel.
+///
+/// # Errors
+/// [`SupportError`].
+///
+/// # Cost
+/// About a microsecond for each place that is looked at. The result does not depend on the number of threads.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+/// use curvlay_toolpath::surface::{SupportOptions, ToolPath, Waypoint, check_support};
+/// use std::ops::ControlFlow;
+/// // A bead of 20 mm at the top of the first layer, and one of 30 mm on it that goes on into the air.
+/// let at = |x, z| Waypoint {
+///     tip: Point3::new(x, 0.0, z), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false,
+/// };
+/// let path = |layer, [from, to]: [f64; 2], z| ToolPath {
+///     layer, curve: 0, closed: false, waypoints: vec![at(from, z), at(to, z)],
+/// };
+/// let paths = [path(0, [0.0, 20.0], 1.0), path(1, [0.0, 30.0], 2.0)];
+/// // The plate is 1.5 mm below the second one.
+/// let options = SupportOptions { max_distance: 1.25, ..SupportOptions::default() };
+/// let support = check_support(&paths, 1.0, &options, &|_| ControlFlow::Continue(()))?;
+/// // It is held a little beyond the end: 0.75 mm aside are 1.25 mm away.
+/// assert!((support.unsupported_mm() - (30.0 - 20.75)).abs() < 0.1);
+/// assert_eq!(support.unsupported[0].path, 1);
+/// # Ok::<(), curvlay_toolpath::surface::SupportError>(())
+/// ```
+pub fn check_support(
+    paths: &[ToolPath],
+    layer_height: f64,
+    options: &SupportOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<BeadSupport, SupportError> {
+    check(paths, layer_height, options)?;
+    let laid = Laid::new(paths, layer_height, options);
+    let of_path = |number: usize, path: &ToolPath| laid.unsupported(number, path);
+    let pieces = parallel::map(paths, "support", progress, of_path).ok_or(SupportError::Cancelled)?;
+    let bead_mm = paths.iter().flat_map(|path| path.waypoints.windows(2)).map(|pair| pair[1].arc - pair[0].arc);
+    Ok(BeadSupport {
+        bead_mm: bead_mm.fold(0.0, |sum, length| sum + length),
+        unsupported: pieces.into_iter().flatten().collect(),
+    })
+}
+
+fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Result<(), SupportError> {
+    let &SupportOptions { max_distance, min_drop, step, .. } = options;
+    let above_zero = [("layer_height", layer_height), ("max_distance", max_distance), ("step", step)];
+    let wrong = |&(_, value): &(&str, f64)| !(value > 0.0 && value <= LARGEST);
+    if let Some((option, value)) = above_zero.into_iter().find(wrong) {
+        return Err(SupportError::Option { option, value, wanted: "above 0 and at most 1e7" });
+    }
+    if !(min_drop >= 0.0 && min_drop <= max_distance) {
+        let wanted = "from 0 to max_distance";
+        return Err(SupportError::Option { option: "min_drop", value: min_drop, wanted });
+    }
+    let mut length = 0.0;
+    for (number, path) in paths.iter().enumerate() {
+        let waypoints = &path.waypoints;
+        if waypoints.len() < 2 {
+            return Err(SupportError::FewWaypoints { path: number, waypoints: waypoints.len() });
+        }
+        let is_length = |value: f64| value > 0.0 && value <= LARGEST;
+        for (k, at) in waypoints.iter().enumerate() {
+            let before = waypoints[k.saturating_sub(1)].arc;
+            let is_place = at.tip.iter().chain(at.direction.iter()).all(|x| x.abs() <= LARGEST);
+            if !(is_place && is_length(at.width) && is_length(at.height) && at.arc.abs() <= LARGEST && at.arc >= before)
+            {
+                return Err(SupportError::BadWaypoint { path: number, waypoint: k });
+            }
+        }
+        let pairs = || waypoints.windows(2).map(|pair| [Section::of(&pair[0]), Section::of(&pair[1])]);
+        let places = pairs().map(|[a, b]| (b.middle - a.middle).norm().max(b.arc - a.arc));
+        length += places.fold(0.0, |sum, length| sum + length);
+    }
+    let step_mm = step * layer_height;
+    // What is looked up, and what is looked at.
+    let places = length / step_mm.min(0.25 * max_distance * layer_height);
+    if places > MOST_PLACES {
+        return Err(SupportError::TooManyPlaces { step_mm, places });
+    }
+    Ok(())
+}
+
+/// A bead across.
+#[derive(Clone, Copy, Debug)]
+struct Section {
+    middle: Point3<f64>,
+    direction: Vector3<f64>,
+    /// Half the width of its core.
+    core: f64,
+    arc: f64,
+}
+
+impl Section {
+    fn of(at: &Waypoint) -> Section {
+        let direction = at.direction.into_inner();
+        let middle = at.tip - direction * (0.5 * at.height);
+        Section { middle, direction, core: (0.5 * (at.width - at.height)).max(0.0), arc: at.arc }
+    }
+
+    /// Part of the way to another.
+    fn toward(&self, other: &Section, share: f64) -> Section {
+        let direction = self.direction + (other.direction - self.direction) * share;
+        Section {
+            middle: self.middle + (other.middle - self.middle) * share,
+            // Opposite directions meet in none.
+            direction: direction.try_normalize(1e-9).unwrap_or(self.direction),
+            core: self.core + (other.core - self.core) * share,
+            arc: self.arc + (other.arc - self.arc) * share,
+        }
+    }
+}
+
+/// A piece of a bead between two waypoints.
+struct Segment {
+    path: u32,
+    layer: u32,
+    ends: [Section; 2],
+}
+
+/// All beads.
+struct Laid {
+    segments: Vec<Segment>,
+    /// Where the segments of each path begin in the list.
+    firsts: Vec<usize>,
+    /// Segments by the cells that they pass through.
+    cells: HashMap<[i64; 3], Vec<u32>>,
+    side: f64,
+    max_mm: f64,
+    drop_mm: f64,
+    step_mm: f64,
+    plate: bool,
+}
+
+impl Laid {
+    fn new(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Laid {
+        let &SupportOptions { max_distance, min_drop, step, plate } = options;
+        let max_mm = max_distance * layer_height;
+        let (mut segments, mut firsts) = (Vec::new(), Vec::new());
+        for (number, path) in (0..).zip(paths) {
+            firsts.push(segments.len());
+            let ends = path.waypoints.windows(2).map(|pair| [Section::of(&pair[0]), Section::of(&pair[1])]);
+            segments.extend(ends.map(|ends| Segment { path: number, layer: path.layer, ends }));
+        }
+        let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
+        // Samples of a segment are a quarter of this from what they stand for, so a cell and its neighbours have all within reach.
+        let reach = max_mm + core.fold(0.0, f64::max);
+        let side = 1.25 * reach;
+        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        for (number, Segment { ends: [a, b], .. }) in (0..).zip(&segments) {
+            let steps = ((b.middle - a.middle).norm() / (0.5 * reach)).ceil().max(1.0) as usize;
+            for k in 0..=steps {
+                let at = a.middle + (b.middle - a.middle) * (k as f64 / steps as f64);
+                let here = cells.entry(cell(at, side)).or_default();
+                if here.last() != Some(&number) {
+                    here.push(number);
+                }
+            }
+        }
+        Laid {
+            segments,
+            firsts,
+            cells,
+            side,
+            max_mm,
+            drop_mm: min_drop * layer_height,
+            step_mm: step * layer_height,
+            plate,
+        }
+    }
+
+    /// The unsupported pieces of a path.
+    fn unsupported(&self, number: usize, path: &ToolPath) -> Vec<UnsupportedPiece> {
+        let mut found: Vec<[f64; 2]> = Vec::new();
+        // What carried the place before most likely carries this one.
+        let mut last = None;
+        let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
+        for segment in &self.segments[self.firsts[number]..end] {
+            let [a, b] = &segment.ends;
+            let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
+            let steps = (length / self.step_mm).ceil().max(1.0);
+            for k in 0..steps as usize {
+                let at = a.toward(b, (k as f64 + 0.5) / steps);
+                if self.is_supported(segment, &at, &mut last) {
+                    continue;
+                }
+                let [from, to] = [k, k + 1].map(|k| a.arc + (b.arc - a.arc) * (k as f64 / steps));
+                match found.last_mut().filter(|piece| piece[1] >= from) {
+                    Some(piece) => piece[1] = to,
+                    None => found.push([from, to]),
+                }
+            }
+        }
+        let ends = [&path.waypoints[0], &path.waypoints[path.waypoints.len() - 1]].map(|end| end.arc);
+        if path.closed && found.len() > 1 && found[0][0] <= ends[0] && found[found.len() - 1][1] >= ends[1] {
+            let first = found.remove(0);
+            found.iter_mut().last().into_iter().for_each(|last| last[1] += first[1] - first[0]);
+        }
+        let piece = |arcs: [f64; 2]| {
+            let middle = 0.5 * (arcs[0] + arcs[1]);
+            let wrapped = if middle > ends[1] { middle - (ends[1] - ends[0]) } else { middle };
+            UnsupportedPiece { path: number, arcs, tip: tip_at(path, wrapped) }
+        };
+        found.into_iter().filter(|arcs| arcs[1] > arcs[0]).map(piece).collect()
+    }
+
+    fn is_supported(&self, segment: &Segment, at: &Section, last: &mut Option<u32>) -> bool {
+        if self.plate && at.middle.z <= self.max_mm {
+            return true;
+        }
+        let carries = |other: &u32| {
+            let other = &self.segments[*other as usize];
+            other.path < segment.path && other.layer != segment.layer && self.is_below(&other.ends, at)
+        };
+        if last.as_ref().is_some_and(carries) {
+            return true;
+        }
+        let [x, y, z] = cell(at.middle, self.side);
+        let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
+        *last = around.filter_map(|cell| self.cells.get(&cell)).flatten().copied().find(|other| carries(other));
+        last.is_some()
+    }
+
+    /// Whether a segment is below a place of a bead and near it.
+    fn is_below(&self, [a, b]: &[Section; 2], at: &Section) -> bool {
+        let way = b.middle - a.middle;
+        // How far below the place it is, at its start and along it.
+        let drops = [a, b].map(|end| (at.middle - end.middle).dot(&at.direction) - self.drop_mm);
+        let crossing = drops[0] / (drops[0] - drops[1]);
+        let [low, high] = match drops.map(|drop| drop >= 0.0) {
+            [true, true] => [0.0, 1.0],
+            [true, false] => [0.0, crossing],
+            [false, true] => [crossing, 1.0],
+            [false, false] => return false,
+        };
+        let squared = way.norm_squared();
+        let share = if squared > 0.0 { (at.middle - a.middle).dot(&way) / squared } else { 0.0 };
+        let nearest = a.toward(b, share.max(low).min(high));
+        let to = at.middle - nearest.middle;
+        let up = to.dot(&nearest.direction);
+        let aside = ((to - nearest.direction * up).norm() - nearest.core).max(0.0);
+        up.hypot(aside) <= self.max_mm
+    }
+}
+
+fn cell(at: Point3<f64>, side: f64) -> [i64; 3] {
+    [at.x, at.y, at.z].map(|x| (x / side).floor() as i64)
+}
+
+/// The tip at a length along a path.
+fn tip_at(path: &ToolPath, arc: f64) -> Point3<f64> {
+    let waypoints = &path.waypoints;
+    let after = waypoints.partition_point(|waypoint| waypoint.arc < arc).clamp(1, waypoints.len() - 1);
+    let [a, b] = [after - 1, after].map(|k| &waypoints[k]);
+    let length = b.arc - a.arc;
+    let share = if length > 0.0 { ((arc - a.arc) / length).clamp(0.0, 1.0) } else { 0.0 };
+    a.tip + (b.tip - a.tip) * share
+}
