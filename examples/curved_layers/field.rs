@@ -6,7 +6,7 @@ use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_layers::curved::surface::{COHERENT_STEPS, SavedField, mesh_stamp};
+use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, Growth, LayerOrder, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules,
     Strategy, Workpiece, audit, layer_quality,
@@ -144,11 +144,7 @@ pub fn run(
     clock.note("grow", 0);
     let (growth, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
-        let audit = match audited(&growth.order, &growth.missed_cells())? {
-            audit if audit.is_ok() => audit,
-            // Of a coherent field it is the steps that hold.
-            _ => audited(&saved.field.steps(COHERENT_STEPS), &growth.missed_cells())?,
-        };
+        let audit = audited(&saved.field.order(), &growth.missed_cells())?;
         let of_field = |options: &SurfaceOptions| {
             let height_mm = options.height_mm.unwrap_or(cell_mm);
             workpiece.surfaces(&saved.field, &growth.missed_cells(), height_mm, &progress).map_err(layers_failed)

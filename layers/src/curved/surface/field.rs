@@ -14,6 +14,8 @@ pub struct LayerField {
     /// By cell number; not a number where there is no value.
     values: Vec<f64>,
     layer_cells: f64,
+    /// Steps of the order to a layer.
+    steps: u32,
 }
 
 /// Why values are no field.
@@ -90,7 +92,7 @@ impl LayerField {
                 return Err(FieldError::NotSolid { cell });
             }
         }
-        if any { Ok(LayerField { dims: cells.dims(), values, layer_cells }) } else { Err(FieldError::Empty) }
+        if any { Ok(LayerField { dims: cells.dims(), values, layer_cells, steps: 1 }) } else { Err(FieldError::Empty) }
     }
 
     /// The field with other values at its cells.
@@ -101,6 +103,11 @@ impl LayerField {
     /// The field with layers of another thickness, in cells.
     pub(super) fn with_layer_cells(self, layer_cells: f64) -> Self {
         LayerField { layer_cells, ..self }
+    }
+
+    /// The same field, whose [order](LayerField::order) has so many steps to a layer, and one at least.
+    pub fn in_steps(self, per_layer: u32) -> Self {
+        LayerField { steps: per_layer.max(1), ..self }
     }
 
     /// Cells of the grid along x, y and z.
@@ -121,6 +128,11 @@ impl LayerField {
     /// How thick a layer is, in cells: one over this is the slope of the field, where the layers are even.
     pub fn layer_cells(&self) -> f64 {
         self.layer_cells
+    }
+
+    /// Steps of its [order](LayerField::order) to a layer: 1, but for a [`coherent_field`](super::coherent_field).
+    pub fn steps_per_layer(&self) -> u32 {
+        self.steps
     }
 
     /// Number of cells that have a value.
@@ -184,12 +196,16 @@ impl LayerField {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn rounded(&self) -> LayerOrder {
-        self.steps(1)
+        self.cut(1)
     }
 
-    /// The field cut into steps, so many to a layer: the order of a field whose cells may stand on others of their layer
-    /// ([`coherent_field`](super::coherent_field)). Steps without cells are left out; cells within a step rise.
-    pub fn steps(&self, per_layer: u32) -> LayerOrder {
+    /// The order in which the field builds its cells: layer by layer, or in the [steps](LayerField::steps_per_layer) into which its layers
+    /// are cut, where cells stand on others of their layer. Steps without cells are left out; cells within a step rise.
+    pub fn order(&self) -> LayerOrder {
+        self.cut(self.steps)
+    }
+
+    fn cut(&self, per_layer: u32) -> LayerOrder {
         let step = |value: f64| (value * f64::from(per_layer)) as u64;
         let mut by_layer: Vec<(u64, u32)> =
             (0..).zip(&self.values).filter(|(_, v)| !v.is_nan()).map(|(cell, v)| (step(*v), cell)).collect();

@@ -37,7 +37,7 @@ mod tree;
 mod uniform;
 mod vtk;
 
-pub use coherent::{COHERENT_STEPS, coherent_field};
+pub use coherent::coherent_field;
 pub use contour::{ContourError, Surface, VertexPlacement, contour, contour_with};
 pub use extend::{ExtendedField, extend};
 pub use field::{FieldError, LayerField};

@@ -35,13 +35,10 @@ const SWEEPS: usize = 10;
 const SHARE: f64 = 0.8;
 
 /// The field with a slope of 1 as far as its layers allow.
+///
+/// Values stay in their steps, and the slope is that of a layer in its thickness.
 pub(super) fn evened(field: LayerField) -> LayerField {
-    evened_in_steps(field, 1.0)
-}
-
-/// The same with values that stay in their steps, of which a layer has so many, and the slope of a layer in its thickness.
-pub(super) fn evened_in_steps(field: LayerField, steps: f64) -> LayerField {
-    let slope = 1.0 / field.layer_cells();
+    let (slope, steps) = (1.0 / field.layer_cells(), f64::from(field.steps_per_layer()));
     let mut lattice = Lattice::of(&field);
     let solid: Vec<usize> = (0..lattice.values.len()).filter(|&node| !lattice.values[node].is_nan()).collect();
     let mut ways = vec![[0.0; 3]; lattice.values.len()];

@@ -7,7 +7,7 @@
 //! grid 40 30 50              cells along x, y and z
 //! cell_mm 0.8
 //! origin_mm -16 -12 0        the low corner of the grid
-//! layer_cells 1              how thick a layer is, in cells
+//! layer_cells 1              how thick a layer is, in cells; then the steps of the order to a layer, if more than one
 //! cells 2                    so many lines follow: a cell of the solid each, by rising number
 //! 17 0.5                     its value in layers
 //! 18 -                       or none: it is missed
@@ -26,6 +26,9 @@ const MOST_GRID: [u64; 2] = [512, 1 << 22];
 /// Height of a field in cells for each cell of the solid, and on top of that, beyond which a file is not believed. A layer has a
 /// cell at least, and next to none is thicker than two cells.
 const MOST_HEIGHT: [f64; 2] = [4.0, 64.0];
+
+/// Steps of an order to a layer at most: with more a step is thinner than rounding.
+const MOST_STEPS: u32 = 1 << 16;
 
 /// Bytes of a line at most. A number is written with as many digits as it has, which are some hundred for the least ones.
 const MOST_BYTES: u64 = 4096;
@@ -228,7 +231,11 @@ impl SavedField {
         let [nx, ny, nz] = cells.dims();
         let Point3 { coords: at } = self.origin;
         writeln!(out, "curvlay field 1\nmesh {:016x}\ngrid {nx} {ny} {nz}\ncell_mm {}", self.mesh, self.cell_mm)?;
-        writeln!(out, "origin_mm {} {} {}\nlayer_cells {}", at.x, at.y, at.z, self.field.layer_cells())?;
+        write!(out, "origin_mm {} {} {}\nlayer_cells {}", at.x, at.y, at.z, self.field.layer_cells())?;
+        match self.field.steps_per_layer() {
+            1 => writeln!(out)?,
+            steps => writeln!(out, " {steps}")?,
+        }
         writeln!(out, "cells {}", cells.count())?;
         for cell in cells.iter() {
             match self.field.value(cell) {
@@ -270,7 +277,10 @@ impl SavedField {
         let origin = lines.keyed("origin_mm", "`origin_mm` and three finite numbers", |text| {
             three(text).filter(|at: &[f64; 3]| at.iter().all(|c| c.is_finite()))
         })?;
-        let layer_cells = lines.keyed("layer_cells", "`layer_cells` and a number", number)?;
+        let (layer_cells, steps) = lines.keyed("layer_cells", "`layer_cells`, a number and perhaps steps", |text| {
+            let (layer_cells, steps) = text.split_once(' ').unwrap_or((text, "1"));
+            Some((number(layer_cells)?, steps.parse::<u32>().ok().filter(|steps| (1..=MOST_STEPS).contains(steps))?))
+        })?;
         let count = lines.keyed("cells", "`cells` and their number", |text| text.parse::<usize>().ok())?;
         let mut read: Vec<(u32, f64)> = Vec::new();
         for _ in 0..count {
@@ -308,7 +318,7 @@ impl SavedField {
             rows[row as usize * dims[0].div_ceil(64) as usize + x as usize / 64] |= 1 << (x % 64);
             values[cell as usize] = value;
         }
-        let field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?;
+        let field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?.in_steps(steps);
         Ok(SavedField { field, rows, cell_mm, origin: origin.into(), mesh })
     }
 }

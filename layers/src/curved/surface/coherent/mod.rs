@@ -16,7 +16,7 @@
 //! `F(t)` (`flood.rs`). Nothing in this asks for jumps.
 //!
 //! # Steps
-//! Times are cut into steps, [`COHERENT_STEPS`] to a layer, and both rules hold from step to step: that is stricter than from layer to layer
+//! Times are cut into steps, [`STEPS`] to a layer, and both rules hold from step to step: that is stricter than from layer to layer
 //! for shadows, and lets a cell stand on one of the same layer that is a step earlier, where layers are thicker than a cell.
 //!
 //! # Method
@@ -37,7 +37,7 @@ mod tests;
 
 use super::field::{FieldError, LayerField};
 use super::lattice::Lattice;
-use super::slope::evened_in_steps;
+use super::slope::evened;
 use super::uniform::{UniformError, UniformField, UniformMethod, rows_of};
 use crate::Progress;
 use crate::curved::growth::{Covered, covered};
@@ -50,8 +50,7 @@ use std::ops::ControlFlow;
 
 /// Steps in a layer of a [`coherent_field`]. A support is a step earlier at least, so layers are up to so many cells thick. With 1 `fertility` keeps 2.3 % of
 /// neighbours 3 layers apart, with 2 0.11 %, with 3 or 4 0.05 %. A power of two: steps are exact in floating point.
-pub const COHERENT_STEPS: u32 = 4;
-const STEPS: f64 = COHERENT_STEPS as f64;
+const STEPS: f64 = 4.0;
 
 /// Rounds of smoothing, sweeps in each, and sweeps of a last light one.
 const ROUNDS: usize = 5;
@@ -76,7 +75,7 @@ const RAISES: usize = 24;
 /// * `progress`: called with the stages `coherent` and `audit uniform`; may cancel.
 ///
 /// # Returns
-/// The field, whose audit is that of its quarters of layers; `None` if shadows remain, or the audit does not pass. It is to be
+/// The field, whose audit is that of its [order](LayerField::order), in quarters of layers; `None` if shadows remain, or the audit does not pass. It is to be
 /// compared with [`uniform_field`](super::uniform_field), whose layers are more even.
 ///
 /// # Errors
@@ -129,7 +128,7 @@ pub fn coherent_field(
         let field = field_of(cells, &part, &times)?;
         let jumps = Lattice::of(&field).jumps();
         if best.as_ref().is_none_or(|best| jumps < best.jumps) {
-            let audit = audit(cells, platform, rules, &field.steps(COHERENT_STEPS), missed, &auditing)?;
+            let audit = audit(cells, platform, rules, &field.order(), missed, &auditing)?;
             if audit.is_ok() {
                 best = Some(UniformField { field, method: UniformMethod::Coherent, audit, jumps });
             }
@@ -144,7 +143,7 @@ fn field_of(cells: &Cells, part: &Part, times: &[f64]) -> Result<LayerField, Fie
     part.cells.iter().zip(times).for_each(|(&cell, time)| values[cell as usize] = time / STEPS);
     let slope = Lattice::of(&LayerField::new(cells, values.clone(), 1.0)?).mean_slope();
     let field = LayerField::new(cells, values, if slope > 0.0 { 1.0 / slope } else { 1.0 })?;
-    Ok(evened_in_steps(field, STEPS))
+    Ok(evened(field.in_steps(STEPS as u32)))
 }
 
 /// What the envelope of times depends on.
