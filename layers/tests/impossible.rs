@@ -123,7 +123,7 @@ fn forced_cells_are_those_on_every_chain() {
     let proofs = proofs(&part, &rules);
     let first = &proofs[0];
     assert_eq!(cells.position(first.cell), [6, 0, 6]);
-    // Two of the arm's end: a neighbour shares an edge, so the chain may pass by the corner of the mast and that of the arm.
+    // One of the arm, one of the mast. Chains may cut the corner between them, since an edge is enough.
     assert!(first.forced.contains(&cells.id([3, 0, 8])) && first.forced.contains(&cells.id([0, 0, 3])));
 }
 

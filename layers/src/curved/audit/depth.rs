@@ -11,6 +11,7 @@
 use super::body::Body;
 use super::vec3::{Vec3, dot};
 use super::wrap::facet_normals;
+use crate::curved::{Platform, Rules, RulesError};
 
 /// Points of the coarse hull above which it is started afresh: it costs the square of their number to wrap.
 const COARSE_POINTS: usize = 96;
@@ -32,6 +33,12 @@ pub(super) struct Question {
 }
 
 impl Question {
+    /// That of the rules.
+    pub(super) fn of(rules: &Rules, platform: &Platform) -> Result<Self, RulesError> {
+        let (eps, closed, flat) = (rules.eps_in_1024ths()?, rules.eps_is_inside, rules.flat);
+        Ok(Question { eps, closed, flat, reaches_down: platform.reaches_down() })
+    }
+
     /// Whether the hull can be bounded in the direction `n`.
     fn bounds(&self, n: Vec3) -> bool {
         !(self.reaches_down && n[2] < 0)

@@ -66,12 +66,7 @@ pub fn check_impossible(
     proofs: &[Impossible],
 ) -> Result<(), ProofError> {
     rules.check(cells.dims())?;
-    let question = Question {
-        eps: rules.eps_in_1024ths()?,
-        closed: rules.eps_is_inside,
-        flat: rules.flat,
-        reaches_down: platform.reaches_down(),
-    };
+    let question = Question::of(rules, platform)?;
     let len = cells.dims().iter().product::<u32>();
     let mut chains = Chains { cells, platform, rules, impossible: Bits::of(cells) };
     // Cells that a chain reaches without walls, as long as they are up to date.
@@ -125,11 +120,9 @@ impl Chains<'_> {
         barred.iter().for_each(|&cell| _ = shut.insert(self.cells.position(cell)));
         let mut reached = Bits::of(self.cells);
         let corners = self.platform.corners();
-        let stands =
-            |[x, y, z]: [u32; 3]| z == 0 && stands_on(corners, [x, y].map(|k| 2 * i64::from(k) + 1), self.rules.flat);
-        let level = self.cells.dims()[0] * self.cells.dims()[1];
-        let feet = self.cells.iter().take_while(|&cell| cell < level).map(|cell| self.cells.position(cell));
-        let mut waiting: Vec<[u32; 3]> = feet.filter(|&place| stands(place) && !shut.contains(place)).collect();
+        let places = self.cells.iter().map(|cell| self.cells.position(cell));
+        let feet = places.take_while(|place| place[2] == 0).filter(|&place| stands_on(corners, place, self.rules.flat));
+        let mut waiting: Vec<[u32; 3]> = feet.filter(|&place| !shut.contains(place)).collect();
         waiting.iter().for_each(|&place| _ = reached.insert(place));
         let steps = supporters(self.rules.neighbours);
         while let Some(place) = waiting.pop() {

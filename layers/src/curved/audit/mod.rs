@@ -247,12 +247,7 @@ pub fn audit(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<AuditReport, AuditError> {
     rules.check(cells.dims())?;
-    let question = Question {
-        eps: rules.eps_in_1024ths()?,
-        closed: rules.eps_is_inside,
-        flat: rules.flat,
-        reaches_down: platform.reaches_down(),
-    };
+    let question = Question::of(rules, platform)?;
     let len = cells.dims().iter().product::<u32>();
     if let Some(&cell) = order.cells().iter().chain(missed).find(|&&cell| cell >= len) {
         return Err(AuditError::OutsideGrid { cell, len });
@@ -267,7 +262,6 @@ pub fn audit(
 
     let support = supporters(rules.neighbours);
     let corners = platform.corners();
-    let stands = |[x, y, z]: [u32; 3]| z == 0 && stands_on(corners, [x, y].map(|k| 2 * i64::from(k) + 1), rules.flat);
     let mut listed = Bits::of(cells); // in this layer or an earlier one
     let mut built = Bits::of(cells); // in an earlier layer
     let mut body = Body::new(cells.dims(), corners, platform.top());
@@ -292,7 +286,7 @@ pub fn audit(
                 report.add(|counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
                 continue;
             }
-            if !stands(place) && !support.iter().any(|&step| built.contains_at(place, step)) {
+            if !stands_on(corners, place, rules.flat) && !support.iter().any(|&step| built.contains_at(place, step)) {
                 report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
             }
             let centre = place.map(|k| 2 * i64::from(k) + 1);
@@ -347,9 +341,13 @@ fn supporters(rule: Neighbours) -> Vec<[i64; 3]> {
     found
 }
 
-/// Whether `[x, y]` lies in the closed polygon with the given corners (counter-clockwise), or if `flat` in its
+/// Whether a cell of the lowest level has its centre in the closed polygon with the given corners (counter-clockwise), or if `flat` in its
 /// range of x.
-fn stands_on(corners: &[[i32; 2]], [x, y]: [i64; 2], flat: bool) -> bool {
+fn stands_on(corners: &[[i32; 2]], [x, y, z]: [u32; 3], flat: bool) -> bool {
+    let [x, y] = [x, y].map(|k| 2 * i64::from(k) + 1);
+    if z > 0 {
+        return false;
+    }
     if flat {
         let along_x = || corners.iter().map(|corner| i64::from(corner[0]));
         return along_x().any(|left| left <= x) && along_x().any(|right| x <= right);
