@@ -53,7 +53,7 @@ impl<const F: usize> PlateOptions<F> {
     }
 }
 
-/// Why no place on a plate is chosen.
+/// Why a place on a plate cannot be chosen.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {

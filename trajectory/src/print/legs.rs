@@ -118,6 +118,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             all.map(move |(kind, way)| Leg { kind, run, way }).filter(|leg| leg.duration() > SAME_KNOT_S)
         })
     }
+
     /// The plan without some of its motions. A run goes, with the travels to and from it; a travel goes as if it had not been
     /// found. So programs end before each of them, and the next one has to be approached by hand.
     ///
