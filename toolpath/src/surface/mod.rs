@@ -11,6 +11,7 @@
 //!   it where it would run into what is built ([`LayerStack::resolve_gouging`]), and finds ways from path to path that keep clear
 //!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] reports how deep a nozzle is in what is built, at any pose and
 //!   moment of the print.
+//! * [`check_support`]: which beads lie on nothing, judged by the paths as they are laid.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 //!
 //! All of this in two calls: [`fill_layers`] fills the surfaces of a part and orders their curves, [`FilledLayers::plan`] plans the
@@ -27,8 +28,10 @@ mod orientation;
 mod parallel;
 mod paths;
 mod print;
+mod short;
 mod stack;
 mod statistics;
+mod support;
 mod travel;
 mod union;
 
@@ -52,8 +55,10 @@ pub use paths::{
     BEAD_WIDTHS, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
 };
 pub use print::{PrintError, PrintOptions, PrintPlan};
+pub use short::SHORT_CURVE_BEADS;
 pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };
+pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
 pub use travel::{BlockedTravel, Pose, TravelOptions, Travels};
