@@ -33,7 +33,10 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
         }
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
-        Stage::Gcode => machine.iter().for_each(|run| of_machine(field, run, &args.allow, findings)),
+        Stage::Gcode => machine.iter().for_each(|run| {
+            of_machine(field, run, &args.allow, findings);
+            paths.iter().for_each(|paths| of_support(paths.bead_mm, run, args, findings));
+        }),
         Stage::Motion => {
             motion.iter().for_each(|motion| of_run!(motion, run => of_plan(&run.plan, run.checked.as_ref(), findings)))
         }
@@ -183,6 +186,30 @@ fn of_machine(field: &FieldRun, run: &MachineRun, allow: &AllowArgs, findings: &
         let amount = format!("{} of its volume, {laid:.1} of {part:.1} mm3{rest}", percent(filled));
         findings.add(severity, what, amount, "--allow-volume");
     }
+}
+
+/// Of what beads lie on.
+fn of_support(bead_mm: f64, run: &MachineRun, args: &Args, findings: &mut Findings) {
+    let support = &run.support;
+    if support.unsupported.is_empty() {
+        return;
+    }
+    let (share, longest) = (support.unsupported_share(), support.longest_mm());
+    let what =
+        format!("beads lie on nothing: neither plate nor earlier bead within {} layer heights", args.support_distance);
+    let amount = format!(
+        "{:.1} of {:.1} mm, {}, in {} pieces, the longest {longest:.1} mm",
+        support.unsupported_mm(),
+        support.bead_mm,
+        percent(share),
+        support.unsupported.len()
+    );
+    let AllowArgs { allow_unsupported, allow_unsupported_beads, .. } = args.allow;
+    let limits = [(share, allow_unsupported), (longest / bead_mm, allow_unsupported_beads)];
+    // Layers that end inside the part leave steps on which nothing can be done for beads: told unless a limit is asked for.
+    let has_failed = limits.into_iter().any(|(value, limit)| limit.is_some_and(|limit| value > limit));
+    let severity = if has_failed { Failed } else { Told };
+    findings.add(severity, what, amount, "unsupported.csv; --allow-unsupported, --allow-unsupported-beads");
 }
 
 /// Of the motion: what the plan leaves undone, and what the check of the written motions found.

@@ -6,7 +6,8 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::surface::{
-    Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, ToolPath, Travels, Turns,
+    BeadSupport, Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, SupportOptions, ToolPath,
+    Travels, Turns, check_support,
 };
 use std::f64::consts::PI;
 use std::time::Duration;
@@ -32,6 +33,8 @@ pub struct MachineRun {
     /// How the nozzle gets from path to path.
     pub travels: Travels,
     pub deposition: Deposition,
+    /// Beads that lie on nothing.
+    pub support: BeadSupport,
     /// Area that beads cover by the thickness of the layer there.
     pub covered_mm3: f64,
     /// The longest path as the closest points have it, unfiltered, to compare with.
@@ -46,6 +49,7 @@ pub struct Times {
     pub orientation: Duration,
     pub gouging: Duration,
     pub travels: Duration,
+    pub support: Duration,
 }
 
 impl MachineRun {
@@ -69,6 +73,7 @@ impl MachineRun {
 pub fn run(
     nozzle: &Nozzle,
     options: &PrintOptions,
+    support: &SupportOptions,
     compare: bool,
     surfaces: &SurfacesRun,
     paths: &PathsRun,
@@ -82,12 +87,19 @@ pub fn run(
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
     let PrintPlan { before, resolved, travels, deposition } = paths.filled.plan(&layers, nozzle, options, &progress)?;
+    clock.note("support", 0);
+    let support = check_support(&resolved.paths, surfaces.height_mm, support, &progress)?;
     clock.stop();
     let gouging = clock.on_the_clock(&["gouging", "built"]);
     let orientation = gouging + clock.on_the_clock(&["orient", "share"]);
-    let times = Times { orientation, gouging, travels: clock.on_the_clock(&["travel"]) };
+    let times = Times {
+        orientation,
+        gouging,
+        travels: clock.on_the_clock(&["travel"]),
+        support: clock.on_the_clock(&["support"]),
+    };
     let covered_mm3 = paths.filled.covered_mm3(&layers);
-    let mut run = MachineRun { before, resolved, travels, deposition, covered_mm3, unfiltered: None, times };
+    let mut run = MachineRun { before, resolved, travels, deposition, support, covered_mm3, unfiltered: None, times };
     if let Some(longest) = run.longest().filter(|_| compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
         let stack = paths.filled.stack(&layers)?;

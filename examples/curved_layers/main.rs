@@ -29,7 +29,7 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::surface::{Nozzle, PathOptions, Pattern, PrintOptions};
+use curvlay_toolpath::surface::{Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use estimate::Memory;
 use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
@@ -80,6 +80,9 @@ struct Args {
     /// Single beads between others cover at least so many squares of a bead, or the gap stays; 0 fills them all
     #[arg(long, value_name = "SQUARES", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
     least_gap: f64,
+    /// Beads farther than this from the plate and from all earlier beads below them count as unsupported, in layer heights
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 1.5, value_parser = support_distance, allow_negative_numbers = true)]
+    support_distance: f64,
     /// Diameter of the filament in millimetres
     #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
     filament: f64,
@@ -134,6 +137,10 @@ impl Args {
         PathOptions { bead, pattern, min_gap: self.least_gap, ..PathOptions::default() }
     }
 
+    fn support_options(&self) -> SupportOptions {
+        SupportOptions { max_distance: self.support_distance, ..SupportOptions::default() }
+    }
+
     fn print_options(&self) -> PrintOptions {
         let is_for_robot = self.stage >= Stage::Motion;
         let mut options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
@@ -184,7 +191,8 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Paths, "bead pattern least_gap"),
     (
         Stage::Gcode,
-        "filament nozzle nozzle_celsius bed_celsius rotary workcell allow_volume allow_gouging allow_left_out",
+        "filament nozzle nozzle_celsius bed_celsius rotary workcell support_distance allow_volume allow_gouging allow_left_out \
+         allow_unsupported allow_unsupported_beads",
     ),
     (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),
 ];
@@ -293,7 +301,8 @@ impl Job<'_> {
             (Stage::Gcode, Some(paths), _) => {
                 let options = args.print_options();
                 memory.holds_waypoints(&options, args.stage >= Stage::Motion, paths)?;
-                results.machine = Some(machine::run(nozzle, &options, args.compare, surfaces, paths, bars)?);
+                let support = args.support_options();
+                results.machine = Some(machine::run(nozzle, &options, &support, args.compare, surfaces, paths, bars)?);
             }
             (Stage::Motion, Some(paths), Some(machine)) => {
                 let (filament_mm, args) = (args.filament, &args.motion);
@@ -327,6 +336,11 @@ fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {
 /// A temperature, for clap.
 fn celsius(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|value| (0.0..=600.0).contains(value)).ok_or_else(|| "must be from 0 to 600".to_owned())
+}
+
+/// A distance in layer heights, for clap: one layer lies one height above the next.
+fn support_distance(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value| (1.0..=100.0).contains(value)).ok_or_else(|| "must be from 1 to 100".to_owned())
 }
 
 /// Any error as one line.

@@ -7,7 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SurfacePath, fill_layers,
+    FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS, SurfacePath,
+    fill_layers,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -19,6 +20,8 @@ pub struct PathsRun {
     pub min_gap: f64,
     pub filled: FilledLayers,
     pub totals: FillTotals,
+    /// Curves of fewer than [`SHORT_CURVE_BEADS`] beads.
+    pub short_curves: usize,
     /// Parts of the layers that no bead fits into.
     pub too_thin: LeftOutParts,
     pub times: Times,
@@ -40,6 +43,18 @@ pub struct Times {
 /// The points of each curve, the first repeated at the end of a closed one.
 pub fn curves(layer: &FilledLayer) -> impl Iterator<Item = Vec<Point3<f64>>> {
     layer.paths.paths.iter().map(SurfacePath::line).map(|(points, _)| points)
+}
+
+impl PathsRun {
+    /// Short curves as a share of all.
+    pub fn short_curve_share(&self) -> f64 {
+        self.short_curves as f64 / self.totals.curves as f64
+    }
+
+    /// Curves per metre of path.
+    pub fn starts_per_metre(&self) -> f64 {
+        1000.0 * self.totals.curves as f64 / self.totals.path_mm
+    }
 }
 
 /// Fills all surfaces.
@@ -67,5 +82,6 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
         ));
     }
     let too_thin = filled.left_out(&surfaces.surfaces());
-    Ok(PathsRun { bead_mm, min_gap, totals, too_thin, filled, times })
+    let short_curves = filled.curves_shorter_than(SHORT_CURVE_BEADS * bead_mm);
+    Ok(PathsRun { bead_mm, min_gap, totals, short_curves, too_thin, filled, times })
 }

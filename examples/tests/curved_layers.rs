@@ -254,6 +254,8 @@ fn a_curve_fills_each_layer() {
     // Level layers are as even as hop counts.
     assert!((figure("plain_spacing_mean_mm") - 1.0).abs() < 1e-9 && figure("plain_spacing_std_mm") < 1e-9);
     assert_eq!((figure("jumps"), figure("self_crossings")), (3.0, 0.0));
+    assert_eq!((figure("short_curves"), figure("short_curve_share")), (0.0, 0.0));
+    assert!((figure("starts_per_metre") * figure("path_mm") / 4000.0 - 1.0).abs() < 1e-9);
     assert!(figure("jump_mm") <= figure("unordered_jump_mm") && figure("blocked_travels") < 0.5);
     // 250 mm2 a layer.
     assert!((figure("path_mm") * 0.5 / 1000.0 - 1.0).abs() < 0.02, "{}", figure("path_mm"));
@@ -269,6 +271,7 @@ fn a_curve_fills_each_layer() {
     assert_eq!((figure("gouging_before"), figure("gouging_waypoints")), (0.0, 0.0));
     assert_eq!((figure("paths_laid_first"), figure("left_out_pieces"), figure("left_out_mm")), (0.0, 0.0, 0.0));
     assert!(figure("max_turn_deg") < 1e-6);
+    assert_eq!((figure("unsupported_mm"), figure("unsupported_longest_mm")), (0.0, 0.0));
     // Beads hold what they cover, and no more where they overlap.
     assert!((figure("extruded_mm3") / figure("covered_mm3") - 1.0).abs() < 0.02, "{}", figure("extruded_mm3"));
     assert!((figure("covered_mm3") / figure("covered_fraction") / 1000.0 - 1.0).abs() < 0.005);
@@ -653,7 +656,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 42] = [
+    let cases: [(&[&str], i32, &str); 46] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -683,6 +686,10 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--allow-volume", "-1"], 2, "--allow-volume"),
         (&["--allow-gouging", "nan"], 2, "--allow-gouging"),
         (&["--allow-left-out", "x"], 2, "--allow-left-out"),
+        (&["--allow-unsupported", "2"], 2, "--allow-unsupported"),
+        (&["--allow-unsupported-beads", "-1"], 2, "--allow-unsupported-beads"),
+        (&["--support-distance", "0.5"], 2, "--support-distance"),
+        (&["--stage", "paths", "--support-distance", "2"], 2, "--stage gcode"),
         (&["--max-memory", "0"], 2, "--max-memory"),
         (&["--resume", "no-such-field.txt"], 1, "no-such-field.txt"),
         (&["--resume", &scratch.path("")], 1, "is not a file"),
@@ -882,6 +889,40 @@ fn gouging_is_told_and_options_decide_the_status() {
     for (_, words) in words.iter().filter(|(count, _)| *count > 0) {
         assert!(stderr.lines().any(|line| line.starts_with("warning: ") && line.contains(words)), "{stderr}");
         assert!(notices.iter().any(|notice| notice.contains(words)));
+    }
+}
+
+/// Of a table with four legs the top hangs between them. One layer height is asked for, so a bead aside of those below is on nothing.
+#[test]
+fn beads_on_nothing_are_told_and_options_decide_the_status() {
+    let scratch = Scratch::new("support");
+    let mesh = scratch.path("stool.stl");
+    let leg = |x: f32, y: f32| [[x, y, 0.0], [x + 8.0, y + 8.0, 12.0]];
+    let top = [[0.0, 0.0, 12.0], [32.0, 32.0, 20.0]];
+    fs::write(&mesh, boxes(&[leg(0.0, 0.0), leg(24.0, 0.0), leg(0.0, 24.0), leg(24.0, 24.0), top])).unwrap();
+    let printed = |name: &str, more: &[&str]| {
+        let out = scratch.path(name);
+        let all = ["--allow-missed", "1", "--allow-volume", "1", "--allow-gouging", "1", "--allow-left-out", "1"];
+        let args = ["--mesh", &mesh, "--cell", "2", "--support-distance", "1", "--quiet", "--out", &out];
+        let output = run(&[&args[..], &all, more].concat());
+        let (stderr, notices) = told(&output, &out);
+        (output.status.code(), stderr, notices, out)
+    };
+    let words = "beads lie on nothing";
+    let (status, stderr, _, out) = printed("told", &[]);
+    assert!(status == Some(0) && stderr.contains(&format!("warning: {words}")), "{stderr}");
+    documented(&out);
+    let figures = summary(&out);
+    let figure = |key: &str| figures[key].as_f64().unwrap();
+    let list = fs::read_to_string(Path::new(&out).join("unsupported.csv")).unwrap();
+    let lengths = list.lines().skip(1).map(|line| line.split(',').nth(4).unwrap().parse::<f64>().unwrap());
+    assert_eq!(lengths.clone().count() as u64, figures["unsupported_pieces"].as_u64().unwrap());
+    assert!((lengths.clone().sum::<f64>() - figure("unsupported_mm")).abs() < 1e-3 * figure("unsupported_pieces"));
+    assert!((lengths.fold(0.0, f64::max) - figure("unsupported_longest_mm")).abs() < 1e-3);
+    for more in [["--allow-unsupported", "0"], ["--allow-unsupported-beads", "0"]] {
+        let (status, stderr, notices, _) = printed("strict", &more);
+        assert!(status == Some(3) && stderr.contains(&format!("check failed: {words}")), "{stderr}");
+        assert!(notices.iter().any(|notice| notice.starts_with("Check failed: ") && notice.contains(words)));
     }
 }
 

@@ -12,6 +12,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_layers::curved::MissedReason;
 use nalgebra::Vector3;
+use serde_json::Value;
 use std::io::{self, Write};
 
 /// Pixels of each picture.
@@ -60,6 +61,11 @@ fn write_field(run: &FieldRun, order: &[u32], layers: &[Option<u32>], out: &mut 
     Ok(())
 }
 
+/// A limit, or that there is none.
+fn limit(value: Option<f64>) -> Value {
+    value.map_or_else(|| Value::from("none"), Value::from)
+}
+
 /// How many cells were missed for reasons that `is` picks.
 fn missed(run: &FieldRun, is: impl Fn(MissedReason) -> bool) -> usize {
     run.growth.missed.iter().filter(|missed| is(missed.reason)).count()
@@ -98,6 +104,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("allow_volume", args.allow.allow_volume)?
         .set("allow_gouging", args.allow.allow_gouging)?
         .set("allow_left_out", args.allow.allow_left_out)?
+        .set("allow_unsupported", limit(args.allow.allow_unsupported))?
+        .set("allow_unsupported_beads", limit(args.allow.allow_unsupported_beads))?
         .set_seconds("inspect_s", times.inspect)?
         .set_seconds("voxelise_s", times.voxelise)?
         .set_seconds("peel_s", times.peel)?

@@ -1,10 +1,13 @@
 //! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
 
-use super::{pictures, seconds};
+use super::{borrowed, pictures, seconds};
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
+use crate::paths::PathsRun;
+use crate::surfaces::SurfacesRun;
 use crate::{Args, Job, failure};
 use curvlay_examples::args::Failure;
+use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
 use curvlay_examples::report::Report;
@@ -29,7 +32,18 @@ pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<
     folder.write_list("left_out.csv", !run.resolved.left_out.is_empty(), |out| left_out(run, out))?;
     folder.write_list("turns.csv", !run.resolved.sharp.is_empty(), |out| turns(run, out))?;
     folder.write_list("blocked_travels.csv", !run.travels.blocked.is_empty(), |out| blocked_travels(run, out))?;
+    folder.write_list("unsupported.csv", !run.support.unsupported.is_empty(), |out| unsupported(run, out))?;
     Ok(written)
+}
+
+/// Pieces of beads that lie on nothing.
+fn unsupported(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
+    writeln!(out, "layer,path,from_mm,to_mm,length_mm,x,y,z")?;
+    run.support.unsupported.iter().try_for_each(|piece| {
+        let (layer, [from, to], tip) = (run.resolved.paths[piece.path].layer + 1, piece.arcs, piece.tip);
+        write!(out, "{layer},{},{from:.3},{to:.3},{:.3},", piece.path, piece.length())?;
+        writeln!(out, "{:.3},{:.3},{:.3}", tip.x, tip.y, tip.z)
+    })
 }
 
 fn blocked_travels(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
@@ -140,6 +154,12 @@ pub fn summary(
         .set("max_lift_mm", run.travels.max_lift)?
         .set_seconds("travels_s", times.travels)?
         .set("retractions", deposition.retractions)?
+        .set("support_distance", job.args.support_distance)?
+        .set("unsupported_mm", run.support.unsupported_mm())?
+        .set("unsupported_share", run.support.unsupported_share())?
+        .set("unsupported_pieces", run.support.unsupported.len())?
+        .set("unsupported_longest_mm", run.support.longest_mm())?
+        .set_seconds("support_s", times.support)?
         .set("gcode_bytes", written.bytes)?;
     Ok(())
 }
@@ -163,6 +183,7 @@ pub fn rows(field: &FieldRun, run: &MachineRun, written: &Written, table: &mut T
         .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
         .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
         .row(["travels".to_owned(), travels(run)])
+        .row(["on nothing".to_owned(), on_nothing(run)])
         .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
         .row([
             "time".to_owned(),
@@ -184,6 +205,17 @@ fn gouging_row(resolved: &ResolvedPaths) -> String {
     row
 }
 
+fn on_nothing(run: &MachineRun) -> String {
+    let support = &run.support;
+    format!(
+        "{:.1} mm of bead, {}, in {} pieces of at most {:.1} mm",
+        support.unsupported_mm(),
+        percent(support.unsupported_share()),
+        support.unsupported.len(),
+        support.longest_mm()
+    )
+}
+
 fn travels(run: &MachineRun) -> String {
     let travels = &run.travels;
     format!(
@@ -196,7 +228,10 @@ fn travels(run: &MachineRun) -> String {
     )
 }
 
-pub fn report(run: &MachineRun, report: &mut Report) {
+pub fn report(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun, report: &mut Report) {
+    if let Some(picture) = pictures::unsupported(surfaces, paths, run) {
+        report.heading("Beads on nothing").pictures(&borrowed(&[picture]));
+    }
     let Some(printed) = run.longest() else { return };
     let turns = |path: &ToolPath| -> Vec<[f64; 2]> {
         let pairs = path.waypoints.windows(2);

@@ -29,7 +29,7 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 19] = [
+const NAMES: [&str; 20] = [
     SUMMARY,
     "report.html",
     "field.csv",
@@ -44,6 +44,7 @@ const NAMES: [&str; 19] = [
     "left_out.csv",
     "turns.csv",
     "blocked_travels.csv",
+    "unsupported.csv",
     TRAJECTORY,
     "layers.csv",
     "motion-faults.csv",
@@ -169,9 +170,9 @@ fn report(job: &Job, results: &Results, tables: &[Table; 5]) -> Result<Report, F
             paths::report(surfaces, paths, &mut report);
         }
     }
-    if let Some(machine) = machine {
+    if let (Some(surfaces), Some(paths), Some(machine)) = (surfaces, paths, machine) {
         report.table("", of_machine);
-        machine::report(machine, &mut report);
+        machine::report(surfaces, paths, machine, &mut report);
     }
     if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
         report.table("", of_motion);

@@ -9,6 +9,7 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_toolpath::surface::SHORT_CURVE_BEADS;
 use std::io::{self, Write};
 
 pub fn products(run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
@@ -46,6 +47,9 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set_seconds("statistics_s", times.statistics)?
         .set_seconds("paths_wall_s", times.wall)?
         .set("curves", totals.curves)?
+        .set("short_curves", run.short_curves)?
+        .set("short_curve_share", run.short_curve_share())?
+        .set("starts_per_metre", run.starts_per_metre())?
         .set("regions", totals.regions)?
         .set("jumps", totals.jumps)?
         .set("jump_mm", filled.travel_mm)?
@@ -72,6 +76,11 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
     table
         .row(["bead".to_owned(), format!("{:.3} mm wide", run.bead_mm)])
         .row(["curves".to_owned(), format!("{} in {} regions", totals.curves, totals.regions)])
+        .row([
+            "short curves".to_owned(),
+            format!("{} below {SHORT_CURVE_BEADS} beads, {}", run.short_curves, share(run.short_curve_share())),
+        ])
+        .row(["starts".to_owned(), format!("{:.2} per metre", run.starts_per_metre())])
         .row(["length".to_owned(), format!("{:.1} m", totals.path_mm / 1000.0)])
         .row([
             "jumps".to_owned(),

@@ -2,6 +2,7 @@
 
 use super::Picture;
 use crate::field::FieldRun;
+use crate::machine::MachineRun;
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::render::{Camera, Image, Scene, layer_colour, ramp};
@@ -30,6 +31,8 @@ const HISTOGRAM: [u32; 2] = [640, 300];
 pub const PLAIN: [u8; 3] = [190, 196, 204];
 /// What ours gives.
 pub const EVEN: [u8; 3] = [11, 122, 117];
+/// What is wrong.
+const FAULT: [u8; 3] = [200, 30, 30];
 const INK: [u8; 3] = [31, 38, 48];
 
 fn from_the_front() -> Camera {
@@ -91,6 +94,34 @@ pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Pictur
     let [width, height] = PATHS;
     let caption = format!("layer {}: {} curves, {:.0} mm", at + 1, layer.paths.paths.len(), layer.statistics.path_mm);
     Some((caption, scene.draw(width, height).to_png()))
+}
+
+/// The beads of the layer on which the most of them lie on nothing, these in red; none where all lie on something.
+pub fn unsupported(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun) -> Option<Picture> {
+    let mut lengths = vec![0.0; surfaces.sheets.len()];
+    for piece in &run.support.unsupported {
+        lengths[run.resolved.paths[piece.path].layer as usize] += piece.length();
+    }
+    let (at, &most) = lengths.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)))?;
+    let sheet = surfaces.sheets.get(at).filter(|_| most > 0.0)?;
+    let mut scene = Scene::new(facing(sheet));
+    scene.mesh(&sheet.vertices, &sheet.triangles, PLAIN);
+    let lift = scene.camera().toward() * (0.5 * paths.bead_mm);
+    let mut bar = |from: Point3<f64>, to: Point3<f64>, thick: f64, colour: [u8; 3]| {
+        scene.bar(from + lift, to + lift, thick * LINE * paths.bead_mm, colour);
+    };
+    for (number, path) in run.resolved.paths.iter().enumerate().filter(|(_, path)| path.layer as usize == at) {
+        path.waypoints.windows(2).for_each(|pair| bar(pair[0].tip, pair[1].tip, 1.0, EVEN));
+        for piece in run.support.unsupported.iter().filter(|piece| piece.path == number) {
+            // A mark in its middle, too: a piece may be shorter than the way between two waypoints.
+            let inside = |arc: f64| arc > piece.arcs[0] && arc < piece.arcs[1];
+            let whole = path.waypoints.windows(2).filter(|pair| pair.iter().all(|waypoint| inside(waypoint.arc)));
+            whole.for_each(|pair| bar(pair[0].tip, pair[1].tip, 2.0, FAULT));
+            bar(piece.tip, piece.tip + lift * 0.1, 2.0, FAULT);
+        }
+    }
+    let [width, height] = PATHS;
+    Some((format!("layer {}: {most:.1} mm of bead on nothing, red", at + 1), scene.draw(width, height).to_png()))
 }
 
 /// The geodesic distance to the boundary of one surface, in bands of a bead.

@@ -29,6 +29,7 @@ mod parallel;
 mod paths;
 mod pose;
 mod print;
+mod short;
 mod stack;
 mod statistics;
 mod support;
@@ -56,6 +57,7 @@ pub use paths::{
 };
 pub use pose::Pose;
 pub use print::{PrintError, PrintOptions, PrintPlan};
+pub use short::SHORT_CURVE_BEADS;
 pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
