@@ -8,7 +8,7 @@
 //! * `training`: that machine.
 #![allow(missing_docs)] // of what criterion's macros make
 
-#[path = "../trajectory/tests/common/cell.rs"]
+#[path = "../trajectory/tests/all/common/cell.rs"]
 #[allow(clippy::unwrap_used)] // made for tests, where it fails like them
 mod cell;
 

@@ -9,9 +9,9 @@
 //! space. `--help` lists the options.
 
 // The arm on which the crate's own tests learn.
-#[path = "../../trajectory/tests/common/planar.rs"]
+#[path = "../../trajectory/tests/all/common/planar.rs"]
 pub mod arm;
-mod picture;
+pub mod picture;
 
 use clap::Parser;
 use curvlay_examples::args::{Common, Failure, Outcome, run_with_args};

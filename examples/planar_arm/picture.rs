@@ -160,12 +160,19 @@ impl Drawing {
 pub const ALONG: [f64; 2] = [0.0, TAU];
 pub const JOINT: [f64; 2] = [-PI, PI];
 
+/// Where on the path the tip is, and where the last link points, both in `[0, 2 pi)`.
+pub fn unrolled(q: &[f64; 3]) -> [f64; 2] {
+    let tip = corners(q)[3];
+    let along = (tip[1] - PATH.0[1]).atan2(tip[0] - PATH.0[0]);
+    [along.rem_euclid(TAU), (q[0] + q[1] + q[2]).rem_euclid(TAU)]
+}
+
 /// Samples on contact with the elbow on one side, by place on the path and direction of the last link.
 pub fn dots(samples: &[Sample<3>], on_contact: &[bool]) -> Vec<([f64; 2], bool)> {
     samples
         .iter()
         .zip(on_contact)
         .filter(|(sample, on)| **on && sample.joints[1] > 0.0)
-        .map(|(sample, _)| (super::arm::on_contact(&sample.joints), sample.collides))
+        .map(|(sample, _)| (unrolled(&sample.joints), sample.collides))
         .collect()
 }

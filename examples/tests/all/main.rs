@@ -1,0 +1,19 @@
+//! All tests of this crate in one binary: it is linked once. `cargo test -p curvlay-examples --test all NAME::` runs the file NAME.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod args;
+mod boge;
+mod clock;
+mod common;
+mod curved_layers;
+mod jerk_motion;
+mod mesh;
+mod mesh_to_gcode;
+mod mesh_to_robot;
+mod motion;
+mod output;
+mod planar_arm;
+mod reach;
+mod render;
+mod shapes;
+mod stewart_table;

@@ -1,0 +1,64 @@
+//! The example `mesh_to_gcode` from outside, and its copy in the README.
+
+use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
+use curvlay_toolpath::nalgebra::Point3;
+use std::fs;
+use std::io::BufReader;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs the example, which `cargo test` has built beside this test.
+fn run(args: &[&Path]) -> Output {
+    let beside = std::env::current_exe().unwrap();
+    let program = beside.ancestors().nth(2).unwrap().join("examples").join("mesh_to_gcode");
+    assert!(program.exists(), "build the examples first: cargo build --examples");
+    Command::new(program).args(args).output().unwrap()
+}
+
+/// A block of 20 x 16 x 12 mm comes out as its volume of filament, in layers of the height of a cell.
+#[test]
+fn a_block_becomes_a_machine_file() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mesh_to_gcode");
+    fs::create_dir_all(&folder).unwrap();
+    let (mesh, out) = (folder.join("block.obj"), folder.join("block.gcode"));
+    let corner =
+        |k: usize| [20, 16, 12].iter().enumerate().map(|(axis, side)| side * (k >> axis & 1)).collect::<Vec<_>>();
+    let line = |start: &str, numbers: &[usize]| format!("{start} {} {} {}\n", numbers[0], numbers[1], numbers[2]);
+    let vertices: String = (0..8).map(|k| line("v", &corner(k))).collect();
+    let faces = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
+    let faces = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let triangles: String = faces.map(|corners| line("f", &corners)).collect();
+    fs::write(&mesh, vertices + &triangles).unwrap();
+
+    let output = run(&[&mesh, &out]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("0 cells missed, 0 waypoints gouge"), "{said}");
+    let options = ReadOptions { home: Some(Point3::origin()), ..ReadOptions::default() };
+    let moves = GcodeReader::new(BufReader::new(fs::File::open(&out).unwrap()), options).unwrap();
+    let (mut filament, mut low, mut high) = (0.0, f64::INFINITY, 0.0_f64);
+    for step in moves {
+        if let Move::Print { tip, filament_mm, .. } = step.unwrap() {
+            (filament, low, high) = (filament + filament_mm, tip.z.min(low), tip.z.max(high));
+        }
+    }
+    let volume = filament * std::f64::consts::PI / 4.0 * 1.75 * 1.75;
+    assert!((volume / 3840.0 - 1.0).abs() < 0.03, "{volume}");
+    assert!(low > 0.3 && (high - 12.0).abs() < 0.4, "{low} {high}");
+
+    let missing = run(&[&folder.join("none.stl"), &out]);
+    assert!(!missing.status.success());
+    assert!(String::from_utf8_lossy(&missing.stderr).contains("none.stl"));
+}
+
+/// What the README quotes is the example, line by line, and short.
+#[test]
+fn the_readme_quotes_the_example() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = fs::read_to_string(root.join("mesh_to_gcode.rs")).unwrap();
+    let code = file.split_once("```\n\n").unwrap().1;
+    let readme = fs::read_to_string(root.join("../README.md")).unwrap();
+    assert!(readme.contains(&format!("```rust,no_run\n{code}```\n")));
+    let lines = code.lines().filter(|line| !line.trim().is_empty() && !line.trim().starts_with("//"));
+    assert!(lines.count() <= 50);
+}

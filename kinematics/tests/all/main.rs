@@ -1,0 +1,23 @@
+//! All tests of this crate in one binary: it is linked once. `cargo test -p curvlay-kinematics --test all NAME::` runs the file NAME.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod arm;
+mod arm_singular;
+mod cell;
+mod common;
+mod extremes;
+mod growing_scene;
+mod limits;
+mod part_place;
+mod placement;
+mod program;
+mod program_fuzz;
+mod program_prints;
+mod program_rapid;
+mod program_urscript;
+mod rows;
+mod scene;
+mod scene_cubic;
+mod stewart;
+mod workcell;
+mod workcell_json;

@@ -1,0 +1,341 @@
+//! Programs of planned prints: streams tick by tick, targets waypoint by waypoint, and where programs are cut.
+#![cfg(feature = "serde")] // the cells are read from the files of the examples
+#![allow(clippy::float_cmp, clippy::type_complexity)] // times of ticks are exact; legs are closures
+
+use curvlay_kinematics::Waypoint;
+use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
+use curvlay_kinematics::program::{
+    Goal, Move, PrintKnot, ProgramLimits, RapidOptions, ServoRate, Speed, Step, StreamLeg, StreamOptions, TargetMotion,
+    TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream, print_targets, read_rapid,
+    write_rapid, write_urscript,
+};
+use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Workcell};
+use proptest::prelude::*;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io::{self, Cursor, Write};
+use std::rc::Rc;
+
+const UR3: &str = include_str!("../../../examples/cells/ur3.json");
+const IRB1200: &str = include_str!("../../../examples/cells/irb1200-table.json");
+
+fn ur3() -> SixAxisCell {
+    match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
+        AnyWorkcell::Six(cell) => cell,
+        AnyWorkcell::Eight(_) => panic!("eight axes"),
+    }
+}
+
+fn over_table() -> EightAxisCell {
+    match AnyWorkcell::from_json(IRB1200.as_bytes()).unwrap() {
+        AnyWorkcell::Eight(cell) => cell,
+        AnyWorkcell::Six(_) => panic!("six axes"),
+    }
+}
+
+/// Joint 1 says when, joint 2 which leg.
+fn legs(durations: &[(f64, bool)]) -> Vec<StreamLeg<impl Fn(f64) -> [f64; 6] + use<>, impl Fn(f64) -> f64 + use<>>> {
+    let leg = |(k, &(duration_s, prints)): (usize, &(f64, bool))| StreamLeg {
+        duration_s,
+        joints: move |time: f64| [time, k as f64, 0.0, 0.0, 0.0, 0.0],
+        // It begins after a tenth of a second and then is steady.
+        filament_mm: prints.then_some(|time: f64| 3.0 * (time - 0.1).max(0.0)),
+    };
+    durations.iter().enumerate().map(leg).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+    /// Against the clock: tick `k` is at `k` periods, in the leg that is under way then.
+    #[test]
+    fn a_stream_follows_the_clock(durations in prop::collection::vec((0.0005..0.5f64, any::<bool>()), 0..8), fast in any::<bool>()) {
+        let rate = if fast { ServoRate::Hz500 } else { ServoRate::Hz125 };
+        let ends = [[-1.0; 6], [-2.0; 6]];
+        let steps: Vec<Step> =
+            print_stream(ends, legs(&durations), StreamOptions { rate, ..StreamOptions::default() }).collect();
+        let total: f64 = durations.iter().map(|(duration, _)| duration).sum();
+        let first = Step::Move(Move { goal: Goal::Joints(ends[0]), table: None, speed: Speed::default(), zone: Zone::Stop });
+        prop_assert_eq!(steps[0], first);
+        prop_assert_eq!(steps[steps.len() - 1], Step::Servo { joints: ends[1], seconds: rate.seconds() });
+        let (mut tick, mut on, mut speed, mut laid) = (0u32, false, 0.0, 0.0);
+        for step in &steps[1..steps.len() - 1] {
+            match *step {
+                Step::Servo { joints, seconds } => {
+                    tick += 1;
+                    let now = f64::from(tick) * rate.seconds();
+                    let leg = joints[1] as usize;
+                    let began: f64 = durations[..leg].iter().map(|(duration, _)| duration).sum();
+                    prop_assert!((began + joints[0] - now).abs() < 1e-9 && joints[0] <= durations[leg].0 + 1e-9);
+                    prop_assert!(joints[0] > -1e-9 && seconds == rate.seconds());
+                    prop_assert_eq!(on, durations[leg].1);
+                    laid += if on { speed * seconds } else { 0.0 };
+                }
+                Step::Extruder(now) => {
+                    prop_assert_ne!(on, now);
+                    prop_assert!(now || speed == 0.0);
+                    on = now;
+                }
+                Step::FilamentSpeed(now) => speed = now,
+                Step::Move(_) => prop_assert!(false, "a second move"),
+            }
+        }
+        prop_assert_eq!(f64::from(tick), (total / rate.seconds() + 1e-12).floor());
+        // What a leg lays beyond its last tick, and what a whole step of its first one lays before it, are less than a step's.
+        let wanted: f64 = durations.iter().filter(|(_, prints)| *prints).map(|(duration, _)| 3.0 * (duration - 0.1).max(0.0)).sum();
+        prop_assert!((laid - wanted).abs() <= (3.0 * rate.seconds() + 0.004 * wanted) * durations.len() as f64 + 1e-9);
+    }
+
+    /// A piece goes on exactly where the way leads on and there is room.
+    #[test]
+    fn pieces_are_as_long_as_they_may_be(motions in prop::collection::vec((0.0..9.0f64, any::<bool>()), 0..12), most in 0u64..20) {
+        let pieces = print_pieces(motions.clone(), most);
+        let mut next = 0;
+        for (k, piece) in pieces.iter().enumerate() {
+            prop_assert_eq!(piece.motions.start, next);
+            next = piece.motions.end;
+            let inside = &motions[piece.motions.clone()];
+            prop_assert!(!inside.is_empty() && inside[..inside.len() - 1].iter().all(|(_, leads_on)| *leads_on));
+            prop_assert!((piece.steps - inside.iter().map(|(steps, _)| steps).sum::<f64>()).abs() < 1e-9);
+            prop_assert!(inside.len() == 1 || piece.steps <= most as f64);
+            prop_assert_eq!(piece.joined, k > 0 && motions[piece.motions.start - 1].1);
+            if let Some(&(steps, _)) = motions.get(next) {
+                prop_assert!(!motions[next - 1].1 || piece.steps + steps > most as f64);
+            }
+        }
+        prop_assert_eq!(next, motions.len());
+    }
+}
+
+#[test]
+fn a_stream_of_nothing_goes_from_end_to_end() {
+    let wrong = [f64::NAN, f64::INFINITY, 0.0, -1.0].map(|duration| (duration, true));
+    for durations in [&[][..], &wrong] {
+        let steps: Vec<Step> = print_stream([[0.0; 6], [0.1; 6]], legs(durations), StreamOptions::default()).collect();
+        assert_eq!(steps.len(), 2);
+    }
+}
+
+#[test]
+fn a_steady_speed_is_written_once_and_the_program_comes_back() {
+    let leg = StreamLeg { duration_s: 2.0, joints: |t: f64| [0.3 * t; 6], filament_mm: Some(|t: f64| 2.0 * t) };
+    let stream = |same_speed: f64| {
+        let options = StreamOptions { same_speed, ..StreamOptions::default() };
+        print_stream([[0.0; 6], [0.6; 6]], [leg], options).collect::<Vec<_>>()
+    };
+    let speeds = |steps: &[Step]| steps.iter().filter(|step| matches!(step, Step::FilamentSpeed(_))).count();
+    let steps = stream(2e-3);
+    // The speed, and its end.
+    assert_eq!((speeds(&steps), steps.len()), (2, 250 + 6));
+    assert!(speeds(&stream(0.0)) > 2, "rounding alone changes it");
+    let limits = ProgramLimits::of_arm(ur3().equipment().arm());
+    let mut file = Vec::new();
+    write_urscript(steps.clone(), &UrScriptOptions { limits, ..UrScriptOptions::default() }, &mut file).unwrap();
+    let read: Vec<Step> = UrScriptReader::new(file.as_slice()).unwrap().collect::<Result<_, _>>().unwrap();
+    assert_eq!(read.len(), steps.len());
+}
+
+#[test]
+fn the_limits_of_an_arm_have_a_little_slack() {
+    let cell = ur3();
+    let (limits, arm) = (ProgramLimits::of_arm(cell.equipment().arm()).joints, cell.equipment().arm().limits());
+    for joint in 0..6 {
+        assert!(
+            limits.velocity[joint] > arm.velocity[joint] && limits.velocity[joint] < 1.000_01 * arm.velocity[joint]
+        );
+        assert!(limits.upper[joint] >= arm.upper[joint] && limits.lower[joint] <= arm.lower[joint]);
+        assert!(arm.upper[joint].is_infinite() || limits.upper[joint] - arm.upper[joint] < 1e-5);
+    }
+}
+
+/// A half circle of the table under an arm that moves as well, at a knot a second.
+fn motion() -> TargetMotion<8> {
+    let knot = |k: u32| {
+        let t = f64::from(k);
+        PrintKnot {
+            time_s: t,
+            joints: [0.02 * t, 0.3, 0.2, 0.1, 0.8 + 0.01 * t, 0.0, 0.2, 0.1 * t],
+            filament_mm: 1.5 * t,
+        }
+    };
+    TargetMotion { knots: (0..5).map(knot).collect(), onward: vec![[0.1; 8], [0.2; 8]] }
+}
+
+#[test]
+fn targets_are_where_the_joints_are_and_as_fast_as_the_plan() {
+    let cell = over_table();
+    let options = TargetOptions::default();
+    let (motion, mut expected) = (motion(), vec![]);
+    let by_joints = |joints: &[f64; 8]| {
+        let goal = Goal::Joints(joints[..6].try_into().unwrap());
+        Step::Move(Move { goal, table: Some([joints[6], joints[7]].into()), speed: Speed::default(), zone: Zone::Stop })
+    };
+    expected.extend([by_joints(&motion.knots[0].joints), Step::Extruder(true)]);
+    for k in 1..5 {
+        let [from, to] = [k - 1, k].map(|k| cell.controller_pose(&motion.knots[k].joints).unwrap().target);
+        let moved = (from.pose.translation.vector - to.pose.translation.vector).norm();
+        let turned = from.pose.rotation.angle_to(&to.pose.rotation);
+        let joints = motion.knots[k].joints;
+        let (table, zone) = (Some([joints[6], joints[7]].into()), if k == 4 { Zone::Stop } else { Zone::Blend(0.3) });
+        let speed = Speed { mm_s: moved, rad_s: f64::max(0.5, 2.0 * turned) };
+        expected.extend([Step::FilamentSpeed(1.5), Step::Move(Move { goal: Goal::Line(to), table, speed, zone })]);
+    }
+    expected.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
+    expected.extend(motion.onward.iter().map(by_joints));
+    assert_eq!(print_targets(&cell, [motion], options).collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn targets_of_little() {
+    let (cell, options) = (over_table(), TargetOptions::default());
+    let steps = |motion: TargetMotion<8>| print_targets(&cell, [motion], options).collect::<Vec<_>>();
+    assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![] }), []);
+    assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![[0.0; 8]] }).len(), 1);
+    assert_eq!(steps(TargetMotion { knots: motion().knots[..1].to_vec(), onward: vec![] }).len(), 4);
+    // Standing still takes the least speeds; filament that is drawn back is none.
+    let still = |time_s, filament_mm| PrintKnot { time_s, filament_mm, ..motion().knots[0] };
+    let slow = steps(TargetMotion { knots: vec![still(0.0, 1.0), still(1.0, 0.0)], onward: vec![] });
+    let Step::Move(Move { speed, .. }) = slow[3] else { panic!("{:?}", slow[3]) };
+    assert_eq!((slow[2], speed), (Step::FilamentSpeed(0.0), Speed { mm_s: 0.01, rad_s: 0.5 }));
+}
+
+type Files = Rc<RefCell<BTreeMap<String, Vec<u8>>>>;
+
+/// A file in memory.
+struct File(Files, String);
+
+impl Write for File {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().entry(self.1.clone()).or_default().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn rapid_of_a_workcell_comes_back() {
+    let cell = over_table();
+    let options = RapidOptions::of_workcell(cell.equipment());
+    assert_eq!((options.tool.in_hand, options.work_object.in_hand), (true, false));
+    assert_eq!(options.work_object.unit.as_deref(), Some("STN1"));
+    let files = Files::default();
+    let open = |name: &str| Ok(File(files.clone(), name.to_owned()));
+    let steps: Vec<Step> = print_targets(&cell, [motion()], TargetOptions::default()).collect();
+    write_rapid(steps.clone(), &options, open).unwrap();
+    let file = |name: &str| Cursor::new(files.borrow()[name].clone());
+    let read = read_rapid(file("curvlay.mod"), |name| Ok(file(name))).unwrap();
+    // Main switches off filament and extruder at the begin and at the end.
+    assert_eq!(read.collect::<Result<Vec<Step>, _>>().unwrap().len(), steps.len() + 4);
+
+    let ur3 = RapidOptions::of_workcell(ur3().equipment());
+    assert_eq!((ur3.tool.in_hand, ur3.work_object.in_hand, ur3.work_object.unit), (false, true, None));
+}
+
+/// A path on the part of a UR3, a waypoint a millimetre at 20 mm/s: 100 mm along x, then around a corner along y.
+fn path_on_part(cell: &SixAxisCell, corner: bool) -> Vec<PrintKnot<6>> {
+    let at = |k: u32| {
+        let (x, y) = if corner && k > 50 { (0.0, f64::from(k - 50)) } else { (f64::from(k) - 50.0, 0.0) };
+        Waypoint { position: Point3::new(x, y, 20.0), axis: Vector3::z_axis() }
+    };
+    let mut first = None;
+    cell.solutions(&at(0), &[0.4], &mut |_, joints| {
+        first = first.or(cell.limits().contains(&joints).then_some(joints))
+    });
+    let mut joints = first.unwrap();
+    let knot = |k: u32| {
+        joints = cell.continuing(&at(k), &[0.4], 0.0, &joints).unwrap();
+        PrintKnot { time_s: 0.05 * f64::from(k), joints, filament_mm: 0.04 * f64::from(k) }
+    };
+    (0..=100).map(knot).collect()
+}
+
+/// A tenth of a metre was 3,206 lines.
+#[test]
+fn a_straight_path_is_a_few_lines_of_urscript() {
+    let cell = ur3();
+    let options = UrScriptOptions::of_workcell(cell.equipment());
+    assert!(options.part_in_hand && options.arm.is_some());
+    let lines = |knots: Vec<PrintKnot<6>>, targets: TargetOptions| {
+        let motion = TargetMotion { knots, onward: vec![] };
+        let mut out = Vec::new();
+        let written = write_urscript(print_targets(&cell, [motion], targets), &options, &mut out).unwrap();
+        (String::from_utf8(out).unwrap(), written)
+    };
+    let merge = TargetOptions { merge_mm: 0.05, ..TargetOptions::default() };
+    let (text, written) = lines(path_on_part(&cell, false), merge);
+    assert_eq!((written.moves, written.servos, text.matches("movel(").count()), (2, 0, 1), "{text}");
+    assert!(text.lines().count() <= 12, "{text}");
+    // 20 mm/s, on the part and of the TCP, for it does not turn.
+    assert!(text.contains(",v=0.02,r=0)"), "{text}");
+    assert_eq!(lines(path_on_part(&cell, false), TargetOptions::default()).1.moves, 101);
+    // Around a corner it is two lines, rounded where they meet.
+    let (text, written) = lines(path_on_part(&cell, true), merge);
+    assert_eq!((written.moves, written.blends_reduced, written.stops_added), (3, 0, 0), "{text}");
+    assert!(text.contains(",r=0.0003)"), "{text}");
+    // What is read leads to the same places on the part.
+    let read: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().collect::<Result<_, _>>().unwrap();
+    let places = read.iter().filter_map(|step| match step {
+        Step::Move(Move { goal: Goal::Line(target), .. }) => Some(target.pose.translation.vector),
+        _ => None,
+    });
+    let expected = [Vector3::new(0.0, 0.0, 20.0), Vector3::new(0.0, 50.0, 20.0)];
+    assert!(places.zip(expected).all(|(a, b)| (a - b).norm() < 1e-4), "{text}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Against all waypoints that are not written: each is near the line that passes it, its speed and its filament, too.
+    #[test]
+    fn merged_lines_pass_their_waypoints(
+        bends in prop::collection::vec((0..5u8, 0.0..1.0f64), 5..120), merge_mm in 0.01..2.0f64,
+    ) {
+        let cell = over_table();
+        let mut joints = [0.0, 0.3, 0.2, 0.1, 0.8, 0.0, 0.2, 0.1];
+        let (mut time_s, mut filament_mm) = (0.0, 0.0);
+        let mut which = 0;
+        let knots: Vec<PrintKnot<8>> = bends
+            .iter()
+            .map(|(kind, by)| {
+                // Mostly on as before.
+                which = if *kind == 0 { (by * 8.0) as usize } else { which };
+                joints[which] += 0.002;
+                (time_s, filament_mm) = (time_s + 0.1, filament_mm + if *kind == 1 { 0.2 * by } else { 0.2 });
+                PrintKnot { time_s, joints, filament_mm }
+            })
+            .collect();
+        let options = TargetOptions { merge_mm, merge_share: 0.2, merge_rad: 0.01, ..TargetOptions::default() };
+        let motion = TargetMotion { knots: knots.clone(), onward: vec![] };
+        let steps: Vec<Step> = print_targets(&cell, [motion], options).collect();
+        let poses: Vec<_> = knots.iter().map(|knot| cell.controller_pose(&knot.joints).unwrap().target.pose).collect();
+        let ends = steps.iter().filter_map(|step| match step {
+            Step::Move(Move { goal: Goal::Line(target), speed, .. }) => {
+                Some((poses.iter().position(|pose| *pose == target.pose).unwrap(), *speed))
+            }
+            _ => None,
+        });
+        let (mut from, mut laid) = (0, 0.0);
+        let mut fed = 0.0;
+        let feeds = steps.iter().filter_map(|step| if let Step::FilamentSpeed(v) = step { Some(*v) } else { None });
+        for ((to, speed), feed) in ends.zip(feeds) {
+            prop_assert!(to > from);
+            let seconds = knots[to].time_s - knots[from].time_s;
+            laid += feed * seconds;
+            fed += knots[to].filament_mm - knots[from].filament_mm;
+            let line = poses[to].translation.vector - poses[from].translation.vector;
+            prop_assert!((speed.mm_s * seconds - line.norm()).abs() < 1e-9 || line.norm() < 0.01 * seconds);
+            for pose in &poses[from + 1..to] {
+                let off = pose.translation.vector - poses[from].translation.vector;
+                // A tool that only turns: the line has no length.
+                let share = off.dot(&line) / line.norm_squared();
+                let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+                prop_assert!((off - line * share).norm() <= merge_mm + 1e-9);
+                let between: UnitQuaternion<f64> = poses[from].rotation.slerp(&poses[to].rotation, share);
+                prop_assert!(between.angle_to(&pose.rotation) <= 0.01 + 1e-9);
+            }
+            from = to;
+        }
+        prop_assert_eq!(from, knots.len() - 1);
+        prop_assert!((laid - fed).abs() < 1e-9);
+    }
+}

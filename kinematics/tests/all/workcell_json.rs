@@ -1,0 +1,226 @@
+//! Files of workcells: written and read, and files that are none.
+#![cfg(feature = "serde")]
+
+use curvlay_kinematics::workcell::{
+    AnyWorkcell, ArmGeometry, FrameModel, LimitsModel, MountModel, PositionerGeometry, ShapeModel, SolidModel,
+    StandModel, WorkcellError, WorkcellFileError, WorkcellModel,
+};
+use proptest::prelude::*;
+use std::io::{Error, Read, Write};
+
+const FILES: [&str; 3] = [
+    include_str!("../../../examples/cells/ur3.json"),
+    include_str!("../../../examples/cells/irb1200-table.json"),
+    include_str!("../../../examples/cells/ur10.json"),
+];
+
+fn read(text: &str) -> WorkcellModel {
+    WorkcellModel::from_json(text.as_bytes()).unwrap()
+}
+
+fn written(model: &WorkcellModel) -> String {
+    let mut file = vec![];
+    model.write_json(&mut file).unwrap();
+    String::from_utf8(file).unwrap()
+}
+
+#[test]
+fn files_say_what_they_say() {
+    let [ur3, irb1200, ur10] = FILES.map(read);
+    assert_eq!(ur3.arm.geometry, ArmGeometry::Named("UR3".into()));
+    assert_eq!(ur3.arm.limits.max_deg.unwrap()[4..], [Some(360.0), None]);
+    assert_eq!((ur3.arm.limits.max_speed_deg_s, ur3.positioner), (None, None));
+    assert_eq!(ur3.plate.diameter_mm, None);
+    let table = irb1200.positioner.unwrap();
+    assert_eq!((table.tool_angle_deg, table.frame.rpy_deg), (0.0, [0.0; 3]));
+    assert_eq!(irb1200.part, FrameModel::default());
+    assert_eq!(irb1200.solids[2].mount, MountModel::Nozzle);
+    let d_mm = [127.3, 0.0, 0.0, 163.941, 115.7, 92.2];
+    assert_eq!(ur10.arm.geometry, ArmGeometry::Ur { d_mm, upper_arm_mm: -612.0, forearm_mm: -572.3 });
+    for model in FILES.map(read) {
+        assert_eq!(read(&written(&model)), model);
+    }
+}
+
+/// One of each kind that the three files do not have.
+fn every_kind() -> WorkcellModel {
+    let mut model = read(FILES[1]);
+    model.arm.geometry = ArmGeometry::OrthoParallel {
+        a1_mm: 0.0,
+        a2_mm: -42.0,
+        b_mm: 0.1,
+        c1_mm: 399.1,
+        c2_mm: 350.0,
+        c3_mm: 351.0,
+        c4_mm: 82.0,
+        offsets_deg: [0.0, 0.0, -90.0, 0.0, 0.0, 0.0],
+        signs: [1.0, 1.0, 1.0, -1.0, 1.0, 1.0],
+    };
+    let table = model.positioner.as_mut().unwrap();
+    table.geometry = PositionerGeometry::Axes {
+        tilt_origin_mm: [733.0, 0.0, 1020.0],
+        tilt_axis: [1.0, 0.0, 0.0],
+        turn_origin_mm: [0.0, 0.0, 1020.0],
+        turn_axis: [0.0, 0.0, 1.0],
+        table_origin_mm: [0.0, 0.0, 1124.87],
+    };
+    table.limits = LimitsModel { max_jerk_rad_s3: Some([Some(0.1), None]), ..LimitsModel::default() };
+    let frame = FrameModel { position_mm: [1.0, 2.0, 3.0], rpy_deg: [10.0, 20.0, 30.0] };
+    let shapes = [
+        ShapeModel::Capsule { from_mm: [0.0; 3], to_mm: [0.0, 0.0, 1.0], radius_mm: 2.0 },
+        ShapeModel::Hull { points_mm: vec![[0.0; 3], [1.0, 0.0, 0.0]] },
+    ];
+    let mounts = [MountModel::Link(3), MountModel::Tilt];
+    for (k, (shape, mount)) in shapes.into_iter().zip(mounts).enumerate() {
+        model.solids.push(SolidModel { name: format!("solid {k}"), mount, frame, shape });
+    }
+    model.stand = Some(StandModel::Pedestal { height_mm: 500.0, radius_mm: Some(90.0) });
+    model.plate.diameter_mm = Some(250.0);
+    model
+}
+
+#[test]
+fn every_kind_comes_back() {
+    let model = every_kind();
+    assert_eq!(read(&written(&model)), model);
+}
+
+/// The names of all fields and variants in a file.
+fn keys(value: &serde_json::Value, found: &mut Vec<String>) {
+    if let Some(object) = value.as_object() {
+        found.extend(object.keys().cloned());
+        object.values().for_each(|value| keys(value, found));
+    }
+    value.as_array().into_iter().flatten().for_each(|value| keys(value, found));
+}
+
+#[test]
+fn every_field_is_documented() {
+    let page = include_str!("../../../docs/formats.md");
+    let (_, page) = page.split_once("\n## Workcells\n").unwrap();
+    let mut found = vec![];
+    for model in FILES.map(read).into_iter().chain([every_kind()]) {
+        keys(&serde_json::to_value(model).unwrap(), &mut found);
+    }
+    assert!(found.len() > 100);
+    for key in found {
+        assert!(page.contains(&format!("`{key}`")) || page.contains(&format!("\"{key}\"")), "{key}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// To the last bit, whatever the number.
+    #[test]
+    fn numbers_come_back(position_mm in prop::array::uniform3(-1e3..1e3f64), rpy_deg in prop::array::uniform3(-180.0..180.0f64),
+                         jerk in 1e-9..1e9f64, speed in prop::option::of(1e-3..1e3f64)) {
+        let mut model = read(FILES[0]);
+        model.part = FrameModel { position_mm, rpy_deg };
+        model.arm.limits.max_jerk_rad_s3 = Some([Some(jerk); 6]);
+        model.arm.limits.max_speed_deg_s = Some([speed; 6]);
+        prop_assert_eq!(read(&written(&model)), model);
+    }
+}
+
+/// What is said of the first file with something else in it, and in which line.
+fn refused(from: &str, to: &str) -> (usize, String) {
+    assert!(FILES[0].contains(from), "{from}");
+    match AnyWorkcell::from_json(FILES[0].replacen(from, to, 1).as_bytes()) {
+        Err(WorkcellFileError::Json { line, what, .. }) => (line, what),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_is_no_file_is_told_with_its_place() {
+    let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat\": 1,");
+    assert!(line == 18 && what.starts_with("unknown field `tip_flat`, expected one of "), "{line} {what}");
+    let (line, what) = refused("\"tip_flat_mm\": 1,", "");
+    assert!(line == 23 && what == "missing field `tip_flat_mm`", "{line} {what}");
+    let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": NaN,");
+    assert!(line == 18 && what == "expected value", "{line} {what}");
+    let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": \"1 mm\",");
+    assert!(line == 18 && what.contains("expected f64"), "{line} {what}");
+    let (line, what) = refused("[0, 0, 45]", "[0, 45]");
+    assert!(line == 14 && what.contains("array of length 3"), "{line} {what}");
+    let (line, what) = refused("[100, 100, 100, 100, 100, 100]", "[100, 100, 100, 100, 100, 100, 100]");
+    assert!(line == 10, "{line} {what}");
+    let (_, what) = refused("\"named\": \"UR3\"", "\"name\": \"UR3\"");
+    assert!(what.starts_with("unknown variant `name`"), "{what}");
+    let (_, what) = refused("\"held\": \"part\"", "\"held\": \"parts\"");
+    assert!(what.starts_with("unknown variant `parts`"), "{what}");
+    let (_, what) = refused("\"pillar_mm\": [100, 200]", "\"pillar_mm\": [100, 200], \"colour\": 3");
+    assert!(what.starts_with("unknown field `colour`"), "{what}");
+    let (_, what) = refused("\"version\": 1,", "\"version\": 1, \"version\": 1,");
+    assert!(what.contains("duplicate field `version`"), "{what}");
+    let (_, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": 1e999,");
+    assert!(what.contains("number out of range"), "{what}");
+    for text in ["", "{", "[]", "null", "{\"version\": 1}"] {
+        let error = AnyWorkcell::from_json(text.as_bytes()).unwrap_err();
+        assert!(matches!(error, WorkcellFileError::Json { line: 0 | 1, .. }), "{text}: {error}");
+    }
+    let error = AnyWorkcell::from_json(format!("{}x", FILES[0]).as_bytes()).unwrap_err();
+    assert!(matches!(error, WorkcellFileError::Json { .. }), "{error}");
+    // A file can be cut off anywhere.
+    for length in 0..FILES[1].trim_end().len() {
+        assert!(AnyWorkcell::from_json(&FILES[1].as_bytes()[..length]).is_err(), "{length}");
+    }
+}
+
+#[test]
+fn numbers_of_a_file_are_named_by_their_field() {
+    let text = FILES[0].replacen("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": -1,", 1);
+    let error = AnyWorkcell::from_json(text.as_bytes()).unwrap_err();
+    assert_eq!(error.to_string(), "nozzle.tip_flat_mm is -1: it must be above 0 and at most 1e6");
+    assert!(matches!(error, WorkcellFileError::Workcell(WorkcellError::Number { .. })));
+}
+
+#[test]
+fn another_version_is_told_before_its_fields() {
+    for from in ["\"name\"", "\"held\""] {
+        let text = FILES[0].replacen("\"version\": 1", "\"version\": 2", 1).replacen(from, "\"new\"", 1);
+        let error = AnyWorkcell::from_json(text.as_bytes()).unwrap_err();
+        assert_eq!(error, WorkcellFileError::Workcell(WorkcellError::Version { found: 2 }));
+    }
+    let same = FILES[0].replacen("\"name\"", "\"new\"", 1);
+    let error = AnyWorkcell::from_json(same.as_bytes()).unwrap_err();
+    assert!(matches!(error, WorkcellFileError::Json { .. }), "{error}");
+}
+
+struct Broken;
+
+impl Read for Broken {
+    fn read(&mut self, _: &mut [u8]) -> Result<usize, Error> {
+        Err(Error::other("the disk is gone"))
+    }
+}
+
+impl Write for Broken {
+    fn write(&mut self, _: &[u8]) -> Result<usize, Error> {
+        Err(Error::other("the disk is full"))
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+#[test]
+fn disks_fail_and_bytes_are_no_text() {
+    let told = |result: Result<(), WorkcellFileError>, what: &str| match result {
+        Err(WorkcellFileError::Io { what: said }) => assert!(said.contains(what), "{said}"),
+        other => panic!("{other:?}"),
+    };
+    told(WorkcellModel::from_json(Broken).map(drop), "the disk is gone");
+    told(WorkcellModel::from_json([0xff, 0xfe].as_slice()).map(drop), "UTF-8");
+    told(read(FILES[0]).write_json(Broken), "the disk is full");
+    // JSON has no NaN, so it is not written.
+    let mut model = read(FILES[0]);
+    model.part.position_mm[0] = f64::NAN;
+    let mut file = vec![];
+    let error = model.write_json(&mut file).unwrap_err();
+    assert!(
+        matches!(error, WorkcellFileError::Workcell(WorkcellError::Number { path, .. }) if path == "part.position_mm[0]")
+    );
+    assert!(file.is_empty());
+}

@@ -1,0 +1,19 @@
+//! All tests of this crate in one binary: it is linked once. `cargo test -p curvlay-layers --test all NAME::` runs the file NAME.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod audit;
+mod cells_by_surface;
+mod common;
+mod field_file;
+mod growth;
+mod growth_twins;
+mod impossible;
+mod plates;
+mod quality;
+mod serde;
+mod surface;
+mod trimming;
+mod unbuild;
+mod uniform;
+mod uniform_field;
+mod workpiece;

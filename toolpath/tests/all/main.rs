@@ -1,0 +1,27 @@
+//! All tests of this crate in one binary: it is linked once. `cargo test -p curvlay-toolpath --test all NAME::` runs the file NAME.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
+
+mod common;
+mod contacts;
+mod deposition;
+mod fit;
+mod fitted;
+mod gcode;
+mod gcode_common;
+mod gcode_fuzz;
+mod gcode_rotary;
+mod gcode_stream;
+mod geodesic;
+mod gouging;
+mod gouging_order;
+mod level_set;
+mod mesh;
+mod order;
+mod orientation;
+mod paths;
+mod print;
+mod serde;
+mod statistics;
+mod support;
+mod travel;
+mod zigzag;
