@@ -11,7 +11,7 @@
 // The arm on which the crate's own tests learn.
 #[path = "../../trajectory/tests/all/common/planar.rs"]
 pub mod arm;
-pub mod picture;
+mod picture;
 
 use clap::Parser;
 use curvlay_examples::args::{Common, Failure, Outcome, run_with_args};
@@ -24,6 +24,7 @@ use curvlay_trajectory::indicator::svm::{Svm, SvmOptions};
 use curvlay_trajectory::indicator::{
     CollisionIndicator, Rates, SamplingOptions, random_samples, training_set, verification_samples,
 };
+pub use picture::unrolled;
 use picture::{ALONG, Drawing, JOINT, Map, dots};
 use std::f64::consts::PI;
 use std::process::ExitCode;

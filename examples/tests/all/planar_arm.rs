@@ -52,7 +52,7 @@ fn the_arm_is_what_it_says() {
         let (along, turn) = (0.0125 * f64::from(k), 0.37 * f64::from(k) % (2.0 * PI));
         for side in [-1.0, 1.0] {
             let Some(q) = example::arm::inverse(example::arm::on_path(along), turn, side) else { continue };
-            let [place, direction] = example::picture::unrolled(&q);
+            let [place, direction] = example::unrolled(&q);
             assert!((place - along).sin().abs() < 1e-9 && (direction - turn).sin().abs() < 1e-9);
             assert!(q[1] * side >= 0.0 && q.iter().all(|angle| angle.abs() <= PI + 1e-9));
             let at = example::arm::corners(&q);
