@@ -8,8 +8,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, LayerOrder, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform, Rules,
-    Strategy, Workpiece, audit, layer_quality,
+    AuditReport, Cells, Growth, Impossible, LayerOrder, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform,
+    ProofError, Rules, Strategy, Workpiece, audit, check_impossible, layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -42,6 +42,9 @@ pub struct FieldRun {
     /// The strategy that the order is by.
     pub strategy: &'static str,
     pub audit: AuditReport,
+    /// The missed cells that no order can build, and whether the proofs hold.
+    pub impossible: Vec<Impossible>,
+    pub proofs: Result<(), ProofError>,
     pub quality: LayerQuality,
     /// Volume of the part, overlaps of its mesh counted once, and what of it lies in missed cells.
     pub part_mm3: f64,
@@ -53,6 +56,11 @@ impl FieldRun {
     /// Share of the part that lies in missed cells.
     pub fn missed_share(&self) -> f64 {
         if self.growth.missed.is_empty() { 0.0 } else { self.missed_mm3 / self.part_mm3 }
+    }
+
+    /// Number of missed cells that are not proven to be impossible.
+    pub fn undecided(&self) -> usize {
+        self.growth.missed.len() - self.impossible.len()
     }
 
     /// Diameter of the platform as it was used. The disc has corners at both ends of its diameter along x.
@@ -71,6 +79,9 @@ pub struct Times {
     /// Peeling included, and a second strategy if it was tried.
     pub grow: Duration,
     pub audit: Duration,
+    /// Of the proofs that missed cells are impossible, and of their check.
+    pub prove: Duration,
+    pub check_proofs: Duration,
     /// All of these, and the surfaces: those of the order that was not taken as well.
     pub total: Duration,
 }
@@ -168,21 +179,50 @@ pub fn run(
             workpiece.order(options.strategy, height_mm, &progress).map_err(layers_failed)?;
         (growth, strategy.name(), audit, None)
     };
+    clock.note("impossible", 0);
+    let missed = growth.missed_cells();
+    let impossible = prove_impossible(&cells, &platform, &workpiece.rules, &missed, &progress)?;
+    clock.note("check", 0);
+    let proofs = check_impossible(&cells, &platform, &workpiece.rules, &impossible);
     clock.stop();
     let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &growth, part, &clock);
     let surfaces = made.zip(surfaces).map(finish).transpose()?;
-    let [peel, grow, audit_time] =
-        [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"]].map(|stages| clock.on_the_clock(stages));
+    let [peel, grow, audit_time, prove, check_proofs] =
+        [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"], &["impossible"], &["check"]]
+            .map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
     let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"]);
-    let total = inspect_time + voxelise_time + grow + audit_time + surfaces_time;
-    let times = Times { inspect: inspect_time, voxelise: voxelise_time, peel, grow, audit: audit_time, total };
+    let total = inspect_time + voxelise_time + grow + audit_time + prove + check_proofs + surfaces_time;
+    let times = Times {
+        inspect: inspect_time,
+        voxelise: voxelise_time,
+        peel,
+        grow,
+        audit: audit_time,
+        prove,
+        check_proofs,
+        total,
+    };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
     let part_mm3 = workpiece.volume_mm3;
     let missed_mm3 = match &surfaces {
         Some(surfaces) => surfaces.missed_mm3,
         None => workpiece.volume_of(&growth.missed_cells(), &progress).map_err(layers_failed)?,
     };
-    let field = FieldRun { mesh, thin, solid, platform, growth, strategy, audit, quality, part_mm3, missed_mm3, times };
+    let field = FieldRun {
+        mesh,
+        thin,
+        solid,
+        platform,
+        growth,
+        strategy,
+        audit,
+        impossible,
+        proofs,
+        quality,
+        part_mm3,
+        missed_mm3,
+        times,
+    };
     Ok((field, surfaces))
 }

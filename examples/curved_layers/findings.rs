@@ -76,17 +76,23 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
     if !run.audit.is_ok() {
         findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");
     }
+    if let Err(error) = run.proofs {
+        findings.add(Failed, "a proof that a cell is impossible does not hold", error.to_string(), "impossible.csv");
+    }
     let (missed, share) = (&run.growth.missed, run.missed_share());
     if !missed.is_empty() {
         let inside = missed.iter().filter(|cell| matches!(cell.reason, MissedReason::Shadowed { .. })).count();
         let amount = format!(
-            "{} of its volume, {} of {} cells: {inside} inside the hull of what is built by then, {} with nothing to stand on",
+            "{} of its volume, {} of {} cells: {inside} inside the hull of what is built by then, {} with nothing to stand on; \
+             {} are proven impossible in any order, {} are undecided",
             percent(share),
             missed.len(),
             run.solid.grid.count(),
-            missed.len() - inside
+            missed.len() - inside,
+            run.impossible.len(),
+            run.undecided()
         );
-        let place = "field.csv, cell_layer 0; --allow-missed";
+        let place = "field.csv, cell_layer 0; impossible.csv; --allow-missed";
         findings.add(Severity::above(share, allow.allow_missed), "a part of the solid is not built", amount, place);
     }
 }

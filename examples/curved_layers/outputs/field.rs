@@ -10,7 +10,7 @@ use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
-use curvlay_layers::curved::MissedReason;
+use curvlay_layers::curved::{Impossible, MissedReason};
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::io::{self, Write};
@@ -39,6 +39,24 @@ pub fn products(run: &FieldRun, surfaces: Option<&SurfacesRun>, folder: &OutputF
         }
     }
     folder.write_with("field.csv", |out| write_field(run, &order, &layers, out))?;
+    folder.write_list("impossible.csv", !run.impossible.is_empty(), |out| write_impossible(run, out))?;
+    Ok(())
+}
+
+/// A line for each cell that no order can build, with its proof: cells are `x y z`, with `;` between them.
+fn write_impossible(run: &FieldRun, out: &mut dyn Write) -> io::Result<()> {
+    let grid = &run.solid.grid;
+    let list = |cells: &[u32]| {
+        let places = cells.iter().map(|&cell| grid.position(cell).map(|k| k.to_string()).join(" "));
+        places.collect::<Vec<_>>().join(";")
+    };
+    writeln!(out, "x,y,z,x_mm,y_mm,z_mm,forced,wall")?;
+    for Impossible { cell, forced, wall } in &run.impossible {
+        let [x, y, z] = grid.position(*cell);
+        let centre = grid.centre([x, y, z]);
+        let (forced, wall) = (list(forced), list(wall));
+        writeln!(out, "{x},{y},{z},{:.4},{:.4},{:.4},{forced},{wall}", centre.x, centre.y, centre.z)?;
+    }
     Ok(())
 }
 
@@ -111,6 +129,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set_seconds("peel_s", times.peel)?
         .set_seconds("grow_s", times.grow)?
         .set_seconds("audit_s", times.audit)?
+        .set_seconds("prove_s", times.prove)?
+        .set_seconds("check_proofs_s", times.check_proofs)?
         .set_seconds("total_s", times.total)?
         .set("cell_layers", growth.order.len())?
         .set("missed_cells", growth.missed.len())?
@@ -118,6 +138,9 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("missed_share", run.missed_share())?
         .set("missed_shadowed", missed(run, |reason| matches!(reason, MissedReason::Shadowed { .. })))?
         .set("missed_unsupported", missed(run, |reason| !matches!(reason, MissedReason::Shadowed { .. })))?
+        .set("impossible_cells", run.impossible.len())?
+        .set("undecided_cells", run.undecided())?
+        .set("proofs_ok", run.proofs.is_ok())?
         .set("audit_ok", run.audit.is_ok())?
         .set("small_patch_share", run.quality.small_patch_share)?
         .set("patches_per_layer", run.quality.patches_per_layer)?;
@@ -136,7 +159,13 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         .row(["cell layers".to_owned(), growth.order.len().to_string()])
         .row([
             "missed cells".to_owned(),
-            format!("{}, {:.2} % of the volume", growth.missed.len(), 100.0 * run.missed_share()),
+            format!(
+                "{}, {:.2} % of the volume; {} proven impossible, {} undecided",
+                growth.missed.len(),
+                100.0 * run.missed_share(),
+                run.impossible.len(),
+                run.undecided()
+            ),
         ])
         .row([
             "small patches".to_owned(),

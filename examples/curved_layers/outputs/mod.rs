@@ -29,10 +29,11 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 20] = [
+const NAMES: [&str; 21] = [
     SUMMARY,
     "report.html",
     "field.csv",
+    "impossible.csv",
     "field.txt",
     "field.vtk",
     "layers.obj",

@@ -746,7 +746,13 @@ fn what_is_missed_is_told_everywhere() {
             stderr.contains("a part of the solid is not built: 24.24 % of its volume, 40 of 165 cells"),
             "{stderr}"
         );
+        assert!(stderr.contains("40 are proven impossible in any order, 0 are undecided"), "{stderr}");
         let figures = summary(&out);
+        assert_eq!((&figures["impossible_cells"], &figures["undecided_cells"]), (&40.into(), &0.into()));
+        assert_eq!(figures["proofs_ok"], true);
+        let impossible = fs::read_to_string(Path::new(&out).join("impossible.csv")).unwrap();
+        assert_eq!(impossible.lines().count(), 41);
+        assert!(impossible.lines().skip(1).all(|line| line.ends_with(",,")), "nothing leads to the floating box");
         let (lines, missed) = (figures["findings"].as_str().unwrap(), figures["missed_share"].as_f64().unwrap());
         assert!((missed - 320.0 / 1320.0).abs() < 1e-9 && figures["missed_cells"] == 40, "{missed}");
         assert_eq!(lines.lines().count(), notices.len());
@@ -765,6 +771,43 @@ fn what_is_missed_is_told_everywhere() {
             assert!(stderr.contains("the layers do not hold what the part holds"), "{stderr}");
         }
     }
+}
+
+/// A block hangs from the end of an arm: its lower cells cannot be built, and the file holds the proof, which can be checked with
+/// nothing but the file.
+#[test]
+fn impossible_cells_come_with_proofs() {
+    let scratch = Scratch::new("impossible");
+    let (mesh, out) = (scratch.path("gallows.stl"), scratch.path("out"));
+    let parts =
+        [[[0.0; 3], [4.0, 4.0, 24.0]], [[4.0, 0.0, 20.0], [24.0, 4.0, 24.0]], [[20.0, 0.0, 4.0], [24.0, 4.0, 20.0]]];
+    fs::write(&mesh, boxes(&parts)).unwrap();
+    let output = run(&["--mesh", &mesh, "--cell", "2", "--stage", "field", "--quiet", "--out", &out]);
+    assert_eq!(output.status.code(), Some(3));
+    let figures = summary(&out);
+    let count = |key: &str| figures[key].as_u64().unwrap();
+    assert_eq!(count("impossible_cells") + count("undecided_cells"), count("missed_cells"));
+    assert!(count("impossible_cells") > 10 && figures["proofs_ok"] == true, "{figures}");
+    documented(&out);
+    let cells = |list: &str| -> Vec<[u32; 3]> {
+        let place = |place: &str| -> [u32; 3] {
+            place.split(' ').map(|k| k.parse().unwrap()).collect::<Vec<u32>>().try_into().unwrap()
+        };
+        list.split(';').filter(|place| !place.is_empty()).map(place).collect()
+    };
+    let text = fs::read_to_string(Path::new(&out).join("impossible.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(lines.len() as u64, count("impossible_cells"));
+    let mut walled = 0;
+    for line in lines {
+        let at: Vec<u32> = line[..3].iter().map(|k| k.parse().unwrap()).collect();
+        let wall = cells(line[7]);
+        walled += usize::from(!wall.is_empty());
+        // The block hangs at x 10 and 11; all chains come along the arm, and what shuts a cell off is above it.
+        assert!(at[0] >= 9 && at[2] < 10, "{line:?}");
+        assert!(wall.iter().all(|cell| cell[2] >= at[2]), "{line:?}");
+    }
+    assert!(walled > 0, "{text}");
 }
 
 /// Bug: a comb of thin walls was laid to a third with status 0. What is laid is compared with the mesh, of which overlaps count once.
