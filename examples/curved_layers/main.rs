@@ -80,6 +80,12 @@ struct Args {
     /// Single beads between others cover at least so many squares of a bead, or the gap stays; 0 fills them all
     #[arg(long, value_name = "SQUARES", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
     least_gap: f64,
+    /// Curves of a layer whose ends are so many beads apart at most become one where a bead fits between them; 0 joins none
+    #[arg(long, value_name = "BEADS", default_value_t = 2.0, value_parser = from_zero, allow_negative_numbers = true)]
+    join_distance: f64,
+    /// Shorter curves than so many beads are left out beside longer ones of the same piece of a layer; 0 keeps them all
+    #[arg(long, value_name = "BEADS", default_value_t = 5.0, value_parser = from_zero, allow_negative_numbers = true)]
+    least_length: f64,
     /// Beads farther than this from the plate and from all earlier beads below them count as unsupported, in layer heights
     #[arg(long, value_name = "HEIGHTS", default_value_t = 1.5, value_parser = support_distance, allow_negative_numbers = true)]
     support_distance: f64,
@@ -134,7 +140,8 @@ impl Args {
 
     fn path_options(&self, height_mm: f64) -> PathOptions {
         let (bead, pattern) = (self.bead.unwrap_or(height_mm), self.pattern.of_surface());
-        PathOptions { bead, pattern, min_gap: self.least_gap, ..PathOptions::default() }
+        let (min_gap, join_distance, min_length) = (self.least_gap, self.join_distance, self.least_length);
+        PathOptions { bead, pattern, min_gap, join_distance, min_length, ..PathOptions::default() }
     }
 
     fn support_options(&self) -> SupportOptions {
@@ -188,7 +195,7 @@ enum Stage {
 /// The options that a run uses from a stage on; it would not look at them before.
 const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
-    (Stage::Paths, "bead pattern least_gap"),
+    (Stage::Paths, "bead pattern least_gap join_distance least_length"),
     (
         Stage::Gcode,
         "filament nozzle nozzle_celsius bed_celsius rotary workcell support_distance allow_volume allow_gouging allow_left_out \

@@ -16,8 +16,6 @@ use std::time::{Duration, Instant};
 /// What came of the stage.
 pub struct PathsRun {
     pub bead_mm: f64,
-    /// Smaller gaps between curves stay, in squares of a bead.
-    pub min_gap: f64,
     pub filled: FilledLayers,
     pub totals: FillTotals,
     /// Curves of fewer than [`SHORT_CURVE_BEADS`] beads.
@@ -75,7 +73,7 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };
-    let (PathOptions { bead: bead_mm, min_gap, .. }, totals) = (*options, filled.totals());
+    let (bead_mm, totals) = (options.bead, filled.totals());
     if totals.curves == 0 {
         return Err(failure(
             "no layer has a surface, nothing would be printed: take a smaller --cell or more --voxels",
@@ -83,5 +81,5 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
     }
     let too_thin = filled.left_out(&surfaces.surfaces());
     let short_curves = filled.curves_shorter_than(SHORT_CURVE_BEADS * bead_mm);
-    Ok(PathsRun { bead_mm, min_gap, totals, short_curves, too_thin, filled, times })
+    Ok(PathsRun { bead_mm, totals, short_curves, too_thin, filled, times })
 }

@@ -41,7 +41,9 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
     summary
         .set("bead_mm", run.bead_mm)?
         .set("pattern", typed_name(args.pattern))?
-        .set("least_gap", run.min_gap)?
+        .set("least_gap", args.least_gap)?
+        .set("join_distance_beads", args.join_distance)?
+        .set("least_length_beads", args.least_length)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
         .set_seconds("statistics_s", times.statistics)?
@@ -50,6 +52,9 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("short_curves", run.short_curves)?
         .set("short_curve_share", run.short_curve_share())?
         .set("starts_per_metre", run.starts_per_metre())?
+        .set("joints", totals.joints)?
+        .set("left_short_curves", totals.short_left)?
+        .set("left_short_mm", totals.short_left_mm)?
         .set("regions", totals.regions)?
         .set("jumps", totals.jumps)?
         .set("jump_mm", filled.travel_mm)?
@@ -79,6 +84,10 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row([
             "short curves".to_owned(),
             format!("{} below {SHORT_CURVE_BEADS} beads, {}", run.short_curves, share(run.short_curve_share())),
+        ])
+        .row([
+            "joined, left out".to_owned(),
+            format!("{} joints; {} short curves of {:.1} mm", totals.joints, totals.short_left, totals.short_left_mm),
         ])
         .row(["starts".to_owned(), format!("{:.2} per metre", run.starts_per_metre())])
         .row(["length".to_owned(), format!("{:.1} m", totals.path_mm / 1000.0)])

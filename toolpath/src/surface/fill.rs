@@ -10,7 +10,8 @@ use super::level_set::{LevelField, LevelSetError};
 use super::mesh::{MeshError, SurfaceMesh};
 use super::order::{OrderError, TravelCurve, order_curves};
 use super::parallel;
-use super::paths::{BEAD_WIDTHS, LayerPaths, PathError, PathOptions, Pattern};
+use super::paths::{BEAD_WIDTHS, LayerPaths, PathError, PathOptions, Pattern, SurfacePath};
+use super::short::keep_carriers;
 use super::stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 use super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
 use crate::Progress;
@@ -108,6 +109,12 @@ pub struct FillTotals {
     pub jumps: usize,
     /// Length of all curves.
     pub path_mm: f64,
+    /// Joints between curves whose ends nearly met.
+    pub joints: usize,
+    /// Curves left out since they are short.
+    pub short_left: usize,
+    /// Length of these.
+    pub short_left_mm: f64,
     /// Share under a bead.
     pub covered_fraction: f64,
     /// Share under two beads.
@@ -231,6 +238,12 @@ impl From<OrderError> for FillLayersError {
     }
 }
 
+impl FillLayersError {
+    fn of(layer: usize, error: FillError) -> Self {
+        if error == FillError::Cancelled { FillLayersError::Cancelled } else { FillLayersError::Layer { layer, error } }
+    }
+}
+
 /// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
 ///
 /// # Arguments
@@ -283,14 +296,7 @@ pub fn fill_layer(
         mark("curves", 0)?;
         let paths = field.paths(options, &report("curves"))?;
         mark("curves", 1)?;
-        // What not even the narrowest bead could cover counts as unfillable.
-        let min_width_mm = BEAD_WIDTHS[0] * options.bead;
-        let fits = reach_mm >= min_width_mm / 2.0;
-        let mut statistics = statistics(&mesh, &paths, if fits { min_width_mm } else { 0.0 }, &report("coverage"))?;
-        if !fits {
-            // All of it: no need to look for places that discs of a hundred times the surface cover.
-            (statistics.unfillable_fraction, statistics.filled_fraction) = (1.0, 1.0);
-        }
+        let statistics = statistics(&mesh, &paths, [options.bead, reach_mm], &report("coverage"))?;
         mark("coverage", 1)?;
         Ok(FilledLayer { paths, statistics, uniform, reach_mm })
     };
@@ -310,13 +316,22 @@ pub fn fill_layer(
 fn statistics(
     mesh: &SurfaceMesh,
     paths: &LayerPaths,
-    min_width_mm: f64,
+    [bead, reach_mm]: [f64; 2],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<PathStatistics, StatisticsError> {
+    // What not even the narrowest bead could cover counts as unfillable.
+    let narrowest = BEAD_WIDTHS[0] * bead;
+    let fits = reach_mm >= narrowest / 2.0;
+    let min_width_mm = if fits { narrowest } else { 0.0 };
     let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = paths.paths.iter().map(|path| path.line()).collect();
     let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
     let options = StatisticsOptions { min_width_mm, ..StatisticsOptions::default() };
-    path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)
+    let mut statistics = path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)?;
+    if !fits {
+        // All of it: no need to look for places that discs of a hundred times the surface cover.
+        (statistics.unfillable_fraction, statistics.filled_fraction) = (1.0, 1.0);
+    }
+    Ok(statistics)
 }
 
 /// Fills all surfaces of a part ([`fill_layer`]) and orders their curves.
@@ -360,13 +375,12 @@ pub fn fill_layers(
     check_size(surfaces, options)?;
     let fill = |layer: usize, surface: &LayerSurface| {
         let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
-        filled.map_err(|error| match error {
-            FillError::Cancelled => FillLayersError::Cancelled,
-            error => FillLayersError::Layer { layer, error },
-        })
+        filled.map_err(|error| FillLayersError::of(layer, error))
     };
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
     let mut layers = filled.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let changed = keep_carriers(&mut layers, surfaces, options.bead);
+    judge_again(&mut layers, &changed, surfaces, options.bead, progress)?;
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     let reach = layers
         .iter()
@@ -388,6 +402,31 @@ pub fn fill_layers(
     }
     let beads = layers.iter().map(beads).collect();
     Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+}
+
+/// Judges layers anew whose curves have changed.
+fn judge_again(
+    layers: &mut [Option<FilledLayer>],
+    changed: &[usize],
+    surfaces: &[LayerSurface],
+    bead: f64,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<(), FillLayersError> {
+    let report = |p: Progress| progress(Progress { stage: "coverage", ..p });
+    let judge = |FilledLayer { paths, reach_mm, .. }: &FilledLayer, surface: &LayerSurface| {
+        let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
+        Ok(statistics(&mesh, paths, [bead, *reach_mm], &report)?)
+    };
+    let judged = parallel::map(changed, "fill", progress, |_, &layer| {
+        layers[layer].as_ref().map(|filled| judge(filled, &surfaces[layer])).transpose()
+    });
+    for (&layer, judged) in changed.iter().zip(judged.ok_or(FillLayersError::Cancelled)?) {
+        let judged = judged.map_err(|error| FillLayersError::of(layer, error))?;
+        if let (Some(filled), Some(statistics)) = (&mut layers[layer], judged) {
+            filled.statistics = statistics;
+        }
+    }
+    Ok(())
 }
 
 /// What the beads of all surfaces will take, before any work is done.
@@ -447,7 +486,7 @@ fn check_size(surfaces: &[LayerSurface], options: &PathOptions) -> Result<(), Fi
 }
 
 fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
-    let bead = |path: &super::SurfacePath| {
+    let bead = |path: &SurfacePath| {
         let (points, widths) = path.points.iter().map(|point| (point.at.position, point.width)).unzip();
         Bead { points, widths, closed: path.closed }
     };
@@ -532,6 +571,9 @@ impl FilledLayers {
             totals.regions += paths.regions;
             totals.curves += statistics.curves;
             totals.path_mm += statistics.path_mm;
+            totals.joints += paths.joints;
+            totals.short_left += paths.short.len();
+            totals.short_left_mm += paths.short.iter().map(SurfacePath::length).sum::<f64>();
             totals.covered_fraction += statistics.covered_fraction * statistics.area_mm2;
             totals.overlap_fraction += statistics.overlap_fraction * statistics.area_mm2;
             totals.spill_fraction += statistics.spill_fraction * statistics.area_mm2;

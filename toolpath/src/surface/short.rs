@@ -1,8 +1,14 @@
-//! Curves that are too short to be worth a start: how many there are.
+//! Curves that are too short to be worth a start: how many there are, and which of them stay all the same.
 //!
 //! Each curve costs a transfer and a start. Of one that is only a few beads long little is left but the start.
 
-use super::fill::FilledLayers;
+use super::fill::{FilledLayer, FilledLayers, LayerSurface};
+use super::paths::carry::{Place, carriers};
+
+/// A bead is carried by an earlier one whose middle is within this many thicknesses of its layer.
+const CARRY_DISTANCE: f64 = 1.5;
+/// By one of so many layers before its own: those farther down are farther away, but for squeezed layers.
+const CARRIED_LAYERS: usize = 2;
 
 /// Curves shorter than this many widths of a bead count as short.
 pub const SHORT_CURVE_BEADS: f64 = 5.0;
@@ -31,4 +37,43 @@ impl FilledLayers {
         let curves = self.layers.iter().flatten().flat_map(|layer| &layer.paths.paths);
         curves.filter(|curve| curve.length() < length_mm).count()
     }
+}
+
+/// Takes back the short curves that beads of the next layers lie on, from the last layer to the first: what is taken back has to be carried
+/// as well. Says of which layers.
+pub(super) fn keep_carriers(layers: &mut [Option<FilledLayer>], surfaces: &[LayerSurface], bead: f64) -> Vec<usize> {
+    let mut changed = Vec::new();
+    for at in (0..layers.len()).rev() {
+        let (upto, above) = layers.split_at_mut(at + 1);
+        let Some(FilledLayer { paths, .. }) = &mut upto[at] else { continue };
+        if paths.short.is_empty() {
+            continue;
+        }
+        let above = above.iter().zip(&surfaces[at + 1..]).take(CARRIED_LAYERS);
+        let places: Vec<Place> = above.flat_map(|(layer, surface)| places(layer, surface, bead)).collect();
+        let carries = carriers(&paths.paths, &paths.short, &places);
+        let short = std::mem::take(&mut paths.short).into_iter().zip(carries);
+        let (kept, short): (Vec<_>, Vec<_>) = short.partition(|(_, carries)| *carries);
+        if !kept.is_empty() {
+            changed.push(at);
+        }
+        paths.paths.extend(kept.into_iter().map(|(path, _)| path));
+        paths.short = short.into_iter().map(|(path, _)| path).collect();
+    }
+    changed
+}
+
+/// Places along the beads of a layer, half a bead apart.
+fn places(layer: &Option<FilledLayer>, surface: &LayerSurface, bead: f64) -> Vec<Place> {
+    let mut places = Vec::new();
+    for path in layer.iter().flat_map(|layer| &layer.paths.paths) {
+        for k in 0..path.segments() {
+            let [a, b] = path.segment(k).map(|point| point.at);
+            let reach = CARRY_DISTANCE * surface.thickness.get(a.triangle as usize).copied().unwrap_or(0.0);
+            let steps = (2.0 * (b.position - a.position).norm() / bead).ceil().max(1.0);
+            let at = |step: usize| a.position + (b.position - a.position) * (step as f64 / steps);
+            places.extend((0..steps as usize).map(|step| Place { at: at(step), reach }));
+        }
+    }
+    places
 }

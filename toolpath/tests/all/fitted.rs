@@ -175,8 +175,8 @@ fn gaps_are_filled_from_the_least_on() {
     let mesh = corridors(&[true; 16], 5, 0.5);
     let distance = to_boundary(&mesh);
     let field = LevelField::new(&distance, 0.005, &go_on).unwrap();
-    let with =
-        |min_gap: f64| field.paths(&PathOptions { bead: 0.6, min_gap, ..PathOptions::default() }, &go_on).unwrap();
+    let apart = PathOptions { bead: 0.6, join_distance: 0.0, min_length: 0.0, ..PathOptions::default() };
+    let with = |min_gap: f64| field.paths(&PathOptions { min_gap, ..apart }, &go_on).unwrap();
     let [every, large, none] = [0.0, 1.0, 100.0].map(with);
     assert!(every.paths.len() > large.paths.len() && large.paths.len() >= none.paths.len());
     // The spirals are the same, and so are the single beads that stay.

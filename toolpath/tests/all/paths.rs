@@ -17,7 +17,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const TOLERANCE: f64 = 0.005;
 
 fn filled(distance: &SurfaceDistance, bead: f64, pattern: Pattern) -> LayerPaths {
-    let mut options = PathOptions::default();
+    // Curves as they are found: neither joined nor left out.
+    let mut options = PathOptions { join_distance: 0.0, min_length: 0.0, ..PathOptions::default() };
     (options.bead, options.pattern, options.fitted) = (bead, pattern, false);
     LevelField::new(distance, TOLERANCE, &go_on).unwrap().paths(&options, &go_on).unwrap()
 }
@@ -41,7 +42,7 @@ fn shadows(path: &SurfacePath) -> Vec<[Point2<f64>; 2]> {
 }
 
 /// Pairs of segments that cross or touch, but for neighbours in a path.
-fn crossings(paths: &[SurfacePath]) -> usize {
+pub fn crossings(paths: &[SurfacePath]) -> usize {
     let numbered = |(n, path): (usize, &SurfacePath)| {
         let segments = shadows(path);
         let count = segments.len();

@@ -74,7 +74,7 @@ fn as_set(path: &SurfacePath) -> Vec<[u64; 4]> {
 fn layers_keep_their_curves_in_a_short_order() {
     let sheets = Sheets::new();
     let surfaces = sheets.surfaces();
-    let options = PathOptions { pattern: Pattern::Rings, ..PathOptions::default() };
+    let options = PathOptions { pattern: Pattern::Rings, min_length: 0.0, ..PathOptions::default() };
     let filled = fill_layers(&surfaces, &options, &go_on).unwrap();
     assert!(filled.layers[1].is_none() && filled.layers.len() == 4);
 

@@ -8,20 +8,25 @@
 //! * `spacing`: where rings lie, and how wide their beads are. `spirals`: where rings are cut and bridged. `plan`: from
 //!   cuts and bridges to curves. `crossing`: whether these cross. `segments`: what is near. `thin`: fewer points.
 //! * `widths`: how wide bridges are. `narrow`: single beads where there is no room for two, or some is left.
+//! * `join`: curves whose ends nearly meet become one. `short`: those too short to be worth a start are left out. `carry`: whether later
+//!   beads lie on them.
 //! * `zigzag`: rows to and fro, from where `cut` cuts the surface.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
 //! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the
 //! distance on it proves that it crosses no ring. Curves are not smoothed: away from bridges, every point is on a level.
 
+pub(super) mod carry;
 mod chains;
 mod crossing;
 mod curve;
 mod cut;
+mod join;
 mod narrow;
 mod plan;
 mod polyline;
 mod segments;
+mod short;
 mod spacing;
 mod spirals;
 mod thin;
@@ -82,6 +87,13 @@ pub struct PathOptions {
     /// A single bead in what other curves leave covers at least this many squares of a bead, or the gap stays: each is a
     /// curve more, with a way to it. One by default. A part of the surface without any other curve always gets one.
     pub min_gap: f64,
+    /// Open curves of a layer whose ends are this many beads apart at most become one, if a bead can be laid on the straight way
+    /// between them: 2 by default, 0 to leave all as they are.
+    pub join_distance: f64,
+    /// Curves shorter than this many beads are left out, 5 by default: each costs a start, and little is left of it but the
+    /// start. The longest curve of a connected part of the surface always stays, so that tips and pins are printed, and so do those on which
+    /// beads of the next layers lie ([`fill_layers`](super::fill_layers)).
+    pub min_length: f64,
     /// All layers together are refused before any work is done if their curves would have more points than this, by
     /// [`estimate_fill`](super::estimate_fill): 2^25 by default, for which some 5 GB are enough.
     pub max_points: usize,
@@ -89,7 +101,15 @@ pub struct PathOptions {
 
 impl Default for PathOptions {
     fn default() -> Self {
-        PathOptions { bead: 0.8, pattern: Pattern::default(), fitted: true, min_gap: 1.0, max_points: 1 << 25 }
+        PathOptions {
+            bead: 0.8,
+            pattern: Pattern::default(),
+            fitted: true,
+            min_gap: 1.0,
+            join_distance: 2.0,
+            min_length: 5.0,
+            max_points: 1 << 25,
+        }
     }
 }
 
@@ -122,6 +142,16 @@ impl SurfacePath {
             (true, Some(first), Some(last)) => steps + step(last, first),
             _ => steps,
         }
+    }
+
+    /// How many segments it has; each begins at the point of its number.
+    pub(super) fn segments(&self) -> usize {
+        if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
+    }
+
+    /// Both ends of a segment.
+    pub(super) fn segment(&self, k: usize) -> [&PathPoint; 2] {
+        [&self.points[k], &self.points[(k + 1) % self.points.len()]]
     }
 
     /// The places and widths of its points; of a closed curve the first stands at the end once more.
@@ -181,6 +211,10 @@ pub struct LayerPaths {
     /// half for fitted ones, do not connect), then what a single bead fills: narrower parts, each branch by itself, and
     /// what fitted beads leave where three sides meet.
     pub regions: usize,
+    /// How many times ends of curves were joined.
+    pub joints: usize,
+    /// Curves that are left out since they are short.
+    pub short: Vec<SurfacePath>,
     /// What is left out.
     pub unfilled: Vec<Unfilled>,
 }
@@ -200,6 +234,18 @@ pub enum PathError {
     Gap {
         /// What was asked for.
         gap: f64,
+    },
+    /// The distance between ends to join is not a number from 0 on.
+    #[error("a join distance of {beads} beads: it must be 0 or more")]
+    JoinDistance {
+        /// What was asked for.
+        beads: f64,
+    },
+    /// The minimum length is not a number from 0 on.
+    #[error("a minimum length of {beads} beads: it must be 0 or more")]
+    MinLength {
+        /// What was asked for.
+        beads: f64,
     },
     /// The region is very many beads wide; check the unit.
     #[error("a bead of {bead} mm in a region that reaches {reach} mm inward: more than 100000 beads")]
@@ -278,9 +324,16 @@ impl LevelField<'_> {
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
         }
-        let gap = options.min_gap;
-        if !(gap >= 0.0 && gap.is_finite()) {
+        let PathOptions { min_gap: gap, join_distance, min_length, .. } = *options;
+        let from_zero = |value: f64| value >= 0.0 && value.is_finite();
+        if !from_zero(gap) {
             return Err(PathError::Gap { gap });
+        }
+        if !from_zero(join_distance) {
+            return Err(PathError::JoinDistance { beads: join_distance });
+        }
+        if !from_zero(min_length) {
+            return Err(PathError::MinLength { beads: min_length });
         }
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
         let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted);
@@ -350,7 +403,10 @@ impl LevelField<'_> {
             let points = curve.points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width }).collect();
             SurfacePath { points, closed: curve.closed, region: curve.region }
         };
-        found.paths = curves.into_iter().zip(widths).map(path).collect();
+        let paths;
+        let apart = curves.into_iter().zip(widths).map(path).collect();
+        (paths, found.joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
+        (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
         found.unfilled = self.unfilled(&found.paths);
         Ok(found)
     }

@@ -1,5 +1,6 @@
 //! Segments of curves, looked up by where they are.
 
+use super::SurfacePath;
 use super::polyline::Curve;
 use nalgebra::Point3;
 
@@ -27,6 +28,15 @@ impl Segments {
         }
         all.sort();
         all
+    }
+
+    /// Adds those of paths, by the number of the path and of the point where a segment begins, and sorts.
+    pub fn add_all(&mut self, paths: &[SurfacePath]) {
+        for (number, path) in (0..).zip(paths) {
+            (0..path.segments())
+                .for_each(|k| self.add(path.segment(k).map(|point| point.at.position), [number, k as u32]));
+        }
+        self.sort();
     }
 
     /// Adds a segment; they must be sorted before any is looked up.

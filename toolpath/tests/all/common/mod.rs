@@ -39,6 +39,20 @@ pub fn compact(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> SurfaceMesh 
     SurfaceMesh::new(kept, triangles).unwrap()
 }
 
+/// A plane plate of `n` by `n` mm without those square millimetres that are `holes`, row by row. Of two holes, or two squares, that meet in a
+/// corner alone, one goes.
+pub fn plate_with_holes(n: usize, seed: u64, mut holes: Vec<bool>) -> SurfaceMesh {
+    let meets = |holes: &[bool], i: usize, j: usize| {
+        let [a, b, c, d] = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| holes[i + n * j]);
+        a == d && b == c && a != b
+    };
+    while let Some(at) = (0..n * (n - 1) - 1).filter(|at| at % n < n - 1).find(|at| meets(&holes, at % n, at / n)) {
+        // The number of holes falls, so this ends.
+        [at, at + 1].into_iter().for_each(|square| holes[square] = false);
+    }
+    grid(n, seed, 0.6, |i, j| holes[i + n * j], |p| Point3::new(p.x, p.y, 0.0))
+}
+
 /// A grid of `n` by `n` squares, each cut into two triangles at random; squares for which `hole` holds are left out.
 /// Vertices inside are moved by up to `jitter / 2` of a square; those on rims stay. Then all are placed by `place`.
 pub fn grid(

@@ -1,0 +1,41 @@
+//! Short curves that later beads lie on.
+
+use super::SurfacePath;
+use super::segments::{Segments, nearest};
+use nalgebra::Point3;
+
+/// A place of a bead, and how near the middle of an earlier one has to be to carry it, in millimetres.
+pub(in crate::surface) struct Place {
+    pub at: Point3<f64>,
+    pub reach: f64,
+}
+
+/// For each short curve whether a place lies on it and on none of the curves that are kept.
+pub(in crate::surface) fn carriers(kept: &[SurfacePath], short: &[SurfacePath], places: &[Place]) -> Vec<bool> {
+    let most = places.iter().map(|place| place.reach).fold(0.0, f64::max);
+    let mut carries = vec![false; short.len()];
+    if most <= 0.0 {
+        return carries;
+    }
+    let [kept_near, short_near] = [kept, short].map(|paths| segments(paths, most));
+    let within = |paths: &[SurfacePath], [number, k]: [u32; 2], place: &Place| {
+        let line = paths[number as usize].segment(k as usize).map(|point| point.at.position);
+        (nearest(line, place.at) - place.at).norm() <= place.reach
+    };
+    for place in places {
+        let on: Vec<u32> =
+            short_near.near(place.at).filter(|&name| within(short, name, place)).map(|[number, _]| number).collect();
+        if on.is_empty() || kept_near.near(place.at).any(|name| within(kept, name, place)) {
+            continue;
+        }
+        on.into_iter().for_each(|number| carries[number as usize] = true);
+    }
+    carries
+}
+
+/// Segments that are looked up within a reach.
+fn segments(paths: &[SurfacePath], reach: f64) -> Segments {
+    let mut segments = Segments::new(4.0 / 3.0 * reach);
+    segments.add_all(paths);
+    segments
+}
