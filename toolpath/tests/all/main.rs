@@ -10,7 +10,6 @@ mod gcode;
 mod gcode_common;
 mod gcode_fuzz;
 mod gcode_rotary;
-mod gcode_stream;
 mod geodesic;
 mod gouging;
 mod gouging_order;

@@ -1,4 +1,6 @@
-//! Five million waypoints from writer to reader in constant memory (one million in a debug build, which is slow).
+//! Five million waypoints from writer to reader in constant memory (one million in a debug build, which is slow). A binary of its own, since it
+//! measures the memory of its process.
+#![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 use curvlay_toolpath::gcode::*;
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
