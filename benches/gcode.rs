@@ -15,6 +15,9 @@ use std::hint::black_box;
 use std::io::Write;
 use std::time::Instant;
 
+/// The words that the baseline writes and reads.
+const WORDS: Dialect = Dialect::Part(DirectionWords::Dissertation);
+
 const WAYPOINTS: usize = 1_000_000;
 
 /// A spiral over a dome, the nozzle along its normals.
@@ -109,9 +112,9 @@ fn baseline_sums(file: &[u8]) -> [f64; 2] {
 fn bench_gcode(c: &mut Criterion) {
     let moves = path();
     let table = Dialect::Rotary(RotaryTable { tolerance_mm: None, ..RotaryTable::default() });
-    let (file, plain, rotary) = (write(&moves, Dialect::Extended), baseline_write(&moves), write(&moves, table));
-    let exact = sums(&file, Dialect::Extended);
-    for other in [baseline_sums(&plain), sums(&plain, Dialect::Extended), sums(&rotary, table)] {
+    let (file, plain, rotary) = (write(&moves, WORDS), baseline_write(&moves), write(&moves, table));
+    let exact = sums(&file, WORDS);
+    for other in [baseline_sums(&plain), sums(&plain, WORDS), sums(&rotary, table)] {
         assert!((0..2).all(|k| (exact[k] - other[k]).abs() < 1e-4 * WAYPOINTS as f64), "{exact:?} {other:?}");
     }
     eprintln!("bytes: ours {}, baseline {}, rotary {}", file.len(), plain.len(), rotary.len());
@@ -126,10 +129,10 @@ fn bench_gcode(c: &mut Criterion) {
         eprintln!("{name}: at least {:.3} s", (0..10).map(time).fold(f64::INFINITY, f64::min));
         group.bench_function(name, |b| b.iter(run));
     };
-    bench("write_extended", &|| write(black_box(&moves), Dialect::Extended).len() as f64);
+    bench("write_words", &|| write(black_box(&moves), WORDS).len() as f64);
     bench("write_rotary", &|| write(black_box(&moves), table).len() as f64);
     bench("write_baseline", &|| baseline_write(black_box(&moves)).len() as f64);
-    bench("read_extended", &|| sums(black_box(&file), Dialect::Extended)[0]);
+    bench("read_words", &|| sums(black_box(&file), WORDS)[0]);
     bench("read_rotary", &|| sums(black_box(&rotary), table)[0]);
     bench("read_baseline", &|| baseline_sums(black_box(&plain))[0]);
     group.finish();

@@ -29,6 +29,7 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
+use curvlay_toolpath::gcode::{Dialect, DirectionWords};
 use curvlay_toolpath::surface::{Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use estimate::Memory;
 use field::{FieldOptions, FieldRun};
@@ -102,6 +103,9 @@ struct Args {
     /// Temperature of the plate, for the machine file, in degrees Celsius
     #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
     bed_celsius: Option<f64>,
+    /// How the machine file says the direction of the nozzle
+    #[arg(long, default_value = "comment")]
+    dialect: Words,
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
     #[arg(long)]
     rotary: bool,
@@ -177,6 +181,27 @@ impl Fill {
     }
 }
 
+/// How the machine file says the direction of the nozzle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Words {
+    /// In a comment, `;DIR:0 0 1`: no firmware can mistake it.
+    Comment,
+    /// As `I J K`.
+    Ijk,
+    /// As `nX nY nZ`: only for machines that know these words, others may drive to them.
+    Dissertation,
+}
+
+impl Words {
+    fn dialect(self) -> Dialect {
+        Dialect::Part(match self {
+            Words::Comment => DirectionWords::Comment,
+            Words::Ijk => DirectionWords::Ijk,
+            Words::Dissertation => DirectionWords::Dissertation,
+        })
+    }
+}
+
 /// How far to go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 enum Stage {
@@ -198,7 +223,7 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Paths, "bead pattern least_gap join_distance least_length"),
     (
         Stage::Gcode,
-        "filament nozzle nozzle_celsius bed_celsius rotary workcell support_distance allow_volume allow_gouging allow_left_out \
+        "dialect filament nozzle nozzle_celsius bed_celsius rotary workcell support_distance allow_volume allow_gouging allow_left_out \
          allow_unsupported allow_unsupported_beads",
     ),
     (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),

@@ -6,7 +6,7 @@ use crate::machine::MachineRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Job, failure};
-use curvlay_examples::args::Failure;
+use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -21,8 +21,12 @@ use std::io;
 
 /// Writes the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
 pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
-    let options =
-        WriteOptions { nozzle_celsius: args.nozzle_celsius, bed_celsius: args.bed_celsius, ..WriteOptions::default() };
+    let options = WriteOptions {
+        dialect: args.dialect.dialect(),
+        nozzle_celsius: args.nozzle_celsius,
+        bed_celsius: args.bed_celsius,
+        ..WriteOptions::default()
+    };
     let written = write(run, &options, "toolpath.gcode", folder)?;
     if args.rotary {
         let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
@@ -144,6 +148,7 @@ pub fn summary(
         .set("left_out_pieces", resolved.left_out.len())?
         .set("left_out_mm", run.lengths_mm()[1])?
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
+        .set("dialect", typed_name(job.args.dialect))?
         .set("extruded_mm3", deposition.extruded_mm3)?
         .set("covered_mm3", run.covered_mm3)?
         .set("filament_mm", deposition.filament_mm)?

@@ -655,13 +655,17 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 46] = [
+    let cases: [(&[&str], i32, &str); 50] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
         (&["--cell", "-1"], 2, "--cell"),
         (&["--eps", "nan"], 2, "--eps"),
         (&["--least-gap", "-1"], 2, "--least-gap"),
+        (&["--join-distance", "-1"], 2, "--join-distance"),
+        (&["--least-length", "nan"], 2, "--least-length"),
+        (&["--dialect", "extended"], 2, "--dialect"),
+        (&["--stage", "paths", "--dialect", "ijk"], 2, "--dialect"),
         (&["--strategy", "wild"], 2, "--strategy"),
         (&["--voxels", "9", "--cell", "1"], 2, "--cell"),
         (&["--program-steps", "0"], 2, "--program-steps"),
@@ -857,6 +861,30 @@ fn beads_that_fit_nowhere_are_refused_with_a_reason() {
     let args = ["--voxels", "1000", "--unit", "m", "--allow-large", "--quiet", "--max-memory", "0.5", "--out", &out];
     let (status, line) = status_and_line(&run(&args));
     assert!(status == 1 && line.contains("waypoints take some") && line.contains("--unit"), "{status} {line}");
+}
+
+/// The machine file says directions as it is asked to; by default no firmware can mistake them.
+#[test]
+fn directions_are_written_as_asked_for() {
+    let scratch = Scratch::new("dialect");
+    let mesh = scratch.path("block.stl");
+    fs::write(&mesh, boxes(&[[[0.0; 3], [8.0, 6.0, 4.0]]])).unwrap();
+    let mut files = Vec::new();
+    for (more, words, name) in [
+        (&[][..], gcode::DirectionWords::Comment, "comment"),
+        (&["--dialect", "ijk"], gcode::DirectionWords::Ijk, "ijk"),
+        (&["--dialect", "dissertation"], gcode::DirectionWords::Dissertation, "dissertation"),
+    ] {
+        let out = scratch.path(name);
+        let output = run(&[&["--mesh", &mesh, "--cell", "1", "--quiet", "--out", &out][..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(summary(&out)["dialect"], name);
+        let file = fs::File::open(Path::new(&out).join("toolpath.gcode")).unwrap();
+        let options = ReadOptions { dialect: gcode::Dialect::Part(words), ..ReadOptions::default() };
+        let moves = GcodeReader::new(BufReader::new(file), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+        files.push(moves);
+    }
+    assert!(files[0].len() > 20 && files[0] == files[1] && files[0] == files[2]);
 }
 
 /// Bug: another part's `toolpath.gcode`, programs and lists stayed beside a new summary.

@@ -108,6 +108,25 @@ impl<R: BufRead> Lines<R> {
         Ok(Some(Word { letter, second, value, start }))
     }
 
+    /// The three numbers of the comment that the words end with, if it begins with a tag; with where each stands.
+    pub fn tagged(&mut self, tag: &str) -> Result<Option<[(f64, usize); 3]>, ReadError> {
+        if !self.line[self.at.min(self.line.len())..].starts_with(tag.as_bytes()) {
+            return Ok(None);
+        }
+        self.at += tag.len();
+        let mut numbers = [(0.0, 0); 3];
+        for number in &mut numbers {
+            self.skip_spaces();
+            let start = self.at;
+            *number = (self.number()?, start);
+        }
+        self.skip_spaces();
+        match self.line.get(self.at) {
+            None => Ok(Some(numbers)),
+            Some(_) => Err(self.unexpected(self.at, "the end of the line behind a direction")),
+        }
+    }
+
     /// A decimal number: sign, digits, one point. No exponent: `E` is a word.
     fn number(&mut self) -> Result<f64, ReadError> {
         const POWERS: [f64; 16] =

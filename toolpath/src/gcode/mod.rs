@@ -1,19 +1,22 @@
-//! Machine files: the extended G-code of robot-assisted printing, written and read.
+//! Machine files: G-code of robot-assisted printing, written and read.
 //!
-//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), appendix: RepRap's G-code, with the
-//! direction of the nozzle as three more words. The format to the last digit stands below.
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), appendix: RepRap's G-code, and with each move the
+//! direction of the nozzle. The format to the last digit stands below.
 //!
 //! * [`write_gcode`] takes any iterator of [`Move`]s and a [`std::io::Write`]; [`GcodeReader`] is an iterator of moves over a
 //!   [`std::io::BufRead`]. Both hold one line, or a few, however long the file is.
-//! * [`Dialect::Extended`]: `G1 X6.338 Y8.39 Z46.3 nX-0.094 nY0.127 nZ0.987 E4.324`, in the frame of the part.
+//! * [`Dialect::Part`]: `G1 X6.338 Y8.39 Z46.3 E4.324 ;DIR:-0.094 0.127 0.987`, in the frame of the part; or the direction in words
+//!   ([`DirectionWords`]).
 //! * [`Dialect::Rotary`]: axes of a machine whose table tilts and turns ([`RotaryTable`]), `G1 X.. Y.. Z.. B.. C..`.
 //!
-//! Departs from the appendix: the direction has unit length and points from the tip into the nozzle (as in its example),
+//! Departs from the appendix: the direction stands in a comment by default, since its words `nX nY nZ` are dangerous: Marlin, for one, reads the
+//! `X` behind an `n` it does not know. It has unit length and points from the tip into the nozzle (as in its example),
 //! it stays until the next one is given and is +z at first; modes are written out (`G21 G90 M82 G94`), so that a file
 //! does not depend on what ran before it.
 //!
 #![doc = include_str!("../../docs/gcode.md")]
 
+mod direction;
 mod lines;
 mod read;
 mod read_error;
@@ -24,6 +27,7 @@ mod text;
 mod write;
 mod write_error;
 
+pub use direction::DirectionWords;
 pub use read::{GcodeReader, ReadOptions};
 pub use read_error::ReadError;
 pub use retraction::Retraction;
@@ -102,14 +106,20 @@ pub enum Move {
 }
 
 /// What the words of a move mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // there is one a file, and it stays `Copy`
 pub enum Dialect {
-    /// Tip and direction in the frame of the part: `X Y Z nX nY nZ E F`, `F` in mm/min.
-    #[default]
-    Extended,
+    /// Tip and direction in the frame of the part: `X Y Z E F` and the direction, `F` in mm/min.
+    Part(DirectionWords),
     /// Axes of a machine whose table tilts and turns: `X Y Z B C E F`, `F` as the inverse of time (`G93`).
     Rotary(RotaryTable),
+}
+
+impl Default for Dialect {
+    /// The direction in comments.
+    fn default() -> Self {
+        Dialect::Part(DirectionWords::Comment)
+    }
 }
 
 /// Digits behind the point: a ten-thousandth of a millimetre.

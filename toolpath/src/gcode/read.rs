@@ -1,5 +1,6 @@
 //! A file, read move by move.
 
+use super::direction::{COMMENT, DirectionWords};
 use super::lines::{Lines, Word};
 use super::rotary::DEGREES;
 use super::{CELSIUS, COORDINATE, DWELL, Dialect, FILAMENT, FULL_FAN, Move, ReadError, SHARE, within};
@@ -9,7 +10,7 @@ use std::io::BufRead;
 /// How a file is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// What the words of a move mean. Default [`Dialect::Extended`].
+    /// What the words of a move mean. Default [`Dialect::Part`] with the direction in comments.
     pub dialect: Dialect,
     /// Where X, Y and Z are after `G28`, with rotary axes at zero; `None`, the default, when nobody knows: then the next
     /// move must say them all.
@@ -29,7 +30,7 @@ const P: usize = 9;
 const TILT: usize = 10;
 const TURN: usize = 11;
 const WORDS: usize = 12;
-const NAMES: [&str; TILT] = ["X", "Y", "Z", "nX", "nY", "nZ", "E", "F", "S", "P"];
+const NAMES: [&str; TILT] = ["X", "Y", "Z", "", "", "", "E", "F", "S", "P"];
 const ALL_XYZ: u32 = 0b111;
 const ALL_N: u32 = 0b111 << NX;
 const ALL_ROTARY: u32 = 0b11 << TILT;
@@ -62,7 +63,7 @@ struct Verb {
 /// # Example
 /// ```
 /// use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
-/// let file = "G92 E0\nG28\nG0 F600 X4.391 Y-8.398 Z1.500 ; there\ng1 x6.338 y8.39 z46.3 nx-0.094 ny0.127 nz0.987 e4.324\n";
+/// let file = "G92 E0\nG28\nG0 F600 X4.391 Y-8.398 Z1.500 ; there\ng1 x6.338 y8.39 z46.3 e4.324 ;DIR:-0.094 0.127 0.987\n";
 /// let moves: Vec<Move> = GcodeReader::new(file.as_bytes(), ReadOptions::default())?.collect::<Result<_, _>>()?;
 /// let Move::Print { tip, direction, filament_mm, feed_mm_s } = moves[2] else { return Err("no bead".into()) };
 /// assert_eq!((tip.z, filament_mm, feed_mm_s), (46.3, 4.324, 10.0));
@@ -164,13 +165,14 @@ impl<R: BufRead> GcodeReader<R> {
                 // A line number.
                 continue;
             }
-            let rotary = match &self.options.dialect {
-                Dialect::Extended => None,
-                Dialect::Rotary(table) => Some([table.tilt.letter, table.turn.letter]),
+            let (words, rotary) = match &self.options.dialect {
+                Dialect::Part(words) => (Some(*words), None),
+                Dialect::Rotary(table) => (None, Some([table.tilt.letter, table.turn.letter])),
             };
             let slot = match (word.letter, word.second) {
                 (letter @ b'X'..=b'Z', _) => X + usize::from(letter - b'X'),
-                (_, Some(second)) if rotary.is_none() => NX + usize::from(second - b'X'),
+                (_, Some(second)) if words == Some(DirectionWords::Dissertation) => NX + usize::from(second - b'X'),
+                (letter @ b'I'..=b'K', None) if words == Some(DirectionWords::Ijk) => NX + usize::from(letter - b'I'),
                 (b'E', _) => E,
                 (b'F', _) => F,
                 (b'S', _) => S,
@@ -188,11 +190,25 @@ impl<R: BufRead> GcodeReader<R> {
             self.set |= 1 << slot;
             (self.values[slot], self.starts[slot]) = (word.value, word.start);
         }
+        let moves = verb.is_some_and(|verb| verb.letter == b'G' && verb.code < 2);
+        if moves && self.options.dialect == Dialect::Part(DirectionWords::Comment) {
+            self.read_comment()?;
+        }
         if verb.is_none() && self.set != 0 {
             let start = (0..WORDS).filter(|&slot| self.has(slot)).map(|slot| self.starts[slot]).min();
             return Err(self.lines.unexpected(start.unwrap_or(0), "a command in this line that the words belong to"));
         }
         Ok(verb)
+    }
+
+    /// The direction in the comment at the end of the line, if it has one.
+    fn read_comment(&mut self) -> Result<(), ReadError> {
+        let Some(numbers) = self.lines.tagged(COMMENT)? else { return Ok(()) };
+        for (slot, (value, start)) in (NX..).zip(numbers) {
+            self.set |= 1 << slot;
+            (self.values[slot], self.starts[slot]) = (value, start);
+        }
+        Ok(())
     }
 
     fn obey(&mut self, verb: Verb) -> Result<Option<Move>, ReadError> {
@@ -275,7 +291,7 @@ impl<R: BufRead> GcodeReader<R> {
         };
         let before = self.tip;
         let tip = match self.options.dialect {
-            Dialect::Extended => {
+            Dialect::Part(_) => {
                 self.turn_to(verb)?;
                 Point3::new(x, y, z)
             }
@@ -351,10 +367,11 @@ impl<R: BufRead> GcodeReader<R> {
 
     fn name(&self, slot: usize) -> String {
         match (NAMES.get(slot), &self.options.dialect) {
+            (Some(_), Dialect::Part(words)) if ALL_N & (1 << slot) != 0 => words.names()[slot - NX].to_owned(),
             (Some(name), _) => (*name).to_owned(),
             (None, Dialect::Rotary(table)) if slot == TILT => table.tilt.letter.to_string(),
             (None, Dialect::Rotary(table)) => table.turn.letter.to_string(),
-            (None, Dialect::Extended) => String::new(),
+            (None, Dialect::Part(_)) => String::new(),
         }
     }
 

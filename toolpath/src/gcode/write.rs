@@ -1,5 +1,6 @@
 //! Moves, written as a file.
 
+use super::direction::{COMMENT, DirectionWords};
 use super::retraction::{Retracting, Retraction};
 use super::rotary::rounded;
 use super::template::{Value, expand};
@@ -25,7 +26,7 @@ pub enum Extrusion {
 /// How a file is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WriteOptions<'a> {
-    /// What the words of a move mean. Default [`Dialect::Extended`].
+    /// What the words of a move mean. Default [`Dialect::Part`] with the direction in comments.
     pub dialect: Dialect,
     /// Default absolute.
     pub extrusion: Extrusion,
@@ -48,7 +49,7 @@ pub struct WriteOptions<'a> {
 impl Default for WriteOptions<'_> {
     fn default() -> Self {
         WriteOptions {
-            dialect: Dialect::Extended,
+            dialect: Dialect::default(),
             extrusion: Extrusion::Absolute,
             nozzle_celsius: None,
             bed_celsius: None,
@@ -120,7 +121,7 @@ const UNIT: f64 = 1e-6;
 /// let mut file = Vec::new();
 /// let written = write_gcode(moves, &WriteOptions::default(), &mut file)?;
 /// let file = String::from_utf8(file)?;
-/// assert!(file.contains("G0 X1 Y2 Z0.2 nX0 nY0 nZ1 F3000\nG1 X11 Y2 Z0.25 nX0 nY0.6 nZ0.8 E0.4 F1200\n"));
+/// assert!(file.contains("G0 X1 Y2 Z0.2 F3000 ;DIR:0 0 1\nG1 X11 Y2 Z0.25 E0.4 F1200 ;DIR:0 0.6 0.8\n"));
 /// assert_eq!((written.moves, written.bytes), (2, file.len() as u64));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -225,10 +226,11 @@ impl<W: Write> Writer<'_, W> {
     }
 
     fn head(&mut self) -> Result<(), WriteError> {
-        self.line(match self.options.dialect {
-            Dialect::Extended => "; curvlay G-code 1, extended: tip and direction in the part; mm, mm/min",
-            Dialect::Rotary(_) => "; curvlay G-code 1, rotary: axes of the machine; mm, degrees, 1/min",
-        });
+        let title = match self.options.dialect {
+            Dialect::Part(words) => format!("; curvlay G-code 2, tip in the part, {}; mm, mm/min", words.title()),
+            Dialect::Rotary(_) => "; curvlay G-code 2, rotary: axes of the machine; mm, degrees, 1/min".to_owned(),
+        };
+        self.line(&title);
         let values = self.values();
         self.written.lines += expand(&mut self.text, "header", self.options.header, &values)?;
         // Some firmware takes G90 for the filament as well, so M82 and M83 come after it.
@@ -321,16 +323,23 @@ impl<W: Write> Writer<'_, W> {
             return Err(WriteError::Direction { index, length });
         }
         match self.options.dialect {
-            Dialect::Extended => {
+            Dialect::Part(words) => {
                 self.start(filament);
                 self.point(&tip);
-                for (word, value) in [(" nX", direction.x), (" nY", direction.y), (" nZ", direction.z)] {
-                    self.text.number(word, value, DIRECTION_DECIMALS);
-                }
+                let names = match words {
+                    DirectionWords::Comment => None,
+                    DirectionWords::Ijk => Some([" I", " J", " K"]),
+                    DirectionWords::Dissertation => Some([" nX", " nY", " nZ"]),
+                };
+                names.into_iter().for_each(|names| self.direction(names, &direction));
                 if let Some(by) = filament {
                     self.extrude(by);
                 }
                 self.modal_feed(feed_mm_s);
+                if names.is_none() {
+                    self.text.word(" ").word(COMMENT);
+                    self.direction(["", " ", " "], &direction);
+                }
                 self.end_line();
                 self.written.seconds += self.at.map_or(0.0, |at| distance(&at, &tip)) / feed_mm_s;
             }
@@ -405,6 +414,12 @@ impl<W: Write> Writer<'_, W> {
     fn point(&mut self, point: &Point3<f64>) {
         for (word, value) in [(" X", point.x), (" Y", point.y), (" Z", point.z)] {
             self.text.number(word, value, POSITION_DECIMALS);
+        }
+    }
+
+    fn direction(&mut self, names: [&str; 3], direction: &UnitVector3<f64>) {
+        for (name, value) in names.into_iter().zip(direction.iter()) {
+            self.text.number(name, *value, DIRECTION_DECIMALS);
         }
     }
 

@@ -1,4 +1,4 @@
-//! The extended dialect: what is written, what is read, and what is refused.
+//! The dialects in the frame of the part: what is written, what is read, and what is refused.
 
 use crate::gcode_common::*;
 use curvlay_toolpath::gcode::*;
@@ -32,14 +32,25 @@ fn with_heat() -> WriteOptions<'static> {
 }
 
 #[test]
-fn the_golden_file() {
-    let golden = include_str!("../golden/extended.gcode");
-    assert_eq!(written(&dome(), &with_heat()).unwrap(), golden);
+fn the_golden_files() {
+    assert_eq!(Dialect::default(), COMMENT);
+    let files = [
+        include_str!("../golden/comment.gcode"),
+        include_str!("../golden/ijk.gcode"),
+        include_str!("../golden/dissertation.gcode"),
+    ];
+    for (dialect, golden) in DIALECTS.into_iter().zip(files) {
+        is_golden(dialect, golden);
+    }
+}
+
+fn is_golden(dialect: Dialect, golden: &str) {
+    assert_eq!(written(&dome(), &WriteOptions { dialect, ..with_heat() }).unwrap(), golden);
     let heat = |celsius, wait, bed: bool| match bed {
         true => Move::Bed { celsius, wait },
         false => Move::Nozzle { celsius, wait },
     };
-    let again = read(golden).unwrap();
+    let again = read_as(golden, dialect).unwrap();
     let head = [heat(62.5, false, true), heat(210.0, false, false), heat(62.5, true, true), heat(210.0, true, false)];
     assert_eq!(again[..4], head);
     assert_eq!(again[4..6], [Move::Fan { share: 0.0 }, Move::Home]);
@@ -62,11 +73,11 @@ fn the_lines_of_the_appendix() {
         print([3.65, -9.611, 1.5], up, 1.026, 10.0),
         print([6.338, 8.39, 46.3], last, 4.324 - 1.026, 10.0),
     ];
-    assert_eq!(read(file).unwrap(), expected);
+    assert_eq!(read_as(file, DISSERTATION).unwrap(), expected);
     // The same for those who write in capitals, without spaces, with line numbers, comments and the other line end.
     let loud = "\r\n(a file) N10 g92e0 ; start\r\n\r\n; G1 X0\r\nG28\r\nx4.391 (there) Y -8.398z+1.500 f600g0\r\n\
                 N 30 E1.026 Y-9.611 X3.650 G1\r\n G01 NX-.094 NZ.987 NY0.127 Z46.300 e4.324X6.338Y8.390";
-    assert_eq!(read(loud).unwrap(), expected);
+    assert_eq!(read_as(loud, DISSERTATION).unwrap(), expected);
 }
 
 /// Each block of the format's page that has a move in it is a file.
@@ -77,7 +88,10 @@ fn the_examples_of_the_format() {
         let file = block.split("```").next().unwrap();
         if file.starts_with(';') {
             let rotary = file.contains("rotary");
-            let dialect = if rotary { Dialect::Rotary(RotaryTable::default()) } else { Dialect::Extended };
+            let named = [("comments", COMMENT), ("I J K", IJK), ("nX nY nZ", DISSERTATION)];
+            let named = named.into_iter().find(|(name, _)| file.lines().next().is_some_and(|line| line.contains(name)));
+            let dialect = named.map_or(Dialect::Rotary(RotaryTable::default()), |(_, dialect)| dialect);
+            assert_eq!(rotary, matches!(dialect, Dialect::Rotary(_)));
             let moves = read_as(file, dialect).unwrap();
             read_as_rotary[usize::from(rotary)] += 1;
             let lean = if rotary { unit(0.5, 0.0, 0.75f64.sqrt()) } else { unit(0.3, 0.0, 0.954) };
@@ -85,7 +99,7 @@ fn the_examples_of_the_format() {
             assert!(matches!(moves.last(), Some(Move::Retract { .. })));
         }
     }
-    assert_eq!(read_as_rotary, [1, 1]);
+    assert_eq!(read_as_rotary, [3, 1]);
 }
 
 #[test]
@@ -108,7 +122,7 @@ fn words_that_stay() {
         Move::Dwell { seconds: 1.5 },
         Move::Dwell { seconds: 2.0 },
     ];
-    assert_eq!(read(file).unwrap(), expected);
+    assert_eq!(read_as(file, DISSERTATION).unwrap(), expected);
     assert_eq!(read("").unwrap(), []);
     assert_eq!(read("\n \r\n;\n()").unwrap(), []);
     // Where home is, and commands of the machine's own.
@@ -167,11 +181,40 @@ fn what_is_wrong_and_where() {
         ("G93\nG1 X1 Y1 Z1 F1", "line 2, column 1: expected G94 before a move from an unknown place, found `G1`"),
     ];
     for (file, expected) in cases {
-        let mut reader = GcodeReader::new(file.as_bytes(), ReadOptions::default()).unwrap();
+        let options = ReadOptions { dialect: DISSERTATION, ..ReadOptions::default() };
+        let mut reader = GcodeReader::new(file.as_bytes(), options).unwrap();
         let error = reader.find_map(Result::err).unwrap_or_else(|| panic!("{file:?} was read"));
         assert_eq!(error.to_string(), expected, "{file:?}");
         assert!(reader.next().is_none(), "{file:?} goes on");
     }
+    let of_dialects = [
+        (COMMENT, "G0 X1 Y2 Z3 F60 nX0 nY0 nZ1", "line 1, column 17: expected a word of this dialect, found `nX0`"),
+        (COMMENT, "G0 X1 Y2 Z3 F60 I0 J0 K1", "line 1, column 17: expected a word of this dialect, found `I0`"),
+        (COMMENT, "G0 X1 Y2 Z3 F60 ;DIR:0 1", "line 1, column 25: expected a number, found `the end of the word`"),
+        (COMMENT, "G0 X1 Y2 Z3 F60 ;DIR:0 up 1", "line 1, column 24: expected a number, found `up`"),
+        (
+            COMMENT,
+            "G0 X1 Y2 Z3 F60 ;DIR:0 0 1 2",
+            "line 1, column 28: expected the end of the line behind a direction, found `2`",
+        ),
+        (
+            COMMENT,
+            "G0 X1 Y2 Z3 F60 ;DIR:0 0 2",
+            "line 1, column 22: the direction has the length 2; it must be within 0.01 of 1",
+        ),
+        (IJK, "G0 X1 Y2 Z3 F60\nG1 I1 K0", "line 2, column 1: the word J is missing"),
+        (IJK, "G0 X1 Y2 Z3 F60 nX0", "line 1, column 17: expected a word of this dialect, found `nX0`"),
+        (DISSERTATION, "G0 X1 Y2 Z3 F60 I0", "line 1, column 17: expected a word of this dialect, found `I0`"),
+    ];
+    for (dialect, file, expected) in of_dialects {
+        assert_eq!(read_as(file, dialect).unwrap_err().to_string(), expected, "{file:?}");
+    }
+    // Comments are directions in their dialect alone, and behind moves alone.
+    let (up, x) = (Vector3::z_axis(), Vector3::x_axis());
+    let file = ";DIR:1 0 0\nG0 X1 Y2 Z3 F60 ;DIR:1 0 0\nG4 P0 ;DIR:none\n";
+    let expected = |direction| [travel([1.0, 2.0, 3.0], direction, 1.0), Move::Dwell { seconds: 0.0 }];
+    assert_eq!(read_as(file, COMMENT).unwrap(), expected(x));
+    assert_eq!(read_as(file, IJK).unwrap(), expected(up));
     let digits = format!("G1 X0.{}", "3".repeat(40));
     assert_eq!(read(&digits).unwrap_err().to_string(), "line 1, column 5: the number is longer than 40 characters");
     assert!(read(&format!("G28 ;{}\n", "x".repeat(16_000))).is_ok());
@@ -377,22 +420,23 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn moves_come_back(moves in moves(1e6), relative in any::<bool>()) {
+    fn moves_come_back(moves in moves(1e6), relative in any::<bool>(), dialect in prop::sample::select(&DIALECTS[..])) {
         let extrusion = if relative { Extrusion::Relative } else { Extrusion::Absolute };
-        let file = written(&moves, &WriteOptions { extrusion, ..BARE() }).unwrap();
+        let options = WriteOptions { dialect, extrusion, ..BARE() };
+        let file = written(&moves, &options).unwrap();
         prop_assert!(file.lines().all(|line| line.len() < 200));
-        let again = read(&file).unwrap();
+        let again = read_as(&file, dialect).unwrap();
         same(&moves, &again);
         // What comes back is what the file says: written once more it is the same file, but for directions, which were
         // brought to the length 1, and where `E` is set back.
-        let third = read(&written(&again, &WriteOptions { extrusion, ..BARE() }).unwrap()).unwrap();
+        let third = read_as(&written(&again, &options).unwrap(), dialect).unwrap();
         same(&again, &third);
     }
 
     /// Spaces, case, order, comments, line numbers and line ends mean nothing.
     #[test]
     fn layout_means_nothing(moves in moves(500.0), choices in prop::collection::vec(any::<u32>(), 64)) {
-        let file = written(&moves, &with_heat()).unwrap();
+        let file = written(&moves, &WriteOptions { dialect: DISSERTATION, ..with_heat() }).unwrap();
         let mut at = 0;
         let mut choose = |n: usize| { at += 1; choices[at % 64].rotate_left((at / 64) as u32) as usize % n };
         let mut other = String::new();
@@ -411,6 +455,7 @@ proptest! {
             if other.ends_with('(') { other.push(')') }
             other += ["\n", "\r\n", "\n\n", "\n ; \u{e9}\u{0}\n"][choose(4)];
         }
-        prop_assert_eq!(read(&file).unwrap(), read(&other).unwrap());
+        let read = |file: &str| read_as(file, DISSERTATION).unwrap();
+        prop_assert_eq!(read(&file), read(&other));
     }
 }

@@ -44,7 +44,7 @@ fn reads(file: &[u8], dialect: Dialect, skip_other_m: bool) -> Result<(), TestCa
 
 /// Words that nearly are what they should be.
 fn pieces() -> impl Strategy<Value = Vec<u8>> {
-    const PIECES: [&str; 44] = [
+    const PIECES: [&str; 48] = [
         "G1",
         "G0",
         " ",
@@ -54,6 +54,10 @@ fn pieces() -> impl Strategy<Value = Vec<u8>> {
         "F600",
         "E1",
         "nX0",
+        "I0",
+        "J1",
+        ";DIR:0 0 1",
+        ";DIR:",
         "nY0",
         "nZ1",
         "N12",
@@ -98,13 +102,13 @@ proptest! {
 
     #[test]
     fn random_bytes(file in prop::collection::vec(any::<u8>(), 0..2000), skip in any::<bool>()) {
-        reads(&file, Dialect::Extended, skip)?;
+        DIALECTS.into_iter().try_for_each(|dialect| reads(&file, dialect, skip))?;
         reads(&file, Dialect::Rotary(RotaryTable::default()), skip)?;
     }
 
     #[test]
     fn random_words(file in pieces(), skip in any::<bool>()) {
-        reads(&file, Dialect::Extended, skip)?;
+        DIALECTS.into_iter().try_for_each(|dialect| reads(&file, dialect, skip))?;
         reads(&file, Dialect::Rotary(RotaryTable::default()), skip)?;
     }
 
@@ -113,14 +117,17 @@ proptest! {
     fn damaged_files(
         moves in moves(200.0),
         damage in prop::collection::vec((any::<prop::sample::Index>(), 0..4u8, any::<u8>()), 1..6),
-        rotary in any::<bool>(),
+        dialect in 0..4usize,
     ) {
         let mut table = RotaryTable { tolerance_mm: None, ..RotaryTable::default() };
         table.tilt.limits = [-4.0, 4.0];
-        let dialect = if rotary { Dialect::Rotary(table) } else { Dialect::Extended };
+        let dialect = DIALECTS.get(dialect).copied().unwrap_or(Dialect::Rotary(table));
         let Ok(file) = written(&moves, &WriteOptions { dialect, ..WriteOptions::default() }) else { return Ok(()) };
         let mut file = file.into_bytes();
         for (place, kind, byte) in damage {
+            if file.is_empty() {
+                break;
+            }
             let at = place.index(file.len());
             match kind {
                 0 => file[at] = byte,

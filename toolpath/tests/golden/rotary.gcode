@@ -1,4 +1,4 @@
-; curvlay G-code 1, rotary: axes of the machine; mm, degrees, 1/min
+; curvlay G-code 2, rotary: axes of the machine; mm, degrees, 1/min
 M104 S200
 M109 S200
 G28

@@ -1,13 +1,20 @@
 //! Random moves, and files in memory.
 
 use curvlay_toolpath::gcode::{
-    Dialect, GcodeReader, Move, ReadError, ReadOptions, WriteError, WriteOptions, write_gcode,
+    Dialect, DirectionWords, GcodeReader, Move, ReadError, ReadOptions, WriteError, WriteOptions, write_gcode,
 };
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
 use proptest::prelude::*;
 
 /// Moves alone: no header, no footer.
 pub const BARE: fn() -> WriteOptions<'static> = || WriteOptions { header: "", footer: "", ..WriteOptions::default() };
+
+pub const COMMENT: Dialect = Dialect::Part(DirectionWords::Comment);
+pub const IJK: Dialect = Dialect::Part(DirectionWords::Ijk);
+pub const DISSERTATION: Dialect = Dialect::Part(DirectionWords::Dissertation);
+
+/// All dialects in the frame of the part.
+pub const DIALECTS: [Dialect; 3] = [COMMENT, IJK, DISSERTATION];
 
 pub fn written(moves: &[Move], options: &WriteOptions<'_>) -> Result<String, WriteError> {
     let mut file = Vec::new();
@@ -23,7 +30,7 @@ pub fn read_as(file: &str, dialect: Dialect) -> Result<Vec<Move>, ReadError> {
 }
 
 pub fn read(file: &str) -> Result<Vec<Move>, ReadError> {
-    read_as(file, Dialect::Extended)
+    read_as(file, Dialect::default())
 }
 
 pub fn unit(x: f64, y: f64, z: f64) -> UnitVector3<f64> {

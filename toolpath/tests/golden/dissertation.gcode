@@ -1,4 +1,4 @@
-; curvlay G-code 1, extended: tip and direction in the part; mm, mm/min
+; curvlay G-code 2, tip in the part, direction as nX nY nZ; mm, mm/min
 M140 S62.5
 M104 S210
 M190 S62.5
