@@ -29,7 +29,6 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::gcode::{Dialect, DirectionWords};
 use curvlay_toolpath::surface::{Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use estimate::Memory;
 use field::{FieldOptions, FieldRun};
@@ -105,7 +104,7 @@ struct Args {
     bed_celsius: Option<f64>,
     /// How the machine file says the direction of the nozzle
     #[arg(long, default_value = "comment")]
-    dialect: Words,
+    dialect: outputs::Words,
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
     #[arg(long)]
     rotary: bool,
@@ -178,27 +177,6 @@ impl Fill {
             Fill::Rings => Pattern::Rings,
             Fill::Zigzag => Pattern::Zigzag,
         }
-    }
-}
-
-/// How the machine file says the direction of the nozzle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Words {
-    /// In a comment, `;DIR:0 0 1`: no firmware can mistake it.
-    Comment,
-    /// As `I J K`.
-    Ijk,
-    /// As `nX nY nZ`: only for machines that know these words, others may drive to them.
-    Dissertation,
-}
-
-impl Words {
-    fn dialect(self) -> Dialect {
-        Dialect::Part(match self {
-            Words::Comment => DirectionWords::Comment,
-            Words::Ijk => DirectionWords::Ijk,
-            Words::Dissertation => DirectionWords::Dissertation,
-        })
     }
 }
 

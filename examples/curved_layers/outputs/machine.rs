@@ -6,6 +6,7 @@ use crate::machine::MachineRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Job, failure};
+use clap::ValueEnum;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
@@ -14,10 +15,31 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
-use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
+use curvlay_toolpath::gcode::{Dialect, DirectionWords, RotaryTable, WriteOptions, Written, write_gcode};
 use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath};
 use std::collections::HashSet;
 use std::io;
+
+/// How the machine file says the direction of the nozzle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Words {
+    /// In a comment, `;DIR:0 0 1`: no firmware can mistake it.
+    Comment,
+    /// As `I J K`.
+    Ijk,
+    /// As `nX nY nZ`: only for machines that know these words, others may drive to them.
+    Dissertation,
+}
+
+impl Words {
+    fn dialect(self) -> Dialect {
+        Dialect::Part(match self {
+            Words::Comment => DirectionWords::Comment,
+            Words::Ijk => DirectionWords::Ijk,
+            Words::Dissertation => DirectionWords::Dissertation,
+        })
+    }
+}
 
 /// Writes the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
 pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
