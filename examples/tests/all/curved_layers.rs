@@ -3,7 +3,7 @@
 use curvlay_examples::motion::{OnCell, dissertation_cells};
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
-use curvlay_toolpath::nalgebra::Point3;
+use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_trajectory::print::PrintRobot;
 use serde_json::Value;
 use std::fs;
@@ -286,7 +286,14 @@ fn a_curve_fills_each_layer() {
     let volume = beads.iter().sum::<f64>() * std::f64::consts::PI / 4.0 * 1.75 * 1.75;
     assert!((volume - figure("extruded_mm3")).abs() < 0.01, "{volume}");
     let retracts = moves.iter().filter(|step| matches!(step, gcode::Move::Retract { .. })).count();
-    assert_eq!(retracts, count("retractions"));
+    // And one at the end, where the nozzle leaves the part.
+    assert_eq!(retracts, count("retractions") + 1);
+    let mut goals = moves.iter().rev().filter_map(|step| match step {
+        gcode::Move::Travel { tip, .. } | gcode::Move::Print { tip, .. } => Some(*tip),
+        _ => None,
+    });
+    let [last, before] = [goals.next().unwrap(), goals.next().unwrap()];
+    assert!((last - before - Vector3::new(0.0, 0.0, 20.0)).norm() < 1e-3, "{before} {last}");
     let above = |step: &&gcode::Move| matches!(step, gcode::Move::Print { direction, .. } if direction.z > 1.0 - 1e-12);
     assert_eq!(moves.iter().filter(above).count(), beads.len());
 }

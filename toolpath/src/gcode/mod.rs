@@ -17,6 +17,7 @@
 #![doc = include_str!("../../docs/gcode.md")]
 
 mod direction;
+mod lift;
 mod lines;
 mod read;
 mod read_error;
@@ -28,6 +29,7 @@ mod write;
 mod write_error;
 
 pub use direction::DirectionWords;
+pub use lift::EndLift;
 pub use read::{GcodeReader, ReadOptions};
 pub use read_error::ReadError;
 pub use retraction::Retraction;

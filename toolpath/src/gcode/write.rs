@@ -1,6 +1,7 @@
 //! Moves, written as a file.
 
 use super::direction::{COMMENT, DirectionWords};
+use super::lift::EndLift;
 use super::retraction::{Retracting, Retraction};
 use super::rotary::rounded;
 use super::template::{Value, expand};
@@ -38,6 +39,8 @@ pub struct WriteOptions<'a> {
     pub fan: Option<f64>,
     /// Draw filament back on long ways between beads, unless the moves do it themselves. Default `None`.
     pub retraction: Option<Retraction>,
+    /// What the nozzle does after the last move, if that is a bead. Default [`EndLift::default`]; `None` leaves it where it is.
+    pub end: Option<EndLift>,
     /// What comes before the moves. `{nozzle}`, `{bed}`, `{fan}` (0 to 255) are filled in; a line with a name that is not
     /// set is left out; `{{` is a brace. Modes, and `G92 E0`, follow it by themselves. Default: heat, wait, `G28`.
     pub header: &'a str,
@@ -55,6 +58,7 @@ impl Default for WriteOptions<'_> {
             bed_celsius: None,
             fan: None,
             retraction: None,
+            end: Some(EndLift::default()),
             header: "M140 S{bed}\nM104 S{nozzle}\nM190 S{bed}\nM109 S{nozzle}\nM106 S{fan}\nG28\n",
             footer: "M104 S0 ; was {nozzle}\nM140 S0 ; was {bed}\nM107 ; was {fan}\n\
                      ; {moves} moves, {filament_mm} mm of filament, {seconds} s\n",
@@ -138,6 +142,7 @@ pub fn write_gcode(
         inverse_time: false,
         at: None,
         axes: None,
+        bead: None,
         feed: None,
         filament: Filament::default(),
         written: Written::default(),
@@ -153,6 +158,7 @@ pub fn write_gcode(
     if writer.written.moves == 0 {
         return Err(WriteError::Empty);
     }
+    writer.leave()?;
     writer.tail()?;
     writer.send()?;
     writer.out.flush()?;
@@ -165,7 +171,12 @@ fn check_options(options: &WriteOptions<'_>) -> Result<(), WriteError> {
     }
     let heat = "it must be from 0 to 2000 degrees Celsius";
     let retraction = options.retraction.unwrap_or_default();
+    let end = options.end.unwrap_or_default();
     let ranges = [
+        ("end.filament_mm", end.filament_mm, FILAMENT, "it must be from 0 to 1e6 mm"),
+        ("end.filament_feed_mm_s", end.filament_feed_mm_s, FEED, "it must be from 0.001 to 1e5 mm/s"),
+        ("end.lift_mm", end.lift_mm, FILAMENT, "it must be from 0 to 1e6 mm"),
+        ("end.feed_mm_s", end.feed_mm_s, FEED, "it must be from 0.001 to 1e5 mm/s"),
         ("nozzle_celsius", options.nozzle_celsius.unwrap_or(0.0), CELSIUS, heat),
         ("bed_celsius", options.bed_celsius.unwrap_or(0.0), CELSIUS, heat),
         ("fan", options.fan.unwrap_or(0.0), SHARE, "it must be from 0 to 1"),
@@ -196,6 +207,8 @@ struct Writer<'a, W> {
     /// The tip, when known, and the rotary axes.
     at: Option<Point3<f64>>,
     axes: Option<[f64; 2]>,
+    /// Where the tip is and how the nozzle stands at the end of a bead, until something else is done.
+    bead: Option<(Point3<f64>, UnitVector3<f64>)>,
     /// `F` of the last line under `G94`, as written.
     feed: Option<i64>,
     filament: Filament,
@@ -242,6 +255,17 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
+    /// Draws back filament and leaves the part, after a bead.
+    fn leave(&mut self) -> Result<(), WriteError> {
+        let (Some(end), Some((tip, direction))) = (self.options.end, self.bead) else { return Ok(()) };
+        let EndLift { filament_mm, filament_feed_mm_s, lift_mm, feed_mm_s } = end;
+        let index = self.written.moves;
+        if filament_mm > 0.0 {
+            self.write(index, &Move::Retract { filament_mm, feed_mm_s: filament_feed_mm_s })?;
+        }
+        self.write(index, &Move::Travel { tip: tip + direction.into_inner() * lift_mm, direction, feed_mm_s })
+    }
+
     fn tail(&mut self) -> Result<(), WriteError> {
         self.set_inverse_time(false);
         let Written { moves, filament_mm, seconds, .. } = self.written;
@@ -253,6 +277,11 @@ impl<W: Write> Writer<'_, W> {
 
     fn write(&mut self, index: u64, item: &Move) -> Result<(), WriteError> {
         let check = |what, value, range| number(index, what, value, range);
+        self.bead = match *item {
+            Move::Print { tip, direction, .. } => Some((tip, direction)),
+            Move::Travel { .. } | Move::Retract { .. } | Move::Prime { .. } | Move::Home => None,
+            _ => self.bead,
+        };
         match *item {
             Move::Travel { tip, direction, feed_mm_s } => self.go(index, tip, direction, None, feed_mm_s)?,
             Move::Print { tip, direction, filament_mm, feed_mm_s } => {

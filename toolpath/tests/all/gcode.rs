@@ -232,6 +232,31 @@ fn what_is_wrong_and_where() {
 }
 
 #[test]
+fn the_nozzle_leaves_the_part_after_a_last_bead() {
+    let (up, lean) = (Vector3::z_axis(), unit(0.6, 0.0, 0.8));
+    let bead = [travel([1.0, 2.0, 3.0], up, 50.0), print([5.0, 2.0, 3.0], lean, 0.5, 20.0)];
+    let end = EndLift { filament_mm: 1.5, filament_feed_mm_s: 40.0, lift_mm: 10.0, feed_mm_s: 60.0 };
+    let with = |moves: &[Move], end| {
+        let mut again = read(&written(moves, &WriteOptions { end, ..BARE() }).unwrap()).unwrap();
+        again.split_off(moves.len())
+    };
+    let lift = travel([11.0, 2.0, 11.0], lean, 60.0);
+    assert_eq!(with(&bead, Some(end)), [Move::Retract { filament_mm: 1.5, feed_mm_s: 40.0 }, lift]);
+    assert_eq!(with(&bead, Some(EndLift { filament_mm: 0.0, ..end })), [lift]);
+    assert_eq!(with(&bead, None), []);
+    // What else the moves end with has left the part already; what moves nothing has not.
+    for last in [travel([1.0, 2.0, 30.0], up, 50.0), Move::Retract { filament_mm: 1.0, feed_mm_s: 30.0 }, Move::Home] {
+        assert_eq!(with(&[bead[0], bead[1], last], Some(end)), []);
+    }
+    assert_eq!(with(&[bead[0], bead[1], Move::Fan { share: 0.0 }], Some(end)).len(), 2);
+    let error = written(&bead, &WriteOptions { end: Some(EndLift { lift_mm: -1.0, ..end }), ..BARE() }).unwrap_err();
+    assert_eq!(error.to_string(), "the option `end.lift_mm` is -1: it must be from 0 to 1e6 mm");
+    // The default leaves, too, and the sums count it.
+    let file = written(&bead, &WriteOptions::default()).unwrap();
+    assert!(file.contains("\nG1 E-0.5 F1800\nG0 X17 Y2 Z19 F4800 ;DIR:0.6 0 0.8\n"), "{file}");
+}
+
+#[test]
 fn what_cannot_be_written() {
     let up = Vector3::z_axis();
     let start = travel([0.0; 3], up, 10.0);

@@ -6,8 +6,9 @@ use curvlay_toolpath::gcode::{
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
 use proptest::prelude::*;
 
-/// Moves alone: no header, no footer.
-pub const BARE: fn() -> WriteOptions<'static> = || WriteOptions { header: "", footer: "", ..WriteOptions::default() };
+/// Moves alone: no header, no footer, nothing behind the last one.
+pub const BARE: fn() -> WriteOptions<'static> =
+    || WriteOptions { header: "", footer: "", end: None, ..WriteOptions::default() };
 
 pub const COMMENT: Dialect = Dialect::Part(DirectionWords::Comment);
 pub const IJK: Dialect = Dialect::Part(DirectionWords::Ijk);
