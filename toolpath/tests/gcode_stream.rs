@@ -64,8 +64,8 @@ fn millions_of_waypoints() {
     let before = peak();
     // At most four pieces are on their way.
     let (sender, receiver) = sync_channel(4);
-    let writing =
-        std::thread::spawn(move || write_gcode((0..WAYPOINTS).map(waypoint), &WriteOptions::default(), Sender(sender)));
+    let options = WriteOptions { end: None, ..WriteOptions::default() };
+    let writing = std::thread::spawn(move || write_gcode((0..WAYPOINTS).map(waypoint), &options, Sender(sender)));
     let reader = BufReader::new(Taker(receiver, Vec::new(), 0));
     let reader = GcodeReader::new(reader, ReadOptions::default()).unwrap();
     let mut count = 0;
