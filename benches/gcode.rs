@@ -40,7 +40,7 @@ fn path() -> Vec<Move> {
 
 fn write(moves: &[Move], dialect: Dialect) -> Vec<u8> {
     let mut out = Vec::new();
-    let options = WriteOptions { dialect, ..WriteOptions::default() };
+    let options = WriteOptions { dialect, end: None, ..WriteOptions::default() };
     write_gcode(moves.iter().copied(), &options, &mut out).expect("a sound path");
     out
 }
