@@ -277,9 +277,12 @@ impl LevelField<'_> {
     /// is left of the way across. With
     /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
     /// Where rings nowhere run side by side (rare: small rings in narrow places) a region gets more than one; compare
-    /// the number of paths with `regions`. Those shorter than about three beads are left out there: a single bead takes their place.
+    /// the number of paths, joints and short curves with `regions`. Those shorter than about three beads are left out there: a single bead takes their place.
     /// [`Pattern::Zigzag`] has rows instead, a bead apart by geodesic distance, and more than one curve where holes and bays
     /// part them.
+    ///
+    /// At last curves whose ends nearly meet are joined ([`PathOptions::join_distance`]), and short ones left out
+    /// ([`PathOptions::min_length`]), so that there may be fewer curves than regions.
     ///
     /// # Arguments
     /// * `progress`: called with the stage `paths`, for each curve and between five steps; may cancel.
