@@ -9,6 +9,7 @@ pub mod findings;
 mod html;
 pub mod mesh;
 pub mod motion;
+pub mod orienting;
 pub mod output;
 pub mod plot;
 pub mod render;

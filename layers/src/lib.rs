@@ -5,6 +5,7 @@
 //! * [`curved::Workpiece`]: all of it in one call. [`curved::Strategy`], [`curved::grow`], [`curved::unbuild`]: orders of cells;
 //!   [`curved::audit`]: whether an order can be built.
 //! * [`curved::surface`]: the field of uniform layers, its surfaces, and how far apart they lie.
+//! * [`curved::orient`]: how a part should lie on the plate.
 //! * [`curved::trim`]: surfaces that end on the skin of a part.
 //! * [`planar`]: plane layers after Boge (2019): what a printer misses that cannot turn the part.
 

@@ -25,6 +25,7 @@ mod cells;
 mod growth;
 mod impossible;
 mod order;
+pub mod orient;
 mod peel;
 mod platform;
 mod quality;

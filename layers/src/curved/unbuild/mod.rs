@@ -141,8 +141,10 @@ impl Job<'_> {
             }
             best.1.trials = trials;
             match largest {
-                Some(piece) => self.look_for_another_way(piece, &mut solid, &mut detours)?,
-                None => break,
+                Some(piece) if trials <= u64::from(options.look_back) => {
+                    self.look_for_another_way(piece, &mut solid, &mut detours)?;
+                }
+                _ => break,
             }
         }
         Ok(best)
