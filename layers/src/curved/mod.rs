@@ -24,6 +24,7 @@ mod boxes;
 mod cells;
 mod growth;
 mod impossible;
+mod nozzle;
 mod order;
 mod peel;
 mod platform;
@@ -39,7 +40,9 @@ mod unbuild;
 mod watch;
 mod workpiece;
 
-pub use audit::{AuditError, AuditReport, Fault, FaultCounts, ProofError, audit, check_impossible};
+pub use audit::{
+    AuditError, AuditReport, Fault, FaultCounts, JudgedByNozzle, ProofError, audit, audit_with_nozzle, check_impossible,
+};
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
@@ -48,6 +51,7 @@ pub use growth::{
     grow, grow_as_printed,
 };
 pub use impossible::{Impossible, prove_impossible};
+pub use nozzle::{DIRECTIONS, NozzleCell, NozzleRule, NozzleRuleError, grow_with_nozzle};
 pub use order::LayerOrder;
 pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};

@@ -8,6 +8,7 @@ mod field_file;
 mod growth;
 mod growth_twins;
 mod impossible;
+mod nozzle;
 mod plates;
 mod quality;
 mod serde;
