@@ -22,6 +22,7 @@ mod bits;
 mod body;
 mod boxes;
 mod cells;
+mod complete;
 mod growth;
 mod impossible;
 mod nozzle;
@@ -34,6 +35,7 @@ mod runs;
 mod skin;
 mod standing;
 mod strategy;
+mod support;
 pub mod surface;
 pub mod trim;
 mod unbuild;
@@ -46,6 +48,7 @@ pub use audit::{
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
+pub use complete::{CompleteOptions, CompletePart, NozzleUse, PartSupport};
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,
@@ -58,5 +61,6 @@ pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};
 pub use strategy::Strategy;
+pub use support::{CellMesh, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 pub use unbuild::{UnbuildOptions, unbuild};
 pub use workpiece::{LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};

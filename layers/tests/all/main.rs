@@ -12,6 +12,7 @@ mod nozzle;
 mod plates;
 mod quality;
 mod serde;
+mod support;
 mod surface;
 mod trimming;
 mod unbuild;
