@@ -54,7 +54,7 @@ fn part(n: usize, layers: usize, high: f64) -> Vec<Layer> {
 
 fn with_stack<T>(part: &[Layer], work: impl FnOnce(&[BuiltLayer]) -> T) -> T {
     let curves: Vec<_> =
-        part.iter().map(|l| [LayerCurve { points: &l.line, widths: &l.widths, closed: false }]).collect();
+        part.iter().map(|l| [LayerCurve { points: &l.line, widths: &l.widths, kinds: &[], closed: false }]).collect();
     let built: Vec<_> = part
         .iter()
         .zip(&curves)

@@ -12,7 +12,8 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::surface::{
-    BuiltLayer, LayerStack, Nozzle, Pose, ToolPath, TravelCurve, TravelOptions, Travels, Waypoint, order_curves,
+    BeadKind, BuiltLayer, LayerStack, Nozzle, Pose, ToolPath, TravelCurve, TravelOptions, Travels, Waypoint,
+    order_curves,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -120,6 +121,7 @@ fn lines() -> Vec<ToolPath> {
             height: HEIGHT,
             arc,
             added: false,
+            kind: BeadKind::Wall,
         };
         let layer = (WALL[0] + layer) as u32;
         ToolPath { layer, curve: curve as u32, closed: false, waypoints: vec![at(0.0), at(4.0)] }

@@ -29,7 +29,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
     match stage {
         Stage::Field | Stage::Surfaces => {
-            of_field(field, args.grow.platform_diameter_mm, &args.allow, findings);
+            of_field(field, args.platform_diameter_mm(), &args.allow, findings);
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
         }
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),

@@ -12,18 +12,6 @@ use curvlay_toolpath::surface::{
 use std::f64::consts::PI;
 use std::time::Duration;
 
-/// A nozzle as four numbers, for clap: tip flat, half angle in degrees, height of the cone, block.
-pub fn shape(text: &str) -> Result<[f64; 4], String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Some(shape) = numbers.ok().and_then(|numbers| <[f64; 4]>::try_from(numbers).ok()) else {
-        return Err(
-            "must be four numbers: tip flat (mm), half angle (degrees), height of the cone, block (mm)".to_owned()
-        );
-    };
-    let [tip, angle, height, block] = shape;
-    Nozzle::new(tip, angle.to_radians(), height, block).map(|_| shape).map_err(|error| error.to_string())
-}
-
 /// What came of the stage.
 pub struct MachineRun {
     /// Turns between neighbours when every nozzle points away from the closest point below.

@@ -124,6 +124,20 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("allow_left_out", args.allow.allow_left_out)?
         .set("allow_unsupported", limit(args.allow.allow_unsupported))?
         .set("allow_unsupported_beads", limit(args.allow.allow_unsupported_beads))?
+        .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?
+        .set("workcell", args.motion.workcell.as_ref().map_or("none".into(), |path| path.display().to_string()))?;
+    // Those with values of the run come with their stage.
+    let later = ["workcell", "layer_height_mm", "bead_mm", "nozzle", "platform_diameter_mm"];
+    for (name, value) in args.settings.fields().into_iter().filter(|(name, _)| !later.contains(&name.as_str())) {
+        let name = if name == "name" { "profile_name".to_owned() } else { name };
+        let value = match value {
+            Value::Null => "none".into(),
+            Value::Array(lines) => lines.iter().filter_map(Value::as_str).collect::<Vec<_>>().join("\n").into(),
+            value => value,
+        };
+        summary.set(&name, value)?;
+    }
+    summary
         .set_seconds("inspect_s", times.inspect)?
         .set_seconds("voxelise_s", times.voxelise)?
         .set_seconds("peel_s", times.peel)?

@@ -19,7 +19,6 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::Written;
-pub use machine::Words;
 use programs::Programs;
 use std::time::Duration;
 

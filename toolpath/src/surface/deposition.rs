@@ -14,6 +14,7 @@
 //!
 //! [`LayerStack::travels`]: super::LayerStack::travels
 
+use super::kind::BeadKind;
 use super::orientation::{JOINED, ToolPath, Waypoint, angle};
 use super::pose::Pose;
 use crate::gcode;
@@ -86,6 +87,8 @@ pub enum MoveKind {
 pub struct Move {
     /// What it does.
     pub kind: MoveKind,
+    /// What the bead is for, of a piece of bead; none for others.
+    pub bead: Option<BeadKind>,
     /// The path it belongs to, by its place in the list: a travel and a prime to the path that follows, a retraction to the
     /// one before.
     pub path: usize,
@@ -167,9 +170,9 @@ impl Deposition {
     /// # Example
     /// ```
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
-    /// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
+    /// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit};
     /// let direction = Vector3::z_axis();
-    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false };
+    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, kind: BeadKind::Wall };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0), at(30.0)] };
     /// let plan = deposit(&[path], &DepositionOptions::default())?;
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
@@ -197,9 +200,9 @@ impl Deposition {
     /// # Example
     /// ```
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
-    /// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
+    /// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit};
     /// let direction = Vector3::z_axis();
-    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false };
+    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, kind: BeadKind::Wall };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
     /// let mut plan = deposit(&[path], &DepositionOptions::default())?;
     /// plan.retime([(0, 1, 2.0)]);
@@ -326,7 +329,7 @@ impl Planner<'_> {
         let seconds = (length / self.options.travel_feed).max(turn / self.options.max_turn_rate);
         // A turn on the spot has no speed.
         let feed = if length > SLOWEST * seconds { length / seconds } else { self.options.travel_feed };
-        self.plan.moves.push(Move { kind, path, waypoint, tip, direction, filament: 0.0, feed, seconds });
+        self.plan.moves.push(Move { kind, bead: None, path, waypoint, tip, direction, filament: 0.0, feed, seconds });
         self.plan.travel_mm += length;
         self.plan.total_s += seconds;
         self.at = Some((tip, direction));
@@ -338,7 +341,7 @@ impl Planner<'_> {
             return;
         };
         let seconds = filament.abs() / feed;
-        self.plan.moves.push(Move { kind, path, waypoint, tip, direction, filament, feed, seconds });
+        self.plan.moves.push(Move { kind, bead: None, path, waypoint, tip, direction, filament, feed, seconds });
         self.plan.total_s += seconds;
     }
 
@@ -386,6 +389,7 @@ impl Planner<'_> {
         let plan = &mut self.plan;
         plan.moves.push(Move {
             kind: MoveKind::Print,
+            bead: Some(to.kind),
             path,
             waypoint,
             tip: to.tip,
@@ -421,9 +425,9 @@ impl Planner<'_> {
 /// # Example
 /// ```
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
-/// use curvlay_toolpath::surface::{DepositionOptions, ToolPath, Waypoint, deposit};
+/// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit};
 /// // 10 mm of a bead of 0.8 by 0.5 mm.
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false, kind: BeadKind::Wall };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let plan = deposit(&[path], &DepositionOptions::default())?;
 /// assert!((plan.extruded_mm3 - 4.0).abs() < 1e-12);
@@ -450,9 +454,9 @@ pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposi
 /// # Example
 /// ```
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
-/// use curvlay_toolpath::surface::{DepositionOptions, Pose, ToolPath, Waypoint, deposit_along};
+/// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, Pose, ToolPath, Waypoint, deposit_along};
 /// let direction = Vector3::z_axis();
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, kind: BeadKind::Wall };
 /// let path = |from, to| ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(from), at(to)] };
 /// let above = |x| Pose { tip: Point3::new(x, 0.0, 3.5), direction: Vector3::z_axis() };
 /// let ways = [Vec::new(), vec![above(10.0), above(20.0)]];

@@ -6,6 +6,7 @@
 //! of all layers are put in an order with short ways between them ([`order_curves`]).
 
 use super::geodesic::{DistanceError, SurfaceDistance};
+use super::kind::BeadKind;
 use super::level_set::{LevelField, LevelSetError};
 use super::mesh::{MeshError, SurfaceMesh};
 use super::order::{OrderError, TravelCurve, order_curves};
@@ -83,6 +84,7 @@ pub struct FilledLayers {
 struct Bead {
     points: Vec<Point3<f64>>,
     widths: Vec<f64>,
+    kinds: Vec<BeadKind>,
     closed: bool,
 }
 
@@ -488,7 +490,8 @@ fn check_size(surfaces: &[LayerSurface], options: &PathOptions) -> Result<(), Fi
 fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
     let bead = |path: &SurfacePath| {
         let (points, widths) = path.points.iter().map(|point| (point.at.position, point.width)).unzip();
-        Bead { points, widths, closed: path.closed }
+        let kinds = path.points.iter().map(|point| point.kind).collect();
+        Bead { points, widths, kinds, closed: path.closed }
     };
     layer.iter().flat_map(|layer| &layer.paths.paths).map(bead).collect()
 }
@@ -505,7 +508,10 @@ impl FilledLayers {
     /// # Cost
     /// That of [`LayerStack::new`].
     pub fn stack<'a>(&'a self, surfaces: &[LayerSurface<'a>]) -> Result<LayerStack<'a>, StackError> {
-        let curve = |bead: &'a Bead| LayerCurve { points: &bead.points, widths: &bead.widths, closed: bead.closed };
+        let curve = |bead: &'a Bead| {
+            let Bead { points, widths, kinds, closed } = bead;
+            LayerCurve { points, widths, kinds, closed: *closed }
+        };
         let no_curves: &[LayerCurve] = &[];
         let layer = |(surface, beads): (&LayerSurface<'a>, &'a Vec<Bead>)| {
             let LayerSurface { vertices, triangles, thickness } = *surface;

@@ -21,6 +21,7 @@ mod deposition;
 mod fill;
 mod geodesic;
 mod gouging;
+mod kind;
 mod level_set;
 mod mesh;
 mod order;
@@ -48,6 +49,7 @@ pub use gouging::{
     Contact, ContactError, Contacts, Gouge, GougingError, GougingOptions, LeftOut, Moment, Nozzle, NozzleError,
     NozzlePart, Obstacle, ResolvedPaths,
 };
+pub use kind::BeadKind;
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};

@@ -5,15 +5,16 @@ use crate::common::layers;
 use crate::common::{go_on, to_boundary};
 use curvlay_toolpath::nalgebra::{Point3, Unit, Vector3};
 use curvlay_toolpath::surface::{
-    BeadCurve, BuiltLayer, Deposition, DepositionError, DepositionOptions, LayerCurve, LayerStack, LevelField,
-    MoveKind, OrientOptions, PathOptions, StatisticsOptions, SurfaceMesh, ToolPath, Waypoint, deposit, path_statistics,
+    BeadCurve, BeadKind, BuiltLayer, Deposition, DepositionError, DepositionOptions, LayerCurve, LayerStack,
+    LevelField, MoveKind, OrientOptions, PathOptions, StatisticsOptions, SurfaceMesh, ToolPath, Waypoint, deposit,
+    path_statistics,
 };
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
 fn waypoint(x: f64, lean: f64, width: f64, height: f64) -> Waypoint {
     let direction = Unit::new_normalize(Vector3::new(lean.sin(), 0.0, lean.cos()));
-    Waypoint { tip: Point3::new(x, 0.0, 10.0), direction, width, height, arc: x, added: false }
+    Waypoint { tip: Point3::new(x, 0.0, 10.0), direction, width, height, arc: x, added: false, kind: BeadKind::Wall }
 }
 
 fn path_of(waypoints: Vec<Waypoint>) -> ToolPath {
@@ -147,7 +148,8 @@ fn a_plate_takes_its_own_volume() {
         .collect();
     let beads: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
     let covered = path_statistics(&vertices, &triangles, &beads, &StatisticsOptions::default(), &go_on).unwrap();
-    let curves: Vec<_> = lines.iter().map(|(points, widths)| LayerCurve { points, widths, closed: false }).collect();
+    let curves: Vec<_> =
+        lines.iter().map(|(points, widths)| LayerCurve { points, widths, kinds: &[], closed: false }).collect();
     let spacing = vec![0.5; triangles.len()];
     let layers = [BuiltLayer { vertices: &vertices, triangles: &triangles, spacing: &spacing, curves: &curves }];
     let oriented = LayerStack::new(&layers).unwrap().orient(&OrientOptions::default(), &go_on).unwrap();

@@ -14,6 +14,7 @@ mod geodesic;
 mod gouging;
 mod gouging_order;
 mod join;
+mod kinds;
 mod level_set;
 mod mesh;
 mod order;

@@ -4,7 +4,7 @@ use crate::common::{go_on, rng};
 use curvlay_toolpath::Progress;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    OrderError, PathPoint, SurfacePath, SurfacePoint, TravelCurve, TravelOrder, Visit, order_curves,
+    BeadKind, OrderError, PathPoint, SurfacePath, SurfacePoint, TravelCurve, TravelOrder, Visit, order_curves,
 };
 use proptest::prelude::*;
 use rand::RngExt;
@@ -158,6 +158,7 @@ fn paths_follow_their_visits() {
     let at = |k: usize| PathPoint {
         at: SurfacePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0], position: Point3::new(k as f64, 0.0, 0.0) },
         width: 0.8,
+        kind: BeadKind::Wall,
     };
     let path = |closed: bool| SurfacePath { points: (0..4).map(at).collect(), closed, region: 3 };
     let order = |closed: bool, start: u32, reversed: bool| {

@@ -397,7 +397,7 @@ fn layers_that_cannot_be_used_are_named() {
     let widths = [0.8; 2];
     let spacing = vec![H; square.triangles.len()];
     let sound = BuiltLayer { vertices: &square.vertices, triangles: &square.triangles, spacing: &spacing, curves: &[] };
-    let straight = LayerCurve { points: &line, widths: &widths, closed: false };
+    let straight = LayerCurve { points: &line, widths: &widths, kinds: &[], closed: false };
     let error = |layer: BuiltLayer| LayerStack::new(&[layer]).unwrap_err();
     let of_curve = |curve: LayerCurve| error(BuiltLayer { curves: &[curve], ..sound });
     let (layer, curve) = (0, 0);

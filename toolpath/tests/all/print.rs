@@ -148,7 +148,7 @@ type Line = (Vec<Point3<f64>>, Vec<f64>);
 
 /// Of a spiral, which is open.
 fn curve((points, widths): &Line) -> LayerCurve<'_> {
-    LayerCurve { points, widths, closed: false }
+    LayerCurve { points, widths, kinds: &[], closed: false }
 }
 
 #[test]

@@ -281,7 +281,7 @@ impl LayerStack<'_> {
     /// let wall = [[0.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 20.0, 6.0], [0.0, 0.0, 6.0]].map(Point3::from);
     /// let floor = [[0.0, 0.0, 0.4], [9.0, 0.0, 0.4], [9.0, 20.0, 0.4], [0.0, 20.0, 0.4]].map(Point3::from);
     /// let line = [Point3::new(2.0, 5.0, 0.4), Point3::new(2.0, 15.0, 0.4)];
-    /// let curves = [LayerCurve { points: &line, widths: &[0.8; 2], closed: false }];
+    /// let curves = [LayerCurve { points: &line, widths: &[0.8; 2], kinds: &[], closed: false }];
     /// let (triangles, spacing) = ([[0, 1, 2], [0, 2, 3]], [0.8; 2]);
     /// let layers = [(&wall, &[][..]), (&floor, &curves[..])].map(|(vertices, curves)| BuiltLayer {
     ///     vertices, triangles: &triangles, spacing: &spacing, curves,

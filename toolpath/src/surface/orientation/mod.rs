@@ -17,6 +17,7 @@ mod smooth;
 mod steady;
 mod toward;
 
+use super::kind::BeadKind;
 use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
@@ -90,6 +91,8 @@ pub struct Waypoint {
     pub arc: f64,
     /// Whether it is no sample of the curve, but was put between two of them so that neighbours turn less.
     pub added: bool,
+    /// What the bead is for here.
+    pub kind: BeadKind,
 }
 
 /// The waypoints along a curve.
@@ -132,8 +135,8 @@ impl Turns {
     /// # Example
     /// ```
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
-    /// use curvlay_toolpath::surface::{ToolPath, Turns, Waypoint};
-    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false };
+    /// use curvlay_toolpath::surface::{BeadKind, ToolPath, Turns, Waypoint};
+    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false, kind: BeadKind::Wall };
     /// let waypoints = [Vector3::z_axis(), Vector3::z_axis(), Vector3::x_axis()].map(waypoint).to_vec();
     /// let turns = Turns::of(&[ToolPath { layer: 0, curve: 0, closed: false, waypoints }]);
     /// assert_eq!((turns.steps, turns.largest.to_degrees(), turns.mean.to_degrees()), (2, 90.0, 45.0));
@@ -272,7 +275,7 @@ impl LayerStack<'_> {
     /// // A square of 10 mm, half a layer above the plate, and a line of 8.2 mm on it.
     /// let vertices = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]].map(|[x, y]| Point3::new(x, y, 0.4));
     /// let line = [Point3::new(1.0, 5.0, 0.4), Point3::new(9.2, 5.0, 0.4)];
-    /// let curves = [LayerCurve { points: &line, widths: &[0.8; 2], closed: false }];
+    /// let curves = [LayerCurve { points: &line, widths: &[0.8; 2], kinds: &[], closed: false }];
     /// let (triangles, spacing) = ([[0, 1, 2], [0, 2, 3]], [0.8; 2]);
     /// let layer = BuiltLayer { vertices: &vertices, triangles: &triangles, spacing: &spacing, curves: &curves };
     /// let layers = [layer];
@@ -347,13 +350,13 @@ impl LayerStack<'_> {
         let line = self.line(layer, curve);
         let mut sampled = Sampled { waypoints: Vec::new(), by_normal: 0 };
         for arc in line.samples(options.step, options.corner) {
-            let (tip, width) = line.at(arc);
+            let (tip, width, kind) = line.at(arc);
             let no_normal = OrientError::NoNormal { layer, curve, arc };
             let ground = self.ground(layer as u32, tip).ok_or(no_normal)?;
             let normal = ground.normal.ok_or(no_normal)?;
             let (direction, by_point) = toward::toward(self, layer as u32, tip, &ground, normal);
             sampled.by_normal += usize::from(!by_point);
-            sampled.waypoints.push(Waypoint { tip, direction, width, height: ground.height, arc, added: false });
+            sampled.waypoints.push(Waypoint { tip, direction, width, height: ground.height, arc, added: false, kind });
         }
         Ok(sampled)
     }

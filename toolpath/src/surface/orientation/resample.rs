@@ -6,6 +6,7 @@
 //! The bend at a point is the angle between the chords to the points a quarter of a step before and behind it: a corner
 //! that is rounded by several close points counts, the noise of short segments does not.
 
+use crate::surface::kind::BeadKind;
 use crate::surface::stack::LayerCurve;
 use nalgebra::Point3;
 
@@ -19,6 +20,7 @@ const APART: f64 = 0.5;
 pub(super) struct Line {
     pub points: Vec<Point3<f64>>,
     pub widths: Vec<f64>,
+    kinds: Vec<BeadKind>,
     /// Arc length at each point.
     pub arcs: Vec<f64>,
     closed: bool,
@@ -27,26 +29,28 @@ pub(super) struct Line {
 impl Line {
     /// Repeated points are left out; of a closed curve the first point is repeated at the end.
     pub fn new(curve: &LayerCurve) -> Self {
-        let mut line = Line { points: Vec::new(), widths: Vec::new(), arcs: Vec::new(), closed: curve.closed };
-        let all = curve.points.iter().zip(curve.widths);
-        let ends = if curve.closed { curve.points.iter().zip(curve.widths).take(1) } else { all.clone().take(0) };
-        for (&point, &width) in all.chain(ends) {
+        let (points, widths, kinds) = (Vec::new(), Vec::new(), Vec::new());
+        let mut line = Line { points, widths, kinds, arcs: Vec::new(), closed: curve.closed };
+        let count = curve.points.len();
+        for k in (0..count).chain(curve.closed.then_some(0)) {
+            let (point, width, kind) = (curve.points[k], curve.widths[k], curve.kind(k));
             match line.points.last() {
                 Some(last) => {
                     let step = (point - last).norm();
                     if step > 0.0 {
-                        line.push(point, width, line.length() + step);
+                        line.push(point, width, kind, line.length() + step);
                     }
                 }
-                None => line.push(point, width, 0.0),
+                None => line.push(point, width, kind, 0.0),
             }
         }
         line
     }
 
-    fn push(&mut self, point: Point3<f64>, width: f64, arc: f64) {
+    fn push(&mut self, point: Point3<f64>, width: f64, kind: BeadKind, arc: f64) {
         self.points.push(point);
         self.widths.push(width);
+        self.kinds.push(kind);
         self.arcs.push(arc);
     }
 
@@ -54,15 +58,15 @@ impl Line {
         self.arcs.last().copied().unwrap_or(0.0)
     }
 
-    /// Point and width at an arc length, which is held to the curve, or goes on around a closed one.
-    pub fn at(&self, arc: f64) -> (Point3<f64>, f64) {
+    /// Point, width and kind at an arc length, which is held to the curve, or goes on around a closed one.
+    pub fn at(&self, arc: f64) -> (Point3<f64>, f64, BeadKind) {
         let length = self.length();
         let around = self.closed && !(0.0..=length).contains(&arc);
         let arc = if around { arc.rem_euclid(length) } else { arc.clamp(0.0, length) };
         let last = self.points.len() - 1;
         let k = self.arcs.partition_point(|&at| at <= arc).clamp(1, last.max(1)) - 1;
         if last == 0 {
-            return (self.points[0], self.widths[0]);
+            return (self.points[0], self.widths[0], self.kinds[0]);
         }
         let share = (arc - self.arcs[k]) / (self.arcs[k + 1] - self.arcs[k]);
         let width = self.widths[k] + (self.widths[k + 1] - self.widths[k]) * share;
@@ -72,7 +76,7 @@ impl Line {
         } else {
             self.points[k] + (self.points[k + 1] - self.points[k]) * share
         };
-        (point, width)
+        (point, width, self.kinds[if share < 0.5 { k } else { k + 1 }])
     }
 
     /// Arc lengths of the samples, rising from 0 to the length.

@@ -68,5 +68,6 @@ pub(in crate::surface) fn part_way(from: &Waypoint, to: &Waypoint, share: f64) -
         height: mix(from.height, to.height),
         arc: mix(from.arc, to.arc),
         added: true,
+        kind: to.kind,
     })
 }

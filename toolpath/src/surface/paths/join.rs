@@ -129,7 +129,7 @@ impl Joiner<'_, '_> {
             }
             triangle = at.triangle;
             let width = from.width + (to.width - from.width) * share;
-            way.push(PathPoint { at, width: width.min(self.spacing.single(room)) });
+            way.push(PathPoint { at, width: width.min(self.spacing.single(room)), kind: from.kind });
         }
         let arrived = locate(self.mesh(), triangle, to.at.position);
         if (arrived.position - to.at.position).norm() > SAME * self.bead {

@@ -33,6 +33,7 @@ mod thin;
 mod widths;
 mod zigzag;
 
+use super::kind::BeadKind;
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use super::mesh::MeshError;
 use super::order::Visit;
@@ -50,6 +51,10 @@ use thin::thinned;
 const MOST_LEVELS: usize = 100_000;
 /// Points of a path nearer together than this share of a bead are thinned out.
 const THIN: f64 = 0.02;
+
+/// Beads whose middle is nearer to the boundary than this, in beads, are walls: the outermost is 0.625 from it at most, the next one
+/// 1.125 at least.
+const WALL: f64 = 0.875;
 
 /// Steps from level sets to paths, for reports of progress.
 const STEPS: u64 = 5;
@@ -120,6 +125,8 @@ pub struct PathPoint {
     pub at: SurfacePoint,
     /// Width of the bead here, in millimetres.
     pub width: f64,
+    /// What it is for.
+    pub kind: BeadKind,
 }
 
 /// A continuous curve on the surface.
@@ -403,7 +410,12 @@ impl LevelField<'_> {
             found.regions += 1;
         }
         let path = |(curve, widths): (Curve, Vec<f64>)| {
-            let points = curve.points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width }).collect();
+            let points = curve
+                .points
+                .into_iter()
+                .zip(widths)
+                .map(|(at, width)| PathPoint { at, width, kind: self.kind(&at, bead) })
+                .collect();
             SurfacePath { points, closed: curve.closed, region: curve.region }
         };
         let paths;
@@ -412,6 +424,12 @@ impl LevelField<'_> {
         (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
         found.unfilled = self.unfilled(&found.paths);
         Ok(found)
+    }
+
+    /// What a bead of a layer that is filled solid is for.
+    fn kind(&self, at: &SurfacePoint, bead: f64) -> BeadKind {
+        let distance = self.distance().at(at.triangle, at.barycentric).distance;
+        if distance < WALL * bead { BeadKind::Wall } else { BeadKind::Solid }
     }
 
     /// The greatest distance from the boundary; infinite if there is no boundary anywhere.

@@ -7,6 +7,7 @@ mod rims;
 mod tree;
 mod triangle;
 
+use super::kind::BeadKind;
 use super::parallel;
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -27,8 +28,17 @@ pub struct LayerCurve<'a> {
     pub points: &'a [Point3<f64>],
     /// Width of the bead at each point, in millimetres.
     pub widths: &'a [f64],
+    /// What the bead is for at each point; [`BeadKind::Solid`] where nothing is said.
+    pub kinds: &'a [BeadKind],
     /// Whether the last point is joined to the first, which is not repeated.
     pub closed: bool,
+}
+
+impl LayerCurve<'_> {
+    /// What the bead is for at a point.
+    pub(super) fn kind(&self, point: usize) -> BeadKind {
+        self.kinds.get(point).copied().unwrap_or_default()
+    }
 }
 
 /// A layer: its surface, how thick it is, and the curves that fill it.

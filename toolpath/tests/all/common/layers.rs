@@ -1,7 +1,7 @@
 //! Layers of a part that tests own.
 
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Unit, Vector3};
-use curvlay_toolpath::surface::{BuiltLayer, LayerCurve, LayerStack, ToolPath, Waypoint};
+use curvlay_toolpath::surface::{BeadKind, BuiltLayer, LayerCurve, LayerStack, ToolPath, Waypoint};
 
 /// A curve: its points, the width of its bead, whether it is closed.
 pub type Curve = (Vec<Point3<f64>>, f64, bool);
@@ -65,7 +65,7 @@ pub fn with_stack<T>(layers: &[Layer], work: impl FnOnce(&LayerStack) -> T) -> T
         .zip(&widths)
         .map(|(layer, widths)| {
             let each = layer.curves.iter().zip(widths);
-            each.map(|(c, widths)| LayerCurve { points: &c.0, widths, closed: c.2 }).collect()
+            each.map(|(c, widths)| LayerCurve { points: &c.0, widths, kinds: &[], closed: c.2 }).collect()
         })
         .collect();
     let built: Vec<BuiltLayer> = layers
@@ -88,7 +88,15 @@ pub fn path(layer: u32, waypoints: &[(Point3<f64>, Vector3<f64>)]) -> ToolPath {
     let waypoint = |&(tip, direction): &(Point3<f64>, Vector3<f64>)| {
         arc += last.map_or(0.0, |last| (tip - last).norm());
         last = Some(tip);
-        Waypoint { tip, direction: Unit::new_normalize(direction), width: 0.8, height: 0.8, arc, added: false }
+        Waypoint {
+            tip,
+            direction: Unit::new_normalize(direction),
+            width: 0.8,
+            height: 0.8,
+            arc,
+            added: false,
+            kind: BeadKind::Wall,
+        }
     };
     ToolPath { layer, curve: 0, closed: false, waypoints: waypoints.iter().map(waypoint).collect() }
 }

@@ -1,0 +1,18 @@
+//! What a piece of bead is for.
+
+/// What a piece of bead is for. Machines lay walls slower than what is inside, and viewers show each kind in its own colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum BeadKind {
+    /// Along the boundary of a layer: of a layer that is filled solid the outermost contour, of others all contours that were asked
+    /// for.
+    Wall,
+    /// The inside of a layer that is filled solid.
+    #[default]
+    Solid,
+    /// Solid because the layer is near the outside of the part: bottoms and tops over and under sparse infill.
+    Skin,
+    /// Sparse infill.
+    Infill,
+}

@@ -1,0 +1,52 @@
+//! What each piece of bead is for, from curves to moves.
+
+use crate::common::{go_on, grid, to_boundary};
+use curvlay_toolpath::nalgebra::Point3;
+use curvlay_toolpath::surface::{
+    BeadKind, LayerSurface, Move, MoveKind, Nozzle, PathOptions, Pattern, PrintOptions, fill_layers,
+};
+
+const SIDE: f64 = 12.0;
+const BEAD: f64 = 0.8;
+
+/// The moves of a plate that is filled solid, 0.8 mm thick, and those of its beads with the distance of their ends from the boundary.
+fn moves(pattern: Pattern) -> (Vec<Move>, Vec<(BeadKind, f64)>) {
+    let plate = grid(SIDE as usize, 1, 0.6, |_, _| false, |p| Point3::new(p.x, p.y, BEAD / 2.0));
+    let thickness = vec![BEAD; plate.triangles().len()];
+    let surface = LayerSurface { vertices: plate.vertices(), triangles: plate.triangles(), thickness: &thickness };
+    let filled = fill_layers(&[surface], &PathOptions { pattern, ..PathOptions::default() }, &go_on).unwrap();
+    let distance = to_boundary(&plate);
+    let points = filled.layers[0].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
+    let kinds = points.map(|p| (p.kind, distance.at(p.at.triangle, p.at.barycentric).distance)).collect();
+    (filled.plan(&[surface], &Nozzle::default(), &PrintOptions::default(), &go_on).unwrap().deposition.moves, kinds)
+}
+
+/// Length of the moves that are a kind of bead.
+fn length(moves: &[Move], kind: BeadKind) -> f64 {
+    let steps = moves.windows(2).filter(|pair| pair[1].bead == Some(kind));
+    steps.map(|pair| (pair[1].tip - pair[0].tip).norm()).sum()
+}
+
+#[test]
+fn the_outermost_contour_of_a_solid_layer_is_a_wall_and_the_rest_is_solid() {
+    for pattern in [Pattern::Spirals, Pattern::Rings] {
+        let (moves, kinds) = moves(pattern);
+        for (kind, distance) in kinds {
+            assert_eq!(kind, if distance < 0.875 * BEAD { BeadKind::Wall } else { BeadKind::Solid }, "{distance}");
+        }
+        // The ring half a bead from the edge, but for where the spiral goes on inward.
+        let wall = length(&moves, BeadKind::Wall);
+        assert!((wall - 4.0 * (SIDE - BEAD)).abs() < 4.0 * BEAD, "{wall}");
+        let area = SIDE * SIDE;
+        let solid = length(&moves, BeadKind::Solid);
+        assert!(((wall + solid) * BEAD / area - 1.0).abs() < 0.04, "{solid}");
+        assert_eq!(length(&moves, BeadKind::Infill) + length(&moves, BeadKind::Skin), 0.0);
+    }
+}
+
+#[test]
+fn only_beads_have_a_kind() {
+    let (moves, _) = moves(Pattern::Rings);
+    assert!(moves.iter().any(|step| step.kind == MoveKind::Retract));
+    assert!(moves.iter().all(|step| (step.kind == MoveKind::Print) == step.bead.is_some()));
+}
