@@ -22,8 +22,10 @@ mod bits;
 mod body;
 mod boxes;
 mod cells;
+mod complete;
 mod growth;
 mod impossible;
+mod nozzle;
 mod order;
 pub mod orient;
 mod peel;
@@ -34,26 +36,32 @@ mod runs;
 mod skin;
 mod standing;
 mod strategy;
+mod support;
 pub mod surface;
 pub mod trim;
 mod unbuild;
 mod watch;
 mod workpiece;
 
-pub use audit::{AuditError, AuditReport, Fault, FaultCounts, ProofError, audit, check_impossible};
+pub use audit::{
+    AuditError, AuditReport, Fault, FaultCounts, JudgedByNozzle, ProofError, audit, audit_with_nozzle, check_impossible,
+};
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
+pub use complete::{CompleteOptions, CompletePart, NozzleUse, PartSupport};
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,
 };
 pub use impossible::{Impossible, prove_impossible};
+pub use nozzle::{DIRECTIONS, NozzleCell, NozzleRule, NozzleRuleError, grow_with_nozzle};
 pub use order::LayerOrder;
 pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};
 pub use strategy::Strategy;
+pub use support::{CellMesh, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 pub use unbuild::{UnbuildOptions, unbuild};
 pub use workpiece::{LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};

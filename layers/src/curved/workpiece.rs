@@ -13,9 +13,10 @@ use super::growth::{Growth, GrowthError};
 use super::platform::Platform;
 use super::rules::Rules;
 use super::strategy::Strategy;
+use super::support::SupportError;
 use super::surface::{
-    ContourError, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError, UniformField,
-    coherent_field, contour, extend, measure_spacing_within, uniform_field,
+    ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError,
+    UniformField, coherent_field, contour, extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer, slices};
@@ -141,6 +142,9 @@ pub enum LayersError {
     /// The spacing could not be measured.
     #[error(transparent)]
     Spacing(SpacingError),
+    /// No support could be made.
+    #[error(transparent)]
+    Support(SupportError),
     /// The volume is no volume.
     #[error("a part of {volume_mm3} mm3: the volume must be finite and above 0")]
     Volume {
@@ -173,6 +177,7 @@ from_step! {
     ContourError, Contour, ContourError::Cancelled,
     TrimError, Trim, TrimError::Cancelled,
     SpacingError, Spacing, SpacingError::Cancelled,
+    SupportError, Support, SupportError::Growth(GrowthError::Cancelled),
 }
 
 impl Workpiece<'_> {
@@ -294,7 +299,7 @@ impl Workpiece<'_> {
         Ok(OrderedPart { strategy, growth, audit })
     }
 
-    fn check_volume(&self) -> Result<(), LayersError> {
+    pub(super) fn check_volume(&self) -> Result<(), LayersError> {
         match self.volume_mm3 {
             volume_mm3 if volume_mm3 > 0.0 && volume_mm3.is_finite() => Ok(()),
             volume_mm3 => Err(LayersError::Volume { volume_mm3 }),
@@ -335,7 +340,7 @@ impl Workpiece<'_> {
     }
 
     /// The layers of an order.
-    fn layered(
+    pub(super) fn layered(
         &self,
         order: OrderedPart,
         height_mm: f64,
@@ -370,13 +375,25 @@ impl Workpiece<'_> {
         height_mm: f64,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayerSurfaces, LayersError> {
+        begin("contour", progress)?;
+        let extended = extend(field, &self.cells);
+        let levels = extended.fitted_levels(self.vertices, self.triangles, self.cell_mm, self.origin, height_mm)?;
+        self.surfaces_at(&extended, &levels, missed, progress)
+    }
+
+    /// The surfaces of a field at given levels, trimmed to the mesh and measured.
+    pub(super) fn surfaces_at(
+        &self,
+        extended: &ExtendedField,
+        FittedLevels { levels, height_mm }: &FittedLevels,
+        missed: &[u32],
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayerSurfaces, LayersError> {
+        let height_mm = *height_mm;
         begin("trim", progress)?;
         let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * height_mm);
         begin("contour", progress)?;
-        let extended = extend(field, &self.cells);
-        let FittedLevels { levels, height_mm } =
-            extended.fitted_levels(self.vertices, self.triangles, self.cell_mm, self.origin, height_mm)?;
-        let untrimmed = contour(&extended, &levels, self.cell_mm, self.origin, progress)?;
+        let untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
         begin("trim", progress)?;
         let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
         let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
@@ -472,7 +489,10 @@ impl Workpiece<'_> {
 }
 
 /// Reports the beginning of a stage.
-fn begin(stage: &'static str, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), LayersError> {
+pub(super) fn begin(
+    stage: &'static str,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<(), LayersError> {
     match progress(Progress { stage, done: 0, total: 0 }) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(LayersError::Cancelled),

@@ -10,15 +10,19 @@
 mod body;
 mod depth;
 mod impossible;
+mod nozzle;
 mod vec3;
 mod wrap;
 
 pub use impossible::{ProofError, check_impossible};
+pub use nozzle::JudgedByNozzle;
 
-use super::{Cells, LayerOrder, Neighbours, Platform, Rules, RulesError};
+use super::{Cells, LayerOrder, Neighbours, NozzleRuleError, Platform, Rules, RulesError};
 use crate::Progress;
 use body::Body;
 use depth::{Depths, Question};
+use nozzle::{Meets, Obstructions};
+use std::collections::BTreeMap;
 use std::fmt::{self, Display};
 use std::ops::ControlFlow;
 
@@ -49,6 +53,34 @@ pub enum Fault {
         layer: u32,
         /// How deep, in cells.
         depth: f64,
+    },
+    /// The nozzle that prints the cell meets a cell of an earlier layer.
+    NozzleMeets {
+        /// The cell.
+        cell: u32,
+        /// Its layer.
+        layer: u32,
+        /// The cell in the way.
+        other: u32,
+    },
+    /// The nozzle that prints the cell meets the plate.
+    NozzleMeetsPlate {
+        /// The cell.
+        cell: u32,
+        /// Its layer.
+        layer: u32,
+    },
+    /// The nozzle that prints the cell leans farther than it may.
+    NozzleLeans {
+        /// The cell.
+        cell: u32,
+        /// Its layer.
+        layer: u32,
+    },
+    /// A direction of the nozzle for a cell that is in no layer, or a second one.
+    StrayDirection {
+        /// The cell.
+        cell: u32,
     },
     /// The cell is in an earlier layer already, or twice in this one.
     Repeated {
@@ -99,6 +131,10 @@ pub struct FaultCounts {
     pub unsupported: usize,
     /// Cells inside the hull.
     pub inside: usize,
+    /// Cells whose nozzle meets cells of earlier layers or the plate, or leans too far.
+    pub nozzle: usize,
+    /// Directions of the nozzle for cells that are not built, or that have one already.
+    pub stray_directions: usize,
     /// Entries of layers for cells that were there before.
     pub repeated: usize,
     /// Entries of layers for cells that do not belong to the solid.
@@ -160,6 +196,8 @@ impl Display for AuditReport {
         let FaultCounts {
             unsupported,
             inside,
+            nozzle,
+            stray_directions,
             repeated,
             not_solid,
             empty_layers,
@@ -171,6 +209,8 @@ impl Display for AuditReport {
         let kinds = [
             (unsupported, "without support"),
             (inside, "inside the hull of earlier layers"),
+            (nozzle, "where the nozzle meets something or leans too far"),
+            (stray_directions, "directions of the nozzle that belong to no cell"),
             (repeated, "built twice"),
             (not_solid, "built but not of the solid"),
             (empty_layers, "empty layers"),
@@ -196,6 +236,9 @@ pub enum AuditError {
     /// The rules are unsound or do not fit the grid.
     #[error(transparent)]
     Rules(#[from] RulesError),
+    /// The nozzle is none.
+    #[error(transparent)]
+    Nozzle(#[from] NozzleRuleError),
     /// A layer or the list of missed cells holds a number that is no cell of the grid.
     #[error("there is no cell {cell} in a grid of {len} cells")]
     OutsideGrid {
@@ -246,7 +289,63 @@ pub fn audit(
     missed: &[u32],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<AuditReport, AuditError> {
+    audit_any(cells, platform, rules, None, order, missed, progress)
+}
+
+/// Checks an order of `cells` some of which are judged by the nozzle that prints them, in place of the hull rule: it must stand so that it
+/// meets no cell of an earlier layer and not the plate. For the other cells all is as in [`audit`].
+///
+/// # Errors
+/// As [`audit`], and [`AuditError::Nozzle`] for a nozzle that cannot be.
+///
+/// # Cost
+/// That of [`audit`], and for each cell judged by the nozzle one look at every cell of the earlier layers: a nanosecond or less each.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{
+///     Cells, Fault, JudgedByNozzle, LayerOrder, NozzleCell, NozzleRule, Platform, Rules, audit_with_nozzle,
+/// };
+/// use curvlay_layers::nalgebra::Vector3;
+/// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
+/// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
+/// let mut order = LayerOrder::new();
+/// (0..3).for_each(|cell| order.push([cell]));
+/// let directions = [NozzleCell { cell: 2, direction: Vector3::x_axis() }];
+/// let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, cells: &directions };
+/// let rules = Rules::default();
+/// let report = audit_with_nozzle(&cells, &platform, &rules, &judged, &order, &[], &|_| std::ops::ControlFlow::Continue(()))?;
+/// assert_eq!(report.faults, [Fault::NozzleMeetsPlate { cell: 2, layer: 3 }]); // 2.5 mm above it, with a block of 20 mm
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn audit_with_nozzle(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    judged: &JudgedByNozzle,
+    order: &LayerOrder,
+    missed: &[u32],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<AuditReport, AuditError> {
+    audit_any(cells, platform, rules, Some(judged), order, missed, progress)
+}
+
+fn audit_any(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    judged: Option<&JudgedByNozzle>,
+    order: &LayerOrder,
+    missed: &[u32],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<AuditReport, AuditError> {
     rules.check(cells.dims())?;
+    if let Some(judged) = judged {
+        judged.rule.check()?;
+        if !(judged.cell_mm > 0.0 && judged.cell_mm.is_finite()) {
+            return Err(NozzleRuleError::Cell { cell_mm: judged.cell_mm }.into());
+        }
+    }
     let question = Question::of(rules, platform)?;
     let len = cells.dims().iter().product::<u32>();
     if let Some(&cell) = order.cells().iter().chain(missed).find(|&&cell| cell >= len) {
@@ -266,6 +365,14 @@ pub fn audit(
     let mut built = Bits::of(cells); // in an earlier layer
     let mut body = Body::new(cells.dims(), corners, platform.top());
     let mut depths = Depths::new(question, &body);
+    let mut obstructions =
+        judged.filter(|judged| !judged.cells.is_empty()).map(|judged| Obstructions::new(judged, platform.top()));
+    let mut directions = BTreeMap::new();
+    for printed in judged.iter().flat_map(|judged| judged.cells) {
+        if directions.insert(printed.cell, printed.direction.into_inner()).is_some() {
+            report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell: printed.cell });
+        }
+    }
     let total = order.cells().len() as u64;
     let mut done = 0;
     for (layer, of_layer) in (1..).zip(order.iter()) {
@@ -289,6 +396,19 @@ pub fn audit(
             if !stands_on(corners, place, rules.flat) && !support.iter().any(|&step| built.contains_at(place, step)) {
                 report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
             }
+            if let (Some(direction), Some(obstructions)) = (directions.remove(&cell), &obstructions) {
+                if let Some(meets) = obstructions.met(place, direction) {
+                    report.add(
+                        |counts| &mut counts.nozzle,
+                        || match meets {
+                            Meets::Cell(other) => Fault::NozzleMeets { cell, layer, other },
+                            Meets::Plate => Fault::NozzleMeetsPlate { cell, layer },
+                            Meets::Limit => Fault::NozzleLeans { cell, layer },
+                        },
+                    );
+                }
+                continue;
+            }
             let centre = place.map(|k| 2 * i64::from(k) + 1);
             if depths.is_inside(&body, centre) {
                 report.add(
@@ -297,15 +417,19 @@ pub fn audit(
                 );
             }
         }
-        for place in of_layer.iter().map(|&cell| cells.position(cell)) {
+        for (cell, place) in of_layer.iter().map(|&cell| (cell, cells.position(cell))) {
             if cells.contains(place) && built.insert(place) {
                 body.add(place);
+                obstructions.iter_mut().for_each(|obstructions| obstructions.add(cell, place));
             }
         }
         let grown = body.settle();
         depths.body_grew(&body, &grown);
     }
 
+    for &cell in directions.keys() {
+        report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell });
+    }
     let mut missing = Bits::of(cells);
     for &cell in missed {
         let place = cells.position(cell);

@@ -233,6 +233,6 @@ impl Front {
             }));
         }
         missed.sort_unstable_by_key(|missed| missed.cell);
-        Growth { order: self.order, missed, statistics }
+        Growth { order: self.order, missed, statistics, nozzle: Vec::new() }
     }
 }

@@ -29,6 +29,7 @@ pub(in crate::curved) use covered::{Covered, covered};
 pub use printed::grow_as_printed;
 
 use super::cells::Cells;
+use super::nozzle::{NozzleCell, NozzleRuleError};
 use super::order::LayerOrder;
 use super::peel::SheetField;
 use super::platform::Platform;
@@ -101,6 +102,9 @@ pub enum MissedReason {
     SupportMissed,
     /// No chain of neighbours joins it to the platform.
     NeverAdjacent,
+    /// Neither does it lie outside the hull, nor does the nozzle reach it ([`grow_with_nozzle`](super::grow_with_nozzle)); or it hangs on
+    /// such cells alone.
+    OutOfReach,
 }
 
 /// A cell without a layer.
@@ -125,7 +129,7 @@ pub struct GrowthStatistics {
 }
 
 /// An order of cells, and what it leaves out.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Growth {
     /// The layers.
     pub order: LayerOrder,
@@ -133,6 +137,9 @@ pub struct Growth {
     pub missed: Vec<MissedCell>,
     /// How it went.
     pub statistics: GrowthStatistics,
+    /// Cells that lie inside the hull of earlier layers and are within reach of the nozzle all the same, by rising number: those of
+    /// [`grow_with_nozzle`](super::grow_with_nozzle). The other cells keep the hull rule.
+    pub nozzle: Vec<NozzleCell>,
 }
 
 impl Growth {
@@ -166,6 +173,9 @@ pub enum GrowthError {
     /// Growth as printed, with a prevention that is not in that work.
     #[error("growth as printed has no prevention `fewer than all`: take incremental, adaptive or none")]
     NotPrinted,
+    /// The nozzle cannot be judged by.
+    #[error(transparent)]
+    Nozzle(#[from] NozzleRuleError),
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,

@@ -186,7 +186,7 @@ impl SavedField {
         let cells = self.cells()?;
         let without = cells.iter().filter(|&cell| self.field.value(cell).is_none());
         let missed = without.map(|cell| MissedCell { cell, reason: MissedReason::SupportMissed }).collect();
-        Ok(Growth { order: self.field.rounded(), missed, statistics: GrowthStatistics::default() })
+        Ok(Growth { order: self.field.rounded(), missed, statistics: GrowthStatistics::default(), nozzle: Vec::new() })
     }
 
     /// Whether the field was made for the mesh with this [stamp](mesh_stamp).

@@ -22,7 +22,7 @@ pub(super) struct Proof {
 }
 
 /// Finds the extreme cells of what remains.
-pub(super) struct Extremes<'a> {
+pub(in crate::curved) struct Extremes<'a> {
     skin: Skin<'a>,
     centres: Centres,
     rules: &'a Rules,
@@ -35,7 +35,7 @@ pub(super) struct Extremes<'a> {
 }
 
 impl<'a> Extremes<'a> {
-    pub(super) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
+    pub(in crate::curved) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
         let depth = rules.depth()?;
         let skin = Skin::new(cells, platform, rules, depth)?;
         let hull = skin.hull(&CellSet::none(cells))?;
@@ -45,7 +45,7 @@ impl<'a> Extremes<'a> {
     }
 
     /// The extreme cells of `rest`, by rising number.
-    pub(super) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, GrowthError> {
+    pub(in crate::curved) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, GrowthError> {
         self.hull = self.skin.hull(rest)?;
         if !self.corners_only {
             return Ok(self.skin.cells(&self.hull, rest));

@@ -23,6 +23,9 @@ mod patches;
 mod removal;
 mod schedule;
 
+pub(super) use extreme::Extremes;
+pub(super) use links::Links;
+
 use super::bits::CellSet;
 use super::cells::Cells;
 use super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
@@ -106,7 +109,8 @@ pub fn unbuild(
     if missed {
         chances = last_chances(cells, platform, rules, &order)?;
     }
-    Ok(Growth { missed: if missed { job.missed(&order, &chances) } else { Vec::new() }, order, statistics })
+    let missed = if missed { job.missed(&order, &chances) } else { Vec::new() };
+    Ok(Growth { missed, order, statistics, nozzle: Vec::new() })
 }
 
 struct Job<'a> {

@@ -1,0 +1,262 @@
+//! Support for what no order reaches, as cells that are grown with the part.
+//!
+//! Dai 2020, Fig. 3.17c, adds support below regions that stay missed. Here support is cells outside of the part, so the part and its support
+//! are one solid, grown and audited by the rules of every other order: each cell is supported and nothing is shadowed. A column below the lowest
+//! hanging cell of a missed region lets it be built from below, before what would shadow it.
+//!
+//! In each round every region of missed cells that hang together gets one column, below the lowest of its cells that has nothing under it: the
+//! [shortest way down](column) to the plate, to the part, or to support that is there, so that columns become trees. Then part and support are grown
+//! anew. Rounds end when nothing is missed or no column can be added. In the end support that carries nothing is left out.
+
+mod column;
+mod mesh;
+
+pub use mesh::{CellMesh, cell_mesh};
+
+use super::bits::CellSet;
+use super::cells::{Cells, CellsError};
+use super::growth::{Growth, GrowthError};
+use super::platform::Platform;
+use super::rules::Rules;
+use super::runs::Runs;
+use crate::Progress;
+use column::{DOWN, Ground};
+use std::ops::ControlFlow;
+
+/// What support looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct SupportOptions {
+    /// Width of a column, in cells. Default 3: with less it is not stiff enough to print on, with more it costs material. Columns are
+    /// as wide only where they do not touch the part: they touch it with one cell a level, so that they break off.
+    pub width: u32,
+    /// Rounds at most. Default 8. Each grows all cells anew; the parts that we know take one or two.
+    pub rounds: u32,
+}
+
+impl Default for SupportOptions {
+    fn default() -> Self {
+        SupportOptions { width: 3, rounds: 8 }
+    }
+}
+
+/// Why there is no support.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SupportError {
+    /// Columns of no width, or wider than any part.
+    #[error("support that is {width} cells wide: its width must lie between 1 and {}", SupportOptions::MAX_WIDTH)]
+    Width {
+        /// The width, in cells.
+        width: u32,
+    },
+    /// The part cannot be grown with its support.
+    #[error(transparent)]
+    Growth(#[from] GrowthError),
+    /// The cells cannot be united with their support.
+    #[error(transparent)]
+    Cells(#[from] CellsError),
+}
+
+impl SupportOptions {
+    /// Greatest width of a column, in cells.
+    pub const MAX_WIDTH: u32 = 64;
+}
+
+/// A part with its support.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Supported {
+    /// The cells of part and support together, as [`Cells`] takes them.
+    pub rows: Vec<u64>,
+    /// The order of both. What it misses belongs to the part.
+    pub growth: Growth,
+    /// The cells of the support, by rising number; they are all in the order.
+    pub support: Vec<u32>,
+    /// Cells that straight columns from the plate would have, below all cells that were missed: to compare with.
+    pub straight_cells: usize,
+    /// Rounds that it took.
+    pub rounds: u32,
+}
+
+/// Adds support below what an order misses, until nothing is missed or no more support can be added.
+///
+/// # Arguments
+/// * `growth`: of `cells`; what it misses is to be supported.
+/// * `grow`: grows the part with its support, e.g. by the strategy of the first growth.
+/// * `progress`: called with the stage `support`, the rounds done and those allowed; may cancel.
+///
+/// # Returns
+/// The part with its support, of the round that missed the fewest cells. `None` if no round missed fewer than `growth`.
+///
+/// # Errors
+/// [`SupportError`].
+///
+/// # Cost
+/// That of `grow` for each round. The columns cost a few microseconds a cell.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, Platform, Rules, Strategy, SupportOptions, add_support};
+/// use std::ops::ControlFlow::Continue;
+/// // A mast of 9 cells with an arm at its top, from the end of which 3 cells hang down: two of them lie inside the hull.
+/// let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);
+/// rows[8] = 0b111_1111;
+/// (5..8).for_each(|z| rows[z] |= 0b100_0000);
+/// let cells = Cells::new(dims, &rows)?;
+/// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
+/// let grow = |cells: &Cells| Strategy::Incremental.grow(cells, &platform, &rules, &|_| Continue(()));
+/// let growth = grow(&cells)?;
+/// assert_eq!(growth.missed.len(), 2);
+/// let options = SupportOptions { width: 1, ..SupportOptions::default() };
+/// let supported = add_support(&cells, &platform, &rules, &growth, &options, &grow, &|_| Continue(()))?.expect("support");
+/// assert!(supported.growth.missed.is_empty());
+/// assert_eq!(supported.support, [6, 13, 20, 27, 34]); // five cells below the hanging end
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn add_support(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    growth: &Growth,
+    options: &SupportOptions,
+    grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Option<Supported>, SupportError> {
+    if !(1..=SupportOptions::MAX_WIDTH).contains(&options.width) {
+        return Err(SupportError::Width { width: options.width });
+    }
+    let straight_cells = straight_columns(cells, &growth.missed_cells());
+    let mut support = CellSet::none(cells);
+    let mut missed = growth.missed_cells();
+    let mut best: Option<Supported> = None;
+    for round in 1..=options.rounds {
+        let (done, total) = (u64::from(round - 1), u64::from(options.rounds));
+        if progress(Progress { stage: "support", done, total }).is_break() {
+            return Err(GrowthError::Cancelled.into());
+        }
+        let added = columns_below(cells, platform, rules, &missed, &support, options.width);
+        if added.is_empty() {
+            break;
+        }
+        added.into_iter().for_each(|cell| _ = support.insert(cell));
+        let of_round = grown(cells, &support, grow)?;
+        missed = of_round.missed_cells();
+        if missed.len() < best.as_ref().map_or(growth.missed.len(), |best| best.growth.missed.len()) {
+            let support: Vec<u32> = support.iter().filter(|cell| missed_not(&of_round, *cell)).collect();
+            best = Some(of_part(cells, of_round, support, straight_cells, round));
+        }
+        missed.retain(|&cell| cells.contains(cells.position(cell)));
+        if missed.is_empty() {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+fn missed_not(growth: &Growth, cell: u32) -> bool {
+    growth.missed.binary_search_by_key(&cell, |missed| missed.cell).is_err()
+}
+
+/// Part and support, less the support that was missed: without it the order is the same.
+fn of_part(cells: &Cells, mut growth: Growth, support: Vec<u32>, straight_cells: usize, rounds: u32) -> Supported {
+    growth.missed.retain(|missed| cells.contains(cells.position(missed.cell)));
+    let mut united = CellSet::of(cells);
+    support.iter().for_each(|&cell| _ = united.insert(cell));
+    let rows = united.rows().flatten().copied().collect();
+    Supported { rows, growth, support, straight_cells, rounds }
+}
+
+/// Grows the part with its support.
+fn grown(
+    cells: &Cells,
+    support: &CellSet,
+    grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
+) -> Result<Growth, SupportError> {
+    let mut united = CellSet::of(cells);
+    support.iter().for_each(|cell| _ = united.insert(cell));
+    let rows: Vec<u64> = united.rows().flatten().copied().collect();
+    Ok(grow(&Cells::new(cells.dims(), &rows)?)?)
+}
+
+/// A column below the lowest hanging cell of each region of missed cells: new cells, each once.
+fn columns_below(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    missed: &[u32],
+    support: &CellSet,
+    width: u32,
+) -> Vec<u32> {
+    let mut built = CellSet::of(cells);
+    built.remove_all(missed.iter().copied());
+    let mut regions = CellSet::none(cells);
+    missed.iter().filter(|&&cell| cells.contains(cells.position(cell))).for_each(|&cell| _ = regions.insert(cell));
+    let runs = Runs::new(&regions, rules.neighbours);
+    let mut ground = Ground { cells, platform, rules, built: &built, support: support.clone() };
+    let mut added = Vec::new();
+    for region in 0..runs.count() {
+        // By rising number: lowest first.
+        let mut hanging =
+            runs.cells(|piece| piece == region).filter(|&cell| hangs(&ground, cell)).collect::<Vec<_>>().into_iter();
+        let Some(column) = hanging.find_map(|cell| ground.column_below(cell)) else { continue };
+        for cell in thickened(&ground, &column, width) {
+            if ground.support.insert(cell) {
+                added.push(cell);
+            }
+        }
+    }
+    added
+}
+
+/// Whether nothing is below a cell, neither straight nor over an edge.
+fn hangs(ground: &Ground, cell: u32) -> bool {
+    let is_below = |&step: &[i32; 3]| {
+        ground.step(cell, step).is_some_and(|below| ground.is_of_part(below) || ground.support.contains(below))
+    };
+    cells_above_plate(ground, cell) && !DOWN.iter().any(|step| is_below(step))
+}
+
+fn cells_above_plate(ground: &Ground, cell: u32) -> bool {
+    ground.cells.position(cell)[2] > 0
+}
+
+/// A column and the cells around it, but for those that touch the part.
+fn thickened(ground: &Ground, column: &[u32], width: u32) -> Vec<u32> {
+    let (low, high) = (-((width - 1) as i32 / 2), (width / 2) as i32);
+    let is_free = |cell: u32| {
+        let touches = |&step: &[i32; 3]| ground.step(cell, step).is_some_and(|beside| ground.is_of_part(beside));
+        !ground.is_of_part(cell) && !ground.rules.neighbours.offsets().iter().any(touches)
+    };
+    let mut all = Vec::new();
+    for &core in column {
+        let mut of_level = vec![core];
+        let mut done = 0;
+        // From neighbour to neighbour, so that nothing stands apart.
+        while let Some(&cell) = of_level.get(done) {
+            done += 1;
+            for step in [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0]] {
+                let Some(next) = ground.step(cell, step) else { continue };
+                let (from, to) = (ground.cells.position(core), ground.cells.position(next));
+                let is_within = (0..2).all(|k| (low..=high).contains(&(to[k] as i32 - from[k] as i32)));
+                if is_within && is_free(next) && !of_level.contains(&next) {
+                    of_level.push(next);
+                }
+            }
+        }
+        all.extend(of_level);
+    }
+    all
+}
+
+/// Empty cells below the lowest missed cell of each column of the grid.
+fn straight_columns(cells: &Cells, missed: &[u32]) -> usize {
+    let level = cells.dims()[0] * cells.dims()[1];
+    let mut lowest = std::collections::BTreeMap::new();
+    for &cell in missed {
+        let z = lowest.entry(cell % level).or_insert(cell / level);
+        *z = (*z).min(cell / level);
+    }
+    let empty =
+        |(&column, &z): (&u32, &u32)| (0..z).filter(|z| !cells.contains(cells.position(column + z * level))).count();
+    lowest.iter().map(empty).sum()
+}

@@ -1,0 +1,240 @@
+//! Support: what it carries, that it stays out of the part, and parts that are complete with it.
+
+use crate::common::{Part, are_neighbours, go, parts};
+use curvlay_layers::Progress;
+use curvlay_layers::curved::{
+    Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NozzleRule, NozzleRuleError, NozzleUse,
+    Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support, audit, cell_mesh, grow,
+};
+use curvlay_layers::nalgebra::Point3;
+use proptest::prelude::*;
+use proptest::strategy::Strategy as _;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
+
+fn part(dims: [u32; 3], is_solid: impl Fn([u32; 3]) -> bool) -> Part {
+    let [nx, ny, nz] = dims;
+    let row = |y, z| (0..nx).fold(0, |row, x| row | u64::from(is_solid([x, y, z])) << x);
+    let rows: Vec<u64> = (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))).map(|(y, z)| row(y, z)).collect();
+    let platform = Platform::under(&Cells::new(dims, &rows).unwrap(), 40.0).unwrap();
+    Part { dims, rows, platform }
+}
+
+fn grown(part: &Part, cells: &Cells, rules: &Rules) -> Result<Growth, GrowthError> {
+    grow(cells, &part.platform, rules, &GrowthOptions::default(), None, &go)
+}
+
+fn supported(part: &Part, rules: &Rules, options: &SupportOptions) -> (Growth, Option<Supported>) {
+    let growth = grown(part, &part.cells(), rules).unwrap();
+    let again = |cells: &Cells| grown(part, cells, rules);
+    let supported = add_support(&part.cells(), &part.platform, rules, &growth, options, &again, &go).unwrap();
+    (growth, supported)
+}
+
+/// A ball that hangs below a beam on two posts.
+fn hanging_ball() -> Part {
+    part([31, 11, 27], |[x, y, z]: [u32; 3]| {
+        let [dx, dy, dz] = [f64::from(x) - 15.0, f64::from(y) - 5.0, f64::from(z) - 12.0];
+        let post = (x < 2 || x > 28) && (4..7).contains(&y);
+        let beam = z >= 24 && (4..7).contains(&y);
+        let stem = (14..17).contains(&x) && (4..7).contains(&y) && z > 12;
+        post || beam || stem || dx * dx + dy * dy + dz * dz < 5.2 * 5.2
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// Part and support pass the audit as one solid, the support is outside of the part, and fewer cells are missed than without.
+    #[test]
+    fn part_and_support_are_one_solid_that_can_be_built(
+        part in parts((4u32..10, 1u32..7, 4u32..10).prop_map(|(x, y, z)| [x, y, z]), 2..6),
+        width in 1u32..5,
+    ) {
+        let rules = Rules::default();
+        let (before, after) = supported(&part, &rules, &SupportOptions { width, rounds: 3 });
+        let Some(Supported { rows, growth, support, rounds, .. }) = after else { return Ok(()) };
+        prop_assert!(growth.missed.len() < before.missed.len() && (1..=3).contains(&rounds));
+        let united = Cells::new(part.dims, &rows).unwrap();
+        prop_assert!(support.is_sorted() && support.iter().all(|&cell| !part.cells().contains(united.position(cell))));
+        let all: BTreeSet<u32> = part.cells().iter().chain(support.iter().copied()).collect();
+        prop_assert_eq!(all, united.iter().collect::<BTreeSet<u32>>());
+        let report = audit(&united, &part.platform, &rules, &growth.order, &growth.missed_cells(), &go).unwrap();
+        prop_assert!(report.is_ok(), "{}", report);
+        prop_assert!(growth.missed.iter().all(|missed| part.cells().contains(united.position(missed.cell))));
+    }
+}
+
+#[test]
+fn a_hanging_ball_stands_on_one_column() {
+    let part = hanging_ball();
+    let options = SupportOptions { width: 1, ..SupportOptions::default() };
+    let (before, after) = supported(&part, &Rules::default(), &options);
+    let Supported { growth, support, straight_cells, rounds, .. } = after.unwrap();
+    assert!(before.missed.len() > 400);
+    assert_eq!((growth.missed.len(), rounds), (0, 1));
+    // Seven cells from the plate to the lowest one of the ball, one a level.
+    let levels: Vec<u32> = support.iter().map(|&cell| part.cells().position(cell)[2]).collect();
+    assert_eq!(levels, (0..7).collect::<Vec<_>>());
+    assert!(2 * support.len() < straight_cells);
+}
+
+/// The straight columns are counted by hand for a bar of three cells that hangs at its end.
+#[test]
+fn straight_columns_are_those_below_all_missed_cells() {
+    let part = part([7, 1, 9], |[x, _, z]| x == 0 || z == 8 || (x == 6 && z > 4));
+    let (before, after) = supported(&part, &Rules::default(), &SupportOptions { width: 1, rounds: 8 });
+    assert_eq!(before.missed.iter().map(|missed| part.cells().position(missed.cell)[2]).collect::<Vec<_>>(), [5, 6]);
+    let Supported { support, straight_cells, .. } = after.unwrap();
+    assert_eq!((support.len(), straight_cells), (5, 5));
+}
+
+/// Columns touch the part with one cell a level, are as wide as asked for where they do not, and lean round the part.
+#[test]
+fn columns_are_wide_below_and_thin_where_they_touch() {
+    let part = hanging_ball();
+    let cells = part.cells();
+    let (_, after) = supported(&part, &Rules::default(), &SupportOptions { width: 3, rounds: 8 });
+    let support = after.unwrap().support;
+    let mut of_level: BTreeMap<u32, usize> = BTreeMap::new();
+    support.iter().for_each(|&cell| *of_level.entry(cells.position(cell)[2]).or_default() += 1);
+    let touches =
+        |cell: u32| cells.iter().any(|other| are_neighbours(&cells, cell, other, Rules::default().neighbours));
+    assert_eq!(support.iter().filter(|&&cell| touches(cell)).count(), 1);
+    assert_eq!(of_level.values().copied().collect::<Vec<_>>(), [9, 9, 9, 9, 9, 9, 1]);
+
+    // A roof right under the arm: the column goes round it, or lands on it.
+    let part = crate::support::part([9, 1, 12], |[x, _, z]| {
+        x == 0 || z == 11 || (x == 8 && z > 7) || (x > 3 && x < 8 && z == 4)
+    });
+    let (before, after) = supported(&part, &Rules::default(), &SupportOptions { width: 1, rounds: 8 });
+    assert!(!before.missed.is_empty());
+    let Supported { growth, support, .. } = after.unwrap();
+    assert!(growth.missed.len() < before.missed.len());
+    assert!(!support.is_empty());
+}
+
+#[test]
+fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed() {
+    let tower = part([3, 3, 4], |_| true);
+    let (_, none) = supported(&tower, &Rules::default(), &SupportOptions::default());
+    assert_eq!(none, None);
+    let (_, none) =
+        supported(&hanging_ball(), &Rules::default(), &SupportOptions { rounds: 0, ..SupportOptions::default() });
+    assert_eq!(none, None);
+    let part = hanging_ball();
+    let growth = grown(&part, &part.cells(), &Rules::default()).unwrap();
+    let again = |cells: &Cells| grown(&part, cells, &Rules::default());
+    let with = |width: u32, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)| {
+        let options = SupportOptions { width, ..SupportOptions::default() };
+        add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &options, &again, progress)
+    };
+    for width in [0, 65] {
+        assert_eq!(with(width, &go), Err(SupportError::Width { width }));
+    }
+    let stop = |_: Progress| ControlFlow::Break(());
+    assert_eq!(with(3, &stop), Err(SupportError::Growth(GrowthError::Cancelled)));
+    let fails = |_: &Cells| Err(GrowthError::NothingOnPlatform);
+    let failed =
+        add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &Default::default(), &fails, &go);
+    assert_eq!(failed, Err(SupportError::Growth(GrowthError::NothingOnPlatform)));
+}
+
+/// The skin of cells is closed, encloses their volume, and looks outwards, also where cells touch along an edge.
+#[test]
+fn the_skin_of_cells_is_closed() {
+    for seed in 0..20 {
+        let rows = crate::common::random_rows(seed, 20, 6, 4);
+        let cells = Cells::new([6, 4, 5], &rows).unwrap();
+        let members: Vec<u32> = cells.iter().collect();
+        let mesh = cell_mesh(&cells, &members, 0.5, Point3::new(1.0, 2.0, 3.0));
+        let mut edges: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+        let mut volume = 0.0;
+        for &[a, b, c] in &mesh.triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                *edges.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+            }
+            let [a, b, c] = [a, b, c].map(|corner| mesh.vertices[corner as usize] - Point3::new(1.0, 2.0, 3.0));
+            volume += a.dot(&b.cross(&c)) / 6.0;
+        }
+        assert!(edges.values().all(|&balance| balance == 0));
+        assert!((volume - members.len() as f64 / 8.0).abs() < 1e-9);
+    }
+}
+
+/// A part of cells of a millimetre, in one call: the support has surfaces of its own, beside those of the part.
+#[test]
+fn a_part_is_complete_in_one_call() {
+    let part = hanging_ball();
+    let cells = part.cells();
+    let all: Vec<u32> = cells.iter().collect();
+    let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
+    let workpiece = Workpiece {
+        vertices: &mesh.vertices,
+        triangles: &mesh.triangles,
+        cells,
+        cell_mm: 1.0,
+        origin: Point3::origin(),
+        platform: &part.platform,
+        rules: Rules::default(),
+        volume_mm3: all.len() as f64,
+    };
+    let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
+    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &go).unwrap();
+    let (layered, support) = (&complete.layered, complete.support.as_ref().unwrap());
+    assert!(complete.missed_by_hull.len() > 400);
+    assert!(layered.growth.missed.is_empty() && layered.growth.nozzle.is_empty());
+    assert!(layered.audit.is_ok() && layered.uniform.audit.is_ok());
+    assert_eq!(layered.audit.cells, all.len() + support.cells.len());
+    assert_eq!(layered.surfaces.sheets.len(), support.surfaces.sheets.len());
+    let share = layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
+    assert!((share - 1.0).abs() < 0.05, "{share}");
+    let share = support.surfaces.spacing.volume_mm3 / support.cells.len() as f64;
+    assert!((share - 1.0).abs() < 0.1, "{share}");
+
+    // With the nozzle alone: no support, and cells that are printed from the side.
+    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
+    let nozzle_only = CompleteOptions { rule, support: None, ..CompleteOptions::default() };
+    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &nozzle_only, &go).unwrap();
+    assert!(complete.support.is_none() && complete.layered.growth.nozzle.len() > 400);
+    assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());
+
+    // With neither it is what `layers` makes.
+    let neither = CompleteOptions { nozzle: NozzleUse::Off, support: None, ..CompleteOptions::default() };
+    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &neither, &go).unwrap();
+    let layered = workpiece.layers(Some(Strategy::Incremental), 1.0, &go).unwrap();
+    assert_eq!(complete.layered.growth, layered.growth);
+    assert_eq!(complete.layered.surfaces, layered.surfaces);
+
+    let rule = NozzleRule { max_tilt: 0.0, ..NozzleRule::default() };
+    let error = workpiece.complete_layers(None, 1.0, &CompleteOptions { rule, ..CompleteOptions::default() }, &go);
+    let tilt = GrowthError::Nozzle(NozzleRuleError::Tilt { max_tilt: 0.0 });
+    assert_eq!(error.unwrap_err(), LayersError::Growth(tilt));
+    let support = Some(SupportOptions { width: 0, ..SupportOptions::default() });
+    let options = CompleteOptions { nozzle: NozzleUse::Off, support, ..CompleteOptions::default() };
+    let error = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap_err();
+    assert_eq!(error, LayersError::Support(SupportError::Width { width: 0 }));
+    let stop = |p: Progress| if p.stage == "support" { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let error = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &stop).unwrap_err();
+    assert_eq!(error, LayersError::Cancelled);
+}
+
+/// From the start on each cell is built by either rule, and the audit agrees.
+#[test]
+fn from_the_start_on_both_rules_count() {
+    let part = hanging_ball();
+    let cells = part.cells();
+    let all: Vec<u32> = cells.iter().collect();
+    let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
+    let (platform, volume_mm3) = (&part.platform, all.len() as f64);
+    let (vertices, triangles, origin) = (&mesh.vertices[..], &mesh.triangles[..], Point3::origin());
+    let workpiece =
+        Workpiece { vertices, triangles, cells, cell_mm: 1.0, origin, platform, rules: Rules::default(), volume_mm3 };
+    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
+    let options = CompleteOptions { nozzle: NozzleUse::FromStart, rule, support: None };
+    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
+    let growth = &complete.layered.growth;
+    assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());
+    assert!(10 * growth.missed.len() < complete.missed_by_hull.len(), "{}", growth.missed.len());
+    assert!(growth.nozzle.len() < all.len()); // the hull rule suffices for many
+}
