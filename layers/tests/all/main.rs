@@ -10,6 +10,7 @@ mod growth_twins;
 mod impossible;
 mod orient;
 mod nozzle;
+mod planar;
 mod plates;
 mod quality;
 mod serde;
