@@ -5,7 +5,9 @@
 //! * [`surface`]: paths on curved layers, given as triangle meshes. All of it in two calls: [`surface::fill_layers`],
 //!   [`surface::FilledLayers::plan`].
 //! * [`gcode`]: machine files, written and read.
+//! * [`drawing`]: outlines of DXF and SVG files as beads on a dome, a sphere, a height field or a mesh.
 
+pub mod drawing;
 pub mod gcode;
 #[cfg(feature = "serde")]
 mod infinite;

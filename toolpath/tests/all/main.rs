@@ -4,6 +4,7 @@
 mod common;
 mod contacts;
 mod deposition;
+mod drawing_files;
 mod fit;
 mod fitted;
 mod gcode;

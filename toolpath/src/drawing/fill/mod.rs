@@ -1,0 +1,306 @@
+//! Regions filled with beads: Brooks, section 4.10, and what section 4.17.2 asks for.
+//!
+//! The thesis prints over the outline and comes out 3.1 times too wide (section 6.4.2). Here the outermost bead lies within it
+//! ([`ContourAt::Inside`]). Beads of a region share a width, near the wanted one, such that a whole number of them reaches its
+//! middle: of a ribbon 4.2 mm wide and a bead of 1.5 mm that are two to each side, 1.05 mm wide.
+//!
+//! * [`Fill::Lines`]: scan lines, joined to zigzags along the boundary (`lines`).
+//! * [`Fill::Concentric`]: the outline moved inwards again and again (`loops`).
+//! * [`Fill::Spiral`]: the same loops, joined by bridges into one closed curve a region (`spiral`), so that the nozzle starts and
+//!   stops once.
+
+mod lines;
+mod loops;
+mod spiral;
+
+use super::overlap::Region;
+use super::polygon::{Ring, Shape, inset, simplified, to_points};
+use super::{Contour, MAX_COORDINATE_MM};
+use nalgebra::Point2;
+
+/// Where the outermost bead lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ContourAt {
+    /// Half a bead within the outline: the print is as wide as the design.
+    #[default]
+    Inside,
+    /// On the outline, as in the thesis.
+    OnLine,
+}
+
+/// How regions are filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fill {
+    /// Outlines only.
+    None,
+    /// Scan lines within an outline.
+    Lines,
+    /// Loops, each a stroke of its own.
+    Concentric,
+    /// Loops joined into one curve.
+    #[default]
+    Spiral,
+}
+
+/// How a design is filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FillOptions {
+    /// Wanted width of a bead, in millimetres. Default 3.2, which the thesis reaches with its last motor (section 6.4.2).
+    pub bead: f64,
+    /// Where the outermost bead lies. Default: within the outline.
+    pub contour: ContourAt,
+    /// How regions are filled. Default: a spiral.
+    pub fill: Fill,
+    /// Direction of scan lines, from x, in radians. Default 0; the thesis has 0 and a quarter turn.
+    pub angle: f64,
+    /// Whether scan lines are joined. Default: yes; the thesis does not.
+    pub zigzag: bool,
+    /// Distance of scan lines from the bead of the outline, as a share of the bead, in addition to half a bead. Default 0. The
+    /// thesis removes points that are too near, with a threshold found by trial.
+    pub gap: f64,
+    /// Narrowest bead, as a share of the wanted one; narrower regions are left out. Default 0.5.
+    pub min_width: f64,
+    /// How far a bead may be from where it is meant, in millimetres. Default 0.01.
+    pub tolerance: f64,
+}
+
+impl Default for FillOptions {
+    fn default() -> Self {
+        FillOptions {
+            bead: 3.2,
+            contour: ContourAt::Inside,
+            fill: Fill::Spiral,
+            angle: 0.0,
+            zigzag: true,
+            gap: 0.0,
+            min_width: 0.5,
+            tolerance: 0.01,
+        }
+    }
+}
+
+/// What a stroke is part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrokeKind {
+    /// The outline of a region.
+    Outline,
+    /// Its fill; a spiral is fill, its outermost loop included.
+    Fill,
+    /// An open contour.
+    Open,
+}
+
+/// A bead that is laid without a stop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// Its middle line; of a closed one the first point does not come again.
+    pub points: Vec<Point2<f64>>,
+    /// Whether it returns to its begin.
+    pub closed: bool,
+    /// Its width, in millimetres.
+    pub width: f64,
+    /// What it is part of.
+    pub kind: StrokeKind,
+    /// Which region, or which open contour.
+    pub source: usize,
+}
+
+impl Stroke {
+    /// Its length, in millimetres.
+    pub fn length(&self) -> f64 {
+        let back = self.points.last().zip(self.points.first()).filter(|_| self.closed);
+        let along: f64 = self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        along + back.map_or(0.0, |(last, first)| (first - last).norm())
+    }
+}
+
+/// A filled design.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Filled {
+    /// The strokes: outlines and open contours first, then fill, each in the order of the regions.
+    pub strokes: Vec<Stroke>,
+    /// Regions that are too narrow for a bead.
+    pub too_narrow: usize,
+    /// Their area, in square millimetres.
+    pub too_narrow_mm2: f64,
+}
+
+impl Filled {
+    /// How often the nozzle stops: once a stroke.
+    pub fn stops(&self) -> usize {
+        self.strokes.len()
+    }
+}
+
+/// Why regions could not be filled.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FillError {
+    /// An option is out of its range.
+    #[error("the option `{what}` is {value}: {need}")]
+    Option {
+        /// Its name.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        need: &'static str,
+    },
+    /// A point is not finite, or too far away.
+    #[error("region {region} has a point that is not finite, or beyond 1e6 mm")]
+    Point {
+        /// The region, from 0.
+        region: usize,
+    },
+    /// The bead is so thin that a region would take more beads than make sense.
+    #[error("region {region} would take more than {limit} beads side by side; take a wider bead")]
+    TooMany {
+        /// The region, from 0.
+        region: usize,
+        /// Greatest number.
+        limit: usize,
+    },
+}
+
+/// Most beads side by side in a region: a platform of 300 mm with beads of 0.06 mm.
+const MAX_LEVELS: usize = 5000;
+
+/// Fills regions with beads, and lays one along each open contour.
+///
+/// # Errors
+/// [`FillError`] for options out of range and points that cannot be used.
+///
+/// # Cost
+/// `O(l n log n)` for `n` points of a region and `l` beads side by side.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::{drawing::{Fill, FillOptions, Region, fill}, nalgebra::Point2};
+/// let outer = [[0.0, 0.0], [40.0, 0.0], [40.0, 10.0], [0.0, 10.0]].map(Point2::from).to_vec();
+/// let region = Region { outer, holes: vec![], contour: 0 };
+/// let options = FillOptions { bead: 1.0, fill: Fill::Concentric, ..FillOptions::default() };
+/// // Five loops, half a millimetre from the outline and then a millimetre apart.
+/// let filled = fill(&[region], &[], &options)?;
+/// assert_eq!(filled.stops(), 5);
+/// assert!((filled.strokes[1].length() - 2.0 * (37.0 + 7.0)).abs() < 1e-6);
+/// # Ok::<(), curvlay_toolpath::drawing::FillError>(())
+/// ```
+pub fn fill(regions: &[Region], open: &[Contour], options: &FillOptions) -> Result<Filled, FillError> {
+    check(options)?;
+    let mut out = Filled::default();
+    let mut fills = Vec::new();
+    for (source, region) in regions.iter().enumerate() {
+        let far = |p: &Point2<f64>| !(p.x.abs() <= MAX_COORDINATE_MM && p.y.abs() <= MAX_COORDINATE_MM);
+        if region.rings().flatten().any(far) {
+            return Err(FillError::Point { region: source });
+        }
+        match beads(region, source, options)? {
+            Some((outlines, fill)) => {
+                out.strokes.extend(outlines);
+                fills.extend(fill);
+            }
+            None => {
+                out.too_narrow += 1;
+                out.too_narrow_mm2 += region.area();
+            }
+        }
+    }
+    out.strokes.extend(open.iter().enumerate().map(|(source, contour)| Stroke {
+        points: contour.points.clone(),
+        closed: contour.closed,
+        width: options.bead,
+        kind: StrokeKind::Open,
+        source,
+    }));
+    out.strokes.append(&mut fills);
+    Ok(out)
+}
+
+fn check(options: &FillOptions) -> Result<(), FillError> {
+    let FillOptions { bead, angle, gap, min_width, tolerance, .. } = *options;
+    let checks = [
+        ("bead", bead, bead > 0.0 && bead <= 1e3, "it must be above 0 and at most 1000 mm"),
+        ("angle", angle, angle.is_finite(), "it must be finite"),
+        ("gap", gap, (-0.5..=10.0).contains(&gap), "it must be from -0.5 to 10 beads"),
+        ("min_width", min_width, (0.05..=1.0).contains(&min_width), "it must be from 0.05 to 1 bead"),
+        ("tolerance", tolerance, tolerance > 0.0 && tolerance <= bead, "it must be above 0 and at most a bead"),
+    ];
+    match checks.into_iter().find(|(_, _, fits, _)| !fits) {
+        Some((what, value, _, need)) => Err(FillError::Option { what, value, need }),
+        None => Ok(()),
+    }
+}
+
+/// The strokes of a region, outlines and fill; `None` if it is too narrow.
+fn beads(
+    region: &Region,
+    source: usize,
+    options: &FillOptions,
+) -> Result<Option<(Vec<Stroke>, Vec<Stroke>)>, FillError> {
+    let bead = options.bead;
+    let whole = region.shape();
+    // Half of the tolerance for the shape, half for its round corners.
+    let thin: Shape = whole.iter().map(|ring| simplified(ring, 0.5 * options.tolerance)).collect();
+    let depth = loops::inradius(&thin, 0.002 * bead, 0.5 * options.tolerance);
+    let stroke = |ring: &Ring, kind, width| Stroke { points: to_points(ring), closed: true, width, kind, source };
+    // What lies within the bead on the outline is filled as a region of its own.
+    let (mut outlines, first) = match options.contour {
+        ContourAt::OnLine => (whole.iter().map(|ring| stroke(ring, StrokeKind::Outline, bead)).collect(), 0.5 * bead),
+        ContourAt::Inside => (Vec::new(), 0.0),
+    };
+    let left = depth - first;
+    if left < options.min_width * bead {
+        return Ok((options.contour == ContourAt::OnLine).then_some((outlines, Vec::new())));
+    }
+    // As many beads to the middle, of one width.
+    let levels = (left / bead).round().max(1.0);
+    if levels > MAX_LEVELS as f64 {
+        return Err(FillError::TooMany { region: source, limit: MAX_LEVELS });
+    }
+    let width = left / levels;
+    let at = |depth: f64| inset(&vec![thin.clone()], depth, 0.5 * options.tolerance);
+    let mut fill = Vec::new();
+    match options.fill {
+        Fill::None | Fill::Lines => {
+            let lines = options.fill == Fill::Lines;
+            // Scan lines have a width of their own; the outline keeps the wanted one where there is enough inside.
+            let (outline, within) = match options.contour {
+                ContourAt::OnLine => (bead, first),
+                ContourAt::Inside if levels > 1.0 => (bead, bead),
+                ContourAt::Inside => (width, 2.0 * depth),
+            };
+            if options.contour == ContourAt::Inside {
+                let rings = at(0.5 * outline);
+                outlines.extend(rings.iter().flatten().map(|ring| stroke(ring, StrokeKind::Outline, outline)));
+            }
+            if lines && within + (0.5 + options.gap) * bead < depth {
+                for shape in at(within + (0.5 + options.gap) * bead) {
+                    let scanned = lines::scan(&shape, bead, options);
+                    fill.extend(scanned.into_iter().map(|(ring, width)| Stroke {
+                        points: to_points(&ring),
+                        closed: false,
+                        width,
+                        kind: StrokeKind::Fill,
+                        source,
+                    }));
+                }
+            }
+        }
+        Fill::Concentric | Fill::Spiral => {
+            let nested: Vec<Vec<Shape>> =
+                (0..levels as usize).map(|level| at(first + (level as f64 + 0.5) * width)).collect();
+            if options.fill == Fill::Spiral {
+                let curves = spiral::joined(&nested, width);
+                fill.extend(curves.iter().map(|ring| stroke(ring, StrokeKind::Fill, width)));
+            } else {
+                for (level, shapes) in nested.iter().enumerate() {
+                    let is_outline = level == 0 && options.contour == ContourAt::Inside;
+                    let (kind, list) =
+                        if is_outline { (StrokeKind::Outline, &mut outlines) } else { (StrokeKind::Fill, &mut fill) };
+                    list.extend(shapes.iter().flatten().map(|ring| stroke(ring, kind, width)));
+                }
+            }
+        }
+    }
+    Ok(Some((outlines, fill)))
+}
