@@ -5,8 +5,7 @@
 
 use crate::args::{above_zero, celsius, from_zero, share};
 use clap::{Args, ValueEnum};
-use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, WriteOptions, write_gcode};
-use curvlay_toolpath::gcode::{Move, WriteError};
+use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, TravelOptions};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -106,6 +105,12 @@ pub struct Settings {
     /// How the machine file counts filament [default: absolute]
     #[arg(long, help_heading = FILES)]
     pub extrusion: Option<Count>,
+    /// By which comments viewers know layers and kinds of beads in the machine file [default: prusa]
+    #[arg(long, help_heading = FILES)]
+    pub tags: Option<TagStyle>,
+    /// Numbers the lines of the machine file, with checksums [default: false]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", help_heading = FILES)]
+    pub line_numbers: Option<bool>,
     /// What the machine file begins with, a line each, with `{nozzle}`, `{bed}` and `{fan}`.
     #[arg(skip)]
     pub start_gcode: Option<Vec<String>>,
@@ -135,6 +140,18 @@ pub enum Words {
     Ijk,
     /// As `nX nY nZ`: only for machines that know these words, others may drive to them.
     Dissertation,
+}
+
+/// By which comments viewers know layers and kinds of beads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TagStyle {
+    /// None.
+    None,
+    /// Those of PrusaSlicer and its relatives: `;LAYER_CHANGE`, `;TYPE:External perimeter`, `;WIDTH:`, `;HEIGHT:`.
+    Prusa,
+    /// Those of CuraEngine: `;LAYER:0`, `;TYPE:WALL-OUTER`.
+    Cura,
 }
 
 /// How filament is counted.
@@ -283,6 +300,8 @@ impl Settings {
             prime_feed_mm_s: Some(deposition.prime_feed),
             dialect: Some(self.dialect.unwrap_or(Words::Comment)),
             extrusion: Some(self.extrusion.unwrap_or(Count::Absolute)),
+            tags: Some(self.tags.unwrap_or(TagStyle::Prusa)),
+            line_numbers: Some(self.line_numbers.unwrap_or(false)),
             ..self.clone()
         }
     }
@@ -339,6 +358,12 @@ impl Settings {
                 Count::Absolute => Extrusion::Absolute,
                 Count::Relative => Extrusion::Relative,
             },
+            tags: match self.tags.unwrap_or(TagStyle::Prusa) {
+                TagStyle::None => Tags::None,
+                TagStyle::Prusa => Tags::Prusa,
+                TagStyle::Cura => Tags::Cura,
+            },
+            line_numbers: self.line_numbers.unwrap_or(false),
             nozzle_celsius: self.nozzle_celsius,
             bed_celsius: self.bed_celsius,
             fan: self.fan_share,

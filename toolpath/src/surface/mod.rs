@@ -23,6 +23,7 @@ mod geodesic;
 mod gouging;
 mod kind;
 mod level_set;
+mod marks;
 mod mesh;
 mod order;
 mod orientation;
@@ -36,6 +37,7 @@ mod statistics;
 mod support;
 mod travel;
 mod union;
+mod vtp;
 
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
@@ -51,6 +53,7 @@ pub use gouging::{
 };
 pub use kind::BeadKind;
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
+pub use marks::marked_moves;
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
 pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint};
@@ -66,3 +69,4 @@ pub use statistics::{
 };
 pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
 pub use travel::{BlockedTravel, TravelOptions, Travels};
+pub use vtp::write_paths_vtp;
