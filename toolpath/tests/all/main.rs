@@ -13,6 +13,7 @@ mod gcode_rotary;
 mod geodesic;
 mod gouging;
 mod gouging_order;
+mod infill;
 mod join;
 mod kinds;
 mod level_set;
