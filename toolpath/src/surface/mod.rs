@@ -6,6 +6,7 @@
 //!   nothing of how the curves were made.
 //! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part; and paths along them
 //!   that fill the surface with beads ([`LevelField::paths`]).
+//! * [`InfillOptions`]: walls, skins and sparse infill in place of solid layers. [`BeadKind`] says what a piece of bead is for.
 //! * [`order_curves`]: in which order curves are travelled, and from which end, for short ways in between.
 //! * [`LayerStack`]: all layers of a part. It orients the nozzle along their curves ([`LayerStack::orient`]), and tilts
 //!   it where it would run into what is built ([`LayerStack::resolve_gouging`]), and finds ways from path to path that keep clear
@@ -21,6 +22,7 @@ mod deposition;
 mod fill;
 mod geodesic;
 mod gouging;
+mod infill;
 mod kind;
 mod level_set;
 mod marks;
@@ -51,6 +53,7 @@ pub use gouging::{
     Contact, ContactError, Contacts, Gouge, GougingError, GougingOptions, LeftOut, Moment, Nozzle, NozzleError,
     NozzlePart, Obstacle, ResolvedPaths,
 };
+pub use infill::{Bridges, InfillOptions, InfillPattern, SparseFill};
 pub use kind::BeadKind;
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
 pub use marks::marked_moves;

@@ -15,6 +15,7 @@ mod gcode_tags;
 mod geodesic;
 mod gouging;
 mod gouging_order;
+mod infill;
 mod join;
 mod kinds;
 mod level_set;
