@@ -7,7 +7,7 @@ use crate::motion::of_run;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Results, Stage};
-use Severity::{Failed, Told};
+use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, percent};
 use curvlay_layers::curved::MissedReason;
@@ -33,9 +33,9 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
         }
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
-        Stage::Gcode => machine.iter().for_each(|run| {
-            of_machine(field, run, &args.allow, findings);
-            paths.iter().for_each(|paths| of_support(paths.bead_mm, run, args, findings));
+        Stage::Gcode => machine.iter().zip(paths.iter()).for_each(|(run, paths)| {
+            of_machine(field, paths, run, &args.allow, findings);
+            of_support(paths.bead_mm, run, args, findings);
         }),
         Stage::Motion => {
             motion.iter().for_each(|motion| of_run!(motion, run => of_plan(&run.plan, run.checked.as_ref(), findings)))
@@ -51,14 +51,14 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
         run.mesh.to_string().lines().skip(1).for_each(|line| findings.add(Told, format!("the mesh: {line}"), "", ""));
     }
     if report.dropped_triangles > 0 {
-        findings.add(Told, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
+        findings.add(Noted, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
     }
     if report.leak_faces > 0 {
         let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
         findings.add(Told, "the mesh has holes wider than a cell", amount, "");
     }
     if report.inside_out {
-        findings.add(Told, "the faces point inwards: the part was taken as turned the right way round", "", "");
+        findings.add(Noted, "the faces point inwards: the part was taken as turned the right way round", "", "");
     }
     if let (true, Some((thinnest, at))) = (run.thin.share > NOTABLE_SHARE, run.thin.thinnest) {
         let meets = run.mesh.touching.count + run.mesh.crossings.count > 0;
@@ -71,7 +71,7 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
     let taken_mm = run.platform_diameter_mm();
     if taken_mm > diameter_mm + cell_mm {
         let what = format!("the part does not fit on a platform of {diameter_mm} mm");
-        findings.add(Told, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
+        findings.add(Noted, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
     }
     if !run.audit.is_ok() {
         findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");
@@ -140,7 +140,7 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
 }
 
 /// Of the machine file.
-fn of_machine(field: &FieldRun, run: &MachineRun, allow: &AllowArgs, findings: &mut Findings) {
+fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, allow: &AllowArgs, findings: &mut Findings) {
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
         let share = left as f64 / waypoints as f64;
@@ -182,7 +182,8 @@ fn of_machine(field: &FieldRun, run: &MachineRun, allow: &AllowArgs, findings: &
         let amount = run.travels.blocked.len().to_string();
         findings.add(Failed, "travels run into what is built", amount, "blocked_travels.csv");
     }
-    let (laid, part, missed) = (run.deposition.extruded_mm3, field.part_mm3, field.missed_mm3);
+    // What sparse infill leaves empty is not to be laid.
+    let (laid, part, missed) = (run.deposition.extruded_mm3, field.part_mm3 - paths.hollow_mm3(), field.missed_mm3);
     let (filled, rest) = (laid / part, laid / (part - missed));
     let off = |share: f64| (share - 1.0).abs();
     if off(filled).max(off(rest)) > NOTABLE_VOLUME {

@@ -5,9 +5,10 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
+use curvlay_toolpath::gcode::Move;
 use curvlay_toolpath::surface::{
     BeadSupport, Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, SupportOptions, ToolPath,
-    Travels, Turns, check_support,
+    Travels, Turns, check_support, marked_moves,
 };
 use std::f64::consts::PI;
 use std::time::Duration;
@@ -43,6 +44,11 @@ pub struct Times {
 impl MachineRun {
     pub fn waypoints(&self) -> usize {
         self.resolved.paths.iter().map(|path| path.waypoints.len()).sum()
+    }
+
+    /// The moves of the machine file, with marks of layers and beads among them.
+    pub fn moves(&self) -> impl Iterator<Item = Move> {
+        marked_moves(&self.deposition.moves, &self.resolved.paths)
     }
 
     /// Length of the paths, and of the pieces that are left out because the nozzle would run into what is built.

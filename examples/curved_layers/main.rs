@@ -91,6 +91,9 @@ struct Args {
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell", "strategy", "prevention"], help_heading = CELLS)]
     resume: Option<PathBuf>,
+    /// Files that are written beside the others, with commas between them
+    #[arg(long, value_name = "FILE,...", value_delimiter = ',', help_heading = settings::FILES)]
+    also: Vec<Extra>,
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
     #[arg(long, help_heading = settings::FILES)]
     rotary: bool,
@@ -181,6 +184,12 @@ impl Args {
         ))
     }
 
+    /// Whether a file is to be written: asked for, or one of the field and its layers in a run for research. With layers as those of
+    /// printers they take hundreds of megabytes.
+    fn writes(&self, extra: Extra) -> bool {
+        self.also.contains(&extra) || (self.has_cells() && extra.stage() <= Stage::Surfaces)
+    }
+
     fn field_options(&self) -> FieldOptions {
         let GrowArgs { eps, beyond_eps, .. } = self.grow;
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
@@ -203,7 +212,8 @@ impl Args {
     fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {
         let (bead, pattern) = (self.bead(height_mm).map_err(failure)?, self.pattern.of_surface());
         let (min_gap, join_distance, min_length) = (self.least_gap, self.join_distance, self.least_length);
-        Ok(PathOptions { bead, pattern, min_gap, join_distance, min_length, ..PathOptions::default() })
+        let infill = self.settings.infill();
+        Ok(PathOptions { bead, pattern, min_gap, join_distance, min_length, infill, ..PathOptions::default() })
     }
 
     fn support_options(&self) -> SupportOptions {
@@ -253,19 +263,60 @@ enum Stage {
     Motion,
 }
 
+/// Files that a run writes on demand. With --voxels, --cell or --resume all of the field and the layers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Extra {
+    /// field.csv: the layer of each cell.
+    FieldCsv,
+    /// field.vtk: the same for ParaView.
+    FieldVtk,
+    /// layers.obj: the surfaces of the layers.
+    LayersObj,
+    /// layers.vtk: the same for ParaView, with their spacing.
+    LayersVtk,
+    /// paths.obj: the curves that fill the layers.
+    PathsObj,
+    /// toolpath.apt: for CAM and post-processors, APT with GOTO/x,y,z,i,j,k.
+    Apt,
+    /// toolpath.csv: every move with every digit.
+    Csv,
+}
+
+impl Extra {
+    /// The stage that makes it.
+    fn stage(self) -> Stage {
+        match self {
+            Extra::FieldCsv => Stage::Field,
+            Extra::FieldVtk | Extra::LayersObj | Extra::LayersVtk => Stage::Surfaces,
+            Extra::PathsObj => Stage::Paths,
+            Extra::Apt | Extra::Csv => Stage::Gcode,
+        }
+    }
+}
+
 /// The options that a run uses from a stage on; it would not look at them before.
 const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
-    (Stage::Paths, "bead_mm pattern least_gap join_distance least_length"),
+    (
+        Stage::Paths,
+        "bead_mm density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length",
+    ),
     (
         Stage::Gcode,
         "nozzle clearance_mm min_lift_mm material filament_mm material_density_g_cm3 price_per_kg nozzle_celsius bed_celsius fan_share \
          flow_mm3_s min_feed_mm_s max_feed_mm_s max_turn_rate_deg_s travel_feed_mm_s retraction_mm retract_feed_mm_s prime_feed_mm_s \
-         dialect extrusion rotary workcell support_distance allow_volume allow_gouging allow_left_out allow_unsupported \
+         dialect extrusion tags line_numbers rotary workcell support_distance allow_volume allow_gouging allow_left_out allow_unsupported \
          allow_unsupported_beads",
     ),
     (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),
 ];
+
+/// How an option is typed, without its dashes.
+fn long_name(id: &str) -> String {
+    let command = Args::command();
+    let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(|arg| arg.get_long());
+    long.unwrap_or(id).to_owned()
+}
 
 /// Says which option would be ignored.
 fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
@@ -273,11 +324,18 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     let stage = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
     for (needed, ids) in NEEDS.into_iter().filter(|(needed, _)| *needed > stage) {
         if let Some(id) = ids.split(' ').find(|id| is_given(id)) {
-            let command = Args::command();
-            let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(|arg| arg.get_long());
-            let (name, needed) = (long.unwrap_or(id), typed_name(needed));
+            let (name, needed) = (long_name(id), typed_name(needed));
             return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
         }
+    }
+    let extras = matches.get_many::<Extra>("also").into_iter().flatten();
+    if let Some(extra) = extras.copied().find(|extra| extra.stage() > stage) {
+        let [name, needed, stage] = [typed_name(extra), typed_name(extra.stage()), typed_name(stage)];
+        return Err(format!("--also {name} does nothing with --stage {stage}: it needs --stage {needed}"));
+    }
+    let sparse = ["walls", "skin_layers", "infill_pattern", "infill_turn_deg"].into_iter().find(|id| is_given(id));
+    if let Some(id) = sparse.filter(|_| !is_given("density_percent") && !is_given("profile")) {
+        return Err(format!("--{} does nothing in a part that is solid: see --density", long_name(id)));
     }
     let strategy = matches.get_one("strategy").copied();
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
@@ -343,6 +401,7 @@ impl Job<'_> {
         let Job { args, part, bars, .. } = *self;
         let mut findings = Findings::default();
         part.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+        part.notes.iter().for_each(|note| findings.add(Severity::Noted, note, "", ""));
         findings.say();
         let longest = part.mesh.bounds().map_or(0.0, |[low, high]| (high - low).max());
         if let Some(bead) = args.settings.bead_mm.filter(|bead| *bead > longest) {

@@ -89,8 +89,10 @@ pub struct Part {
     pub name: String,
     /// The part.
     pub mesh: Mesh,
-    /// What the user should know about it, a line each: doubts about its size, triangles that were turned.
+    /// What the user should look at, a line each: doubts about its size.
     pub warnings: Vec<String>,
+    /// What was done to it, a line each: triangles that were turned.
+    pub notes: Vec<String>,
     /// How fine its coordinates are if they are of single precision.
     pub spacing_mm: Option<f64>,
 }
@@ -135,16 +137,14 @@ impl MeshArgs {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let placement = self.placement();
         let spacing_mm = mesh.float32_spacing().map(|spacing| spacing * placement.unit.millimetres() * placement.scale);
-        let mut prepare = || -> Result<Vec<String>, MeshFault> {
-            let mut warnings = placement.apply(&mut mesh)?;
+        let mut prepare = || -> Result<[Vec<String>; 2], MeshFault> {
+            let warnings = placement.apply(&mut mesh)?;
             let turned = mesh.orient()?;
-            if turned.turned_triangles > 0 {
-                warnings.push(turned.to_string());
-            }
-            Ok(warnings)
+            let notes = if turned.turned_triangles > 0 { vec![turned.to_string()] } else { Vec::new() };
+            Ok([warnings, notes])
         };
         match prepare() {
-            Ok(warnings) => Ok(Part { name, mesh, warnings, spacing_mm }),
+            Ok([warnings, notes]) => Ok(Part { name, mesh, warnings, notes, spacing_mm }),
             Err(fault) => Err(MeshError { path, fault }),
         }
     }

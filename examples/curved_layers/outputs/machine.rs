@@ -5,7 +5,7 @@ use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Job, failure};
+use crate::{Args, Extra, Job, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
@@ -14,17 +14,30 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
+use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath};
+use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, write_paths_vtp};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::io;
 
-/// Writes the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
-pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
+/// Writes the tool paths and the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
+pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
     let templates = args.settings.templates();
     let options = args.settings.write_options(&templates);
+    folder.write_with("paths.vtp", |out| write_paths_vtp(&run.resolved.paths, &run.deposition.moves, out))?;
     let written = write(run, &options, "toolpath.gcode", folder)?;
+    let failed = |error: CamError| match error {
+        CamError::Io(error) => error,
+        error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
+    };
+    let name = AptOptions { name, ..AptOptions::default() };
+    folder.write_list("toolpath.apt", args.writes(Extra::Apt), |out| {
+        write_apt(run.moves(), &name, out).map(|_| ()).map_err(failed)
+    })?;
+    folder.write_list("toolpath.csv", args.writes(Extra::Csv), |out| {
+        write_csv(run.moves(), out).map(|_| ()).map_err(failed)
+    })?;
     if args.rotary {
         let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
         write(run, &options, "toolpath-bc.gcode", folder)?;
@@ -100,7 +113,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     let mut written = Ok(Written::default());
     folder
         .write_with(name, |out| {
-            written = write_gcode(&run.deposition.moves, options, out);
+            written = write_gcode(run.moves(), options, out);
             // What is wrong is told below, in words.
             written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
         })
@@ -109,14 +122,17 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
 }
 
 /// The share of the part that is laid, and of how much, in words.
-pub fn filled(field: &FieldRun, run: &MachineRun) -> String {
-    let (laid, part) = (run.deposition.extruded_mm3, field.part_mm3);
-    format!("{:.1} %, {laid:.1} of {part:.1} mm3", 100.0 * laid / part)
+pub fn filled(field: &FieldRun, paths: &PathsRun, run: &MachineRun) -> String {
+    let (laid, hollow) = (run.deposition.extruded_mm3, paths.hollow_mm3());
+    let part = field.part_mm3 - hollow;
+    let but = if hollow > 0.0 { format!(", {hollow:.1} mm3 stay hollow") } else { String::new() };
+    format!("{:.1} %, {laid:.1} of {part:.1} mm3{but}", 100.0 * laid / part)
 }
 
 pub fn summary(
     job: &Job,
     field: &FieldRun,
+    paths: &PathsRun,
     run: &MachineRun,
     written: &Written,
     summary: &mut Summary,
@@ -127,7 +143,7 @@ pub fn summary(
     let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
-        .set("filled_share", deposition.extruded_mm3 / field.part_mm3)?
+        .set("filled_share", deposition.extruded_mm3 / (field.part_mm3 - paths.hollow_mm3()))?
         .set("nozzle", nozzle.map(|number| number.to_string()).join(","))?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
@@ -168,13 +184,13 @@ pub fn summary(
     Ok(())
 }
 
-pub fn rows(field: &FieldRun, run: &MachineRun, written: &Written, table: &mut Table) {
+pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Written, table: &mut Table) {
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     let turns = |turns: &curvlay_toolpath::surface::Turns| {
         format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
     };
     table
-        .row(["filled".to_owned(), filled(field, run)])
+        .row(["filled".to_owned(), filled(field, paths, run)])
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
         .row(["turns, raw".to_owned(), turns(&run.before)])
         .row(["turns".to_owned(), turns(&resolved.turns)])

@@ -1,9 +1,9 @@
 //! Of the paths: their lines as OBJ, figures and pictures.
 
 use super::{Picture, borrowed, pictures, seconds};
-use crate::Args;
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
+use crate::{Args, Extra};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -12,8 +12,8 @@ use curvlay_examples::table::Table;
 use curvlay_toolpath::surface::SHORT_CURVE_BEADS;
 use std::io::{self, Write};
 
-pub fn products(run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
-    folder.write_with("paths.obj", |out| write_obj(run, out))?;
+pub fn products(args: &Args, run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
+    folder.write_list("paths.obj", args.writes(Extra::PathsObj), |out| write_obj(run, out))?;
     Ok(())
 }
 
@@ -61,6 +61,12 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("unordered_jump_mm", filled.given_mm)?
         .set_seconds("order_s", times.order)?
         .set("path_mm", totals.path_mm)?
+        .set("wall_mm", totals.wall_mm)?
+        .set("solid_mm", totals.solid_mm)?
+        .set("skin_mm", totals.skin_mm)?
+        .set("infill_mm", totals.sparse.infill_mm)?
+        .set("sparse_mm3", totals.sparse.volume_mm3)?
+        .set("sparse_infill_mm3", totals.sparse.infill_mm3)?
         .set("covered_fraction", totals.covered_fraction)?
         .set("overlap_fraction", totals.overlap_fraction)?
         .set("spill_fraction", totals.spill_fraction)?

@@ -247,7 +247,7 @@ fn a_curve_fills_each_layer() {
     ];
     fs::write(&mesh, boxes(&bars)).unwrap();
     let out = scratch.path("out");
-    let args = ["--cell", "1", "--layer-height", "0.5", "--bead", "0.5", "--compare", "--quiet"];
+    let args = ["--cell", "1", "--layer-height", "0.5", "--bead", "0.5", "--compare", "--also", "paths-obj", "--quiet"];
     let output = run(&[&args[..], &["--mesh", &mesh, "--out", &out]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = summary(&out);
@@ -665,7 +665,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 61] = [
+    let cases: [(&[&str], i32, &str); 67] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -718,6 +718,16 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--profile", "no-such-profile.json"], 1, "no-such-profile.json"),
         (&["--profile", &scratch.path("file")], 1, "line 1 column 1"),
         (&["a.stl", "--mesh", "b.stl"], 2, "--mesh"),
+        (
+            &["--stage", "paths", "--also", "apt"],
+            2,
+            "--also apt does nothing with --stage paths: it needs --stage gcode",
+        ),
+        (&["--also", "apt,svg"], 2, "--also"),
+        (&["--tags", "simplify"], 2, "--tags"),
+        (&["--density", "101"], 2, "--density <PERCENT>': must be from 0 to 100"),
+        (&["--walls", "2"], 2, "--walls does nothing in a part that is solid: see --density"),
+        (&["--density", "20", "--walls", "20000"], 2, "--walls"),
         (&["--voxels", "5000", "--max-memory", "0.001"], 1, "--voxels"),
         (&["--voxels", "2000", "--stage", "field", "--scale", "1e200"], 1, "--allow-large"),
         (&["--cell8", "--workcell", "x.json"], 2, "--workcell"),
@@ -753,7 +763,8 @@ fn profiles_are_taken_and_options_win() {
         "start_gcode": ["M109 S{nozzle} ; mine", "G28"], "end_gcode": ["M84"]
     }"#;
     fs::write(&profile, text).unwrap();
-    let args = ["--profile", &profile, "--bead", "0.5", "--nozzle-celsius", "240.5", "--threads", "1"];
+    let args =
+        ["--profile", &profile, "--bead", "0.5", "--nozzle-celsius", "240.5", "--also", "apt,csv", "--line-numbers"];
     let output = run(&[&args[..], &[&mesh, "--quiet", "--out", &out]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     documented(&out);
@@ -767,10 +778,43 @@ fn profiles_are_taken_and_options_win() {
     assert!((mass - figure("extruded_mm3") * 1.27e-3).abs() < 1e-9 && mass > 0.1);
     assert!((figure("filament_cost") - mass * 0.03).abs() < 1e-9);
     let gcode = fs::read_to_string(Path::new(&out).join("toolpath.gcode")).unwrap();
-    assert!(
-        gcode.contains("\nM109 S240.5 ; mine\nG28\nG21\n") && gcode.ends_with("\nM84\n") && gcode.contains("\nM83\n")
-    );
+    assert!(gcode.contains("N1 M109 S240.5*") && gcode.contains(" ; mine\nN2 G28*") && gcode.contains(" M83*"));
+    assert!(gcode.lines().last().unwrap().contains(" M84*"));
     assert!(!gcode.contains(";DIR:") && !gcode.contains("G1 E-0\n"));
+    // Numbers and checksums hold, and viewers see as many layers as there are.
+    let options = ReadOptions {
+        dialect: gcode::Dialect::Part(gcode::DirectionWords::Ijk),
+        skip_other_m: true,
+        ..ReadOptions::default()
+    };
+    let moves = GcodeReader::new(gcode.as_bytes(), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+    assert!(gcode.lines().filter(|line| line.contains("*")).count() > moves.len());
+    let count = |line: &str| gcode.lines().filter(|other| *other == line).count() as f64;
+    assert_eq!((count(";LAYER_CHANGE"), count(";HEIGHT:0.4") > 0.0), (figure("surfaces"), true));
+    assert!(
+        count(";TYPE:External perimeter") >= figure("surfaces") && count(";TYPE:Solid infill") >= figure("surfaces")
+    );
+    // The same moves for CAM.
+    let goes =
+        moves.iter().filter(|step| matches!(step, gcode::Move::Travel { .. } | gcode::Move::Print { .. })).count();
+    let read = |name: &str| fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    let begin = |text: &str, word: &str| text.lines().filter(|line| line.starts_with(word)).count();
+    // The machine file ends with a lift of its own.
+    assert_eq!(begin(&read("toolpath.apt"), "GOTO/"), goes - 1);
+    assert_eq!(begin(&read("toolpath.csv"), "travel,") + begin(&read("toolpath.csv"), "print,"), goes - 1);
+    let vtp = fs::read(Path::new(&out).join("paths.vtp")).unwrap();
+    assert!(String::from_utf8_lossy(&vtp).contains(&format!("NumberOfPoints=\"{}\"", figures["waypoints"])));
+    // Of what takes hundreds of megabytes at real resolution nothing is there.
+    for name in ["field.csv", "field.vtk", "layers.obj", "layers.vtk", "paths.obj"] {
+        assert!(!Path::new(&out).join(name).exists(), "{name}");
+    }
+    // People read on stdout what there is, and where.
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    for words in
+        ["8.0 x 6.0 x 2.0 mm, 0.10 cm3", "5 of 0.400 mm, beads of 0.500 mm", "(PETG)", " g, costs ", "report.html"]
+    {
+        assert!(said.contains(words), "{words}: {said}");
+    }
 
     for (text, status, words) in [
         (r#"{"layer_hight_mm": 0.2}"#, 1, "line 1: `layer_hight_mm` is no setting; did you mean `layer_height_mm`?"),
@@ -784,6 +828,7 @@ fn profiles_are_taken_and_options_win() {
         (r#"{"end_gcode": ["M84 {"]}"#, 1, "the footer, line 1: a single `{`"),
         (r#"{"workcell": "no-such.json"}"#, 1, "no-such.json"),
         (r#"{"layer_height_mm": 0.7}"#, 2, "layers of 0.7 mm are higher than a bead is wide"),
+        (r#"{"density_percent": 101}"#, 1, "`density_percent` is 101: must be from 0 to 100"),
         (r#"{"min_feed_mm_s": 50}"#, 2, "--min-feed 50"),
     ] {
         fs::write(&profile, text).unwrap();

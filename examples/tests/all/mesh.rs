@@ -366,10 +366,10 @@ fn placement_turns_right_handed() {
             Up::NegZ => [0.0, 0.0, -2.0],
         });
         mesh.vertices.push(top);
-        let placement = Placement { unit: Unit::M, scale: 0.5, up, ..Placement::default() };
+        let placement = Placement { unit: Unit::M, scale: 0.25, up, ..Placement::default() };
         assert_eq!(placement.apply(&mut mesh).unwrap(), <[String; 0]>::default());
-        assert_eq!(mesh.vertices.pop(), Some(Point3::new(0.0, 0.0, 1000.0)), "{up:?}");
-        assert!((volume(&mesh) / before - 500.0_f64.powi(3)).abs() < 1e-3, "{up:?} keeps the sense of turning");
+        assert_eq!(mesh.vertices.pop(), Some(Point3::new(0.0, 0.0, 500.0)), "{up:?}");
+        assert!((volume(&mesh) / before - 250.0_f64.powi(3)).abs() < 1e-3, "{up:?} keeps the sense of turning");
     }
 }
 

@@ -6,6 +6,7 @@
 //! of all layers are put in an order with short ways between them ([`order_curves`]).
 
 use super::geodesic::{DistanceError, SurfaceDistance};
+use super::infill::{self, Site, Sites, SparseFill, sites};
 use super::kind::BeadKind;
 use super::level_set::{LevelField, LevelSetError};
 use super::mesh::{MeshError, SurfaceMesh};
@@ -21,7 +22,7 @@ use std::ops::ControlFlow;
 
 /// How far level sets may be off, in beads. Less takes longer and moves curves by less than a machine resolves; with more
 /// the outermost bead spills over the boundary.
-const TOLERANCE: f64 = 0.0125;
+pub(super) const TOLERANCE: f64 = 0.0125;
 
 /// The surface of a layer and how thick the layer is.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +65,8 @@ pub struct FilledLayer {
     /// The greatest distance of a place of the surface from its boundary, in millimetres: half the width of its widest place. Infinite
     /// for a surface without a boundary.
     pub reach_mm: f64,
+    /// What is sparse of it ([`PathOptions::infill`]): nothing of a layer that is filled solid. `statistics` are those of the rest.
+    pub sparse: SparseFill,
 }
 
 /// The paths of all surfaces of a part.
@@ -135,6 +138,14 @@ pub struct FillTotals {
     pub self_crossings: usize,
     /// Layers with uniform beads, since fitted ones crossed.
     pub uniform_layers: usize,
+    /// Length of walls.
+    pub wall_mm: f64,
+    /// Length of the inside of solid layers.
+    pub solid_mm: f64,
+    /// Length of skins, bridges included.
+    pub skin_mm: f64,
+    /// What is sparse, of all layers together. Fractions above are of the area of the rest.
+    pub sparse: SparseFill,
 }
 
 /// Why a surface is not filled.
@@ -226,6 +237,9 @@ pub enum FillLayersError {
         /// A width that surely has room there: half of that, since a ring has to be longer than a bead is wide.
         fits_mm: f64,
     },
+    /// What is above and below each layer cannot be looked at, to find where skins are.
+    #[error(transparent)]
+    Stack(#[from] StackError),
     /// The curves cannot be ordered.
     #[error(transparent)]
     Order(OrderError),
@@ -248,8 +262,10 @@ impl FillLayersError {
 
 /// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
 ///
+/// With sparse infill ([`PathOptions::infill`]) it is taken for a part of one layer: if there are skins all of it is one.
+///
 /// # Arguments
-/// * `surface`: with at least one triangle; its thickness is not used.
+/// * `surface`: with at least one triangle; its thickness is used for volumes of sparse infill only.
 /// * `progress`: called with the stages `distance`, `curves` and `coverage`, from 0 on; may cancel.
 ///
 /// # Errors
@@ -275,6 +291,25 @@ pub fn fill_layer(
     options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FilledLayer, FillError> {
+    Ok(fill_at(surface, options, None, progress)?.layer)
+}
+
+/// A layer that is filled.
+struct Placed {
+    layer: FilledLayer,
+    /// What is solid of it, if that is not all.
+    solid: Option<SurfaceMesh>,
+    /// For each vertex how far it is in what is sparse; empty where nothing is.
+    open: Vec<f64>,
+}
+
+/// Fills a surface that has a place in a part.
+fn fill_at(
+    surface: &LayerSurface,
+    options: &PathOptions,
+    site: Option<&Site>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Placed, FillError> {
     let report = |stage: &'static str| move |p: Progress| progress(Progress { stage, ..p });
     // Each stage from nothing done to all of it, so that a caller can tell them apart.
     let mark = |stage: &'static str, done: u64| match progress(Progress { stage, done, total: 1 }) {
@@ -294,18 +329,31 @@ pub fn fill_layer(
     let tolerance = TOLERANCE * options.bead.min((high - low).norm());
     let field = LevelField::new(&distance, tolerance, &report("curves"))?;
     let reach_mm = field.greatest();
-    let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
+    let alone = Site::alone(&mesh, &options.infill);
+    let site = site.unwrap_or(&alone);
+    let filled = |options: &PathOptions, uniform: bool| -> Result<Placed, FillError> {
         mark("curves", 0)?;
-        let paths = field.paths(options, &report("curves"))?;
+        let infill::Filled { paths, sparse, solid, open } = if options.infill.is_solid() {
+            infill::Filled::solid(field.paths(options, &report("curves"))?)
+        } else {
+            infill::filled(&field, surface, options, site, &report("curves"))?
+        };
         mark("curves", 1)?;
-        let statistics = statistics(&mesh, &paths, [options.bead, reach_mm], &report("coverage"))?;
+        let statistics = match (&solid, sparse.area_mm2 > 0.0) {
+            (None, true) => PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() },
+            (solid, _) => {
+                let solid = solid.as_ref().unwrap_or(&mesh);
+                statistics(solid, &paths, [options.bead, reach_mm], &report("coverage"))?
+            }
+        };
         mark("coverage", 1)?;
-        Ok(FilledLayer { paths, statistics, uniform, reach_mm })
+        let solid = solid.filter(|_| sparse.area_mm2 > 0.0);
+        Ok(Placed { layer: FilledLayer { paths, statistics, uniform, reach_mm, sparse }, solid, open })
     };
     // The figures know nothing of how the curves were made; what they find fault with is made anew.
     match filled(options, false) {
         Err(FillError::Cancelled) => Err(FillError::Cancelled),
-        Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
+        Ok(placed) if placed.layer.statistics.self_crossings == 0 => Ok(placed),
         // There is nothing more uniform than uniform beads, and rows are.
         as_asked if !options.fitted || options.pattern == Pattern::Zigzag => as_asked,
         fitted => match filled(&PathOptions { fitted: false, ..*options }, true) {
@@ -325,7 +373,9 @@ fn statistics(
     let narrowest = BEAD_WIDTHS[0] * bead;
     let fits = reach_mm >= narrowest / 2.0;
     let min_width_mm = if fits { narrowest } else { 0.0 };
-    let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> = paths.paths.iter().map(|path| path.line()).collect();
+    let is_solid = |path: &&SurfacePath| path.points.first().is_none_or(|point| point.kind != BeadKind::Infill);
+    let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> =
+        paths.paths.iter().filter(is_solid).map(|path| path.line()).collect();
     let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
     let options = StatisticsOptions { min_width_mm, ..StatisticsOptions::default() };
     let mut statistics = path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)?;
@@ -375,14 +425,27 @@ pub fn fill_layers(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FilledLayers, FillLayersError> {
     check_size(surfaces, options)?;
+    let Sites { of_layer, stack } =
+        if options.infill.is_solid() { Sites::default() } else { sites(surfaces, options, progress)? };
     let fill = |layer: usize, surface: &LayerSurface| {
-        let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
+        let fill = || fill_at(surface, options, of_layer.get(layer), progress);
+        let filled = (!surface.triangles.is_empty()).then(fill).transpose();
         filled.map_err(|error| FillLayersError::of(layer, error))
     };
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
-    let mut layers = filled.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let (mut layers, mut solid, mut open) = (Vec::new(), Vec::new(), Vec::new());
+    for filled in filled {
+        let placed = filled?.map(|placed| (placed.layer, placed.solid, placed.open));
+        let (layer, of_solid, of_open) = placed.map_or((None, None, Vec::new()), |(l, s, o)| (Some(l), s, o));
+        layers.push(layer);
+        solid.push(of_solid);
+        open.push(of_open);
+    }
     let changed = keep_carriers(&mut layers, surfaces, options.bead);
-    judge_again(&mut layers, &changed, surfaces, options.bead, progress)?;
+    judge_again(&mut layers, &changed, (surfaces, &solid), options.bead, progress)?;
+    if let Some(stack) = &stack {
+        infill::mark(&mut layers, surfaces, &open, stack);
+    }
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     let reach = layers
         .iter()
@@ -410,17 +473,21 @@ pub fn fill_layers(
 fn judge_again(
     layers: &mut [Option<FilledLayer>],
     changed: &[usize],
-    surfaces: &[LayerSurface],
+    (surfaces, solid): (&[LayerSurface], &[Option<SurfaceMesh>]),
     bead: f64,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<(), FillLayersError> {
     let report = |p: Progress| progress(Progress { stage: "coverage", ..p });
-    let judge = |FilledLayer { paths, reach_mm, .. }: &FilledLayer, surface: &LayerSurface| {
+    let judge = |FilledLayer { paths, reach_mm, .. }: &FilledLayer, layer: usize| {
+        if let Some(solid) = &solid[layer] {
+            return Ok(statistics(solid, paths, [bead, *reach_mm], &report)?);
+        }
+        let surface = &surfaces[layer];
         let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
         Ok(statistics(&mesh, paths, [bead, *reach_mm], &report)?)
     };
     let judged = parallel::map(changed, "fill", progress, |_, &layer| {
-        layers[layer].as_ref().map(|filled| judge(filled, &surfaces[layer])).transpose()
+        layers[layer].as_ref().map(|filled| judge(filled, layer)).transpose()
     });
     for (&layer, judged) in changed.iter().zip(judged.ok_or(FillLayersError::Cancelled)?) {
         let judged = judged.map_err(|error| FillLayersError::of(layer, error))?;
@@ -521,13 +588,16 @@ impl FilledLayers {
         LayerStack::with_curves(surfaces.iter().zip(&self.beads).map(layer).collect())
     }
 
-    /// Volume of what beads cover, in cubic millimetres: covered area by the thickness of the layer.
+    /// Volume of what beads cover, in cubic millimetres: covered area by the thickness of the layer; of sparse infill the volume of its
+    /// beads.
     ///
     /// # Arguments
     /// * `surfaces`: those that were filled.
     pub fn covered_mm3(&self, surfaces: &[LayerSurface]) -> f64 {
         let covered = |(layer, surface): (&Option<FilledLayer>, &LayerSurface)| {
-            layer.as_ref().map_or(0.0, |layer| layer.statistics.covered_fraction * surface.volume())
+            layer.as_ref().map_or(0.0, |FilledLayer { statistics, sparse, .. }| {
+                statistics.covered_fraction * (surface.volume() - sparse.volume_mm3) + sparse.infill_mm3
+            })
         };
         self.layers.iter().zip(surfaces).map(covered).sum()
     }
@@ -571,12 +641,14 @@ impl FilledLayers {
     pub fn totals(&self) -> FillTotals {
         let mut totals = FillTotals::default();
         let mut area = 0.0;
-        for FilledLayer { paths, statistics, uniform, .. } in self.layers.iter().flatten() {
+        for FilledLayer { paths, statistics, uniform, sparse, .. } in self.layers.iter().flatten() {
+            totals.add_lengths(paths);
+            totals.sparse.add(sparse);
             totals.uniform_layers += usize::from(*uniform);
             area += statistics.area_mm2;
             totals.regions += paths.regions;
-            totals.curves += statistics.curves;
-            totals.path_mm += statistics.path_mm;
+            totals.curves += statistics.curves + sparse.curves;
+            totals.path_mm += statistics.path_mm + sparse.infill_mm;
             totals.joints += paths.joints;
             totals.short_left += paths.short.len();
             totals.short_left_mm += paths.short.iter().map(SurfacePath::length).sum::<f64>();
@@ -600,5 +672,22 @@ impl FilledLayers {
             of_all.into_iter().chain([&mut totals.unfillable_fraction]).for_each(|share| *share /= area);
         }
         totals
+    }
+}
+
+impl FillTotals {
+    /// Adds the lengths of what paths are for.
+    fn add_lengths(&mut self, paths: &LayerPaths) {
+        for path in &paths.paths {
+            for [from, to] in (0..path.segments()).map(|k| path.segment(k)) {
+                let length = (to.at.position - from.at.position).norm();
+                match to.kind {
+                    BeadKind::Wall => self.wall_mm += length,
+                    BeadKind::Solid => self.solid_mm += length,
+                    BeadKind::Skin | BeadKind::Bridge => self.skin_mm += length,
+                    BeadKind::Infill => {}
+                }
+            }
+        }
     }
 }

@@ -13,6 +13,8 @@ pub enum BeadKind {
     Solid,
     /// Solid because the layer is near the outside of the part: bottoms and tops over and under sparse infill.
     Skin,
+    /// A skin over sparse infill, which is no ground.
+    Bridge,
     /// Sparse infill.
     Infill,
 }

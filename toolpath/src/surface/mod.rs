@@ -6,6 +6,7 @@
 //!   nothing of how the curves were made.
 //! * [`LevelField`]: its level sets, how they nest, and the pockets between which they part; and paths along them
 //!   that fill the surface with beads ([`LevelField::paths`]).
+//! * [`InfillOptions`]: walls, skins and sparse infill in place of solid layers. [`BeadKind`] says what a piece of bead is for.
 //! * [`order_curves`]: in which order curves are travelled, and from which end, for short ways in between.
 //! * [`LayerStack`]: all layers of a part. It orients the nozzle along their curves ([`LayerStack::orient`]), and tilts
 //!   it where it would run into what is built ([`LayerStack::resolve_gouging`]), and finds ways from path to path that keep clear
@@ -21,8 +22,10 @@ mod deposition;
 mod fill;
 mod geodesic;
 mod gouging;
+mod infill;
 mod kind;
 mod level_set;
+mod marks;
 mod mesh;
 mod order;
 mod orientation;
@@ -36,6 +39,7 @@ mod statistics;
 mod support;
 mod travel;
 mod union;
+mod vtp;
 
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
@@ -49,8 +53,10 @@ pub use gouging::{
     Contact, ContactError, Contacts, Gouge, GougingError, GougingOptions, LeftOut, Moment, Nozzle, NozzleError,
     NozzlePart, Obstacle, ResolvedPaths,
 };
+pub use infill::{Bridges, InfillOptions, InfillPattern, SparseFill};
 pub use kind::BeadKind;
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
+pub use marks::marked_moves;
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
 pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint};
@@ -66,3 +72,4 @@ pub use statistics::{
 };
 pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
 pub use travel::{BlockedTravel, TravelOptions, Travels};
+pub use vtp::write_paths_vtp;

@@ -18,6 +18,7 @@
 //!
 //! Segments stand in a grid of cells about as wide as the greatest distance, so time is near linear in the length of the paths.
 
+use super::kind::BeadKind;
 use super::orientation::{ToolPath, Waypoint};
 use super::parallel;
 use crate::Progress;
@@ -141,7 +142,8 @@ pub enum SupportError {
     Cancelled,
 }
 
-/// Checks whether beads lie on something.
+/// Checks whether beads lie on something. Sparse infill ([`BeadKind::Infill`]) and what goes over it ([`BeadKind::Bridge`]) lies on something
+/// here and there only, and is not judged.
 ///
 /// # Arguments
 /// * `paths`: in the order in which they are laid.
@@ -265,6 +267,7 @@ impl Section {
 struct Segment {
     path: u32,
     layer: u32,
+    kind: BeadKind,
     ends: [Section; 2],
 }
 
@@ -289,8 +292,11 @@ impl Laid {
         let (mut segments, mut firsts) = (Vec::new(), Vec::new());
         for (number, path) in (0..).zip(paths) {
             firsts.push(segments.len());
-            let ends = path.waypoints.windows(2).map(|pair| [Section::of(&pair[0]), Section::of(&pair[1])]);
-            segments.extend(ends.map(|ends| Segment { path: number, layer: path.layer, ends }));
+            let segment = |pair: &[Waypoint]| {
+                let ends = [Section::of(&pair[0]), Section::of(&pair[1])];
+                Segment { path: number, layer: path.layer, kind: pair[1].kind, ends }
+            };
+            segments.extend(path.waypoints.windows(2).map(segment));
         }
         let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
         // Samples of a segment are a quarter of this from what they stand for, so a cell and its neighbours have all within reach.
@@ -325,7 +331,8 @@ impl Laid {
         // What carried the place before most likely carries this one.
         let mut last = None;
         let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
-        for segment in &self.segments[self.firsts[number]..end] {
+        let judged = |segment: &&Segment| !matches!(segment.kind, BeadKind::Infill | BeadKind::Bridge);
+        for segment in self.segments[self.firsts[number]..end].iter().filter(judged) {
             let [a, b] = &segment.ends;
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
             let steps = (length / self.step_mm).ceil().max(1.0);

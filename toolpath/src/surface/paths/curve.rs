@@ -9,7 +9,7 @@ const SAME: f64 = 1e-12;
 
 /// A closed ring by arc length. Places on it are lengths from its first point on, of any sign, and wrap around.
 #[derive(Clone, Debug)]
-pub(super) struct Loop {
+pub(in crate::surface) struct Loop {
     points: Vec<SurfacePoint>,
     /// Arc length at each point, and that of the whole.
     starts: Vec<f64>,
@@ -161,7 +161,11 @@ impl Loop {
 }
 
 /// The point of a triangle nearest to a point in space, and its weights.
-pub(super) fn nearest_in_triangle(mesh: &SurfaceMesh, triangle: u32, p: Point3<f64>) -> (Point3<f64>, [f64; 3]) {
+pub(in crate::surface) fn nearest_in_triangle(
+    mesh: &SurfaceMesh,
+    triangle: u32,
+    p: Point3<f64>,
+) -> (Point3<f64>, [f64; 3]) {
     let corners = mesh.triangles()[triangle as usize].map(|v| mesh.vertices()[v as usize]);
     let [a, b, c] = corners;
     let normal = (b - a).cross(&(c - a));

@@ -19,7 +19,7 @@ const GAPS: usize = 12;
 const SLIVER: f64 = 1e-9;
 
 /// A mesh whose triangles are all on one side of the plane of their part.
-pub(super) struct Cut {
+pub(in crate::surface) struct Cut {
     pub vertices: Vec<Point3<f64>>,
     pub triangles: Vec<[u32; 3]>,
     /// The triangle of the mesh of which each is a part.
@@ -31,8 +31,13 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    /// Cuts the parts for which `wanted` holds.
-    pub fn new(mesh: &SurfaceMesh, wanted: impl Fn(u32) -> bool) -> Cut {
+    /// Cuts the parts for which `wanted` holds, across a direction: given a part by its triangles, `across` says which, and where the
+    /// centre of the part lies along it.
+    pub fn new(
+        mesh: &SurfaceMesh,
+        wanted: impl Fn(u32) -> bool,
+        across: impl Fn(&SurfaceMesh, &[u32]) -> (Vector3<f64>, f64),
+    ) -> Cut {
         let parts = mesh.regions();
         let mut of_part: Vec<Vec<u32>> = vec![Vec::new(); parts.count];
         (0..).zip(&parts.of_triangle).for_each(|(triangle, &part)| of_part[part as usize].push(triangle));
@@ -80,7 +85,7 @@ fn alone(mesh: &SurfaceMesh, triangle: u32, above: impl Fn(u32) -> bool) -> Opti
 }
 
 /// The middle principal axis of a part, and where its centre lies along it.
-fn across(mesh: &SurfaceMesh, triangles: &[u32]) -> (Vector3<f64>, f64) {
+pub(super) fn across(mesh: &SurfaceMesh, triangles: &[u32]) -> (Vector3<f64>, f64) {
     let corners = |t: u32| mesh.triangles()[t as usize].map(|v| mesh.vertices()[v as usize].coords);
     let area = |[a, b, c]: &[Vector3<f64>; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
     let (mut sum, mut whole) = (Vector3::zeros(), 0.0);

@@ -10,7 +10,7 @@
 //! * `widths`: how wide bridges are. `narrow`: single beads where there is no room for two, or some is left.
 //! * `join`: curves whose ends nearly meet become one. `short`: those too short to be worth a start are left out. `carry`: whether later
 //!   beads lie on them.
-//! * `zigzag`: rows to and fro, from where `cut` cuts the surface.
+//! * `zigzag`: rows to and fro, from where `cut` cuts the surface; `rows` joins them.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
 //! Here the tree comes from how level sets nest, holes need no special care, and a bridge counts only if the
@@ -19,13 +19,14 @@
 pub(super) mod carry;
 mod chains;
 mod crossing;
-mod curve;
-mod cut;
+pub(super) mod curve;
+pub(super) mod cut;
 mod join;
 mod narrow;
 mod plan;
 mod polyline;
-mod segments;
+pub(super) mod rows;
+pub(super) mod segments;
 mod short;
 mod spacing;
 mod spirals;
@@ -33,6 +34,7 @@ mod thin;
 mod widths;
 mod zigzag;
 
+use super::infill::InfillOptions;
 use super::kind::BeadKind;
 use super::level_set::{LevelField, LevelSetError, SurfacePoint};
 use super::mesh::MeshError;
@@ -102,6 +104,9 @@ pub struct PathOptions {
     /// All layers together are refused before any work is done if their curves would have more points than this, by
     /// [`estimate_fill`](super::estimate_fill): 2^25 by default, for which some 5 GB are enough.
     pub max_points: usize,
+    /// What is solid and what is not: all is, by default. [`LevelField::paths`] fills a surface solid in any case; the rest is for
+    /// [`fill_layers`](super::fill_layers).
+    pub infill: InfillOptions,
 }
 
 impl Default for PathOptions {
@@ -114,6 +119,7 @@ impl Default for PathOptions {
             join_distance: 2.0,
             min_length: 5.0,
             max_points: 1 << 25,
+            infill: InfillOptions::default(),
         }
     }
 }
@@ -226,6 +232,14 @@ pub struct LayerPaths {
     pub unfilled: Vec<Unfilled>,
 }
 
+/// Paths, and what contours leave.
+pub(super) struct Contours {
+    pub paths: LayerPaths,
+    /// For each vertex of the refined mesh how far it is inward of the innermost contour's inner edge, in millimetres; below 0 on the
+    /// contours and where fewer of them fit. Empty if the number of contours is not limited.
+    pub inside: Vec<f64>,
+}
+
 /// Why there are no paths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -253,6 +267,16 @@ pub enum PathError {
     MinLength {
         /// What was asked for.
         beads: f64,
+    },
+    /// An option of walls, skins and infill that is no use.
+    #[error("{option} is {value}: it must be {wanted}")]
+    Infill {
+        /// Its name.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it may be.
+        wanted: &'static str,
     },
     /// The region is very many beads wide; check the unit.
     #[error("a bead of {bead} mm in a region that reaches {reach} mm inward: more than 100000 beads")]
@@ -321,6 +345,16 @@ impl LevelField<'_> {
         options: &PathOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayerPaths, PathError> {
+        Ok(self.contours(options, None, progress)?.paths)
+    }
+
+    /// Paths that fill the surface, or so many contours from the boundary inward and what is too narrow for them.
+    pub(super) fn contours(
+        &self,
+        options: &PathOptions,
+        walls: Option<u32>,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Contours, PathError> {
         let done = AtomicU64::new(0);
         let watch = || match progress(Progress { stage: "paths", done: done.load(Ordering::Relaxed), total: STEPS }) {
             ControlFlow::Continue(()) => Ok(()),
@@ -345,8 +379,13 @@ impl LevelField<'_> {
         if !from_zero(min_length) {
             return Err(PathError::MinLength { beads: min_length });
         }
+        options.infill.check()?;
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
-        let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted);
+        let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted, walls.map(|walls| walls as usize));
+        let inside: Vec<f64> = walls.map(|walls| spacing.inside(walls as usize)).unwrap_or_default();
+        if walls == Some(0) {
+            return Ok(Contours { paths: LayerPaths::default(), inside });
+        }
         let sets = self.sets(&spacing);
         step()?;
         if sets.rings.iter().any(|ring| !ring.closed) {
@@ -377,8 +416,8 @@ impl LevelField<'_> {
             Pattern::Zigzag => {
                 let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r as usize, chain.region)));
                 let outer = rings.filter(|&(r, _)| sets.rings[r].level == 0);
-                let rim = |(r, region): (usize, u32)| Some(zigzag::Rim { on: loops[r].as_ref()?, region });
-                let rims: Vec<zigzag::Rim> = outer.filter_map(rim).collect();
+                let rim = |(r, region): (usize, u32)| Some(rows::Rim { on: loops[r].as_ref()?, region });
+                let rims: Vec<rows::Rim> = outer.filter_map(rim).collect();
                 let curves = zigzag::curves(self, &rims, bead)?.into_iter();
                 curves.map(|(points, closed, region)| Curve { points, closed, region, least: THIN * bead }).collect()
             }
@@ -399,9 +438,9 @@ impl LevelField<'_> {
                 let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
                 let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
                 let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
-                narrow::single_beads(self, &spacing, [bead, gap], &rims, &widths, &watch)?
+                narrow::single_beads(self, &spacing, [bead, gap], &rims, &widths, &inside, &watch)?
             }
-            _ => narrow::single_beads(self, &spacing, [bead, gap], &curves, &widths, &watch)?,
+            _ => narrow::single_beads(self, &spacing, [bead, gap], &curves, &widths, &inside, &watch)?,
         };
         step()?;
         for (points, width) in singles {
@@ -409,12 +448,13 @@ impl LevelField<'_> {
             widths.push(width);
             found.regions += 1;
         }
+        let kind = |at: &SurfacePoint| if walls.is_some() { BeadKind::Wall } else { self.kind(at, bead) };
         let path = |(curve, widths): (Curve, Vec<f64>)| {
             let points = curve
                 .points
                 .into_iter()
                 .zip(widths)
-                .map(|(at, width)| PathPoint { at, width, kind: self.kind(&at, bead) })
+                .map(|(at, width)| PathPoint { at, width, kind: kind(&at) })
                 .collect();
             SurfacePath { points, closed: curve.closed, region: curve.region }
         };
@@ -423,7 +463,7 @@ impl LevelField<'_> {
         (paths, found.joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
         (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
         found.unfilled = self.unfilled(&found.paths);
-        Ok(found)
+        Ok(Contours { paths: found, inside })
     }
 
     /// What a bead of a layer that is filled solid is for.
@@ -448,7 +488,7 @@ impl LevelField<'_> {
     }
 
     /// Connected parts of the mesh without a path.
-    fn unfilled(&self, paths: &[SurfacePath]) -> Vec<Unfilled> {
+    pub(super) fn unfilled(&self, paths: &[SurfacePath]) -> Vec<Unfilled> {
         let mesh = self.distance().mesh();
         let parts = mesh.regions();
         let mut filled = vec![false; parts.count];

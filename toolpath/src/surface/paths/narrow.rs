@@ -45,13 +45,14 @@ type Reached = Vec<Option<(f64, f64, u32)>>;
 pub(super) type Single = (Vec<SurfacePoint>, Vec<f64>);
 
 /// Single beads where curves with widths leave room: those that cover at least `gap` squares of a bead, and one in each part
-/// of the mesh that has no curve.
+/// of the mesh that has no curve. None at vertices that are `inside` of all contours: that is for infill.
 pub(super) fn single_beads(
     field: &LevelField,
     spacing: &Spacing,
     [bead, gap]: [f64; 2],
     curves: &[Curve],
     widths: &[Vec<f64>],
+    inside: &[f64],
     watch: Watch,
 ) -> Result<Vec<Single>, PathError> {
     let beside = Beside { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead) };
@@ -61,6 +62,7 @@ pub(super) fn single_beads(
         false => (least, UNIFORM_MAX_BOUNDARY_DISTANCE * bead),
     };
     let room = |v: u32| match field.values[v as usize] {
+        _ if inside.get(v as usize).is_some_and(|&inside| inside > 0.0) => 0.0,
         value if value >= least && value < most => beside.room(field.points[v as usize], value, shallow),
         _ => 0.0,
     };

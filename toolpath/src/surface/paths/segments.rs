@@ -5,7 +5,7 @@ use super::polyline::Curve;
 use nalgebra::Point3;
 
 /// Pieces of lines by the cells of a grid.
-pub(super) struct Segments {
+pub(in crate::surface) struct Segments {
     side: f64,
     /// Cells with two numbers that say which segment it is, sorted.
     cells: Vec<([i64; 3], [u32; 2])>,
@@ -18,7 +18,7 @@ impl Segments {
     }
 
     /// Those of curves: the number of each curve, and of the point where a segment begins.
-    pub fn of(curves: &[Curve], side: f64) -> Self {
+    pub(super) fn of(curves: &[Curve], side: f64) -> Self {
         let mut all = Segments::new(side);
         for (number, curve) in (0..).zip(curves) {
             let count = curve.points.len();
@@ -81,7 +81,7 @@ fn cell(p: Point3<f64>, side: f64) -> [i64; 3] {
 }
 
 /// The point of a line that is nearest to a point.
-pub(super) fn nearest([a, b]: [Point3<f64>; 2], p: Point3<f64>) -> Point3<f64> {
+pub(in crate::surface) fn nearest([a, b]: [Point3<f64>; 2], p: Point3<f64>) -> Point3<f64> {
     let along = b - a;
     let length = along.norm_squared();
     if length > 0.0 { a + along * ((p - a).dot(&along) / length).clamp(0.0, 1.0) } else { a }

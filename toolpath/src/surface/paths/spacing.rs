@@ -77,8 +77,8 @@ impl Levels for Spacing<'_, '_> {
 }
 
 impl<'f, 'd> Spacing<'f, 'd> {
-    /// Beads that fit, or even ones.
-    pub fn new(field: &'f LevelField<'d>, bead: f64, reach: f64, fit: bool) -> Self {
+    /// Beads that fit, or even ones; at most so many.
+    pub fn new(field: &'f LevelField<'d>, bead: f64, reach: f64, fit: bool, most: Option<usize>) -> Self {
         let mesh = field.distance().mesh();
         let mut starts = vec![0; mesh.triangles().len() + 1];
         field.parents().iter().for_each(|&parent| starts[parent as usize + 1] += 1);
@@ -89,7 +89,7 @@ impl<'f, 'd> Spacing<'f, 'd> {
             filled[parent as usize] += 1;
         }
         let least = if fit { BEAD_WIDTHS[0] } else { 1.0 };
-        let count = (reach / bead / least).floor() as usize + 1;
+        let count = ((reach / bead / least).floor() as usize + 1).min(most.unwrap_or(usize::MAX));
         let mut spacing =
             Spacing { field, bead, count, ridge: Vec::new(), rings: Vec::new(), neck: Vec::new(), parts, starts };
         if fit {
@@ -101,6 +101,20 @@ impl<'f, 'd> Spacing<'f, 'd> {
             spacing.neck = necks(field, bead);
         }
         spacing
+    }
+
+    /// For each vertex how far it is inward of the inner edge of the innermost of some contours; below 0 where fewer fit.
+    pub fn inside(&self, contours: usize) -> Vec<f64> {
+        let edge = |v: u32| match contours.checked_sub(1) {
+            // Nothing is held back, and the boundary itself is inside.
+            None => -self.bead,
+            Some(last) if self.ridge.is_empty() => self.at(last, v) + 0.5 * self.bead,
+            Some(last) => {
+                let [middle, width] = self.place(last, self.rings[v as usize], self.ridge[v as usize]);
+                middle + 0.5 * width
+            }
+        };
+        (0..).zip(&self.field.values).map(|(v, value)| value - edge(v)).collect()
     }
 
     pub fn fits(&self) -> bool {

@@ -107,7 +107,7 @@ pub struct CurveStatistics {
 }
 
 /// Figures of beads on a surface. Shares are of the area of the surface unless they say otherwise.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathStatistics {
     /// Area of the surface.
