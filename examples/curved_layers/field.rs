@@ -19,7 +19,9 @@ use std::time::{Duration, Instant};
 /// What cells the part gets, and how their order is found.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldOptions {
-    pub resolution: Resolution,
+    /// None for cells as high as a layer, but no more than `max_cells`.
+    pub resolution: Option<Resolution>,
+    pub max_cells: u64,
     /// Depth inside the hull from which a cell counts as shadowed, in cells.
     pub eps: f64,
     /// Whether a cell at exactly that depth does not count.
@@ -29,6 +31,15 @@ pub struct FieldOptions {
     pub strategy: Option<Strategy>,
     /// Layer height, by which the best one is chosen; none for the edge of a cell.
     pub height_mm: Option<f64>,
+}
+
+impl FieldOptions {
+    /// Cells as high as a layer. The part touches about as many as its volume holds and half of its surface; where that is more than it
+    /// may have, so many.
+    fn cells(&self, height_mm: f64, part: &Part) -> Resolution {
+        let cells = part.mesh.volume() / height_mm.powi(3) + part.mesh.area() / (2.0 * height_mm.powi(2));
+        if cells <= self.max_cells as f64 { Resolution::Cell(height_mm) } else { Resolution::Count(self.max_cells) }
+    }
 }
 
 /// What came of the stage.
@@ -108,7 +119,9 @@ pub fn run(
         .try_for_each(|saved| saved.check_mesh(mesh_stamp(vertices, triangles)).map_err(|error| of_part(&error)))?;
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| of_part(&error))?;
-    let resolution = saved.as_ref().map_or(options.resolution, surfaces::resolution);
+    let derived =
+        || options.height_mm.map_or(Resolution::Count(options.max_cells), |height_mm| options.cells(height_mm, part));
+    let resolution = saved.as_ref().map(surfaces::resolution).or(options.resolution).unwrap_or_else(derived);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) =
         timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));

@@ -7,7 +7,7 @@ use crate::motion::of_run;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Results, Stage};
-use Severity::{Failed, Told};
+use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, percent};
 use curvlay_layers::curved::MissedReason;
@@ -29,7 +29,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
     match stage {
         Stage::Field | Stage::Surfaces => {
-            of_field(field, args.grow.platform_diameter_mm, &args.allow, findings);
+            of_field(field, args.platform_diameter_mm(), &args.allow, findings);
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
         }
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
@@ -51,14 +51,14 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
         run.mesh.to_string().lines().skip(1).for_each(|line| findings.add(Told, format!("the mesh: {line}"), "", ""));
     }
     if report.dropped_triangles > 0 {
-        findings.add(Told, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
+        findings.add(Noted, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
     }
     if report.leak_faces > 0 {
         let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
         findings.add(Told, "the mesh has holes wider than a cell", amount, "");
     }
     if report.inside_out {
-        findings.add(Told, "the faces point inwards: the part was taken as turned the right way round", "", "");
+        findings.add(Noted, "the faces point inwards: the part was taken as turned the right way round", "", "");
     }
     if let (true, Some((thinnest, at))) = (run.thin.share > NOTABLE_SHARE, run.thin.thinnest) {
         let meets = run.mesh.touching.count + run.mesh.crossings.count > 0;
@@ -71,7 +71,7 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
     let taken_mm = run.platform_diameter_mm();
     if taken_mm > diameter_mm + cell_mm {
         let what = format!("the part does not fit on a platform of {diameter_mm} mm");
-        findings.add(Told, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
+        findings.add(Noted, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
     }
     if !run.audit.is_ok() {
         findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");

@@ -5,24 +5,13 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
+use curvlay_toolpath::gcode::Move;
 use curvlay_toolpath::surface::{
     BeadSupport, Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, SupportOptions, ToolPath,
-    Travels, Turns, check_support,
+    Travels, Turns, check_support, marked_moves,
 };
 use std::f64::consts::PI;
 use std::time::Duration;
-
-/// A nozzle as four numbers, for clap: tip flat, half angle in degrees, height of the cone, block.
-pub fn shape(text: &str) -> Result<[f64; 4], String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Some(shape) = numbers.ok().and_then(|numbers| <[f64; 4]>::try_from(numbers).ok()) else {
-        return Err(
-            "must be four numbers: tip flat (mm), half angle (degrees), height of the cone, block (mm)".to_owned()
-        );
-    };
-    let [tip, angle, height, block] = shape;
-    Nozzle::new(tip, angle.to_radians(), height, block).map(|_| shape).map_err(|error| error.to_string())
-}
 
 /// What came of the stage.
 pub struct MachineRun {
@@ -55,6 +44,11 @@ pub struct Times {
 impl MachineRun {
     pub fn waypoints(&self) -> usize {
         self.resolved.paths.iter().map(|path| path.waypoints.len()).sum()
+    }
+
+    /// The moves of the machine file, with marks of layers and beads among them.
+    pub fn moves(&self) -> impl Iterator<Item = Move> {
+        marked_moves(&self.deposition.moves, &self.resolved.paths)
     }
 
     /// Length of the paths, and of the pieces that are left out because the nozzle would run into what is built.

@@ -3,9 +3,10 @@
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 3.
 //! ```sh
-//! cargo run --release --example curved_layers -- --mesh part.stl --voxels 100000
+//! cargo run --release --example curved_layers -- part.stl --layer-height 0.3 --bead 0.5
+//! cargo run --release --example curved_layers -- part.stl --voxels 100000   # for research: layers and beads as the cells
 //! ```
-//! Without `--mesh` it takes a jug made in code. `--help` lists the options, the README the files that it writes.
+//! Without a mesh it takes a jug made in code. `--help` lists the options, the README the files that it writes.
 
 mod estimate;
 mod field;
@@ -17,19 +18,21 @@ mod paths;
 mod surfaces;
 
 use clap::parser::ValueSource;
-use clap::{ArgMatches, Parser, ValueEnum};
+use clap::{ArgMatches, CommandFactory, Parser, ValueEnum};
 use curvlay_examples::args::{
     AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, from_zero,
     run_with_checked_args, typed_name,
 };
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
+use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::nozzle_of;
 use curvlay_examples::output::OutputFolder;
-use curvlay_examples::shapes::jug;
+use curvlay_examples::settings::{self, BEAD_MM, LAYER_HEIGHT_MM, NOZZLE, PLATFORM_DIAMETER_MM, Settings};
+use curvlay_examples::shapes::{jug, small_jug};
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::surface::{Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
+use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
+use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use estimate::Memory;
 use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
@@ -42,8 +45,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use surfaces::{SurfaceOptions, SurfacesRun};
 
-/// How many cells a part gets unless the user says.
-const DEFAULT_CELLS: u64 = 100_000;
+/// Most cells that a part gets unless the user says: some seconds of growing, and 3 GB.
+const MAX_CELLS: u64 = 1_000_000;
 
 /// A print in curved layers, after Dai (2020), chapter 3: an audited order of cells, surfaces, paths, machine file, robot motion.
 ///
@@ -57,66 +60,52 @@ const DEFAULT_CELLS: u64 = 100_000;
 struct Args {
     #[command(flatten)]
     mesh: MeshArgs,
+    /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
+    #[arg(long, value_name = "FILE", help_heading = "Run")]
+    profile: Option<PathBuf>,
+    /// The last stage to run
+    #[arg(long, default_value = "gcode", help_heading = "Run")]
+    stage: Stage,
+    #[command(flatten)]
+    settings: Settings,
+    /// How each layer is filled
+    #[arg(long, default_value = "spirals", help_heading = settings::LAYERS)]
+    pattern: Fill,
+    /// Single beads between others cover at least so many squares of a bead, or the gap stays; 0 fills them all
+    #[arg(long, value_name = "SQUARES", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = settings::LAYERS)]
+    least_gap: f64,
+    /// Curves of a layer whose ends are so many beads apart at most become one where a bead fits between them; 0 joins none
+    #[arg(long, value_name = "BEADS", default_value_t = 2.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = settings::LAYERS)]
+    join_distance: f64,
+    /// Shorter curves than so many beads are left out beside longer ones of the same piece of a layer; 0 keeps them all
+    #[arg(long, value_name = "BEADS", default_value_t = 5.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = settings::LAYERS)]
+    least_length: f64,
     #[command(flatten)]
     voxel: VoxelArgs,
     #[command(flatten)]
     grow: GrowArgs,
-    /// The last stage to run
-    #[arg(long, default_value = "gcode")]
-    stage: Stage,
-    /// Distance of the layers in millimetres [default: the edge of a cell]
-    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
-    layer_height: Option<f64>,
     /// Tries layers that are torn as little as the part allows as well, and takes them if they end less inside the part; they may be
     /// less even
-    #[arg(long, conflicts_with = "resume")]
+    #[arg(long, conflicts_with = "resume", help_heading = CELLS)]
     coherent: bool,
-    /// Width of a bead in millimetres [default: the distance of the layers]
-    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
-    bead: Option<f64>,
-    /// How each layer is filled
-    #[arg(long, default_value = "spirals")]
-    pattern: Fill,
-    /// Single beads between others cover at least so many squares of a bead, or the gap stays; 0 fills them all
-    #[arg(long, value_name = "SQUARES", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
-    least_gap: f64,
-    /// Curves of a layer whose ends are so many beads apart at most become one where a bead fits between them; 0 joins none
-    #[arg(long, value_name = "BEADS", default_value_t = 2.0, value_parser = from_zero, allow_negative_numbers = true)]
-    join_distance: f64,
-    /// Shorter curves than so many beads are left out beside longer ones of the same piece of a layer; 0 keeps them all
-    #[arg(long, value_name = "BEADS", default_value_t = 5.0, value_parser = from_zero, allow_negative_numbers = true)]
-    least_length: f64,
-    /// Beads farther than this from the plate and from all earlier beads below them count as unsupported, in layer heights
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 1.5, value_parser = support_distance, allow_negative_numbers = true)]
-    support_distance: f64,
-    /// Diameter of the filament in millimetres
-    #[arg(long, value_name = "MM", default_value_t = 1.75, value_parser = above_zero, allow_negative_numbers = true)]
-    filament: f64,
-    /// Shape of the nozzle: diameter of its tip flat (mm), half angle of its cone (degrees), height of the cone (mm),
-    /// diameter of the block above it (mm) [default: that of the workcell, 1,45,8,20 in those that come along]
-    #[arg(long, value_name = "TIP,ANGLE,HEIGHT,BLOCK", value_parser = machine::shape)]
-    nozzle: Option<[f64; 4]>,
-    /// Temperature of the nozzle, for the machine file, in degrees Celsius
-    #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
-    nozzle_celsius: Option<f64>,
-    /// Temperature of the plate, for the machine file, in degrees Celsius
-    #[arg(long, value_name = "CELSIUS", value_parser = celsius, allow_negative_numbers = true)]
-    bed_celsius: Option<f64>,
-    /// How the machine file says the direction of the nozzle
-    #[arg(long, default_value = "comment")]
-    dialect: outputs::Words,
+    /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell", "strategy", "prevention"], help_heading = CELLS)]
+    resume: Option<PathBuf>,
+    /// Files that are written beside the others, with commas between them
+    #[arg(long, value_name = "FILE,...", value_delimiter = ',', help_heading = settings::FILES)]
+    also: Vec<Extra>,
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
-    #[arg(long)]
+    #[arg(long, help_heading = settings::FILES)]
     rotary: bool,
     /// Makes what the report compares with: surfaces of plain hop counts, directions of the nozzle without any filter
-    #[arg(long)]
+    #[arg(long, help_heading = "Run")]
     compare: bool,
-    /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell", "strategy", "prevention"])]
-    resume: Option<PathBuf>,
     /// Memory in gigabytes that a stage may take; one that is estimated to take more is refused before it begins
-    #[arg(long, value_name = "GB", default_value_t = 8.0, value_parser = above_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "GB", default_value_t = 8.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = "Run")]
     max_memory: f64,
+    /// Beads farther than this from the plate and from all earlier beads below them count as unsupported, in layer heights
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 1.5, value_parser = support_distance, allow_negative_numbers = true, help_heading = "What may be wrong")]
+    support_distance: f64,
     #[command(flatten)]
     allow: AllowArgs,
     #[command(flatten)]
@@ -125,12 +114,91 @@ struct Args {
     common: Common,
 }
 
+/// Heading of `--help` for what concerns cells, as in the shared arguments.
+const CELLS: &str = "Cells and their order";
+
 /// The arguments as the stages take them.
 impl Args {
+    /// Puts what is typed over the profile, and says what does not go together.
+    fn with_profile(mut self) -> Result<Self, Failure> {
+        if let Some(path) = &self.profile {
+            self.settings = self.settings.over(&Settings::load(path)?);
+        }
+        self.settings = self.settings.filled_in();
+        let DepositionOptions { min_feed, max_feed, .. } = self.settings.deposition();
+        if min_feed > max_feed {
+            return Err(Failure::of_arguments(format!("--min-feed {min_feed} is above --max-feed {max_feed}")));
+        }
+        if self.settings.price_per_kg.is_some() && self.settings.material_density_g_cm3.is_none() {
+            return Err(Failure::of_arguments("--price-per-kg needs --material-density: filament is sold by mass"));
+        }
+        if let Some(height_mm) = self.height().or(self.voxel.cell).filter(|_| self.stage >= Stage::Paths) {
+            self.bead(height_mm).map_err(Failure::of_arguments)?;
+        }
+        if !self.motion.cell8 && self.motion.workcell.is_none() {
+            self.motion.workcell = self.settings.workcell.take();
+        }
+        self.settings.check_templates().map_err(|error| match &self.profile {
+            Some(path) => failure(format!("{}: {error}", path.display())),
+            None => failure(error),
+        })?;
+        Ok(self)
+    }
+
+    /// Whether it is said what cells there are, in one way or another: then layers and beads follow from them.
+    fn has_cells(&self) -> bool {
+        self.resume.is_some() || self.voxel.resolution().is_some()
+    }
+
+    /// The part. Without a mesh it is a jug: a small one where layers are as those of printers, else would it take too long. A field goes
+    /// on with the jug that it is of.
+    fn part(&self, saved: Option<&SavedField>) -> Result<Part, Failure> {
+        let load = |shape: fn() -> Mesh| self.mesh.load("jug (made in code)", shape);
+        if self.mesh.path().is_some() || self.voxel.resolution().is_some() {
+            return Ok(load(jug)?);
+        }
+        let small = load(small_jug)?;
+        let is_of =
+            |saved: &SavedField| saved.check_mesh(mesh_stamp(&small.mesh.vertices, &small.mesh.triangles)).is_ok();
+        if saved.is_none_or(is_of) { Ok(small) } else { Ok(load(jug)?) }
+    }
+
+    /// Layer height; `None` for the edge of a cell.
+    fn height(&self) -> Option<f64> {
+        self.settings.layer_height_mm.or(if self.has_cells() { None } else { Some(LAYER_HEIGHT_MM) })
+    }
+
+    /// Width of a bead where layers are so high.
+    fn bead(&self, height_mm: f64) -> Result<f64, String> {
+        let (settings, has_cells) = (&self.settings, self.has_cells());
+        let bead_mm = settings.bead_mm.unwrap_or(if has_cells { height_mm } else { BEAD_MM });
+        if height_mm <= bead_mm {
+            return Ok(bead_mm);
+        }
+        let origin = |is_given, otherwise| if is_given { "" } else { otherwise };
+        let height_is = if has_cells { ", the edge of a cell," } else { ", the default," };
+        let height_is = origin(settings.layer_height_mm.is_some(), height_is);
+        let bead_is = origin(settings.bead_mm.is_some(), ", the default");
+        Err(format!(
+            "layers of {height_mm} mm{height_is} are higher than a bead is wide, {bead_mm} mm{bead_is}: see --layer-height and --bead"
+        ))
+    }
+
+    /// Whether a file is to be written: asked for, or one of the field and its layers in a run for research. With layers as those of
+    /// printers they take hundreds of megabytes.
+    fn writes(&self, extra: Extra) -> bool {
+        self.also.contains(&extra) || (self.has_cells() && extra.stage() <= Stage::Surfaces)
+    }
+
     fn field_options(&self) -> FieldOptions {
-        let GrowArgs { eps, beyond_eps, platform_diameter_mm, .. } = self.grow;
-        let (resolution, strategy) = (self.voxel.resolution(DEFAULT_CELLS), self.grow.strategy());
-        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, height_mm: self.layer_height }
+        let GrowArgs { eps, beyond_eps, .. } = self.grow;
+        let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
+        let platform_diameter_mm = self.platform_diameter_mm();
+        FieldOptions { resolution, max_cells: MAX_CELLS, eps, beyond_eps, platform_diameter_mm, strategy, height_mm }
+    }
+
+    fn platform_diameter_mm(&self) -> f64 {
+        self.settings.platform_diameter_mm.unwrap_or(PLATFORM_DIAMETER_MM)
     }
 
     fn memory(&self) -> Memory {
@@ -138,13 +206,13 @@ impl Args {
     }
 
     fn surface_options(&self) -> SurfaceOptions {
-        SurfaceOptions { height_mm: self.layer_height, coherent: self.coherent, compare: self.compare }
+        SurfaceOptions { height_mm: self.height(), coherent: self.coherent, compare: self.compare }
     }
 
-    fn path_options(&self, height_mm: f64) -> PathOptions {
-        let (bead, pattern) = (self.bead.unwrap_or(height_mm), self.pattern.of_surface());
+    fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {
+        let (bead, pattern) = (self.bead(height_mm).map_err(failure)?, self.pattern.of_surface());
         let (min_gap, join_distance, min_length) = (self.least_gap, self.join_distance, self.least_length);
-        PathOptions { bead, pattern, min_gap, join_distance, min_length, ..PathOptions::default() }
+        Ok(PathOptions { bead, pattern, min_gap, join_distance, min_length, ..PathOptions::default() })
     }
 
     fn support_options(&self) -> SupportOptions {
@@ -153,9 +221,8 @@ impl Args {
 
     fn print_options(&self) -> PrintOptions {
         let is_for_robot = self.stage >= Stage::Motion;
-        let mut options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
-        options.deposition.filament_diameter = self.filament;
-        options
+        let options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
+        PrintOptions { travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
     }
 }
 
@@ -195,14 +262,47 @@ enum Stage {
     Motion,
 }
 
+/// Files that a run writes on demand. With --voxels, --cell or --resume all of the field and the layers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Extra {
+    /// field.csv: the layer of each cell.
+    FieldCsv,
+    /// field.vtk: the same for ParaView.
+    FieldVtk,
+    /// layers.obj: the surfaces of the layers.
+    LayersObj,
+    /// layers.vtk: the same for ParaView, with their spacing.
+    LayersVtk,
+    /// paths.obj: the curves that fill the layers.
+    PathsObj,
+    /// toolpath.apt: for CAM and post-processors, APT with GOTO/x,y,z,i,j,k.
+    Apt,
+    /// toolpath.csv: every move with every digit.
+    Csv,
+}
+
+impl Extra {
+    /// The stage that makes it.
+    fn stage(self) -> Stage {
+        match self {
+            Extra::FieldCsv => Stage::Field,
+            Extra::FieldVtk | Extra::LayersObj | Extra::LayersVtk => Stage::Surfaces,
+            Extra::PathsObj => Stage::Paths,
+            Extra::Apt | Extra::Csv => Stage::Gcode,
+        }
+    }
+}
+
 /// The options that a run uses from a stage on; it would not look at them before.
 const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
-    (Stage::Paths, "bead pattern least_gap join_distance least_length"),
+    (Stage::Paths, "bead_mm pattern least_gap join_distance least_length"),
     (
         Stage::Gcode,
-        "dialect filament nozzle nozzle_celsius bed_celsius rotary workcell support_distance allow_volume allow_gouging allow_left_out \
-         allow_unsupported allow_unsupported_beads",
+        "nozzle clearance_mm min_lift_mm material filament_mm material_density_g_cm3 price_per_kg nozzle_celsius bed_celsius fan_share \
+         flow_mm3_s min_feed_mm_s max_feed_mm_s max_turn_rate_deg_s travel_feed_mm_s retraction_mm retract_feed_mm_s prime_feed_mm_s \
+         dialect extrusion tags line_numbers rotary workcell support_distance allow_volume allow_gouging allow_left_out allow_unsupported \
+         allow_unsupported_beads",
     ),
     (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),
 ];
@@ -213,9 +313,16 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     let stage = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
     for (needed, ids) in NEEDS.into_iter().filter(|(needed, _)| *needed > stage) {
         if let Some(id) = ids.split(' ').find(|id| is_given(id)) {
-            let (name, needed) = (id.replace('_', "-"), typed_name(needed));
+            let command = Args::command();
+            let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(|arg| arg.get_long());
+            let (name, needed) = (long.unwrap_or(id), typed_name(needed));
             return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
         }
+    }
+    let extras = matches.get_many::<Extra>("also").into_iter().flatten();
+    if let Some(extra) = extras.copied().find(|extra| extra.stage() > stage) {
+        let [name, needed, stage] = [typed_name(extra), typed_name(extra.stage()), typed_name(stage)];
+        return Err(format!("--also {name} does nothing with --stage {stage}: it needs --stage {needed}"));
     }
     let strategy = matches.get_one("strategy").copied();
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
@@ -226,6 +333,7 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
 
 fn main() -> ExitCode {
     run_with_checked_args(check_arguments, |args: Args| {
+        let args = args.with_profile()?;
         let setup = Setup::of(&args)?;
         let folder = args.common.folder("curved_layers")?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
@@ -233,7 +341,7 @@ fn main() -> ExitCode {
         let kept = args.resume.as_ref().and_then(|path| path.canonicalize().ok());
         let is_kept = |name: &str| kept.is_some() && folder.path().join(name).canonicalize().ok() == kept;
         folder.clear(|name| outputs::is_ours(name) && !is_kept(name))?;
-        let part = args.mesh.load("jug (made in code)", jug)?;
+        let part = args.part(saved.as_ref())?;
         let job = Job { args: &args, setup, part: &part, folder: &folder, bars: &Bars::new(args.common.quiet) };
         pool(&args)?.install(|| job.work(saved))
     })
@@ -248,7 +356,8 @@ struct Setup {
 
 impl Setup {
     fn of(args: &Args) -> Result<Self, Failure> {
-        let cell = args.motion.cell(args.nozzle)?;
+        let nozzle = args.settings.nozzle.or(if args.motion.workcell.is_none() { Some(NOZZLE) } else { None });
+        let cell = args.motion.cell(nozzle)?;
         Ok(Setup { format: args.motion.format(&cell)?, nozzle: nozzle_of(cell.equipment())?, cell })
     }
 }
@@ -279,9 +388,10 @@ impl Job<'_> {
         let Job { args, part, bars, .. } = *self;
         let mut findings = Findings::default();
         part.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+        part.notes.iter().for_each(|note| findings.add(Severity::Noted, note, "", ""));
         findings.say();
         let longest = part.mesh.bounds().map_or(0.0, |[low, high]| (high - low).max());
-        if let Some(bead) = args.bead.filter(|bead| *bead > longest) {
+        if let Some(bead) = args.settings.bead_mm.filter(|bead| *bead > longest) {
             return Err(failure(format!("--bead {bead}: wider than the part is long, {longest:.3} mm")));
         }
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
@@ -304,7 +414,7 @@ impl Job<'_> {
         let Results { field, surfaces: Some(surfaces), .. } = &*results else { return Ok(()) };
         match (stage, &results.paths, &results.machine) {
             (Stage::Paths, ..) => {
-                let options = args.path_options(surfaces.height_mm);
+                let options = args.path_options(surfaces.height_mm)?;
                 memory.holds_paths(options.bead, field, surfaces)?;
                 results.paths = Some(paths::run(&options, surfaces, bars)?);
             }
@@ -315,7 +425,7 @@ impl Job<'_> {
                 results.machine = Some(machine::run(nozzle, &options, &support, args.compare, surfaces, paths, bars)?);
             }
             (Stage::Motion, Some(paths), Some(machine)) => {
-                let (filament_mm, args) = (args.filament, &args.motion);
+                let (filament_mm, args) = (args.settings.deposition().filament_diameter, &args.motion);
                 let print = Print { args, nozzle, filament_mm, field, surfaces, paths, machine };
                 let mut motion = motion::run(&print, &setup.cell, bars)?;
                 // What was written is checked, and the machine file then goes as fast as the robot.
@@ -341,11 +451,6 @@ impl Job<'_> {
 
 fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)
-}
-
-/// A temperature, for clap.
-fn celsius(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value| (0.0..=600.0).contains(value)).ok_or_else(|| "must be from 0 to 600".to_owned())
 }
 
 /// A distance in layer heights, for clap: one layer lies one height above the next.

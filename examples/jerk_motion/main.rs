@@ -44,7 +44,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     waypoints: Option<PathBuf>,
     /// Which axis of the file points up
-    #[arg(long, value_enum, default_value_t = Up::Z)]
+    #[arg(long, default_value = "z", allow_hyphen_values = true)]
     up: Up,
     /// Feed in mm/s; without it, a waypoint every 0.1807 s
     #[arg(long = "feed", value_name = "MM/S", value_parser = above_zero, allow_negative_numbers = true)]

@@ -32,11 +32,7 @@ pub fn noisy(path: &Path6, most: f64, seed: u64) -> Path6 {
 
 /// Brings another axis up.
 pub fn upright((positions, normals): &Path6, up: Up) -> Path6 {
-    let turned = |v: &Vector3<f64>| match up {
-        Up::X => Vector3::new(-v.z, v.y, v.x),
-        Up::Y => Vector3::new(v.x, -v.z, v.y),
-        Up::Z => *v,
-    };
+    let turned = |v: &Vector3<f64>| Vector3::from(up.turned([v.x, v.y, v.z]));
     let positions = positions.iter().map(|p| Point3::from(turned(&p.coords))).collect();
     (positions, normals.iter().map(turned).collect())
 }

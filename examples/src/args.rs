@@ -34,6 +34,7 @@ use std::thread;
 
 /// What all examples take.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Run")]
 pub struct Common {
     /// Folder for the results [default: target/out/ and the name of the example]
     #[arg(long, value_name = "DIR")]
@@ -59,9 +60,13 @@ impl Common {
 
 /// Which part, and how it is meant.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Part")]
 pub struct MeshArgs {
-    /// STL, OBJ or PLY file [default: a jug made in code]
-    #[arg(long, value_name = "FILE")]
+    /// STL, OBJ or PLY file [default: a jug made in code, 37 mm tall; with --voxels or --cell 93 mm]
+    #[arg(value_name = "MESH", help_heading = "Part")]
+    pub file: Option<PathBuf>,
+    /// The same as an option
+    #[arg(long, value_name = "FILE", conflicts_with = "file")]
     pub mesh: Option<PathBuf>,
     /// Unit of the numbers in the file
     #[arg(long, default_value = "mm")]
@@ -70,7 +75,7 @@ pub struct MeshArgs {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub scale: f64,
     /// The axis of the file that points up
-    #[arg(long, default_value = "z")]
+    #[arg(long, default_value = "z", allow_hyphen_values = true)]
     pub up: Up,
     /// Takes a part of more than 10 m
     #[arg(long)]
@@ -84,8 +89,10 @@ pub struct Part {
     pub name: String,
     /// The part.
     pub mesh: Mesh,
-    /// What the user should know about it, a line each: doubts about its size, triangles that were turned.
+    /// What the user should look at, a line each: doubts about its size.
     pub warnings: Vec<String>,
+    /// What was done to it, a line each: triangles that were turned.
+    pub notes: Vec<String>,
     /// How fine its coordinates are if they are of single precision.
     pub spacing_mm: Option<f64>,
 }
@@ -112,29 +119,32 @@ impl MeshArgs {
         Placement { unit: self.unit, scale: self.scale, up: self.up, allow_large: self.allow_large }
     }
 
+    /// The file, however it was given.
+    pub fn path(&self) -> Option<&Path> {
+        self.file.as_deref().or(self.mesh.as_deref())
+    }
+
     /// Reads the file, or makes `shape` when there is none; unit, scale and axis apply to both. Triangles that look the
     /// wrong way are turned.
     ///
     /// # Errors
     /// [`MeshError`] when the file cannot be used.
     pub fn load(&self, shape_name: &str, shape: impl FnOnce() -> Mesh) -> Result<Part, MeshError> {
-        let (path, mut mesh) = match &self.mesh {
-            Some(path) => (path.clone(), read_mesh(path)?),
+        let (path, mut mesh) = match self.path() {
+            Some(path) => (path.to_owned(), read_mesh(path)?),
             None => (PathBuf::from(shape_name), shape()),
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let placement = self.placement();
         let spacing_mm = mesh.float32_spacing().map(|spacing| spacing * placement.unit.millimetres() * placement.scale);
-        let mut prepare = || -> Result<Vec<String>, MeshFault> {
-            let mut warnings = placement.apply(&mut mesh)?;
+        let mut prepare = || -> Result<[Vec<String>; 2], MeshFault> {
+            let warnings = placement.apply(&mut mesh)?;
             let turned = mesh.orient()?;
-            if turned.turned_triangles > 0 {
-                warnings.push(turned.to_string());
-            }
-            Ok(warnings)
+            let notes = if turned.turned_triangles > 0 { vec![turned.to_string()] } else { Vec::new() };
+            Ok([warnings, notes])
         };
         match prepare() {
-            Ok(warnings) => Ok(Part { name, mesh, warnings, spacing_mm }),
+            Ok([warnings, notes]) => Ok(Part { name, mesh, warnings, notes, spacing_mm }),
             Err(fault) => Err(MeshError { path, fault }),
         }
     }
@@ -142,8 +152,10 @@ impl MeshArgs {
 
 /// How large the cells are: one of the two, or neither.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Cells and their order")]
 pub struct VoxelArgs {
-    /// Wanted number of cells; the nearest that can be reached is taken [default: 100000, unless --cell is given]
+    /// Wanted number of cells; the nearest that can be reached is taken [default: as many as make a cell as high as a layer, but a
+    /// million at most]
     #[arg(long, value_name = "N", conflicts_with = "cell", value_parser = count, allow_negative_numbers = true)]
     pub voxels: Option<u64>,
     /// Edge of a cell in millimetres
@@ -152,14 +164,15 @@ pub struct VoxelArgs {
 }
 
 impl VoxelArgs {
-    /// As voxelising takes it; so many cells unless the user says.
-    pub fn resolution(&self, default_count: u64) -> Resolution {
-        self.cell.map_or(Resolution::Count(self.voxels.unwrap_or(default_count)), Resolution::Cell)
+    /// As voxelising takes it, if the user says.
+    pub fn resolution(&self) -> Option<Resolution> {
+        self.cell.map(Resolution::Cell).or(self.voxels.map(Resolution::Count))
     }
 }
 
 /// How the part grows.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Cells and their order")]
 pub struct GrowArgs {
     /// Depth inside the hull from which a cell counts as shadowed, in cells
     #[arg(long, value_name = "CELLS", default_value_t = 1.0, value_parser = eps, allow_negative_numbers = true)]
@@ -167,9 +180,6 @@ pub struct GrowArgs {
     /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
     #[arg(long)]
     pub beyond_eps: bool,
-    /// Diameter of the platform in millimetres; one that covers the part is taken if that is larger
-    #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
-    pub platform_diameter_mm: f64,
     /// How the next layer is chosen
     #[arg(long, default_value = "best")]
     pub strategy: Strategy,
@@ -227,6 +237,7 @@ pub enum Prevention {
 
 /// What may be wrong before the exit status is 3.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "What may be wrong")]
 pub struct AllowArgs {
     /// Share of the part's volume that may be missed before the exit status is 3
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
@@ -309,6 +320,15 @@ pub fn share(text: &str) -> Result<f64, String> {
 pub fn limit(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value > 0.0 { Ok(value) } else { Err("must be above 0, or inf for no limit".to_owned()) }
+}
+
+/// A temperature, for clap.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn celsius(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if (0.0..=600.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 600".to_owned()) }
 }
 
 fn eps(text: &str) -> Result<f64, String> {

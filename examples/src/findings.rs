@@ -14,6 +14,8 @@ pub fn percent(share: f64) -> String {
 /// What a finding does to the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
+    /// Nothing, and nothing is wrong: what was done to the part, what was taken.
+    Noted,
     /// Nothing: the user should know.
     Told,
     /// It becomes 3.
@@ -98,28 +100,38 @@ impl Findings {
     /// Writes what has been added since the last call to stderr, a line each.
     pub fn say(&mut self) {
         for finding in &self.list[self.said..] {
-            let word = if finding.severity == Severity::Failed { "check failed" } else { "warning" };
+            let word = match finding.severity {
+                Severity::Noted => "note",
+                Severity::Told => "warning",
+                Severity::Failed => "check failed",
+            };
             say(&format!("{word}: {finding}"));
         }
         self.said = self.list.len();
     }
 
-    /// A notice for each, what failed first.
+    /// A notice for each, what failed first; notes are paragraphs behind them.
     pub fn report(&self, report: &mut Report) {
         self.of(Severity::Failed).for_each(|finding| _ = report.notice(&format!("Check failed: {finding}")));
         self.of(Severity::Told).for_each(|finding| _ = report.notice(&finding.to_string()));
+        self.of(Severity::Noted).for_each(|finding| _ = report.paragraph(&format!("Note: {finding}.")));
     }
 
     /// How many there are of each severity, and all of them, a line each.
     ///
     /// # Errors
-    /// [`SummaryError`] if the keys `findings_failed`, `findings_told` or `findings` are taken.
+    /// [`SummaryError`] if the keys `findings_failed`, `findings_told`, `findings_noted` or `findings` are taken.
     pub fn summary(&self, summary: &mut Summary) -> Result<(), SummaryError> {
-        let word = |finding: &Finding| if finding.severity == Severity::Failed { "failed" } else { "told" };
+        let word = |finding: &Finding| match finding.severity {
+            Severity::Noted => "noted",
+            Severity::Told => "told",
+            Severity::Failed => "failed",
+        };
         let lines: Vec<String> = self.iter().map(|finding| format!("{}: {finding}", word(finding))).collect();
         summary
             .set("findings_failed", self.of(Severity::Failed).count())?
             .set("findings_told", self.of(Severity::Told).count())?
+            .set("findings_noted", self.of(Severity::Noted).count())?
             .set("findings", lines.join("\n"))?;
         Ok(())
     }

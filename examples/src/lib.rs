@@ -13,6 +13,7 @@ pub mod output;
 pub mod plot;
 pub mod render;
 pub mod report;
+pub mod settings;
 pub mod shapes;
 pub mod spiral;
 pub mod summary;

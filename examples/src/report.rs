@@ -114,6 +114,21 @@ impl Report {
         self.push(&format!("<figure class=\"plot\">\n{svg}\n<figcaption>{legend}{caption}</figcaption></figure>"))
     }
 
+    /// What `fill` puts in is behind a line that opens it.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_examples::report::Report;
+    /// let mut report = Report::new("Jug");
+    /// report.fold("All figures", |inner| _ = inner.paragraph("12 layers"));
+    /// assert!(report.to_html().contains("<details><summary>All figures</summary>\n<p>12 layers</p>\n</details>"));
+    /// ```
+    pub fn fold(&mut self, summary: &str, fill: impl FnOnce(&mut Report)) -> &mut Self {
+        self.push(&format!("<details><summary>{}</summary>", escaped(summary)));
+        fill(self);
+        self.push("</details>")
+    }
+
     /// A drawing, an `svg` element of ours, with a line under it. It is put in as it is.
     pub fn drawing(&mut self, caption: &str, svg: &str) -> &mut Self {
         self.push(&format!("<figure class=\"plot\">\n{svg}\n<figcaption>{}</figcaption></figure>", escaped(caption)))
@@ -184,6 +199,8 @@ figcaption { padding: 0.6rem 0.9rem; color: var(--soft); font-size: 0.9rem; bord
 .plot .line { fill: none; stroke-width: 1.4; stroke-linejoin: round; }
 .key { white-space: nowrap; margin-right: 1rem; }
 .key i { display: inline-block; width: 1.1em; height: 0.3em; margin-right: 0.4em; vertical-align: middle; }
+details { margin: 1.5rem 0; }
+summary { cursor: pointer; font-weight: 600; }
 @media print { body { background: none; } figure { break-inside: avoid; } }
 ";
 

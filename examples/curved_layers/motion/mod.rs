@@ -45,6 +45,7 @@ const TOLERANCE_SHARE: f64 = 0.25;
 
 /// Which cell, and what its controller is given.
 #[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Motion of a robot")]
 pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
     #[arg(long, conflicts_with = "workcell")]

@@ -3,7 +3,7 @@
 use super::seconds;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, failure};
+use crate::{Args, Extra, failure};
 use curvlay_examples::args::{Failure, Part, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
@@ -28,7 +28,12 @@ const PAPER: [(&str, u32, f64, u32); 6] = [
     ("Fertility", 77_064, 232.76, 511),
 ];
 
-pub fn products(run: &FieldRun, surfaces: Option<&SurfacesRun>, folder: &OutputFolder) -> Result<(), Failure> {
+pub fn products(
+    args: &Args,
+    run: &FieldRun,
+    surfaces: Option<&SurfacesRun>,
+    folder: &OutputFolder,
+) -> Result<(), Failure> {
     let order = numbers(run);
     let mut layers = vec![None; order.len()];
     if let Some(surfaces) = surfaces {
@@ -38,7 +43,8 @@ pub fn products(run: &FieldRun, surfaces: Option<&SurfacesRun>, folder: &OutputF
             cells.into_iter().for_each(|cell| layers[cell as usize] = Some(layer));
         }
     }
-    folder.write_with("field.csv", |out| write_field(run, &order, &layers, out))?;
+    let writes = args.writes(Extra::FieldCsv) || !run.growth.missed.is_empty();
+    folder.write_list("field.csv", writes, |out| write_field(run, &order, &layers, out))?;
     folder.write_list("impossible.csv", !run.impossible.is_empty(), |out| write_impossible(run, out))?;
     Ok(())
 }
@@ -124,6 +130,20 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("allow_left_out", args.allow.allow_left_out)?
         .set("allow_unsupported", limit(args.allow.allow_unsupported))?
         .set("allow_unsupported_beads", limit(args.allow.allow_unsupported_beads))?
+        .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?
+        .set("workcell", args.motion.workcell.as_ref().map_or("none".into(), |path| path.display().to_string()))?;
+    // Those with values of the run come with their stage.
+    let later = ["workcell", "layer_height_mm", "bead_mm", "nozzle", "platform_diameter_mm"];
+    for (name, value) in args.settings.fields().into_iter().filter(|(name, _)| !later.contains(&name.as_str())) {
+        let name = if name == "name" { "profile_name".to_owned() } else { name };
+        let value = match value {
+            Value::Null => "none".into(),
+            Value::Array(lines) => lines.iter().filter_map(Value::as_str).collect::<Vec<_>>().join("\n").into(),
+            value => value,
+        };
+        summary.set(&name, value)?;
+    }
+    summary
         .set_seconds("inspect_s", times.inspect)?
         .set_seconds("voxelise_s", times.voxelise)?
         .set_seconds("peel_s", times.peel)?
@@ -193,7 +213,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
 }
 
 /// The first chapter: what it is about, and the field.
-pub fn report(run: &FieldRun, figures: &Table, report: &mut Report) -> Result<(), Failure> {
+pub fn report(run: &FieldRun, report: &mut Report) -> Result<(), Failure> {
     let (grid, field) = (&run.solid.grid, numbers(run));
     let layered = LayeredCells::new(grid.dims(), grid.rows(), &field).map_err(failure)?;
     let (layers, missed) = (run.growth.order.len() as u32, run.growth.missed.len());
@@ -210,7 +230,6 @@ pub fn report(run: &FieldRun, figures: &Table, report: &mut Report) -> Result<()
          inside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches it.",
     );
     report
-        .table("", figures)
         .heading("The part, coloured by layer")
         .pictures(&[
             ("from the front", &view(Vector3::new(0.6, -1.0, 0.45))),

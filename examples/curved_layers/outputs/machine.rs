@@ -5,9 +5,8 @@ use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Job, failure};
-use clap::ValueEnum;
-use curvlay_examples::args::{Failure, typed_name};
+use crate::{Args, Extra, Job, failure};
+use curvlay_examples::args::Failure;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -15,41 +14,30 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
-use curvlay_toolpath::gcode::{Dialect, DirectionWords, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath};
+use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
+use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
+use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, write_paths_vtp};
+use serde_json::Value;
 use std::collections::HashSet;
 use std::io;
 
-/// How the machine file says the direction of the nozzle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Words {
-    /// In a comment, `;DIR:0 0 1`: no firmware can mistake it.
-    Comment,
-    /// As `I J K`.
-    Ijk,
-    /// As `nX nY nZ`: only for machines that know these words, others may drive to them.
-    Dissertation,
-}
-
-impl Words {
-    fn dialect(self) -> Dialect {
-        Dialect::Part(match self {
-            Words::Comment => DirectionWords::Comment,
-            Words::Ijk => DirectionWords::Ijk,
-            Words::Dissertation => DirectionWords::Dissertation,
-        })
-    }
-}
-
-/// Writes the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
-pub fn products(args: &Args, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
-    let options = WriteOptions {
-        dialect: args.dialect.dialect(),
-        nozzle_celsius: args.nozzle_celsius,
-        bed_celsius: args.bed_celsius,
-        ..WriteOptions::default()
-    };
+/// Writes the tool paths and the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
+pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
+    let templates = args.settings.templates();
+    let options = args.settings.write_options(&templates);
+    folder.write_with("paths.vtp", |out| write_paths_vtp(&run.resolved.paths, &run.deposition.moves, out))?;
     let written = write(run, &options, "toolpath.gcode", folder)?;
+    let failed = |error: CamError| match error {
+        CamError::Io(error) => error,
+        error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
+    };
+    let name = AptOptions { name, ..AptOptions::default() };
+    folder.write_list("toolpath.apt", args.writes(Extra::Apt), |out| {
+        write_apt(run.moves(), &name, out).map(|_| ()).map_err(failed)
+    })?;
+    folder.write_list("toolpath.csv", args.writes(Extra::Csv), |out| {
+        write_csv(run.moves(), out).map(|_| ()).map_err(failed)
+    })?;
     if args.rotary {
         let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
         write(run, &options, "toolpath-bc.gcode", folder)?;
@@ -125,7 +113,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     let mut written = Ok(Written::default());
     folder
         .write_with(name, |out| {
-            written = write_gcode(&run.deposition.moves, options, out);
+            written = write_gcode(run.moves(), options, out);
             // What is wrong is told below, in words.
             written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
         })
@@ -149,6 +137,7 @@ pub fn summary(
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
         job.setup.cell.equipment().model().nozzle;
+    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
         .set("filled_share", deposition.extruded_mm3 / field.part_mm3)?
@@ -170,10 +159,11 @@ pub fn summary(
         .set("left_out_pieces", resolved.left_out.len())?
         .set("left_out_mm", run.lengths_mm()[1])?
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
-        .set("dialect", typed_name(job.args.dialect))?
         .set("extruded_mm3", deposition.extruded_mm3)?
         .set("covered_mm3", run.covered_mm3)?
         .set("filament_mm", deposition.filament_mm)?
+        .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
+        .set("filament_cost", cost.map_or_else(|| "none".into(), Value::from))?
         .set("print_time_s", deposition.total_s)?
         .set("travel_mm", deposition.travel_mm)?
         .set("lifted_travels", run.travels.lifted)?

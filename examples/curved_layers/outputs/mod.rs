@@ -6,6 +6,7 @@ mod field;
 mod machine;
 pub mod motion;
 mod paths;
+mod people;
 mod pictures;
 mod programs;
 mod surfaces;
@@ -19,7 +20,6 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::Written;
-pub use machine::Words;
 use programs::Programs;
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 21] = [
+const NAMES: [&str; 24] = [
     SUMMARY,
     "report.html",
     "field.csv",
@@ -40,8 +40,11 @@ const NAMES: [&str; 21] = [
     "layers.obj",
     "layers.vtk",
     "paths.obj",
+    "paths.vtp",
     "toolpath.gcode",
     "toolpath-bc.gcode",
+    "toolpath.apt",
+    "toolpath.csv",
     "gouging.csv",
     "left_out.csv",
     "turns.csv",
@@ -88,7 +91,7 @@ pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failu
     // The summary comes last: what it tells of is there.
     summary(stage, job, results)?.write(job.folder)?;
     if is_last {
-        Table::print_all(tables.iter().filter(|table| !table.rows().is_empty())).map_err(failure)?;
+        people::table(job, results).print().map_err(failure)?;
     }
     Ok(())
 }
@@ -96,19 +99,19 @@ pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failu
 /// The files of a stage. Programs that would be wrong are left out; that is a finding.
 fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failure> {
     let Results { field, surfaces, paths, machine, motion, files, findings } = results;
-    let Job { args, setup, folder, .. } = job;
+    let Job { args, setup, folder, part, .. } = job;
     match stage {
         Stage::Field | Stage::Surfaces => {
-            field::products(field, surfaces.as_ref(), folder)?;
-            surfaces.iter().try_for_each(|run| surfaces::products(run, folder))
+            field::products(args, field, surfaces.as_ref(), folder)?;
+            surfaces.iter().try_for_each(|run| surfaces::products(args, run, folder))
         }
-        Stage::Paths => paths.iter().try_for_each(|run| paths::products(run, folder)),
+        Stage::Paths => paths.iter().try_for_each(|run| paths::products(args, run, folder)),
         Stage::Gcode => {
-            files.gcode = machine.as_ref().map(|run| machine::products(args, run, folder)).transpose()?;
+            files.gcode = machine.as_ref().map(|run| machine::products(args, &part.name, run, folder)).transpose()?;
             Ok(())
         }
         Stage::Motion => {
-            files.gcode = machine.as_ref().map(|run| machine::products(args, run, folder)).transpose()?;
+            files.gcode = machine.as_ref().map(|run| machine::products(args, &part.name, run, folder)).transpose()?;
             let Some(motion) = motion else { return Ok(()) };
             of_run!(motion, run => motion::products(run, folder)?);
             let written =
@@ -157,30 +160,26 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
 /// What is wrong comes first.
 fn report(job: &Job, results: &Results, tables: &[Table; 5]) -> Result<Report, Failure> {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
-    let [of_field, of_surfaces, of_paths, of_machine, of_motion] = tables;
     let mut report = Report::new(&format!("Curved layers: {}", job.part.name));
     findings.report(&mut report);
-    machine
-        .iter()
-        .for_each(|run| _ = report.paragraph(&format!("Laid: {} of the part's volume.", machine::filled(field, run))));
-    field::report(field, of_field, &mut report)?;
+    report.table("", &people::table(job, results));
+    field::report(field, &mut report)?;
     if let Some(surfaces) = surfaces {
-        report.table("", of_surfaces);
         surfaces::report(field, surfaces, &mut report);
         if let Some(paths) = paths {
-            report.table("", of_paths);
             paths::report(surfaces, paths, &mut report);
         }
     }
     if let (Some(surfaces), Some(paths), Some(machine)) = (surfaces, paths, machine) {
-        report.table("", of_machine);
         machine::report(surfaces, paths, machine, &mut report);
     }
     if let (Some(surfaces), Some(motion)) = (surfaces, motion) {
-        report.table("", of_motion);
         of_run!(motion, run => motion::report(surfaces, run, &mut report));
     }
-    field::comparison(job.part, field, &mut report);
+    report.fold("All figures, and those of the dissertation", |inner| {
+        tables.iter().filter(|table| !table.rows().is_empty()).for_each(|table| _ = inner.table("", table));
+        field::comparison(job.part, field, inner);
+    });
     Ok(report)
 }
 

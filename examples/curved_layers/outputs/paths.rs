@@ -1,9 +1,9 @@
 //! Of the paths: their lines as OBJ, figures and pictures.
 
 use super::{Picture, borrowed, pictures, seconds};
-use crate::Args;
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
+use crate::{Args, Extra};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -12,8 +12,8 @@ use curvlay_examples::table::Table;
 use curvlay_toolpath::surface::SHORT_CURVE_BEADS;
 use std::io::{self, Write};
 
-pub fn products(run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
-    folder.write_with("paths.obj", |out| write_obj(run, out))?;
+pub fn products(args: &Args, run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {
+    folder.write_list("paths.obj", args.writes(Extra::PathsObj), |out| write_obj(run, out))?;
     Ok(())
 }
 

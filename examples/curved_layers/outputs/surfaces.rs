@@ -3,19 +3,22 @@
 use super::{borrowed, pictures, seconds};
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
+use crate::{Args, Extra};
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
-use curvlay_layers::curved::surface::{write_field_vtk, write_surfaces_vtk};
+use curvlay_layers::curved::surface::{SavedField, write_field_vtk, write_surfaces_vtk};
 use std::io::{self, Write};
 
-pub fn products(run: &SurfacesRun, folder: &OutputFolder) -> Result<(), Failure> {
-    folder.write_with("layers.obj", |out| write_obj(run, out))?;
-    folder.write_with("layers.vtk", |out| write_surfaces_vtk(out, &run.slices(), Some(&run.spacing)))?;
-    folder
-        .write_with("field.vtk", |out| write_field_vtk(out, &run.saved.field, run.saved.cell_mm, run.saved.origin))?;
+pub fn products(args: &Args, run: &SurfacesRun, folder: &OutputFolder) -> Result<(), Failure> {
+    let SavedField { field, cell_mm, origin, .. } = &run.saved;
+    let writes = |extra| args.writes(extra);
+    folder.write_list("layers.obj", writes(Extra::LayersObj), |out| write_obj(run, out))?;
+    let vtk = |out: &mut dyn Write| write_surfaces_vtk(out, &run.slices(), Some(&run.spacing));
+    folder.write_list("layers.vtk", writes(Extra::LayersVtk), vtk)?;
+    folder.write_list("field.vtk", writes(Extra::FieldVtk), |out| write_field_vtk(out, field, *cell_mm, *origin))?;
     folder.write_with("field.txt", |out| run.saved.write(out))?;
     Ok(())
 }

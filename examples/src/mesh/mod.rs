@@ -34,6 +34,20 @@ impl Mesh {
         Some(self.vertices.iter().fold([first, first], grow))
     }
 
+    /// Area of all triangles.
+    pub fn area(&self) -> f64 {
+        self.corners().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
+    }
+
+    /// Volume that the triangles enclose, whichever way they look; overlaps count twice.
+    pub fn volume(&self) -> f64 {
+        self.corners().map(|[a, b, c]| a.coords.dot(&b.coords.cross(&c.coords)) / 6.0).sum::<f64>().abs()
+    }
+
+    fn corners(&self) -> impl Iterator<Item = [Point3<f64>; 3]> {
+        self.triangles.iter().map(|triangle| triangle.map(|corner| self.vertices[corner as usize]))
+    }
+
     /// Turns triangles so that neighbours agree and all look outwards: to be done before anything else.
     ///
     /// # Returns

@@ -10,6 +10,8 @@ pub enum Unit {
     /// Millimetres.
     #[default]
     Mm,
+    /// Centimetres.
+    Cm,
     /// Metres.
     M,
     /// Inches.
@@ -21,6 +23,7 @@ impl Unit {
     pub fn millimetres(self) -> f64 {
         match self {
             Unit::Mm => 1.0,
+            Unit::Cm => 10.0,
             Unit::M => 1000.0,
             Unit::In => 25.4,
         }
@@ -37,6 +40,30 @@ pub enum Up {
     /// Nothing to turn.
     #[default]
     Z,
+    /// A quarter turn about y brings -x up.
+    #[value(name = "-x")]
+    NegX,
+    /// A quarter turn about x brings -y up.
+    #[value(name = "-y")]
+    NegY,
+    /// A half turn about x: the part stands on its head.
+    #[value(name = "-z")]
+    NegZ,
+}
+
+impl Up {
+    /// A vector of the file, turned. Zero stays zero, without a sign.
+    pub fn turned(self, v: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = v;
+        match self {
+            Up::X => [0.0 - z, y, x],
+            Up::Y => [x, 0.0 - z, y],
+            Up::Z => [x, y, z],
+            Up::NegX => [z, y, 0.0 - x],
+            Up::NegY => [x, z, 0.0 - y],
+            Up::NegZ => [x, 0.0 - y, 0.0 - z],
+        }
+    }
 }
 
 /// How a mesh is brought to millimetres with z up.
@@ -95,11 +122,7 @@ impl Placement {
     pub fn apply(&self, mesh: &mut Mesh) -> Result<Vec<String>, MeshFault> {
         let factor = self.unit.millimetres() * self.scale;
         for p in &mut mesh.vertices {
-            *p = Point3::from(match self.up {
-                Up::X => [0.0 - p.z, p.y, p.x],
-                Up::Y => [p.x, 0.0 - p.z, p.y],
-                Up::Z => [p.x, p.y, p.z],
-            });
+            *p = Point3::from(self.up.turned([p.x, p.y, p.z]));
         }
         let Some([low, high]) = mesh.bounds() else { return Ok(Vec::new()) };
         let longest_mm = (high - low).max() * factor;
@@ -128,10 +151,12 @@ impl Placement {
         let found = format!("the longest side of the part is {} mm", significant(longest));
         match self.unit {
             Unit::Mm if longest < SMALL_MM => {
-                Some(format!("{found}: is it in metres or inches? use --unit m or --unit in"))
+                Some(format!("{found}: is it in centimetres, metres or inches? use --unit cm, m or in"))
             }
-            Unit::M | Unit::In if longest < SMALL_WITH_UNIT_MM => Some(format!("{found}: is the scale right?")),
-            Unit::M | Unit::In if longest > DOUBTED_MM => {
+            Unit::Cm | Unit::M | Unit::In if longest < SMALL_WITH_UNIT_MM => {
+                Some(format!("{found}: is the scale right?"))
+            }
+            Unit::Cm | Unit::M | Unit::In if longest > DOUBTED_MM => {
                 Some(format!("{found}: is it in millimetres? leave --unit out"))
             }
             _ => None,

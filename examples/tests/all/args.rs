@@ -7,6 +7,7 @@ use curvlay_examples::args::{
 };
 use curvlay_examples::mesh::{Unit, Up};
 use curvlay_examples::nalgebra::Point3;
+use curvlay_examples::settings::Settings;
 use curvlay_examples::shapes::jug;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ struct Args {
     #[command(flatten)]
     grow: GrowArgs,
     #[command(flatten)]
+    settings: Settings,
+    #[command(flatten)]
     common: Common,
 }
 
@@ -33,7 +36,7 @@ fn everything_has_a_default() {
     let args = parse("").unwrap();
     assert_eq!((args.mesh.mesh, args.mesh.unit, args.mesh.scale, args.mesh.up), (None, Unit::Mm, 1.0, Up::Z));
     assert_eq!((args.voxels.voxels, args.voxels.cell), (None, None));
-    assert_eq!((args.grow.eps, args.grow.platform_diameter_mm), (1.0, 127.5));
+    assert_eq!((args.grow.eps, args.settings), (1.0, Settings::default()));
     assert_eq!((args.grow.strategy, args.grow.prevention), (Strategy::Best, Prevention::Adaptive));
     assert!(args.common.threads >= 1 && !args.common.quiet && args.common.out.is_none());
 }
@@ -45,12 +48,21 @@ fn everything_can_be_set() {
     let args = parse(words).unwrap();
     assert_eq!((args.mesh.mesh, args.mesh.unit), (Some(PathBuf::from("a.stl")), Unit::In));
     assert_eq!((args.mesh.scale, args.mesh.up, args.voxels.voxels), (2.5, Up::Y, Some(100_000)));
-    assert_eq!((args.grow.eps, args.grow.platform_diameter_mm), (0.0, 90.0));
+    assert_eq!((args.grow.eps, args.settings.platform_diameter_mm), (0.0, Some(90.0)));
     assert_eq!(
         (typed_name(args.grow.strategy), typed_name(args.grow.prevention)),
         ("greedy".into(), "incremental".into())
     );
     assert_eq!((args.common.out, args.common.threads, args.common.quiet), (Some(PathBuf::from("here")), 3, true));
+}
+
+#[test]
+fn the_part_is_a_word_of_its_own_or_an_option() {
+    for words in ["part.stl --up -z", "--up -z part.stl", "--mesh part.stl --up=-z", "--unit cm --up -z -- part.stl"] {
+        let mesh = parse(words).unwrap().mesh;
+        assert_eq!((mesh.path(), mesh.up), (Some(Path::new("part.stl")), Up::NegZ), "{words}");
+    }
+    assert_eq!(parse("").unwrap().mesh.path(), None);
 }
 
 #[test]
@@ -74,13 +86,15 @@ fn what_is_out_of_range_is_refused_in_one_line() {
         ("--platform-diameter 0", "--platform-diameter"),
         ("--threads 0", "--threads"),
         ("--threads 100000", "--threads"),
-        ("--unit cm", "--unit"),
+        ("--unit km", "--unit"),
         ("--up w", "--up"),
         ("--strategy none", "--strategy"),
         ("--prevention none", "--prevention"),
         ("--mesh", "--mesh"),
         ("--colour red", "--colour"),
-        ("part.stl", "part.stl"),
+        ("part.stl other.stl", "other.stl"),
+        ("part.stl --mesh other.stl", "--mesh"),
+        ("--up -w", "--up"),
     ];
     for (words, named) in refused {
         let line = one_line(&parse(words).unwrap_err());
@@ -134,7 +148,7 @@ fn without_a_file_the_shape_is_loaded() {
     let part = parse("--scale 0.01").unwrap().mesh.load("jug", jug).unwrap();
     assert_eq!(part.name, "jug");
     assert_eq!(part.mesh.triangles, jug().triangles);
-    assert!(part.warnings[0].contains("--unit m"));
+    assert!(part.warnings[0].contains("--unit cm, m or in"));
     assert!(parse("--scale 1e308").unwrap().mesh.load("jug", jug).is_err());
 }
 
@@ -161,7 +175,7 @@ fn facets_that_look_the_wrong_way_are_told() {
     fs::write(&path, "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n").unwrap();
     let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();
     let told = "the triangles disagreed about inside and outside at 3 edges: 1 of 4 were turned";
-    assert_eq!((part.mesh.triangles[3], &part.warnings[..]), ([1, 2, 3], &[told.to_owned()][..]));
+    assert_eq!((part.mesh.triangles[3], &part.notes[..]), ([1, 2, 3], &[told.to_owned()][..]));
 }
 
 #[test]

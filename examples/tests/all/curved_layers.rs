@@ -1,7 +1,9 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 
 use curvlay_examples::motion::{OnCell, dissertation_cells};
+use curvlay_examples::settings::Settings;
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
+use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_trajectory::print::PrintRobot;
@@ -238,20 +240,21 @@ fn a_curve_fills_each_layer() {
     let scratch = Scratch::new("paths");
     let mesh = scratch.path("frame.stl");
     let bars = [
-        [[0.0, 0.0, 0.0], [20.0, 5.0, 4.0]],
-        [[0.0, 5.0, 0.0], [5.0, 10.0, 4.0]],
-        [[15.0, 5.0, 0.0], [20.0, 10.0, 4.0]],
-        [[0.0, 10.0, 0.0], [20.0, 15.0, 4.0]],
+        [[0.0, 0.0, 0.0], [20.0, 5.0, 2.0]],
+        [[0.0, 5.0, 0.0], [5.0, 10.0, 2.0]],
+        [[15.0, 5.0, 0.0], [20.0, 10.0, 2.0]],
+        [[0.0, 10.0, 0.0], [20.0, 15.0, 2.0]],
     ];
     fs::write(&mesh, boxes(&bars)).unwrap();
     let out = scratch.path("out");
-    let output = run(&["--mesh", &mesh, "--cell", "1", "--bead", "0.5", "--compare", "--quiet", "--out", &out]);
+    let args = ["--cell", "1", "--layer-height", "0.5", "--bead", "0.5", "--compare", "--also", "paths-obj", "--quiet"];
+    let output = run(&[&args[..], &["--mesh", &mesh, "--out", &out]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = summary(&out);
     let figure = |key: &str| figures[key].as_f64().unwrap();
     assert_eq!((figure("bead_mm"), figure("curves"), figure("regions")), (0.5, 4.0, 4.0));
     // Level layers are as even as hop counts.
-    assert!((figure("plain_spacing_mean_mm") - 1.0).abs() < 1e-9 && figure("plain_spacing_std_mm") < 1e-9);
+    assert!((figure("plain_spacing_mean_mm") - 0.5).abs() < 1e-9 && figure("plain_spacing_std_mm") < 1e-9);
     assert_eq!((figure("jumps"), figure("self_crossings")), (3.0, 0.0));
     assert_eq!((figure("short_curves"), figure("short_curve_share")), (0.0, 0.0));
     assert!((figure("starts_per_metre") * figure("path_mm") / 4000.0 - 1.0).abs() < 1e-9);
@@ -273,7 +276,7 @@ fn a_curve_fills_each_layer() {
     assert_eq!((figure("unsupported_mm"), figure("unsupported_longest_mm")), (0.0, 0.0));
     // Beads hold what they cover, and no more where they overlap.
     assert!((figure("extruded_mm3") / figure("covered_mm3") - 1.0).abs() < 0.02, "{}", figure("extruded_mm3"));
-    assert!((figure("covered_mm3") / figure("covered_fraction") / 1000.0 - 1.0).abs() < 0.005);
+    assert!((figure("covered_mm3") / figure("covered_fraction") / 500.0 - 1.0).abs() < 0.005);
     let file = fs::File::open(Path::new(&out).join("toolpath.gcode")).unwrap();
     assert_eq!(Some(file.metadata().unwrap().len()), figures["gcode_bytes"].as_u64());
     let options = ReadOptions { home: Some(Point3::origin()), ..ReadOptions::default() };
@@ -313,8 +316,8 @@ fn other_patterns_fill_layers_too() {
     let scratch = Scratch::new("patterns");
     // Beside its outermost rows, and at every other end of a row, a zigzag leaves up to a bead bare.
     for (pattern, curves, covered) in [("zigzag", 2.0, 0.92), ("rings", 28.0, 0.99)] {
-        let args = ["--cell", "1", "--bead", "0.5", "--pattern", pattern, "--allow-volume", "0.1"];
-        let figures = block([20.0, 14.0, 2.0], &scratch.path(pattern), &args);
+        let args = ["--cell", "1", "--layer-height", "0.5", "--pattern", pattern, "--allow-volume", "0.1"];
+        let figures = block([20.0, 14.0, 1.0], &scratch.path(pattern), &args);
         let figure = |key: &str| figures[key].as_f64().unwrap();
         assert_eq!(figures["pattern"], pattern);
         assert_eq!((figure("curves"), figure("regions"), figure("self_crossings")), (curves, 2.0, 0.0), "{pattern}");
@@ -444,7 +447,7 @@ fn each_path_begins_near_where_the_one_before_ends() {
     let post = [[0.0; 3], [12.0, 12.0, 36.0]];
     let arms = [[[12.0, 0.0, 24.0], [48.0, 12.0, 36.0]], [[-36.0, 0.0, 24.0], [0.0, 12.0, 36.0]]];
     fs::write(&mesh, boxes(&[post, arms[0], arms[1]])).unwrap();
-    let args = ["--cell", "4", "--bead", "4", "--stage", "motion", "--program", "none"];
+    let args = ["--cell", "4", "--stage", "motion", "--program", "none"];
     let output = run(&[&["--mesh", &mesh, "--quiet", "--out", &out], &args[..]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = summary(&out);
@@ -630,7 +633,7 @@ fn an_arm_of_a_file_prints_over_a_plate_that_stands_still() {
 fn what_is_printed_later_is_in_nobodys_way() {
     let scratch = Scratch::new("tower");
     let out = scratch.path("out");
-    let args = ["--cell", "8", "--bead", "4", "--stage", "motion", "--cell8", "--program", "csv"];
+    let args = ["--cell", "8", "--stage", "motion", "--cell8", "--program", "csv"];
     let figures = block([16.0, 16.0, 80.0], &out, &args);
     documented(&out);
     let count = |key: &str| figures[key].as_u64().unwrap();
@@ -662,7 +665,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 50] = [
+    let cases: [(&[&str], i32, &str); 64] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -704,6 +707,24 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--resume", "no-such-field.txt"], 1, "no-such-field.txt"),
         (&["--resume", &scratch.path("")], 1, "is not a file"),
         (&["--bead", "1000"], 1, "wider than the part"),
+        (&["--layer-height", "0.6"], 2, "layers of 0.6 mm are higher than a bead is wide, 0.5 mm, the default"),
+        (&["--bead", "0.2"], 2, "layers of 0.3 mm, the default, are higher than a bead is wide, 0.2 mm"),
+        (&["--cell", "1", "--bead", "0.5"], 2, "layers of 1 mm, the edge of a cell, are higher than a bead"),
+        (&["--voxels", "2000", "--bead", "0.5"], 1, "the edge of a cell, are higher than a bead"),
+        (&["--min-feed", "50"], 2, "--min-feed 50 is above --max-feed 40"),
+        (&["--price-per-kg", "20"], 2, "--material-density"),
+        (&["--material-density", "1240"], 2, "g/cm3"),
+        (&["--stage", "paths", "--fan", "1"], 2, "--fan does nothing with --stage paths: it needs --stage gcode"),
+        (&["--profile", "no-such-profile.json"], 1, "no-such-profile.json"),
+        (&["--profile", &scratch.path("file")], 1, "line 1 column 1"),
+        (&["a.stl", "--mesh", "b.stl"], 2, "--mesh"),
+        (
+            &["--stage", "paths", "--also", "apt"],
+            2,
+            "--also apt does nothing with --stage paths: it needs --stage gcode",
+        ),
+        (&["--also", "apt,svg"], 2, "--also"),
+        (&["--tags", "simplify"], 2, "--tags"),
         (&["--voxels", "5000", "--max-memory", "0.001"], 1, "--voxels"),
         (&["--voxels", "2000", "--stage", "field", "--scale", "1e200"], 1, "--allow-large"),
         (&["--cell8", "--workcell", "x.json"], 2, "--workcell"),
@@ -723,6 +744,116 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     }
     let (status, line) = status_and_line(&run(&["--out", &in_the_way]));
     assert!(status == 1 && line.contains(&in_the_way), "{status} {line}");
+}
+
+/// What a profile says holds where nothing is typed, and both are in the summary; cells follow from the layer height.
+#[test]
+fn profiles_are_taken_and_options_win() {
+    let scratch = Scratch::new("profile");
+    let (mesh, profile, out) = (scratch.path("block.stl"), scratch.path("mine.json"), scratch.path("out"));
+    fs::write(&mesh, boxes(&[[[0.0; 3], [8.0, 6.0, 2.0]]])).unwrap();
+    let text = r#"{
+        "name": "mine",
+        "layer_height_mm": 0.4, "bead_mm": 0.9, "nozzle": [0.6, 40, 8, 20],
+        "material": "PETG", "filament_diameter_mm": 2.85, "material_density_g_cm3": 1.27, "price_per_kg": 30,
+        "nozzle_celsius": 235, "retraction_mm": 0, "dialect": "ijk", "extrusion": "relative",
+        "start_gcode": ["M109 S{nozzle} ; mine", "G28"], "end_gcode": ["M84"]
+    }"#;
+    fs::write(&profile, text).unwrap();
+    let args =
+        ["--profile", &profile, "--bead", "0.5", "--nozzle-celsius", "240.5", "--also", "apt,csv", "--line-numbers"];
+    let output = run(&[&args[..], &[&mesh, "--quiet", "--out", &out]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    documented(&out);
+    let figures = summary(&out);
+    let figure = |key: &str| figures[key].as_f64().unwrap();
+    assert_eq!((figure("layer_height_mm"), figure("bead_mm"), figure("cell_mm")), (0.4, 0.5, 0.4));
+    assert_eq!((figure("filament_diameter_mm"), figure("nozzle_celsius"), figure("retraction_mm")), (2.85, 240.5, 0.0));
+    assert_eq!((&figures["material"], &figures["profile_name"]), (&"PETG".into(), &"mine".into()));
+    assert_eq!((&figures["nozzle"], &figures["bed_celsius"]), (&"0.6,40,8,20".into(), &"none".into()));
+    let mass = figure("filament_g");
+    assert!((mass - figure("extruded_mm3") * 1.27e-3).abs() < 1e-9 && mass > 0.1);
+    assert!((figure("filament_cost") - mass * 0.03).abs() < 1e-9);
+    let gcode = fs::read_to_string(Path::new(&out).join("toolpath.gcode")).unwrap();
+    assert!(gcode.contains("N1 M109 S240.5*") && gcode.contains(" ; mine\nN2 G28*") && gcode.contains(" M83*"));
+    assert!(gcode.lines().last().unwrap().contains(" M84*"));
+    assert!(!gcode.contains(";DIR:") && !gcode.contains("G1 E-0\n"));
+    // Numbers and checksums hold, and viewers see as many layers as there are.
+    let options = ReadOptions {
+        dialect: gcode::Dialect::Part(gcode::DirectionWords::Ijk),
+        skip_other_m: true,
+        ..ReadOptions::default()
+    };
+    let moves = GcodeReader::new(gcode.as_bytes(), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+    assert!(gcode.lines().filter(|line| line.contains("*")).count() > moves.len());
+    let count = |line: &str| gcode.lines().filter(|other| *other == line).count() as f64;
+    assert_eq!((count(";LAYER_CHANGE"), count(";HEIGHT:0.4") > 0.0), (figure("surfaces"), true));
+    assert!(
+        count(";TYPE:External perimeter") >= figure("surfaces") && count(";TYPE:Solid infill") >= figure("surfaces")
+    );
+    // The same moves for CAM.
+    let goes =
+        moves.iter().filter(|step| matches!(step, gcode::Move::Travel { .. } | gcode::Move::Print { .. })).count();
+    let read = |name: &str| fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    let begin = |text: &str, word: &str| text.lines().filter(|line| line.starts_with(word)).count();
+    // The machine file ends with a lift of its own.
+    assert_eq!(begin(&read("toolpath.apt"), "GOTO/"), goes - 1);
+    assert_eq!(begin(&read("toolpath.csv"), "travel,") + begin(&read("toolpath.csv"), "print,"), goes - 1);
+    let vtp = fs::read(Path::new(&out).join("paths.vtp")).unwrap();
+    assert!(String::from_utf8_lossy(&vtp).contains(&format!("NumberOfPoints=\"{}\"", figures["waypoints"])));
+    // Of what takes hundreds of megabytes at real resolution nothing is there.
+    for name in ["field.csv", "field.vtk", "layers.obj", "layers.vtk", "paths.obj"] {
+        assert!(!Path::new(&out).join(name).exists(), "{name}");
+    }
+    // People read on stdout what there is, and where.
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    for words in
+        ["8.0 x 6.0 x 2.0 mm, 0.10 cm3", "5 of 0.400 mm, beads of 0.500 mm", "(PETG)", " g, costs ", "report.html"]
+    {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+
+    for (text, status, words) in [
+        (r#"{"layer_hight_mm": 0.2}"#, 1, "line 1: `layer_hight_mm` is no setting; did you mean `layer_height_mm`?"),
+        ("{\n\"bead_mm\": 0.5,\n\"beads\": 3}", 1, "line 3: `beads` is no setting; did you mean `bead_mm`?"),
+        (r#"{"colour of the machine": 0.2}"#, 1, "there are "),
+        (r#"{"bead_mm": -0.5}"#, 1, "`bead_mm` is -0.5: must be above 0"),
+        (r#"{"bead_mm": "wide"}"#, 1, "line 1 column"),
+        (r#"{"nozzle": [9, 30, 8, 30]}"#, 1, "`nozzle`: "),
+        (r#"{"start_gcode": ["G28", "M109 S{nozle}"]}"#, 1, "the header, line 2: `{nozle}` is none of nozzle"),
+        (r#"{"start_gcode": ["G28", "M109\nS210"]}"#, 1, "`start_gcode`, line 2: a line break within a line"),
+        (r#"{"end_gcode": ["M84 {"]}"#, 1, "the footer, line 1: a single `{`"),
+        (r#"{"workcell": "no-such.json"}"#, 1, "no-such.json"),
+        (r#"{"layer_height_mm": 0.7}"#, 2, "layers of 0.7 mm are higher than a bead is wide"),
+        (r#"{"min_feed_mm_s": 50}"#, 2, "--min-feed 50"),
+    ] {
+        fs::write(&profile, text).unwrap();
+        let bad = scratch.path("bad");
+        let output = run(&[&mesh, "--profile", &profile, "--quiet", "--out", &bad]);
+        let (found, line) = status_and_line(&output);
+        assert!(found == status && line.contains(words), "{text}: {found} {line}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr).lines().count(), 1, "{text}");
+        assert!(!Path::new(&bad).exists(), "{text} left something behind");
+    }
+}
+
+/// The profiles that come along are what they say, and their cells are there.
+#[test]
+fn the_profiles_that_come_along_can_be_used() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles");
+    let mut count = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let settings = Settings::load(&path).unwrap();
+        settings.check_templates().unwrap();
+        assert!(settings.name.is_some() && settings.material_density_g_cm3.is_some(), "{}", path.display());
+        assert!(settings.layer_height_mm.unwrap() <= settings.bead_mm.unwrap(), "{}", path.display());
+        if let Some(cell) = &settings.workcell {
+            AnyWorkcell::from_json(&fs::read(cell).unwrap()[..]).unwrap();
+        }
+        count += 1;
+    }
+    assert_eq!(count, 3);
 }
 
 /// What a run said on stderr, and the notices of its report, which come before everything else.
@@ -863,7 +994,7 @@ fn beads_that_fit_nowhere_are_refused_with_a_reason() {
     assert_eq!((&summary(&out)["stage"], &summary(&out)["stage_done"]), (&"gcode".into(), &"surfaces".into()));
     assert!(Path::new(&out).join("field.txt").exists() && !Path::new(&out).join("report.html").exists());
     // What would not fit into memory is refused before it begins, with the size that would.
-    let (status, line) = status_and_line(&run_with(&["--bead", "0.0001"]));
+    let (status, line) = status_and_line(&run_with(&["--layer-height", "0.25", "--max-memory", "0.0006"]));
     assert!(status == 1 && line.contains("--bead") && line.contains("would fit"), "{status} {line}");
     let args = ["--voxels", "1000", "--unit", "m", "--allow-large", "--quiet", "--max-memory", "0.5", "--out", &out];
     let (status, line) = status_and_line(&run(&args));

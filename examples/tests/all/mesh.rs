@@ -347,7 +347,7 @@ proptest! {
 
 #[test]
 fn placement_turns_right_handed() {
-    for up in [Up::X, Up::Y, Up::Z] {
+    for up in [Up::X, Up::Y, Up::Z, Up::NegX, Up::NegY, Up::NegZ] {
         let mut mesh = tetrahedron();
         let volume = |mesh: &Mesh| {
             let signed = mesh.triangles.iter().map(|t| {
@@ -361,12 +361,15 @@ fn placement_turns_right_handed() {
             Up::X => [2.0, 0.0, 0.0],
             Up::Y => [0.0, 2.0, 0.0],
             Up::Z => [0.0, 0.0, 2.0],
+            Up::NegX => [-2.0, 0.0, 0.0],
+            Up::NegY => [0.0, -2.0, 0.0],
+            Up::NegZ => [0.0, 0.0, -2.0],
         });
         mesh.vertices.push(top);
-        let placement = Placement { unit: Unit::M, scale: 0.5, up, ..Placement::default() };
+        let placement = Placement { unit: Unit::M, scale: 0.25, up, ..Placement::default() };
         assert_eq!(placement.apply(&mut mesh).unwrap(), <[String; 0]>::default());
-        assert_eq!(mesh.vertices.pop(), Some(Point3::new(0.0, 0.0, 1000.0)), "{up:?}");
-        assert!((volume(&mesh) / before - 500.0_f64.powi(3)).abs() < 1e-3, "{up:?} keeps the sense of turning");
+        assert_eq!(mesh.vertices.pop(), Some(Point3::new(0.0, 0.0, 500.0)), "{up:?}");
+        assert!((volume(&mesh) / before - 250.0_f64.powi(3)).abs() < 1e-3, "{up:?} keeps the sense of turning");
     }
 }
 
@@ -378,7 +381,7 @@ fn odd_sizes_are_doubted_and_huge_ones_refused() {
     };
     let doubt = |scale: f64, unit: Unit| of(scale, unit, false).unwrap().pop();
     assert_eq!(doubt(10.0, Unit::Mm), None);
-    let metres_or_inches = "is it in metres or inches? use --unit m or --unit in";
+    let metres_or_inches = "is it in centimetres, metres or inches? use --unit cm, m or in";
     assert_eq!(doubt(0.01, Unit::Mm).unwrap(), format!("the longest side of the part is 0.035 mm: {metres_or_inches}"));
     // A part of 89 mm in inches.
     assert_eq!(doubt(1.0, Unit::Mm).unwrap(), format!("the longest side of the part is 3.5 mm: {metres_or_inches}"));
@@ -387,7 +390,7 @@ fn odd_sizes_are_doubted_and_huge_ones_refused() {
     let large = "the longest side of the part is 3500 mm: is it in millimetres? leave --unit out";
     assert_eq!(doubt(1.0, Unit::M).unwrap(), large);
 
-    for unit in [Unit::Mm, Unit::M, Unit::In] {
+    for unit in [Unit::Mm, Unit::Cm, Unit::M, Unit::In] {
         let scale = 10_500.0 / 3.5 / unit.millimetres();
         let refused = of(scale, unit, false).unwrap_err();
         assert!(matches!(refused, MeshFault::TooLarge { longest_mm } if (longest_mm - 10_500.0).abs() < 1e-6));

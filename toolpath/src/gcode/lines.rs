@@ -1,5 +1,6 @@
 //! Lines of a file, one at a time, and the words in them.
 
+use super::numbers::checksum;
 use super::{LONGEST_LINE, ReadError};
 use std::io::{self, BufRead};
 
@@ -88,7 +89,7 @@ impl<R: BufRead> Lines<R> {
         loop {
             self.skip_spaces();
             match self.line.get(self.at) {
-                None | Some(b';') => return Ok(None),
+                None | Some(b';' | b'*') => return Ok(None),
                 Some(b'(') => match self.line[self.at..].iter().position(|&byte| byte == b')') {
                     Some(length) => self.at += length + 1,
                     None => return Err(self.unexpected(self.at, "a comment that ends in its line")),
@@ -106,6 +107,27 @@ impl<R: BufRead> Lines<R> {
         self.skip_spaces();
         let value = self.number()?;
         Ok(Some(Word { letter, second, value, start }))
+    }
+
+    /// The checksum that the words end with, if they have one: what it should be, and what it is; with the place of the `*`.
+    pub fn checksum(&mut self) -> Result<Option<([u8; 2], usize)>, ReadError> {
+        let star = self.at;
+        if self.line.get(star) != Some(&b'*') {
+            return Ok(None);
+        }
+        self.at += 1;
+        self.skip_spaces();
+        let start = self.at;
+        let value = self.number()?;
+        let given = value as u8;
+        if (f64::from(given) - value).abs() > 0.0 {
+            return Err(self.unexpected(start, "a checksum, 0 to 255"));
+        }
+        self.skip_spaces();
+        match self.line.get(self.at) {
+            None | Some(b';') => Ok(Some(([checksum(&self.line[..star]), given], star))),
+            Some(_) => Err(self.unexpected(self.at, "the end of the line behind a checksum")),
+        }
     }
 
     /// The three numbers of the comment that the words end with, if it begins with a tag; with where each stands.

@@ -19,10 +19,12 @@
 mod direction;
 mod lift;
 mod lines;
+mod numbers;
 mod read;
 mod read_error;
 mod retraction;
 mod rotary;
+mod tags;
 mod template;
 mod text;
 mod write;
@@ -34,6 +36,7 @@ pub use read::{GcodeReader, ReadOptions};
 pub use read_error::ReadError;
 pub use retraction::Retraction;
 pub use rotary::{RotaryAxis, RotaryTable};
+pub use tags::{Mark, Tags};
 pub use write::{Extrusion, WriteOptions, Written, write_gcode};
 pub use write_error::WriteError;
 
@@ -105,6 +108,8 @@ pub enum Move {
         /// Share of its full speed, 0 to 1, in 255ths in the file.
         share: f64,
     },
+    /// What comes next, in comments for viewers ([`Tags`]). Readers do not give it back.
+    Mark(Mark),
 }
 
 /// What the words of a move mean.

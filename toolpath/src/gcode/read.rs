@@ -91,6 +91,8 @@ pub struct GcodeReader<R> {
     relative: bool,
     /// Position of the filament since the last `G92`.
     filament: f64,
+    /// Number of the last line with a checksum.
+    number: Option<f64>,
 }
 
 impl<R: BufRead> GcodeReader<R> {
@@ -117,6 +119,7 @@ impl<R: BufRead> GcodeReader<R> {
             inverse_time: false,
             relative: false,
             filament: 0.0,
+            number: None,
         })
     }
 
@@ -139,6 +142,7 @@ impl<R: BufRead> GcodeReader<R> {
     fn words(&mut self) -> Result<Option<Verb>, ReadError> {
         self.set = 0;
         let mut verb = None;
+        let (mut number, mut resets, mut resets_to) = (None, false, None);
         while let Some(word) = self.lines.word()? {
             if matches!((word.letter, word.second), (b'G' | b'M' | b'T', _)) {
                 // A letter and a whole number; 1000 is no command.
@@ -148,6 +152,7 @@ impl<R: BufRead> GcodeReader<R> {
                     (b'G', 21 | 90) => {}
                     (b'G', 93 | 94) => self.inverse_time = code == 93,
                     (b'M', 82 | 83) => self.relative = code == 83,
+                    (b'M', 110) => resets = true,
                     (b'G', 0 | 1 | 4 | 28 | 92) | (b'M', 104 | 106 | 107 | 109 | 140 | 190) => {
                         if verb.is_some() {
                             return Err(self.lines.unexpected(word.start, "one command in a line"));
@@ -162,7 +167,12 @@ impl<R: BufRead> GcodeReader<R> {
                 continue;
             }
             if let (b'N', None) = (word.letter, word.second) {
-                // A line number.
+                // A line number; behind `M110` the one that lines count from.
+                if resets {
+                    resets_to = Some(word.value);
+                } else {
+                    number = Some(word.value);
+                }
                 continue;
             }
             let (words, rotary) = match &self.options.dialect {
@@ -189,6 +199,17 @@ impl<R: BufRead> GcodeReader<R> {
             }
             self.set |= 1 << slot;
             (self.values[slot], self.starts[slot]) = (word.value, word.start);
+        }
+        if let Some(([expected, given], star)) = self.lines.checksum()? {
+            if given != expected {
+                let (line, column) = self.place(star);
+                return Err(ReadError::Checksum { line, column, given, expected });
+            }
+            let expected = self.number.map(|last| last + 1.0).filter(|_| !resets);
+            if let Some((given, expected)) = number.zip(expected).filter(|(given, next)| (given - next).abs() > 0.0) {
+                return Err(ReadError::LineNumber { line: self.lines.row(), given, expected });
+            }
+            self.number = resets_to.or(number).or(self.number);
         }
         let moves = verb.is_some_and(|verb| verb.letter == b'G' && verb.code < 2);
         if moves && self.options.dialect == Dialect::Part(DirectionWords::Comment) {

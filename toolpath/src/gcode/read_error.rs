@@ -96,6 +96,28 @@ pub enum ReadError {
         /// By how much, in millimetres.
         filament_mm: f64,
     },
+    /// The checksum of a line is not that of its bytes: it was damaged.
+    #[error("line {line}, column {column}: the checksum is {given}, but that of the line is {expected}")]
+    Checksum {
+        /// The line.
+        line: u64,
+        /// Column of the `*`.
+        column: u64,
+        /// What the line says.
+        given: u8,
+        /// What it should say.
+        expected: u8,
+    },
+    /// A line with a checksum has another number than one more than the one before: lines are lost, or come twice.
+    #[error("line {line}: its number is {given}, but {expected} comes next")]
+    LineNumber {
+        /// The line.
+        line: u64,
+        /// Its number.
+        given: f64,
+        /// The number that should come.
+        expected: f64,
+    },
     /// A line has no end.
     #[error("line {line} is longer than {most} bytes")]
     LineTooLong {

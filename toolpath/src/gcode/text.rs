@@ -22,6 +22,11 @@ impl Text {
         self.word(word).steps(steps(value, decimals), decimals)
     }
 
+    /// A word and a whole number.
+    pub fn steps_of(&mut self, word: &str, count: i64) -> &mut Self {
+        self.word(word).steps(count, 0)
+    }
+
     /// A count of `10^-decimals`, without zeros at its end.
     pub fn steps(&mut self, count: i64, decimals: usize) -> &mut Self {
         let (mut rest, mut left) = (count.unsigned_abs(), decimals);

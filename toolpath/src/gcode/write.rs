@@ -2,8 +2,10 @@
 
 use super::direction::{COMMENT, DirectionWords};
 use super::lift::EndLift;
+use super::numbers::Numbers;
 use super::retraction::{Retracting, Retraction};
 use super::rotary::rounded;
+use super::tags::{Mark, Tagged, Tags};
 use super::template::{Value, expand};
 use super::text::{Text, steps};
 use super::{
@@ -31,6 +33,10 @@ pub struct WriteOptions<'a> {
     pub dialect: Dialect,
     /// Default absolute.
     pub extrusion: Extrusion,
+    /// How [marks](Move::Mark) are written. Default [`Tags::Prusa`].
+    pub tags: Tags,
+    /// Whether lines with a command have a number and a checksum: `N3 G1 X1*96`, from `M110 N0` on. Default false.
+    pub line_numbers: bool,
     /// The nozzle's temperature, 0 to 2000 degrees Celsius, for the templates. Default `None`.
     pub nozzle_celsius: Option<f64>,
     /// The plate's temperature, 0 to 2000 degrees Celsius, for the templates. Default `None`.
@@ -54,6 +60,8 @@ impl Default for WriteOptions<'_> {
         WriteOptions {
             dialect: Dialect::default(),
             extrusion: Extrusion::Absolute,
+            tags: Tags::default(),
+            line_numbers: false,
             nozzle_celsius: None,
             bed_celsius: None,
             fan: None,
@@ -145,6 +153,8 @@ pub fn write_gcode(
         bead: None,
         feed: None,
         filament: Filament::default(),
+        tagged: Tagged::default(),
+        numbers: options.line_numbers.then(Numbers::default),
         written: Written::default(),
     };
     writer.head()?;
@@ -212,13 +222,18 @@ struct Writer<'a, W> {
     /// `F` of the last line under `G94`, as written.
     feed: Option<i64>,
     filament: Filament,
+    tagged: Tagged,
+    /// Numbers of lines, if they have any.
+    numbers: Option<Numbers>,
     written: Written,
 }
 
 impl<W: Write> Writer<'_, W> {
     fn send(&mut self) -> Result<(), WriteError> {
-        self.out.write_all(&self.text.0)?;
-        self.written.bytes += self.text.0.len() as u64;
+        // The text ends with the end of a line.
+        let lines = self.numbers.as_mut().map_or(&self.text.0[..], |numbers| numbers.number(&self.text.0));
+        self.out.write_all(lines)?;
+        self.written.bytes += lines.len() as u64;
         self.text.0.clear();
         Ok(())
     }
@@ -244,6 +259,10 @@ impl<W: Write> Writer<'_, W> {
             Dialect::Rotary(_) => "; curvlay G-code 2, rotary: axes of the machine; mm, degrees, 1/min".to_owned(),
         };
         self.line(&title);
+        self.options.tags.title().into_iter().flat_map(str::lines).for_each(|line| self.line(line));
+        if self.options.line_numbers {
+            self.line("M110 N0");
+        }
         let values = self.values();
         self.written.lines += expand(&mut self.text, "header", self.options.header, &values)?;
         // Some firmware takes G90 for the filament as well, so M82 and M83 come after it.
@@ -324,6 +343,12 @@ impl<W: Write> Writer<'_, W> {
                 let command = if nozzle { ["M104 S", "M109 S"] } else { ["M140 S", "M190 S"] };
                 self.text.number(command[usize::from(wait)], celsius, 1);
                 self.end_line();
+            }
+            Move::Mark(mark) => {
+                let (Mark::Layer { z_mm: size, height_mm, .. } | Mark::Bead { width_mm: size, height_mm, .. }) = mark;
+                check("size of a mark", size, COORDINATE)?;
+                check("height_mm of a mark", height_mm, FILAMENT)?;
+                self.written.lines += self.tagged.write(self.options.tags, &mark, &mut self.text);
             }
             Move::Fan { share } => {
                 check("share", share, SHARE)?;

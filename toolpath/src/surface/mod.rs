@@ -25,6 +25,7 @@ mod gouging;
 mod infill;
 mod kind;
 mod level_set;
+mod marks;
 mod mesh;
 mod order;
 mod orientation;
@@ -38,6 +39,7 @@ mod statistics;
 mod support;
 mod travel;
 mod union;
+mod vtp;
 
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
@@ -54,6 +56,7 @@ pub use gouging::{
 pub use infill::{Bridges, InfillOptions, InfillPattern, SparseFill};
 pub use kind::BeadKind;
 pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, SurfacePoint};
+pub use marks::marked_moves;
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
 pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint};
@@ -69,3 +72,4 @@ pub use statistics::{
 };
 pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
 pub use travel::{BlockedTravel, TravelOptions, Travels};
+pub use vtp::write_paths_vtp;

@@ -1,6 +1,7 @@
 //! All tests of this crate in one binary: it is linked once. `cargo test -p curvlay-toolpath --test all NAME::` runs the file NAME.
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
+mod cam;
 mod common;
 mod contacts;
 mod deposition;
@@ -10,6 +11,7 @@ mod gcode;
 mod gcode_common;
 mod gcode_fuzz;
 mod gcode_rotary;
+mod gcode_tags;
 mod geodesic;
 mod gouging;
 mod gouging_order;
@@ -27,4 +29,5 @@ mod short;
 mod statistics;
 mod support;
 mod travel;
+mod vtp;
 mod zigzag;

@@ -1,0 +1,72 @@
+//! What whoever prints the part wants to know: a table on stdout, and on top of the report. All other figures are in the report, behind a
+//! fold, and in the summary.
+
+use crate::motion::{Motion, of_run};
+use crate::{Job, Results, Stage};
+use curvlay_examples::findings::Severity;
+use curvlay_examples::table::Table;
+
+/// Size, layers, time, material, starts, what is wrong, and where the files are.
+pub fn table(job: &Job, results: &Results) -> Table {
+    let Job { args, part, folder, setup, .. } = job;
+    let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
+    let mut table = Table::new([part.name.as_str(), ""]);
+    let mut row = |name: &str, text: String| _ = table.row([name.to_owned(), text]);
+    if let Some([low, high]) = part.mesh.bounds() {
+        let [x, y, z] = (high - low).into();
+        row("size", format!("{x:.1} x {y:.1} x {z:.1} mm, {:.2} cm3", field.part_mm3 / 1000.0));
+    }
+    if let Some(name) = &args.settings.name {
+        row("profile", name.clone());
+    }
+    match (surfaces, paths) {
+        (Some(surfaces), Some(paths)) => {
+            let (count, height) = (surfaces.sheets.len(), surfaces.height_mm);
+            row("layers", format!("{count} of {height:.3} mm, beads of {:.3} mm", paths.bead_mm));
+        }
+        (Some(surfaces), None) => row("layers", format!("{} of {:.3} mm", surfaces.sheets.len(), surfaces.height_mm)),
+        _ => {}
+    }
+    if let Some(machine) = machine {
+        let (deposition, of_nozzle) = (&machine.deposition, setup.cell.equipment().model().nozzle.tip_flat_mm);
+        row("print time", duration(deposition.total_s));
+        let (grams, cost) = args.settings.mass_and_cost(deposition.extruded_mm3);
+        let mut material = format!(
+            "{:.2} m of filament, {:.2} cm3",
+            deposition.filament_mm / 1000.0,
+            deposition.extruded_mm3 / 1000.0
+        );
+        grams.iter().for_each(|grams| material += &format!(", {grams:.1} g"));
+        cost.iter().for_each(|cost| material += &format!(", costs {cost:.2}"));
+        args.settings.material.iter().for_each(|name| material += &format!(" ({name})"));
+        row("material", material);
+        row("starts", format!("{}, with a nozzle of {of_nozzle} mm at its tip", machine.resolved.paths.len()));
+        row("printed", super::machine::filled(field, machine));
+    }
+    if let Some(motion) = motion {
+        row("robot time", duration(of_run!(motion, run => run.robot_s())));
+    }
+    let (failed, told) = (findings.of(Severity::Failed).count(), findings.of(Severity::Told).count());
+    let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    let wrong = match (failed, told) {
+        (0, 0) => "nothing is missing, all checks passed".to_owned(),
+        (0, told) => format!("all checks passed; {}, see above", plural(told, "warning")),
+        (failed, told) => format!("{} failed, {}, see above", plural(failed, "check"), plural(told, "warning")),
+    };
+    row("checks", wrong);
+    if args.stage >= Stage::Gcode {
+        row("machine file", folder.path().join("toolpath.gcode").display().to_string());
+    }
+    row("open", folder.path().join("report.html").display().to_string());
+    table
+}
+
+/// A time as one says it: `34 min`, `2 h 05 min`.
+fn duration(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    match (seconds, minutes / 60) {
+        (seconds, 0) if seconds < 60.0 => format!("{seconds:.0} s"),
+        (_, 0) => format!("{minutes} min"),
+        (_, hours) => format!("{hours} h {:02} min", minutes % 60),
+    }
+}
