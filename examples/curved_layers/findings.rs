@@ -33,9 +33,9 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
         }
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
-        Stage::Gcode => machine.iter().for_each(|run| {
-            of_machine(field, run, &args.allow, findings);
-            paths.iter().for_each(|paths| of_support(paths.bead_mm, run, args, findings));
+        Stage::Gcode => machine.iter().zip(paths.iter()).for_each(|(run, paths)| {
+            of_machine(field, paths, run, &args.allow, findings);
+            of_support(paths.bead_mm, run, args, findings);
         }),
         Stage::Motion => {
             motion.iter().for_each(|motion| of_run!(motion, run => of_plan(&run.plan, run.checked.as_ref(), findings)))
@@ -140,7 +140,7 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
 }
 
 /// Of the machine file.
-fn of_machine(field: &FieldRun, run: &MachineRun, allow: &AllowArgs, findings: &mut Findings) {
+fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, allow: &AllowArgs, findings: &mut Findings) {
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
         let share = left as f64 / waypoints as f64;
@@ -182,7 +182,8 @@ fn of_machine(field: &FieldRun, run: &MachineRun, allow: &AllowArgs, findings: &
         let amount = run.travels.blocked.len().to_string();
         findings.add(Failed, "travels run into what is built", amount, "blocked_travels.csv");
     }
-    let (laid, part, missed) = (run.deposition.extruded_mm3, field.part_mm3, field.missed_mm3);
+    // What sparse infill leaves empty is not to be laid.
+    let (laid, part, missed) = (run.deposition.extruded_mm3, field.part_mm3 - paths.hollow_mm3(), field.missed_mm3);
     let (filled, rest) = (laid / part, laid / (part - missed));
     let off = |share: f64| (share - 1.0).abs();
     if off(filled).max(off(rest)) > NOTABLE_VOLUME {

@@ -212,7 +212,8 @@ impl Args {
     fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {
         let (bead, pattern) = (self.bead(height_mm).map_err(failure)?, self.pattern.of_surface());
         let (min_gap, join_distance, min_length) = (self.least_gap, self.join_distance, self.least_length);
-        Ok(PathOptions { bead, pattern, min_gap, join_distance, min_length, ..PathOptions::default() })
+        let infill = self.settings.infill();
+        Ok(PathOptions { bead, pattern, min_gap, join_distance, min_length, infill, ..PathOptions::default() })
     }
 
     fn support_options(&self) -> SupportOptions {
@@ -296,7 +297,10 @@ impl Extra {
 /// The options that a run uses from a stage on; it would not look at them before.
 const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
-    (Stage::Paths, "bead_mm pattern least_gap join_distance least_length"),
+    (
+        Stage::Paths,
+        "bead_mm density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length",
+    ),
     (
         Stage::Gcode,
         "nozzle clearance_mm min_lift_mm material filament_mm material_density_g_cm3 price_per_kg nozzle_celsius bed_celsius fan_share \
@@ -307,15 +311,20 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),
 ];
 
+/// How an option is typed, without its dashes.
+fn long_name(id: &str) -> String {
+    let command = Args::command();
+    let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(|arg| arg.get_long());
+    long.unwrap_or(id).to_owned()
+}
+
 /// Says which option would be ignored.
 fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let stage = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
     for (needed, ids) in NEEDS.into_iter().filter(|(needed, _)| *needed > stage) {
         if let Some(id) = ids.split(' ').find(|id| is_given(id)) {
-            let command = Args::command();
-            let long = command.get_arguments().find(|arg| arg.get_id() == id).and_then(|arg| arg.get_long());
-            let (name, needed) = (long.unwrap_or(id), typed_name(needed));
+            let (name, needed) = (long_name(id), typed_name(needed));
             return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
         }
     }
@@ -323,6 +332,10 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     if let Some(extra) = extras.copied().find(|extra| extra.stage() > stage) {
         let [name, needed, stage] = [typed_name(extra), typed_name(extra.stage()), typed_name(stage)];
         return Err(format!("--also {name} does nothing with --stage {stage}: it needs --stage {needed}"));
+    }
+    let sparse = ["walls", "skin_layers", "infill_pattern", "infill_turn_deg"].into_iter().find(|id| is_given(id));
+    if let Some(id) = sparse.filter(|_| !is_given("density_percent") && !is_given("profile")) {
+        return Err(format!("--{} does nothing in a part that is solid: see --density", long_name(id)));
     }
     let strategy = matches.get_one("strategy").copied();
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {

@@ -49,6 +49,11 @@ impl PathsRun {
         self.short_curves as f64 / self.totals.curves as f64
     }
 
+    /// Volume that sparse infill leaves empty.
+    pub fn hollow_mm3(&self) -> f64 {
+        self.totals.sparse.volume_mm3 - self.totals.sparse.infill_mm3
+    }
+
     /// Curves per metre of path.
     pub fn starts_per_metre(&self) -> f64 {
         1000.0 * self.totals.curves as f64 / self.totals.path_mm

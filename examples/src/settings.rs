@@ -6,7 +6,7 @@
 use crate::args::{above_zero, celsius, from_zero, share};
 use clap::{Args, ValueEnum};
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{DepositionOptions, Nozzle, TravelOptions};
+use curvlay_toolpath::surface::{DepositionOptions, InfillOptions, InfillPattern, Nozzle, TravelOptions};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -38,6 +38,22 @@ pub struct Settings {
     /// Width of a bead in millimetres [default: 0.5, or the distance of the layers where --voxels, --cell or --resume are given]
     #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LAYERS)]
     pub bead_mm: Option<f64>,
+    /// How much of the inside is filled, in percent; 100: all is solid, below there are walls, skins and sparse infill [default: 100]
+    #[arg(long = "density", value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true, help_heading = LAYERS)]
+    pub density_percent: Option<f64>,
+    /// Contours along the boundary of a layer that is not solid [default: 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=MOST), help_heading = LAYERS)]
+    pub walls: Option<u32>,
+    /// Layers at the bottom and the top that are solid, of a part that is not [default: 4]
+    #[arg(long = "skin", value_name = "LAYERS", value_parser = clap::value_parser!(u32).range(..=MOST), help_heading = LAYERS)]
+    pub skin_layers: Option<u32>,
+    /// Sparse infill [default: rows]
+    #[arg(long = "infill", value_name = "PATTERN", help_heading = LAYERS)]
+    pub infill_pattern: Option<Sparse>,
+    /// How much rows of infill turn from layer to layer, in degrees; 90 for two directions in turn [default: a half turn by the golden
+    /// ratio]
+    #[arg(long = "infill-turn", value_name = "DEG", value_parser = turn, allow_negative_numbers = true, help_heading = LAYERS)]
+    pub infill_turn_deg: Option<f64>,
     /// The file of the workcell; in a profile beside the profile's own place.
     #[arg(skip)]
     pub workcell: Option<PathBuf>,
@@ -154,6 +170,16 @@ pub enum TagStyle {
     Cura,
 }
 
+/// How the inside is filled where it is not solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sparse {
+    /// Rows to and fro.
+    Rows,
+    /// Where layers meet a gyroid.
+    Gyroid,
+}
+
 /// How filament is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -219,9 +245,11 @@ impl Settings {
     /// What is not as the command line would take it.
     fn check(&self) -> Result<(), String> {
         type Rule = fn(&str) -> Result<f64, String>;
-        let numbers: [(&str, Option<f64>, Rule); 20] = [
+        let numbers: [(&str, Option<f64>, Rule); 22] = [
             ("layer_height_mm", self.layer_height_mm, above_zero),
             ("bead_mm", self.bead_mm, above_zero),
+            ("density_percent", self.density_percent, percent),
+            ("infill_turn_deg", self.infill_turn_deg, turn),
             ("platform_diameter_mm", self.platform_diameter_mm, above_zero),
             ("clearance_mm", self.clearance_mm, from_zero),
             ("min_lift_mm", self.min_lift_mm, from_zero),
@@ -244,6 +272,11 @@ impl Settings {
         for (name, value, rule) in numbers {
             if let Some(value) = value {
                 rule(&value.to_string()).map_err(|why| format!("`{name}` is {value}: {why}"))?;
+            }
+        }
+        for (name, value) in [("walls", self.walls), ("skin_layers", self.skin_layers)] {
+            if let Some(value) = value.filter(|value| i64::from(*value) > MOST) {
+                return Err(format!("`{name}` is {value}: must be {MOST} at most"));
             }
         }
         if let Some(shape) = self.nozzle {
@@ -284,8 +317,13 @@ impl Settings {
 
     /// The settings as a run takes them: what has a default has its value. Layers and beads follow the cells, so they do not.
     pub fn filled_in(&self) -> Settings {
-        let (deposition, travel) = (self.deposition(), self.travel());
+        let (deposition, travel, infill) = (self.deposition(), self.travel(), self.infill());
         Settings {
+            density_percent: Some(self.density_percent.unwrap_or(100.0)),
+            walls: Some(infill.walls),
+            skin_layers: Some(infill.skin),
+            infill_pattern: Some(self.infill_pattern.unwrap_or(Sparse::Rows)),
+            infill_turn_deg: Some(self.infill_turn_deg.unwrap_or(infill.turn.to_degrees())),
             platform_diameter_mm: Some(self.platform_diameter_mm.unwrap_or(PLATFORM_DIAMETER_MM)),
             clearance_mm: Some(travel.clearance),
             min_lift_mm: Some(travel.min_lift),
@@ -303,6 +341,22 @@ impl Settings {
             tags: Some(self.tags.unwrap_or(TagStyle::Prusa)),
             line_numbers: Some(self.line_numbers.unwrap_or(false)),
             ..self.clone()
+        }
+    }
+
+    /// What is solid and what is not.
+    pub fn infill(&self) -> InfillOptions {
+        let default = InfillOptions::default();
+        InfillOptions {
+            density: self.density_percent.map_or(default.density, |percent| percent / 100.0),
+            walls: self.walls.unwrap_or(default.walls),
+            skin: self.skin_layers.unwrap_or(default.skin),
+            pattern: match self.infill_pattern.unwrap_or(Sparse::Rows) {
+                Sparse::Rows => InfillPattern::Rows,
+                Sparse::Gyroid => InfillPattern::Gyroid,
+            },
+            turn: self.infill_turn_deg.map_or(default.turn, f64::to_radians),
+            ..default
         }
     }
 
@@ -401,6 +455,19 @@ pub fn nozzle(text: &str) -> Result<[f64; 4], String> {
 fn nozzle_of(shape: [f64; 4]) -> Result<[f64; 4], String> {
     let [tip, angle, height, block] = shape;
     Nozzle::new(tip, angle.to_radians(), height, block).map(|_| shape).map_err(|error| error.to_string())
+}
+
+/// Most walls, and layers of a skin.
+const MOST: i64 = 10_000;
+
+fn percent(text: &str) -> Result<f64, String> {
+    let value = from_zero(text)?;
+    if value <= 100.0 { Ok(value) } else { Err("must be from 0 to 100".to_owned()) }
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value.abs() <= 360.0 { Ok(value) } else { Err("must be from -360 to 360".to_owned()) }
 }
 
 /// Densities of what is printed, in g/cm3: foams have 0.1, tungsten 19.3. Beyond, the unit is another.

@@ -122,14 +122,17 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
 }
 
 /// The share of the part that is laid, and of how much, in words.
-pub fn filled(field: &FieldRun, run: &MachineRun) -> String {
-    let (laid, part) = (run.deposition.extruded_mm3, field.part_mm3);
-    format!("{:.1} %, {laid:.1} of {part:.1} mm3", 100.0 * laid / part)
+pub fn filled(field: &FieldRun, paths: &PathsRun, run: &MachineRun) -> String {
+    let (laid, hollow) = (run.deposition.extruded_mm3, paths.hollow_mm3());
+    let part = field.part_mm3 - hollow;
+    let but = if hollow > 0.0 { format!(", {hollow:.1} mm3 stay hollow") } else { String::new() };
+    format!("{:.1} %, {laid:.1} of {part:.1} mm3{but}", 100.0 * laid / part)
 }
 
 pub fn summary(
     job: &Job,
     field: &FieldRun,
+    paths: &PathsRun,
     run: &MachineRun,
     written: &Written,
     summary: &mut Summary,
@@ -140,7 +143,7 @@ pub fn summary(
     let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
-        .set("filled_share", deposition.extruded_mm3 / field.part_mm3)?
+        .set("filled_share", deposition.extruded_mm3 / (field.part_mm3 - paths.hollow_mm3()))?
         .set("nozzle", nozzle.map(|number| number.to_string()).join(","))?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?
@@ -181,13 +184,13 @@ pub fn summary(
     Ok(())
 }
 
-pub fn rows(field: &FieldRun, run: &MachineRun, written: &Written, table: &mut Table) {
+pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Written, table: &mut Table) {
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
     let turns = |turns: &curvlay_toolpath::surface::Turns| {
         format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
     };
     table
-        .row(["filled".to_owned(), filled(field, run)])
+        .row(["filled".to_owned(), filled(field, paths, run)])
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
         .row(["turns, raw".to_owned(), turns(&run.before)])
         .row(["turns".to_owned(), turns(&resolved.turns)])

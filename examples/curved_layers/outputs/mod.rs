@@ -134,7 +134,8 @@ fn tables(job: &Job, results: &Results) -> [Table; 5] {
     field::rows(job.args, job.part, field, of_field);
     surfaces.iter().for_each(|run| surfaces::rows(run, of_surfaces));
     paths.iter().for_each(|run| paths::rows(run, of_paths));
-    machine.iter().zip(&files.gcode).for_each(|(run, written)| machine::rows(field, run, written, of_machine));
+    let written = machine.iter().zip(&files.gcode).zip(paths);
+    written.for_each(|((run, written), paths)| machine::rows(field, paths, run, written, of_machine));
     motion.iter().for_each(|motion| of_run!(motion, run => motion::rows(run, of_motion)));
     files.programs.iter().for_each(|written| programs::rows(written, of_motion));
     tables
@@ -150,8 +151,10 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
     findings.summary(figures)?;
     surfaces.iter().try_for_each(|run| surfaces::summary(run, figures))?;
     paths.iter().try_for_each(|run| paths::summary(job.args, run, figures))?;
-    let written = machine.iter().zip(&files.gcode);
-    written.into_iter().try_for_each(|(run, written)| machine::summary(job, field, run, written, figures))?;
+    let written = machine.iter().zip(&files.gcode).zip(paths);
+    written
+        .into_iter()
+        .try_for_each(|((run, written), paths)| machine::summary(job, field, paths, run, written, figures))?;
     motion.iter().try_for_each(|motion| of_run!(motion, run => motion::summary(run, figures)))?;
     files.programs.iter().try_for_each(|written| programs::summary(written, figures))?;
     Ok(summary)

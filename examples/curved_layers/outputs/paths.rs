@@ -61,6 +61,12 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("unordered_jump_mm", filled.given_mm)?
         .set_seconds("order_s", times.order)?
         .set("path_mm", totals.path_mm)?
+        .set("wall_mm", totals.wall_mm)?
+        .set("solid_mm", totals.solid_mm)?
+        .set("skin_mm", totals.skin_mm)?
+        .set("infill_mm", totals.sparse.infill_mm)?
+        .set("sparse_mm3", totals.sparse.volume_mm3)?
+        .set("sparse_infill_mm3", totals.sparse.infill_mm3)?
         .set("covered_fraction", totals.covered_fraction)?
         .set("overlap_fraction", totals.overlap_fraction)?
         .set("spill_fraction", totals.spill_fraction)?

@@ -1,7 +1,7 @@
 //! What whoever prints the part wants to know: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
-use crate::motion::{Motion, of_run};
+use crate::motion::of_run;
 use crate::{Job, Results, Stage};
 use curvlay_examples::findings::Severity;
 use curvlay_examples::table::Table;
@@ -27,7 +27,12 @@ pub fn table(job: &Job, results: &Results) -> Table {
         (Some(surfaces), None) => row("layers", format!("{} of {:.3} mm", surfaces.sheets.len(), surfaces.height_mm)),
         _ => {}
     }
-    if let Some(machine) = machine {
+    let infill = args.settings.infill();
+    if paths.is_some() && !infill.is_solid() {
+        let percent = 100.0 * infill.density;
+        row("filled", format!("{} walls, skins of {} layers, {percent} % inside", infill.walls, infill.skin));
+    }
+    if let (Some(paths), Some(machine)) = (paths, machine) {
         let (deposition, of_nozzle) = (&machine.deposition, setup.cell.equipment().model().nozzle.tip_flat_mm);
         row("print time", duration(deposition.total_s));
         let (grams, cost) = args.settings.mass_and_cost(deposition.extruded_mm3);
@@ -41,10 +46,10 @@ pub fn table(job: &Job, results: &Results) -> Table {
         args.settings.material.iter().for_each(|name| material += &format!(" ({name})"));
         row("material", material);
         row("starts", format!("{}, with a nozzle of {of_nozzle} mm at its tip", machine.resolved.paths.len()));
-        row("printed", super::machine::filled(field, machine));
+        row("printed", super::machine::filled(field, paths, machine));
     }
     if let Some(motion) = motion {
-        row("robot time", duration(of_run!(motion, run => run.robot_s())));
+        row("robot time", duration(of_run!(motion, run => run.plan.robot_s())));
     }
     let (failed, told) = (findings.of(Severity::Failed).count(), findings.of(Severity::Told).count());
     let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });

@@ -665,7 +665,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 64] = [
+    let cases: [(&[&str], i32, &str); 67] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -725,6 +725,9 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         ),
         (&["--also", "apt,svg"], 2, "--also"),
         (&["--tags", "simplify"], 2, "--tags"),
+        (&["--density", "101"], 2, "--density <PERCENT>': must be from 0 to 100"),
+        (&["--walls", "2"], 2, "--walls does nothing in a part that is solid: see --density"),
+        (&["--density", "20", "--walls", "20000"], 2, "--walls"),
         (&["--voxels", "5000", "--max-memory", "0.001"], 1, "--voxels"),
         (&["--voxels", "2000", "--stage", "field", "--scale", "1e200"], 1, "--allow-large"),
         (&["--cell8", "--workcell", "x.json"], 2, "--workcell"),
@@ -825,6 +828,7 @@ fn profiles_are_taken_and_options_win() {
         (r#"{"end_gcode": ["M84 {"]}"#, 1, "the footer, line 1: a single `{`"),
         (r#"{"workcell": "no-such.json"}"#, 1, "no-such.json"),
         (r#"{"layer_height_mm": 0.7}"#, 2, "layers of 0.7 mm are higher than a bead is wide"),
+        (r#"{"density_percent": 101}"#, 1, "`density_percent` is 101: must be from 0 to 100"),
         (r#"{"min_feed_mm_s": 50}"#, 2, "--min-feed 50"),
     ] {
         fs::write(&profile, text).unwrap();

@@ -156,6 +156,7 @@ impl<W: Write> Writer<W> {
                     BeadKind::Solid => 2,
                     BeadKind::Skin => 3,
                     BeadKind::Infill => 4,
+                    BeadKind::Bridge => 5,
                 };
                 self.line(&format!("PAINT/COLOR,{colour}"))
             }

@@ -48,7 +48,7 @@ const DECIMALS: usize = 3;
 /// Tags that a file has by now.
 #[derive(Debug, Default)]
 pub(super) struct Tagged {
-    kind: Option<BeadKind>,
+    kind: Option<&'static str>,
     /// Width and height as written.
     size: [Option<f64>; 2],
 }
@@ -65,11 +65,12 @@ impl Tags {
     fn name(self, kind: BeadKind) -> &'static str {
         match (self, kind) {
             (Tags::Cura, BeadKind::Wall) => "WALL-OUTER",
-            (Tags::Cura, BeadKind::Solid | BeadKind::Skin) => "SKIN",
+            (Tags::Cura, BeadKind::Solid | BeadKind::Skin | BeadKind::Bridge) => "SKIN",
             (Tags::Cura, BeadKind::Infill) => "FILL",
             (_, BeadKind::Wall) => "External perimeter",
             (_, BeadKind::Solid) => "Solid infill",
             (_, BeadKind::Skin) => "Top solid infill",
+            (_, BeadKind::Bridge) => "Bridge infill",
             (_, BeadKind::Infill) => "Internal infill",
         }
     }
@@ -90,9 +91,10 @@ impl Tagged {
                 self.size(1, ";HEIGHT:", height_mm, text);
             }
             (_, Mark::Bead { kind, width_mm, height_mm }) => {
-                if self.kind != Some(kind) {
-                    self.kind = Some(kind);
-                    text.word(";TYPE:").word(tags.name(kind)).word("\n");
+                let name = tags.name(kind);
+                if self.kind != Some(name) {
+                    self.kind = Some(name);
+                    text.word(";TYPE:").word(name).word("\n");
                 }
                 if tags == Tags::Prusa {
                     self.size(0, ";WIDTH:", width_mm, text);

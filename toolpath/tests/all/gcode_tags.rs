@@ -32,6 +32,8 @@ fn two_layers() -> Vec<Move> {
         print([10.0, 10.0, 0.6], up, 0.5, 20.0),
         bead(BeadKind::Infill, 0.45, 0.3),
         print([10.0, 0.0, 0.6], up, 0.5, 20.0),
+        bead(BeadKind::Bridge, 0.45, 0.3),
+        print([0.0, 0.0, 0.6], up, 0.5, 20.0),
     ]
 }
 
@@ -54,12 +56,13 @@ fn tags_are_those_of_the_slicers() {
         ";HEIGHT:0.3",
         ";TYPE:Top solid infill",
         ";TYPE:Internal infill",
+        ";TYPE:Bridge infill",
     ];
     assert_eq!(comments, expected);
     let file = written(&two_layers(), &with(Tags::Cura)).unwrap();
     let comments: Vec<&str> = file.lines().filter(|line| line.starts_with(';')).skip(1).collect();
     assert!(comments[1].contains("Cura_SteamEngine"), "{comments:?}");
-    let expected = [";LAYER:0", ";TYPE:WALL-OUTER", ";TYPE:SKIN", ";LAYER:1", ";TYPE:FILL"];
+    let expected = [";LAYER:0", ";TYPE:WALL-OUTER", ";TYPE:SKIN", ";LAYER:1", ";TYPE:FILL", ";TYPE:SKIN"];
     assert_eq!(comments[2..], expected);
     let file = written(&two_layers(), &with(Tags::None)).unwrap();
     assert_eq!(file.lines().filter(|line| line.starts_with(';')).count(), 1);
@@ -109,9 +112,10 @@ fn moves_of_a_plan_are_marked() {
     assert_eq!(marks, expected);
     let others: Vec<Move> = moves.iter().copied().filter(|step| !matches!(step, Move::Mark(_))).collect();
     assert_eq!(others, plan.moves.iter().map(Move::from).collect::<Vec<_>>());
-    // The layer begins with the way to it, behind the retraction of the layer before.
+    // The layer begins with the way to it, behind the retraction and the lift at the end of the layer before.
     let begins = moves.iter().position(|step| *step == Move::Mark(of_layer(3, 1.2))).unwrap();
-    assert!(matches!(moves[begins - 1], Move::Retract { .. }) && matches!(moves[begins + 1], Move::Travel { .. }));
+    let end = &moves[begins - 2..begins + 2];
+    assert!(matches!(end, [Move::Retract { .. }, Move::Travel { .. }, Move::Mark(_), Move::Travel { .. }]), "{end:?}");
 }
 
 /// The checksum as the RepRap wiki has it, on an example of Marlin's documentation.
