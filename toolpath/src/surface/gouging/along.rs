@@ -29,6 +29,9 @@ const INSERTIONS: usize = 3;
 const LOOKS: [f64; 7] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875];
 const DIVISIONS: usize = 3;
 
+/// What is near a way is gathered with this much to spare, in millimetres and radians.
+const NEAR_ROUNDING: f64 = 1e-9;
+
 /// Rounds of step 4, and how far around a tilted waypoint it goes.
 const MEANS: usize = 6;
 const AROUND: usize = 8;
@@ -70,6 +73,8 @@ struct Step {
     stuck: bool,
     /// Its number in the path given; none if it was put between here.
     given: Option<usize>,
+    /// The directions of the step before and of this one when the way between them was looked at and found free.
+    looked: Option<[UnitVector3<f64>; 2]>,
 }
 
 struct Walker<'a> {
@@ -77,6 +82,8 @@ struct Walker<'a> {
     options: &'a GougingOptions,
     steps: Vec<Step>,
     stack: Vec<(f64, u32)>,
+    /// What is near a way.
+    near: Vec<u32>,
 }
 
 /// Sets a path free.
@@ -87,10 +94,11 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &Goug
         before,
         stuck: false,
         given: Some(k),
+        looked: None,
     };
     let before = before(&path.waypoints, start.path);
     let steps = path.waypoints.iter().zip(before).enumerate().map(step).collect();
-    let mut walker = Walker { scene, options, steps, stack: Vec::new() };
+    let mut walker = Walker { scene, options, steps, stack: Vec::new(), near: Vec::new() };
     let gouging_before = (0..walker.steps.len()).filter(|&k| walker.free(k)).count();
     if gouging_before > 0 {
         for _ in 0..INSERTIONS {
@@ -203,7 +211,7 @@ impl Walker<'_> {
             if let Some(last) = self.steps.last().copied() {
                 for waypoint in between(&last.waypoint, &step.waypoint, limit) {
                     let (wanted, before) = (waypoint.direction, last.before);
-                    self.steps.push(Step { waypoint, wanted, before, stuck: false, given: None });
+                    self.steps.push(Step { waypoint, wanted, before, stuck: false, given: None, looked: None });
                     self.free(self.steps.len() - 1);
                 }
             }
@@ -244,22 +252,41 @@ impl Walker<'_> {
     fn divide(&mut self) -> bool {
         let old = std::mem::take(&mut self.steps);
         let mut any = false;
-        for step in old {
+        for mut step in old {
             if let Some(last) = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied() {
-                any |= LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
+                let ends = [&last, &step].map(|step| step.waypoint.direction);
+                // What was found free is free as long as nobody turns.
+                if step.looked != Some(ends) {
+                    self.gather(&last, &step);
+                    let put = LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
+                    step.looked = (!put).then_some(ends);
+                    any |= put;
+                }
             }
             self.steps.push(step);
         }
         any
     }
 
+    /// What the nozzle may gouge between two waypoints.
+    fn gather(&mut self, last: &Step, step: &Step) {
+        self.near.clear();
+        let Some(middle) = part_way(&last.waypoint, &step.waypoint, 0.5) else { return };
+        let stand = Stand { tip: middle.tip, before: last.before, allowed: self.options.allowed_depth };
+        // Half of both, and a little for rounding.
+        let moves = 0.5 * (step.waypoint.tip - last.waypoint.tip).norm() + NEAR_ROUNDING;
+        let turns = 0.5 * angle(&last.waypoint.direction, &step.waypoint.direction) + NEAR_ROUNDING;
+        self.scene.near(stand, &middle.direction, [moves, turns], &mut self.near);
+    }
+
     /// Puts a waypoint that is free a share of the way from one to another, if the nozzle gouges there; whether it did.
     fn put_between(&mut self, last: &Step, step: &Step, share: f64) -> bool {
         let Some(waypoint) = part_way(&last.waypoint, &step.waypoint, share) else { return false };
         let k = self.steps.len();
-        self.steps.push(Step { waypoint, wanted: waypoint.direction, before: last.before, stuck: false, given: None });
         let wanted = waypoint.direction;
-        let tilted = if self.is_free(k, &wanted) { None } else { self.least_tilt(k, wanted, self.options.max_tilt) };
+        self.steps.push(Step { waypoint, wanted, before: last.before, stuck: false, given: None, looked: None });
+        let is_free = self.scene.is_free_of(&self.near, self.stand(k), &wanted);
+        let tilted = if is_free { None } else { self.least_tilt(k, wanted, self.options.max_tilt) };
         match tilted {
             Some(direction) => self.steps[k].waypoint.direction = direction,
             None => drop(self.steps.pop()),

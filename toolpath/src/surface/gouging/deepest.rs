@@ -11,6 +11,9 @@
 //! changes by no more than a point moves. Pieces smaller than [`PIECE`] layers are taken for their middle. So if nothing is
 //! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
 //! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
+//!
+//! Most of the time goes into the tree, so poses on one short way share one walk: it gathers the leaves that some pose may come near, and
+//! each pose looks at these alone. What it finds is the same.
 
 use super::Obstacle;
 use super::nozzle::{Nozzle, NozzlePart};
@@ -205,6 +208,31 @@ impl Walk for Seeker<'_> {
     }
 }
 
+/// A seeker whose nozzle moves: what no pose on the way comes near does not matter.
+struct Sweeper<'a> {
+    at: Seeker<'a>,
+    /// How far the tip goes from where it is, in millimetres, and how far the direction turns, in radians.
+    moves: f64,
+    turns: f64,
+}
+
+impl Walk for Sweeper<'_> {
+    /// Seen from the nozzle a point moves by no more than the tip, and its distance from there times the turn; clearance changes by no
+    /// more than that.
+    fn bound(&self, node: &Node) -> f64 {
+        let reach = (node.middle - self.at.stand.tip).norm() + node.half.norm();
+        self.at.bound(node) - self.moves - self.turns * reach
+    }
+
+    fn matters(&self, bound: f64) -> bool {
+        self.at.matters(bound)
+    }
+
+    fn see(&mut self, triangle: &Triangle) -> bool {
+        self.at.see(triangle)
+    }
+}
+
 impl<'a> Scene<'a> {
     /// The triangles of a stack, with these keys.
     pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
@@ -219,11 +247,37 @@ impl<'a> Scene<'a> {
         any: bool,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<Worst> {
-        let direction = direction.into_inner();
-        let mut seeker =
-            Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any };
+        let mut seeker = self.seeker(stand, direction, rough, any);
         self.tree.walk(self.keys, stand.before, &mut seeker, stack);
         seeker.worst
+    }
+
+    fn seeker(&self, stand: Stand, direction: &UnitVector3<f64>, rough: f64, any: bool) -> Seeker<'a> {
+        let direction = direction.into_inner();
+        Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any }
+    }
+
+    /// What a nozzle may gouge on a way: for [`Scene::is_free_of`].
+    ///
+    /// # Arguments
+    /// * `stand`, `direction`: a pose on the way.
+    /// * `moves`: no pose has its tip farther away than this, in millimetres.
+    /// * `turns`: nor another direction by more than this, in radians.
+    pub fn near(
+        &self,
+        stand: Stand,
+        direction: &UnitVector3<f64>,
+        [moves, turns]: [f64; 2],
+        leaves: &mut Vec<u32>,
+    ) {
+        let sweeper = Sweeper { at: self.seeker(stand, direction, 0.0, true), moves, turns };
+        self.tree.leaves(self.keys, stand.before, &sweeper, leaves);
+    }
+
+    /// As [`Scene::is_free`], at a pose on a way with the same built and allowed, given what is near it.
+    pub fn is_free_of(&self, leaves: &[u32], stand: Stand, direction: &UnitVector3<f64>) -> bool {
+        let mut seeker = self.seeker(stand, direction, 0.0, true);
+        self.above_plate(stand, direction) && !self.tree.any_in(self.keys, stand.before, &mut seeker, leaves)
     }
 
     /// A point that lacks clearance nearly as much as the worst one.
