@@ -100,7 +100,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     let mut written = Ok(Written::default());
     folder
         .write_with(name, |out| {
-            written = write_gcode(&run.deposition.moves, options, out);
+            written = write_gcode(run.deposition.machine_moves(), options, out);
             // What is wrong is told below, in words.
             written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
         })

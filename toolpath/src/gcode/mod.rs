@@ -45,6 +45,11 @@ use nalgebra::{Point3, UnitVector3};
 /// from the part: +z for a nozzle that stands upright. Both are in the frame of the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
+    /// A comment on a line of its own, without line breaks: `;` and the text.
+    Comment {
+        /// What it says.
+        text: &'static str,
+    },
     /// The nozzle goes somewhere and leaves nothing on its way: `G0`.
     Travel {
         /// Where the tip arrives.

@@ -312,6 +312,7 @@ impl<W: Write> Writer<'_, W> {
                 self.line("G28");
                 (self.at, self.axes) = (None, None);
             }
+            Move::Comment { text } => self.line(&format!(";{text}")),
             Move::Dwell { seconds } => {
                 check("seconds", seconds, DWELL)?;
                 self.text.number("G4 P", seconds * 1e3, 0);

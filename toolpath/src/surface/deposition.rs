@@ -145,6 +145,21 @@ pub struct Deposition {
     pub bead_mm: f64,
 }
 
+impl Deposition {
+    /// The moves for a machine file, with a comment `;TYPE:SUPPORT` where support begins and `;TYPE:FILL` where it ends: viewers of
+    /// machine files show each in a colour of its own. Without support there is no comment.
+    pub fn machine_moves(&self) -> impl Iterator<Item = gcode::Move> + '_ {
+        let mut is_support = false;
+        self.moves.iter().flat_map(move |step| {
+            let now = step.bead.map_or(is_support, |kind| kind == BeadKind::Support);
+            let text = if now { "TYPE:SUPPORT" } else { "TYPE:FILL" };
+            let comment = (now != is_support).then_some(gcode::Move::Comment { text });
+            is_support = now;
+            comment.into_iter().chain([gcode::Move::from(step)])
+        })
+    }
+}
+
 /// How a path is laid at the planned feed: times and filament since it began, at each of its waypoints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSchedule {
