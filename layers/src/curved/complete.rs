@@ -297,13 +297,13 @@ impl Workpiece<'_> {
         let extended = extend(field, &cells);
         let levels = extended.fitted_levels(self.vertices, self.triangles, cell_mm, origin, height_mm)?;
         let united = Workpiece { cells, ..*self };
-        let surfaces = united.surfaces_at(&extended, &levels, missed, progress)?;
+        let surfaces = united.surfaces_at(&extended, &levels, height_mm, missed, progress)?;
         if support.is_empty() {
             return Ok((surfaces, None));
         }
         let mesh = cell_mesh(&cells, support, cell_mm, origin);
         let of_mesh = Workpiece { vertices: &mesh.vertices, triangles: &mesh.triangles, ..united };
-        let of_support = of_mesh.surfaces_at(&extended, &levels, &[], progress)?;
+        let of_support = of_mesh.surfaces_at(&extended, &levels, height_mm, &[], progress)?;
         let (rows, cells) = (rows.to_vec(), support.to_vec());
         Ok((surfaces, Some(PartSupport { rows, cells, straight_cells: 0, mesh, surfaces: of_support })))
     }
