@@ -7,8 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    BeadKind, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS, SurfacePath,
-    fill_layers,
+    BeadKind, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS,
+    SurfacePath, fill_layers,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
