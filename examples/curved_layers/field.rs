@@ -8,8 +8,9 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, Growth, Impossible, LayerOrder, LayerQuality, LayeredPart, Neighbours, OrderedPart, Platform,
-    ProofError, Rules, Strategy, Workpiece, audit, check_impossible, layer_quality, prove_impossible,
+    AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, Neighbours,
+    Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle, check_impossible, layer_quality,
+    prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -29,6 +30,8 @@ pub struct FieldOptions {
     pub platform_diameter_mm: f64,
     /// None for the best one.
     pub strategy: Option<Strategy>,
+    /// What is done about cells that the order misses.
+    pub complete: CompleteOptions,
     /// Layer height, by which the best one is chosen; none for the edge of a cell.
     pub height_mm: Option<f64>,
 }
@@ -53,7 +56,12 @@ pub struct FieldRun {
     /// The strategy that the order is by.
     pub strategy: &'static str,
     pub audit: AuditReport,
-    /// The missed cells that no order can build, and whether the proofs hold.
+    /// Cells that the order by the hull rule alone missed, by rising number.
+    pub missed_by_hull: Vec<u32>,
+    /// The cells that are support, by rising number, and what straight columns would take.
+    pub support: Vec<u32>,
+    pub straight_cells: usize,
+    /// Those of the missed ones by the hull rule that no order can build, and whether the proofs hold.
     pub impossible: Vec<Impossible>,
     pub proofs: Result<(), ProofError>,
     pub quality: LayerQuality,
@@ -69,9 +77,14 @@ impl FieldRun {
         if self.growth.missed.is_empty() { 0.0 } else { self.missed_mm3 / self.part_mm3 }
     }
 
-    /// Number of missed cells that are not proven to be impossible.
+    /// Number of cells missed by the hull rule that are not proven to be impossible.
     pub fn undecided(&self) -> usize {
-        self.growth.missed.len() - self.impossible.len()
+        self.missed_by_hull.len() - self.impossible.len()
+    }
+
+    /// Volume of the cells of the support, in cubic millimetres.
+    pub fn support_mm3(&self) -> f64 {
+        self.support.len() as f64 * self.solid.grid.cell_mm().powi(3)
     }
 
     /// Diameter of the platform as it was used. The disc has corners at both ends of its diameter along x.
@@ -160,48 +173,63 @@ pub fn run(
         let all: Vec<u32> = cells.iter().collect();
         workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
     }
-    let audited = |order: &LayerOrder, missed: &[u32]| {
-        clock.note("audit", 0);
-        audit(&cells, &platform, &workpiece.rules, order, missed, &progress).map_err(failure)
-    };
     let layers_failed = |error| surfaces::failed(error, part);
+    let complete = &options.complete;
+    let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
     clock.note("grow", 0);
-    let (growth, strategy, audit, made) = if let Some(saved) = saved {
+    let (mut support, mut straight_cells) = (Vec::new(), 0);
+    let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
-        let audit = audited(&saved.field.order(), &growth.missed_cells())?;
-        let of_field = |options: &SurfaceOptions| {
-            let height_mm = options.height_mm.unwrap_or(cell_mm);
-            workpiece.surfaces(&saved.field, &growth.missed_cells(), height_mm, &progress).map_err(layers_failed)
-        };
-        let layers = surfaces.map(of_field).transpose()?;
-        let made = layers.map(|layers| Made { layers, field: saved.field, method: "saved".to_owned(), waits: 0 });
-        (growth, "saved", audit, made)
-    } else if let Some(surfaces) = surfaces {
-        let height_mm = surfaces.height_mm.unwrap_or(cell_mm);
-        let layered = match surfaces.coherent {
-            true => workpiece.coherent_layers(options.strategy, height_mm, &progress),
-            false => workpiece.layers(options.strategy, height_mm, &progress),
-        };
-        let LayeredPart { strategy, growth, audit, uniform, surfaces: layers } = layered.map_err(layers_failed)?;
-        let made =
-            Made { layers, method: surfaces::method_name(uniform.method), field: uniform.field, waits: uniform.jumps };
-        (growth, strategy.name(), audit, Some(made))
+        support.clone_from(&saved.aids.support);
+        let judged = JudgedByNozzle { rule: saved.aids.rule, cell_mm, cells: &growth.nozzle };
+        let missed = growth.missed_cells();
+        clock.note("audit", 0);
+        let order = saved.field.order();
+        let audit =
+            audit_with_nozzle(&saved.cells()?, &platform, &workpiece.rules, &judged, &order, &missed, &progress)
+                .map_err(failure)?;
+        let layers = surfaces.map(|_| {
+            workpiece.surfaces_and_support(&saved.field, &saved.rows, &support, &missed, height_mm, &progress)
+        });
+        let layers = layers.transpose().map_err(layers_failed)?;
+        let made = layers.map(|(layers, support)| {
+            let SavedField { field, aids, .. } = saved;
+            Made { layers, support, field, aids, method: "saved".to_owned(), waits: 0 }
+        });
+        (growth, missed, "saved", audit, made)
     } else {
-        let height_mm = options.height_mm.unwrap_or(cell_mm);
-        let OrderedPart { strategy, growth, audit } =
-            workpiece.order(options.strategy, height_mm, &progress).map_err(layers_failed)?;
-        (growth, strategy.name(), audit, None)
+        let order =
+            workpiece.complete_order(options.strategy, height_mm, complete, &progress).map_err(layers_failed)?;
+        if let Some(supported) = &order.supported {
+            (support, straight_cells) = (supported.support.clone(), supported.straight_cells);
+        }
+        let (name, audit, missed) = (order.strategy.name(), order.audit.clone(), order.missed_by_hull.clone());
+        let (growth, made) = match surfaces {
+            // Coherent layers are of orders by the hull rule alone.
+            Some(surfaces) if surfaces.coherent && support.is_empty() && order.growth.nozzle.is_empty() => {
+                let layered =
+                    workpiece.coherent_layers(options.strategy, height_mm, &progress).map_err(layers_failed)?;
+                (layered.growth.clone(), Some(Made::of(layered, None, complete.rule)))
+            }
+            Some(_) => {
+                let made =
+                    workpiece.layers_of_complete(order, height_mm, complete, &progress).map_err(layers_failed)?;
+                let CompletePart { layered, support, .. } = made;
+                (layered.growth.clone(), Some(Made::of(layered, support, complete.rule)))
+            }
+            None => (order.taken().clone(), None),
+        };
+        (growth, missed, name, audit, made)
     };
     clock.note("impossible", 0);
-    let missed = growth.missed_cells();
-    let impossible = prove_impossible(&cells, &platform, &workpiece.rules, &missed, &progress)?;
+    let impossible = prove_impossible(&cells, &platform, &workpiece.rules, &missed_by_hull, &progress)?;
     clock.note("check", 0);
     let proofs = check_impossible(&cells, &platform, &workpiece.rules, &impossible);
     clock.stop();
     let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &growth, part, &clock);
     let surfaces = made.zip(surfaces).map(finish).transpose()?;
     let [peel, grow, audit_time, prove, check_proofs] =
-        [&["peel"][..], &["grow", "peel", "unbuild"], &["audit"], &["impossible"], &["check"]]
+        [&["peel"][..], &["grow", "peel", "unbuild", "nozzle", "support"], &["audit"], &["impossible"], &["check"]]
             .map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
     let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"]);
@@ -230,6 +258,9 @@ pub fn run(
         growth,
         strategy,
         audit,
+        missed_by_hull,
+        support,
+        straight_cells,
         impossible,
         proofs,
         quality,

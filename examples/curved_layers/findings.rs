@@ -73,6 +73,15 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
         let what = format!("the part does not fit on a platform of {diameter_mm} mm");
         findings.add(Noted, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
     }
+    if !run.support.is_empty() {
+        let amount = format!("{} cells, {:.1} mm3, to be broken off", run.support.len(), run.support_mm3());
+        findings.add(Told, "the part stands on support", amount, "--support");
+    }
+    if !run.growth.nozzle.is_empty() {
+        let amount = format!("{} of {} cells", run.growth.nozzle.len(), run.growth.order.cells().len());
+        let what = "cells lie inside the hull of what is built before: this nozzle reaches them, a larger one may not";
+        findings.add(Told, what, amount, "--nozzle");
+    }
     if !run.audit.is_ok() {
         findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");
     }
@@ -182,8 +191,9 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, allow: &Allo
         let amount = run.travels.blocked.len().to_string();
         findings.add(Failed, "travels run into what is built", amount, "blocked_travels.csv");
     }
-    // What sparse infill leaves empty is not to be laid.
-    let (laid, part, missed) = (run.deposition.extruded_mm3, field.part_mm3 - paths.hollow_mm3(), field.missed_mm3);
+    // With its support, which is laid as well; what sparse infill leaves empty is not to be laid.
+    let (laid, missed) = (run.deposition.extruded_mm3, field.missed_mm3);
+    let part = field.part_mm3 + field.support_mm3() - paths.hollow_mm3();
     let (filled, rest) = (laid / part, laid / (part - missed));
     let off = |share: f64| (share - 1.0).abs();
     if off(filled).max(off(rest)) > NOTABLE_VOLUME {

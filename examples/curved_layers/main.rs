@@ -8,6 +8,7 @@
 //! ```
 //! Without a mesh it takes a jug made in code. `--help` lists the options, the README the files that it writes.
 
+mod complete;
 mod estimate;
 mod field;
 mod findings;
@@ -19,6 +20,7 @@ mod surfaces;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, Parser, ValueEnum};
+use complete::CompleteArgs;
 use curvlay_examples::args::{
     AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, Strategy, VoxelArgs, above_zero, from_zero,
     run_with_checked_args, typed_name,
@@ -84,6 +86,8 @@ struct Args {
     voxel: VoxelArgs,
     #[command(flatten)]
     grow: GrowArgs,
+    #[command(flatten)]
+    complete: CompleteArgs,
     /// Tries layers that are torn as little as the part allows as well, and takes them if they end less inside the part; they may be
     /// less even
     #[arg(long, conflicts_with = "resume", help_heading = CELLS)]
@@ -190,11 +194,13 @@ impl Args {
         self.also.contains(&extra) || (self.has_cells() && extra.stage() <= Stage::Surfaces)
     }
 
-    fn field_options(&self) -> FieldOptions {
+    fn field_options(&self, nozzle: &Nozzle) -> FieldOptions {
         let GrowArgs { eps, beyond_eps, .. } = self.grow;
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
-        FieldOptions { resolution, max_cells: MAX_CELLS, eps, beyond_eps, platform_diameter_mm, strategy, height_mm }
+        let complete = self.complete.options(strategy.is_none(), nozzle);
+        let max_cells = MAX_CELLS;
+        FieldOptions { resolution, max_cells, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
     }
 
     fn platform_diameter_mm(&self) -> f64 {
@@ -408,7 +414,8 @@ impl Job<'_> {
             return Err(failure(format!("--bead {bead}: wider than the part is long, {longest:.3} mm")));
         }
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
-        let (field, surfaces) = field::run(&args.field_options(), surfaces.as_ref(), args.memory(), part, saved, bars)?;
+        let (field, surfaces) =
+            field::run(&args.field_options(&self.setup.nozzle), surfaces.as_ref(), args.memory(), part, saved, bars)?;
         part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
         let files = Files::default();
         let mut results = Results { field, surfaces, paths: None, machine: None, motion: None, files, findings };

@@ -7,8 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS, SurfacePath,
-    fill_layers,
+    BeadKind, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS,
+    SurfacePath, fill_layers,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -71,10 +71,13 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
         }
         ControlFlow::Continue(())
     };
-    let filled = fill_layers(&surfaces.surfaces(), options, &progress).map_err(|error| match error {
+    let mut filled = fill_layers(&surfaces.surfaces(), options, &progress).map_err(|error| match error {
         FillLayersError::Layer { layer, error } => failure(format!("layer {}: {error}", layer + 1)),
         error => failure(error),
     })?;
+    for (layer, sheet) in surfaces.printed.iter().enumerate() {
+        filled.set_kind(layer, BeadKind::Support, |triangle| triangle as usize >= sheet.part_triangles);
+    }
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };

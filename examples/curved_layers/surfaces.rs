@@ -3,8 +3,12 @@
 use crate::failure;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
-use curvlay_layers::curved::surface::{LayerField, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field};
-use curvlay_layers::curved::{Growth, LayerSurfaces, LayersError, Workpiece};
+use curvlay_layers::curved::surface::{
+    LayerField, PrintAids, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field,
+};
+use curvlay_layers::curved::{
+    Cells, Growth, LayerSurfaces, LayeredPart, LayersError, NozzleRule, PartSupport, PrintedSheet, Workpiece,
+};
 use curvlay_toolpath::surface::LayerSurface;
 use curvlay_voxel::Resolution;
 use std::fmt::Display;
@@ -28,16 +32,32 @@ pub struct SurfaceOptions {
 /// Surfaces and the field that they belong to.
 pub struct Made {
     pub layers: LayerSurfaces,
+    pub support: Option<PartSupport>,
     pub field: LayerField,
+    pub aids: PrintAids,
     /// How the field came about.
     pub method: String,
     /// Pairs of neighbours whose layers lie far apart, since one had to wait.
     pub waits: usize,
 }
 
+impl Made {
+    /// Of the layers of an order.
+    pub fn of(layered: LayeredPart, support: Option<PartSupport>, rule: NozzleRule) -> Self {
+        let LayeredPart { growth, uniform, surfaces: layers, .. } = layered;
+        let cells = support.as_ref().map_or(Vec::new(), |support| support.cells.clone());
+        let aids = PrintAids { support: cells, rule, nozzle: growth.nozzle };
+        Made { layers, support, method: method_name(uniform.method), field: uniform.field, aids, waits: uniform.jumps }
+    }
+}
+
 /// What came of the stage.
 pub struct SurfacesRun {
     layers: LayerSurfaces,
+    /// The support.
+    pub support: Option<PartSupport>,
+    /// The layers with their support, if there is any.
+    pub printed: Vec<PrintedSheet>,
     /// The field, and all else that it takes to go on from here another time.
     pub saved: SavedField,
     pub method: String,
@@ -67,7 +87,22 @@ impl Deref for SurfacesRun {
 impl SurfacesRun {
     /// The surfaces as tool paths are planned on.
     pub fn surfaces(&self) -> Vec<LayerSurface<'_>> {
-        self.layers.iter().map(LayerSurface::from).collect()
+        if self.printed.is_empty() {
+            return self.layers.iter().map(LayerSurface::from).collect();
+        }
+        let printed = self.printed.iter();
+        printed
+            .map(|PrintedSheet { vertices, triangles, thickness_mm: thickness, .. }| LayerSurface {
+                vertices,
+                triangles,
+                thickness,
+            })
+            .collect()
+    }
+
+    /// Volume of the layers of the support, in cubic millimetres.
+    pub fn support_mm3(&self) -> f64 {
+        self.support.as_ref().map_or(0.0, |support| support.surfaces.spacing.volume_mm3)
     }
 
     pub fn triangles(&self) -> usize {
@@ -94,16 +129,19 @@ pub fn resolution(saved: &SavedField) -> Resolution {
 /// What stands beside the surfaces: the field to save, times, and what to compare with.
 pub fn finish(
     options: &SurfaceOptions,
-    Made { layers, field, method, waits }: Made,
+    Made { layers, support, field, aids, method, waits }: Made,
     workpiece: &Workpiece,
     growth: &Growth,
     part: &Part,
     clock: &StageClock,
 ) -> Result<SurfacesRun, Failure> {
     let plain_spacing = || -> Result<Spacing, Failure> {
-        let plain = plain_field(&workpiece.cells, &growth.order)?;
+        let rows = support.as_ref().map_or(workpiece.cells.rows(), |support| &support.rows);
+        let cells = Cells::new(workpiece.cells.dims(), rows)?;
+        let plain = plain_field(&cells, &growth.order)?;
         let silent = |_| ControlFlow::Continue(());
-        let plain = workpiece.surfaces(&plain, &growth.missed_cells(), layers.height_mm, &silent);
+        let united = Workpiece { cells, ..*workpiece };
+        let plain = united.surfaces(&plain, &growth.missed_cells(), layers.height_mm, &silent);
         Ok(plain.map_err(|error| failed(error, part))?.spacing)
     };
     let plain_spacing = options.compare.then(plain_spacing).transpose()?;
@@ -112,13 +150,15 @@ pub fn finish(
             .map(|stages| clock.on_the_clock(stages));
     let saved = SavedField {
         field,
-        rows: workpiece.cells.rows().to_vec(),
+        rows: support.as_ref().map_or(workpiece.cells.rows(), |support| &support.rows).to_vec(),
         cell_mm: workpiece.cell_mm,
         origin: workpiece.origin,
         mesh: mesh_stamp(&part.mesh.vertices, &part.mesh.triangles),
+        aids,
     };
+    let printed = support.as_ref().map_or(Vec::new(), |support| support.printed_with(&layers));
     let times = Times { even, contour, trim, spacing };
-    Ok(SurfacesRun { layers, saved, method, waits, plain_spacing, times })
+    Ok(SurfacesRun { layers, support, printed, saved, method, waits, plain_spacing, times })
 }
 
 /// Why there are no surfaces, in one line.

@@ -98,6 +98,7 @@ fn missed(run: &FieldRun, is: impl Fn(MissedReason) -> bool) -> usize {
 pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
     let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
     let [nx, ny, nz] = grid.dims();
+    let [nozzle_growth, support] = args.complete.names(args.grow.strategy().is_none());
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("mesh", part.name.as_str())?
@@ -118,6 +119,11 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("coherent", args.coherent)?
         .set("eps_cells", args.grow.eps)?
         .set("beyond_eps", args.grow.beyond_eps)?
+        .set("nozzle_growth", nozzle_growth)?
+        .set("nozzle_max_tilt_deg", args.complete.max_tilt)?
+        .set("nozzle_margin_cells", args.complete.nozzle_margin)?
+        .set("support", support)?
+        .set("support_width_cells", args.complete.support_width)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("strategy", typed_name(args.grow.strategy))?
         .set("strategy_used", run.strategy)?
@@ -154,6 +160,11 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set_seconds("total_s", times.total)?
         .set("cell_layers", growth.order.len())?
         .set("missed_cells", growth.missed.len())?
+        .set("missed_by_hull_cells", run.missed_by_hull.len())?
+        .set("nozzle_cells", growth.nozzle.len())?
+        .set("support_cells", run.support.len())?
+        .set("support_cells_volume_mm3", run.support_mm3())?
+        .set("support_straight_cells", run.straight_cells)?
         .set("missed_volume_mm3", run.missed_mm3)?
         .set("missed_share", run.missed_share())?
         .set("missed_shadowed", missed(run, |reason| matches!(reason, MissedReason::Shadowed { .. })))?
@@ -165,6 +176,18 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("small_patch_share", run.quality.small_patch_share)?
         .set("patches_per_layer", run.quality.patches_per_layer)?;
     Ok(())
+}
+
+/// How much support there is, in words.
+fn support_row(run: &FieldRun) -> String {
+    match (run.support.len(), run.straight_cells) {
+        (0, _) => "none".to_owned(),
+        (cells, 0) => format!("{cells} cells, {:.1} mm3", run.support_mm3()),
+        (cells, straight) => {
+            let share = 100.0 * cells as f64 / straight as f64;
+            format!("{cells} cells, {:.1} mm3; {share:.0} % of straight columns", run.support_mm3())
+        }
+    }
 }
 
 pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
@@ -180,13 +203,16 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         .row([
             "missed cells".to_owned(),
             format!(
-                "{}, {:.2} % of the volume; {} proven impossible, {} undecided",
+                "{}, {:.2} % of the volume; by hulls alone {}, {} of them proven impossible, {} undecided",
                 growth.missed.len(),
                 100.0 * run.missed_share(),
+                run.missed_by_hull.len(),
                 run.impossible.len(),
                 run.undecided()
             ),
         ])
+        .row(["by the nozzle".to_owned(), format!("{} cells", growth.nozzle.len())])
+        .row(["support".to_owned(), support_row(run)])
         .row([
             "small patches".to_owned(),
             format!(

@@ -124,7 +124,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
 /// The share of the part that is laid, and of how much, in words.
 pub fn filled(field: &FieldRun, paths: &PathsRun, run: &MachineRun) -> String {
     let (laid, hollow) = (run.deposition.extruded_mm3, paths.hollow_mm3());
-    let part = field.part_mm3 - hollow;
+    let part = field.part_mm3 + field.support_mm3() - hollow;
     let but = if hollow > 0.0 { format!(", {hollow:.1} mm3 stay hollow") } else { String::new() };
     format!("{:.1} %, {laid:.1} of {part:.1} mm3{but}", 100.0 * laid / part)
 }
@@ -143,7 +143,7 @@ pub fn summary(
     let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
-        .set("filled_share", deposition.extruded_mm3 / (field.part_mm3 - paths.hollow_mm3()))?
+        .set("filled_share", deposition.extruded_mm3 / (field.part_mm3 + field.support_mm3() - paths.hollow_mm3()))?
         .set("nozzle", nozzle.map(|number| number.to_string()).join(","))?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?

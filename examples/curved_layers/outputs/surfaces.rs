@@ -27,8 +27,20 @@ pub fn products(args: &Args, run: &SurfacesRun, folder: &OutputFolder) -> Result
 fn write_obj(run: &SurfacesRun, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# curved layers, in millimetres, {} mm apart; a group a layer, first to last", run.height_mm)?;
     let mut first = 1;
-    for (number, sheet) in (1..).zip(&run.sheets) {
+    for (number, sheet) in (1usize..).zip(&run.sheets) {
         writeln!(out, "g layer_{number}")?;
+        for vertex in &sheet.vertices {
+            writeln!(out, "v {:.6} {:.6} {:.6}", vertex.x, vertex.y, vertex.z)?;
+        }
+        for corners in &sheet.triangles {
+            let [a, b, c] = corners.map(|corner| first + corner);
+            writeln!(out, "f {a} {b} {c}")?;
+        }
+        first += sheet.vertices.len() as u32;
+        // The support of the layer, as a group of its own.
+        let support = run.support.as_ref().and_then(|support| support.surfaces.sheets.get(number - 1));
+        let Some(sheet) = support.filter(|sheet| !sheet.triangles.is_empty()) else { continue };
+        writeln!(out, "g support_{number}")?;
         for vertex in &sheet.vertices {
             writeln!(out, "v {:.6} {:.6} {:.6}", vertex.x, vertex.y, vertex.z)?;
         }
@@ -66,6 +78,7 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("clipped_surfaces", run.clipped.surfaces)?
         .set("clipped_mm2", run.clipped.area_mm2)?
         .set("layer_volume_mm3", spacing.volume_mm3)?
+        .set("support_volume_mm3", run.support_mm3())?
         .set("spacing_mean_mm", spacing.mean_mm)?
         .set("spacing_std_mm", spacing.std_mm)?
         .set("spacing_p05_mm", spacing.p05_mm)?

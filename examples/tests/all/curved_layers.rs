@@ -67,6 +67,9 @@ fn documented(folder: &str) {
     }
 }
 
+/// By the hull rule alone, without support.
+const HULLS_ALONE: [&str; 4] = ["--nozzle-growth", "off", "--support", "none"];
+
 /// A binary STL of boxes, each given by two corners.
 fn boxes(boxes: &[[[f32; 3]; 2]]) -> Vec<u8> {
     const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -221,7 +224,8 @@ fn the_order_is_the_same_at_every_stage() {
     let mut orders = Vec::new();
     for stage in ["field", "surfaces"] {
         let out = scratch.path(stage);
-        run(&["--mesh", &mesh, "--cell", "1", "--eps", "0.5", "--stage", stage, "--quiet", "--out", &out]);
+        let args = ["--mesh", &mesh, "--cell", "1", "--eps", "0.5", "--stage", stage, "--quiet", "--out", &out];
+        run(&[&args[..], &HULLS_ALONE].concat());
         let figures = summary(&out);
         assert!(figures["missed_cells"].as_u64().unwrap() > 0, "there is nothing to choose");
         let figure = |key: &str| figures[key].as_f64().unwrap();
@@ -885,7 +889,8 @@ fn what_is_missed_is_told_everywhere() {
         ("volume", &["--allow-missed", "0.25", "--allow-volume", "0.2"][..], 3),
     ] {
         let out = scratch.path(name);
-        let output = run(&[&["--mesh", &mesh, "--cell", "2", "--quiet", "--out", &out], more].concat());
+        let output =
+            run(&[&["--mesh", &mesh, "--cell", "2", "--quiet", "--out", &out], &HULLS_ALONE[..], more].concat());
         let (stderr, notices) = told(&output, &out);
         assert_eq!(output.status.code(), Some(status), "{name}: {stderr}");
         assert!(
@@ -919,6 +924,53 @@ fn what_is_missed_is_told_everywhere() {
     }
 }
 
+/// A block that floats beside another one stands on support, which is marked as such in every file. A saved field holds it, too.
+#[test]
+fn what_floats_stands_on_support() {
+    let scratch = Scratch::new("stands");
+    let mesh = scratch.path("floating.stl");
+    fs::write(&mesh, boxes(&[[[0.0; 3], [10.0, 10.0, 10.0]], [[20.0, 0.0, 6.0], [28.0, 10.0, 10.0]]])).unwrap();
+    let out = scratch.path("out");
+    let output = run(&["--mesh", &mesh, "--cell", "2", "--quiet", "--out", &out]);
+    let (stderr, notices) = told(&output, &out);
+    documented(&out);
+    let figures = summary(&out);
+    let count = |figures: &Value, key: &str| figures[key].as_u64().unwrap();
+    assert_eq!((count(&figures, "missed_cells"), count(&figures, "missed_by_hull_cells")), (0, 40), "{stderr}");
+    // Two levels of 3 by 3 cells, and one that touches the block.
+    assert_eq!((count(&figures, "support_cells"), count(&figures, "support_straight_cells")), (19, 60));
+    assert!((figures["support_volume_mm3"].as_f64().unwrap() - 19.0 * 8.0).abs() < 0.1 * 19.0 * 8.0, "{figures}");
+    assert!((figures["filled_share"].as_f64().unwrap() - 1.0).abs() < 0.1, "{figures}");
+    assert!(notices.iter().any(|notice| notice.contains("the part stands on support")), "{notices:?}");
+    let text = |folder: &str, name: &str| fs::read_to_string(Path::new(folder).join(name)).unwrap();
+    let gcode = text(&out, "toolpath.gcode");
+    assert!(gcode.contains(";TYPE:Support material\n"), "{gcode}");
+    // Beads of the support lie under the block, and nowhere else.
+    let mut is_support = false;
+    for line in
+        gcode.lines().filter(|line| line.starts_with(";TYPE:") || (line.starts_with("G1") && line.contains(" E")))
+    {
+        match line.strip_prefix(";TYPE:") {
+            Some(kind) => is_support = kind == "Support material",
+            None => {
+                let word =
+                    |letter: char| line.split(' ').find_map(|word| word.strip_prefix(letter)?.parse::<f64>().ok());
+                let (Some(x), Some(z)) = (word('X'), word('Z')) else { continue };
+                assert!(!is_support || (x > 19.0 && x < 29.0 && z < 7.0), "{line}");
+            }
+        }
+    }
+    let groups =
+        |folder: &str| text(folder, "layers.obj").lines().filter(|line| line.starts_with("g support_")).count();
+    assert_eq!(groups(&out), 3);
+
+    let (again, field) = (scratch.path("again"), Path::new(&out).join("field.txt").display().to_string());
+    run(&["--mesh", &mesh, "--resume", &field, "--quiet", "--stage", "surfaces", "--out", &again]);
+    let resumed = summary(&again);
+    assert_eq!((count(&resumed, "missed_cells"), count(&resumed, "support_cells")), (0, 19));
+    assert_eq!((groups(&again), resumed["audit_ok"].as_bool()), (3, Some(true)));
+}
+
 /// A block hangs from the end of an arm: its lower cells cannot be built, and the file holds the proof, which can be checked with
 /// nothing but the file.
 #[test]
@@ -928,7 +980,8 @@ fn impossible_cells_come_with_proofs() {
     let parts =
         [[[0.0; 3], [4.0, 4.0, 24.0]], [[4.0, 0.0, 20.0], [24.0, 4.0, 24.0]], [[20.0, 0.0, 4.0], [24.0, 4.0, 20.0]]];
     fs::write(&mesh, boxes(&parts)).unwrap();
-    let output = run(&["--mesh", &mesh, "--cell", "2", "--stage", "field", "--quiet", "--out", &out]);
+    let args = ["--mesh", &mesh, "--cell", "2", "--stage", "field", "--quiet", "--out", &out];
+    let output = run(&[&args[..], &HULLS_ALONE].concat());
     assert_eq!(output.status.code(), Some(3));
     let figures = summary(&out);
     let count = |key: &str| figures[key].as_u64().unwrap();

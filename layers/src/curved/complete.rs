@@ -12,9 +12,10 @@ use super::growth::{Growth, GrowthError};
 use super::nozzle::{NozzleRule, grow_with_nozzle};
 use super::strategy::Strategy;
 use super::support::{CellMesh, SupportError, SupportOptions, Supported, add_support, cell_mesh};
-use super::surface::{extend, uniform_field_with_nozzle};
+use super::surface::{LayerField, extend, uniform_field_with_nozzle};
 use super::workpiece::{LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece, begin};
 use crate::Progress;
+use nalgebra::Point3;
 use std::ops::ControlFlow;
 
 /// When cells are judged by the nozzle that prints.
@@ -67,7 +68,7 @@ pub struct PartSupport {
     pub rows: Vec<u64>,
     /// The cells of the support, by rising number.
     pub cells: Vec<u32>,
-    /// Cells that straight columns from the plate below all missed cells would have.
+    /// Cells that straight columns from the plate below all missed cells would have; 0 for a saved field, which does not say.
     pub straight_cells: usize,
     /// The skin of its cells.
     pub mesh: CellMesh,
@@ -75,10 +76,37 @@ pub struct PartSupport {
     pub surfaces: LayerSurfaces,
 }
 
-/// An order of part and support, before it is layered.
-struct Completed {
-    growth: Growth,
-    support: Option<Supported>,
+/// The order of a part, and of its support if it has any, before it is layered.
+#[derive(Clone, Debug)]
+pub struct CompleteOrder {
+    /// The strategy of the order by the hull rule.
+    pub strategy: Strategy,
+    /// The order of the part alone.
+    pub growth: Growth,
+    /// Part and support together; `None` without support.
+    pub supported: Option<Supported>,
+    /// Cells that the order by the hull rule alone missed, by rising number.
+    pub missed_by_hull: Vec<u32>,
+    /// The audit of the order of part and support together.
+    pub audit: AuditReport,
+}
+
+impl CompleteOrder {
+    /// The order that counts: that of part and support, or of the part where there is no support.
+    pub fn taken(&self) -> &Growth {
+        self.supported.as_ref().map_or(&self.growth, |supported| &supported.growth)
+    }
+
+    /// The cells of part and support, of a part with these.
+    ///
+    /// # Errors
+    /// [`SupportError::Cells`] if the order is of another part.
+    pub fn united<'a>(&'a self, cells: &Cells<'a>) -> Result<Cells<'a>, SupportError> {
+        match &self.supported {
+            Some(supported) => Ok(Cells::new(cells.dims(), &supported.rows)?),
+            None => Ok(*cells),
+        }
+    }
 }
 
 impl Workpiece<'_> {
@@ -94,8 +122,7 @@ impl Workpiece<'_> {
     /// [`LayersError`].
     ///
     /// # Cost
-    /// That of [`Workpiece::layers`] if it misses nothing. Else that of a choice between two orders, of [`grow_with_nozzle`], of [`add_support`], and
-    /// of one more set of surfaces, two with support.
+    /// That of [`Workpiece::complete_order`], and of one more set of surfaces, two with support.
     ///
     /// # Example
     /// As in [`Workpiece::layers`]: `part.complete_layers(None, 0.75, &CompleteOptions::default(), &progress)?.layered`.
@@ -106,59 +133,63 @@ impl Workpiece<'_> {
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<CompletePart, LayersError> {
-        self.check_volume()?;
-        options.rule.check().map_err(GrowthError::from)?;
-        let ordered = self.order(strategy, height_mm, progress)?;
-        let missed_by_hull = ordered.growth.missed_cells();
-        if missed_by_hull.is_empty() && options.nozzle != NozzleUse::FromStart {
-            return Ok(CompletePart {
-                layered: self.layered(ordered, height_mm, progress)?,
-                missed_by_hull,
-                support: None,
-            });
-        }
-        let OrderedPart { strategy: taken, growth, .. } = ordered;
-        let mut completed = self.completed(strategy, growth, options, progress)?;
-        let mut audit = self.audited(&completed, options, progress)?;
-        if completed.support.is_some() && !audit.is_ok() {
-            completed.support = None;
-            audit = self.audited(&completed, options, progress)?;
-        }
-        let (layered, support) = self.of_completed(taken, completed, audit, height_mm, options, progress)?;
-        Ok(CompletePart { layered, missed_by_hull, support })
+        let order = self.complete_order(strategy, height_mm, options, progress)?;
+        self.layers_of_complete(order, height_mm, options, progress)
     }
 
-    /// The cells of part and support, and their order.
-    fn united<'a>(&'a self, completed: &'a Completed) -> Result<(Cells<'a>, &'a Growth), LayersError> {
-        match &completed.support {
-            Some(Supported { rows, growth, .. }) => {
-                Ok((Cells::new(self.cells.dims(), rows).map_err(SupportError::from)?, growth))
-            }
-            None => Ok((self.cells, &completed.growth)),
+    /// The order that [`Workpiece::complete_layers`] makes layers of, with the same arguments.
+    ///
+    /// # Errors
+    /// [`LayersError`]. Cells that are missed all the same are no error: they are listed in the growth.
+    ///
+    /// # Cost
+    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`] as well.
+    pub fn complete_order(
+        &self,
+        strategy: Option<Strategy>,
+        height_mm: f64,
+        options: &CompleteOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<CompleteOrder, LayersError> {
+        self.check_volume()?;
+        options.rule.check().map_err(GrowthError::from)?;
+        let OrderedPart { strategy: taken, growth, audit } = self.order(strategy, height_mm, progress)?;
+        let missed_by_hull = growth.missed_cells();
+        let mut order = CompleteOrder { strategy: taken, growth, supported: None, missed_by_hull, audit };
+        let is_left = options.nozzle != NozzleUse::Off || options.support.is_some();
+        if options.nozzle != NozzleUse::FromStart && (order.missed_by_hull.is_empty() || !is_left) {
+            return Ok(order);
         }
+        self.complete(strategy, &mut order, options, progress)?;
+        order.audit = self.audited(&order, options, progress)?;
+        if order.supported.is_some() && !order.audit.is_ok() {
+            order.supported = None;
+            order.audit = self.audited(&order, options, progress)?;
+        }
+        Ok(order)
     }
 
     fn audited(
         &self,
-        completed: &Completed,
+        order: &CompleteOrder,
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<AuditReport, LayersError> {
-        let (cells, growth) = self.united(completed)?;
+        let (cells, growth) = (order.united(&self.cells)?, order.taken());
         let judged = JudgedByNozzle { rule: options.rule, cell_mm: self.cell_mm, cells: &growth.nozzle };
         let missed = growth.missed_cells();
         begin("audit", progress)?;
         Ok(audit_with_nozzle(&cells, self.platform, &self.rules, &judged, &growth.order, &missed, progress)?)
     }
 
-    /// The order of [`Workpiece::complete_layers`], without surfaces.
-    fn completed(
+    /// Goes on with an order by the hull rule: by the nozzle, and with support.
+    fn complete(
         &self,
         strategy: Option<Strategy>,
-        growth: Growth,
+        order: &mut CompleteOrder,
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Completed, LayersError> {
+    ) -> Result<(), LayersError> {
         let Workpiece { platform, rules, cell_mm, .. } = *self;
         let with_nozzle = |cells: &Cells, growth: Growth| match options.nozzle {
             NozzleUse::Off => Ok(growth),
@@ -182,8 +213,8 @@ impl Workpiece<'_> {
             with_nozzle(cells, growth)
         };
         begin("nozzle", progress)?;
-        let by_hull_alone = growth.clone();
-        let growth = with_nozzle(&self.cells, growth)?;
+        let by_hull_alone = order.growth.clone();
+        let growth = with_nozzle(&self.cells, by_hull_alone.clone())?;
         let mut support = None;
         if let Some(options) = &options.support {
             // What the nozzle leaves can lie between what it has built, where no column gets: then all that the hull rule misses is supported.
@@ -196,39 +227,115 @@ impl Workpiece<'_> {
                 }
             }
         }
-        Ok(Completed { growth, support })
+        (order.growth, order.supported) = (growth, support);
+        Ok(())
     }
 
-    /// Field and surfaces of a completed order.
-    fn of_completed(
+    /// Field and surfaces of a complete order.
+    ///
+    /// # Arguments
+    /// * `height_mm`, `options`: those of the order.
+    ///
+    /// # Errors
+    /// [`LayersError`].
+    ///
+    /// # Cost
+    /// Once that of [`Workpiece::surfaces`], twice with support, and of the field.
+    pub fn layers_of_complete(
         &self,
-        strategy: Strategy,
-        completed: Completed,
-        audit: AuditReport,
+        order: CompleteOrder,
         height_mm: f64,
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<(LayeredPart, Option<PartSupport>), LayersError> {
-        let Workpiece { platform, rules, cell_mm, origin, .. } = *self;
-        let (cells, growth) = self.united(&completed)?;
-        let growth = growth.clone();
+    ) -> Result<CompletePart, LayersError> {
+        let Workpiece { platform, rules, cell_mm, .. } = *self;
+        let (cells, growth) = (order.united(&self.cells)?, order.taken());
         let judged = JudgedByNozzle { rule: options.rule, cell_mm, cells: &growth.nozzle };
         let missed = growth.missed_cells();
         begin("uniform", progress)?;
         let uniform = uniform_field_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &missed, progress)?;
+        let support = order.supported.as_ref().map(|supported| &supported.support[..]).unwrap_or_default();
+        let (surfaces, mut support) =
+            self.surfaces_and_support(&uniform.field, cells.rows(), support, &missed, height_mm, progress)?;
+        support.iter_mut().zip(&order.supported).for_each(|(made, found)| made.straight_cells = found.straight_cells);
+        let growth = growth.clone();
+        let CompleteOrder { strategy, missed_by_hull, audit, .. } = order;
+        Ok(CompletePart {
+            layered: LayeredPart { strategy, growth, audit, uniform, surfaces },
+            missed_by_hull,
+            support,
+        })
+    }
+
+    /// The surfaces of a field over part and support: those of the part, and those of its support if it has any.
+    ///
+    /// # Arguments
+    /// * `field`: e.g. a saved one.
+    /// * `rows`: the cells of part and support, as [`Cells`] takes them.
+    /// * `support`: those that are support; none for a part without.
+    /// * `missed`: cells of the part without a value.
+    /// * `height_mm`: layer height, at least a fifth of a cell.
+    /// * `progress`: as in [`Workpiece::surfaces`].
+    ///
+    /// # Errors
+    /// [`LayersError`].
+    ///
+    /// # Cost
+    /// That of [`Workpiece::surfaces`], twice with support.
+    pub fn surfaces_and_support(
+        &self,
+        field: &LayerField,
+        rows: &[u64],
+        support: &[u32],
+        missed: &[u32],
+        height_mm: f64,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<(LayerSurfaces, Option<PartSupport>), LayersError> {
+        let Workpiece { cell_mm, origin, .. } = *self;
+        let cells = Cells::new(self.cells.dims(), rows).map_err(SupportError::from)?;
         begin("contour", progress)?;
-        let extended = extend(&uniform.field, &cells);
+        let extended = extend(field, &cells);
         let levels = extended.fitted_levels(self.vertices, self.triangles, cell_mm, origin, height_mm)?;
         let united = Workpiece { cells, ..*self };
-        let surfaces = united.surfaces_at(&extended, &levels, &missed, progress)?;
-        let mut of_support = None;
-        if let Some(Supported { rows, support, straight_cells, .. }) = &completed.support {
-            let mesh = cell_mesh(&cells, support, cell_mm, origin);
-            let of_mesh = Workpiece { vertices: &mesh.vertices, triangles: &mesh.triangles, ..united };
-            let surfaces = of_mesh.surfaces_at(&extended, &levels, &[], progress)?;
-            let (rows, cells, straight_cells) = (rows.clone(), support.clone(), *straight_cells);
-            of_support = Some(PartSupport { rows, cells, straight_cells, mesh, surfaces });
+        let surfaces = united.surfaces_at(&extended, &levels, height_mm, missed, progress)?;
+        if support.is_empty() {
+            return Ok((surfaces, None));
         }
-        Ok((LayeredPart { strategy, growth, audit, uniform, surfaces }, of_support))
+        let mesh = cell_mesh(&cells, support, cell_mm, origin);
+        let of_mesh = Workpiece { vertices: &mesh.vertices, triangles: &mesh.triangles, ..united };
+        let of_support = of_mesh.surfaces_at(&extended, &levels, height_mm, &[], progress)?;
+        let (rows, cells) = (rows.to_vec(), support.to_vec());
+        Ok((surfaces, Some(PartSupport { rows, cells, straight_cells: 0, mesh, surfaces: of_support })))
+    }
+}
+
+/// What is printed of one layer: the surface of the part, then that of its support.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PrintedSheet {
+    /// Points in millimetres.
+    pub vertices: Vec<Point3<f64>>,
+    /// Triangles, those of the part first.
+    pub triangles: Vec<[u32; 3]>,
+    /// Thickness of the layer at each triangle, in millimetres.
+    pub thickness_mm: Vec<f64>,
+    /// How many of the triangles are the part's; those after them are support.
+    pub part_triangles: usize,
+}
+
+impl PartSupport {
+    /// The layers of the part and of this support together, first to last: all that planning their tool paths takes.
+    pub fn printed_with(&self, part: &LayerSurfaces) -> Vec<PrintedSheet> {
+        let sheet =
+            |(of_part, of_support): ((&[Point3<f64>], &[[u32; 3]], &[f64]), (&[Point3<f64>], &[[u32; 3]], &[f64]))| {
+                let first = of_part.0.len() as u32;
+                let moved = of_support.1.iter().map(|corners| corners.map(|corner| first + corner));
+                PrintedSheet {
+                    vertices: [of_part.0, of_support.0].concat(),
+                    triangles: of_part.1.iter().copied().chain(moved).collect(),
+                    thickness_mm: [of_part.2, of_support.2].concat(),
+                    part_triangles: of_part.1.len(),
+                }
+            };
+        part.iter().zip(self.surfaces.iter()).map(sheet).collect()
     }
 }

@@ -49,7 +49,7 @@ pub use audit::{
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
-pub use complete::{CompleteOptions, CompletePart, NozzleUse, PartSupport};
+pub use complete::{CompleteOptions, CompleteOrder, CompletePart, NozzleUse, PartSupport, PrintedSheet};
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,

@@ -378,20 +378,21 @@ impl Workpiece<'_> {
         begin("contour", progress)?;
         let extended = extend(field, &self.cells);
         let levels = extended.fitted_levels(self.vertices, self.triangles, self.cell_mm, self.origin, height_mm)?;
-        self.surfaces_at(&extended, &levels, missed, progress)
+        self.surfaces_at(&extended, &levels, height_mm, missed, progress)
     }
 
-    /// The surfaces of a field at given levels, trimmed to the mesh and measured.
+    /// The surfaces of a field at levels fitted to the layer height `asked_mm`, trimmed to the mesh and measured.
     pub(super) fn surfaces_at(
         &self,
         extended: &ExtendedField,
         FittedLevels { levels, height_mm }: &FittedLevels,
+        asked_mm: f64,
         missed: &[u32],
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayerSurfaces, LayersError> {
         let height_mm = *height_mm;
         begin("trim", progress)?;
-        let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * height_mm);
+        let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * asked_mm);
         begin("contour", progress)?;
         let untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
         begin("trim", progress)?;

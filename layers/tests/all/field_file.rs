@@ -1,11 +1,11 @@
 //! Fields in files: they come back as they were, and what is no such file is told by its line.
 
 use curvlay_layers::curved::surface::{
-    LayerField, OtherCells, OtherMesh, ReadFieldError, SavedField, Spacing, measure_spacing, mesh_stamp,
+    LayerField, OtherCells, OtherMesh, PrintAids, ReadFieldError, SavedField, Spacing, measure_spacing, mesh_stamp,
     write_field_vtk, write_surfaces_vtk,
 };
-use curvlay_layers::curved::{Cells, CellsError};
-use nalgebra::{Point3, Vector3};
+use curvlay_layers::curved::{Cells, CellsError, NozzleCell, NozzleRule, NozzleRuleError};
+use nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;
 use std::io::{self, BufReader, Read};
 use std::ops::ControlFlow;
@@ -26,6 +26,7 @@ fn saved(dims: [u32; 3], values: &[Option<f64>], solid_as_well: u32) -> Option<S
         cell_mm: 0.1 + 0.2,
         origin: Point3::new(-1.0 / 3.0, 1e-9, 12.5),
         mesh: u64::MAX - 5,
+        aids: PrintAids::default(),
     })
 }
 
@@ -214,4 +215,40 @@ fn vtk_files_count_what_they_hold() {
     let other = Spacing::default();
     let error = write_surfaces_vtk(io::sink(), &surfaces, Some(&other)).unwrap_err();
     assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+}
+
+/// Support and directions of the nozzle come back as they were, and what does not fit the field is refused.
+#[test]
+fn support_and_directions_of_the_nozzle_are_saved() {
+    let before = saved([3, 2, 1], &[Some(0.5), None, Some(1.5), Some(2.0), None, None], 1).unwrap();
+    let direction = |x: f64, z: f64| Unit::new_normalize(Vector3::new(x, 0.3, z));
+    let nozzle = vec![
+        NozzleCell { cell: 2, direction: direction(0.1, 0.7) },
+        NozzleCell { cell: 3, direction: direction(1.0, 0.0) },
+    ];
+    let rule = NozzleRule { tip_flat_mm: 0.1 + 0.2, margin: 1.0 / 3.0, ..NozzleRule::default() };
+    let before = SavedField { aids: PrintAids { support: vec![0, 3], rule, nozzle }, ..before };
+    let text = text_of(&before);
+    let after = SavedField::read(text.as_bytes()).unwrap();
+    assert_eq!(after.aids, before.aids);
+    assert_eq!(after.growth().unwrap().nozzle, before.aids.nozzle);
+    // The part is what is left without its support.
+    let part: Vec<u64> = before.rows.iter().zip([0b001, 0b001]).map(|(row, support)| row & !support).collect();
+    let at = before.origin;
+    assert_eq!(after.check_cells(&Cells::new([3, 2, 1], &part).unwrap(), at), Ok(()));
+    assert_eq!(after.check_cells(&Cells::new([3, 2, 1], &before.rows).unwrap(), at), Err(OtherCells::Cells));
+
+    let refused = |from: &str, to: &str| {
+        let broken = text.replace(from, to);
+        assert_ne!(broken, text, "{from}");
+        SavedField::read(broken.as_bytes()).unwrap_err()
+    };
+    assert!(matches!(refused("support 2\n0\n", "support 2\n1\n"), ReadFieldError::Cell { cell: 1, .. })); // no cell
+    assert!(matches!(refused("support 2\n0\n3", "support 2\n3\n0"), ReadFieldError::Cell { cell: 0, .. }));
+    assert!(matches!(refused("support 2", "support 3"), ReadFieldError::Line { .. }));
+    assert!(matches!(refused("support 2", "support x"), ReadFieldError::Line { .. }));
+    assert!(matches!(refused(" 20 ", " 2 "), ReadFieldError::Nozzle(NozzleRuleError::Block { .. })));
+    assert!(matches!(refused(" 20 ", " "), ReadFieldError::Line { .. }));
+    assert!(matches!(refused("directions 2", "directions 1"), ReadFieldError::Line { .. }));
+    assert!(matches!(refused("directions 2\n2 ", "directions 2\n2 9"), ReadFieldError::Line { .. }));
 }

@@ -192,6 +192,18 @@ fn a_part_is_complete_in_one_call() {
     let share = support.surfaces.spacing.volume_mm3 / support.cells.len() as f64;
     assert!((share - 1.0).abs() < 0.1, "{share}");
 
+    // What is printed of each layer: the part's triangles, then those of the support.
+    let printed = support.printed_with(&layered.surfaces);
+    assert_eq!(printed.len(), layered.surfaces.sheets.len());
+    for ((printed, of_part), of_support) in printed.iter().zip(&layered.surfaces.sheets).zip(&support.surfaces.sheets) {
+        assert_eq!(printed.part_triangles, of_part.triangles.len());
+        assert_eq!(printed.triangles.len(), of_part.triangles.len() + of_support.triangles.len());
+        assert_eq!(printed.thickness_mm.len(), printed.triangles.len());
+        let corner = |&[a, ..]: &[u32; 3]| printed.vertices[a as usize];
+        let support = printed.triangles[printed.part_triangles..].iter().zip(&of_support.triangles);
+        assert!(support.into_iter().all(|(now, before)| corner(now) == of_support.vertices[before[0] as usize]));
+    }
+
     // With the nozzle alone: no support, and cells that are printed from the side.
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
     let nozzle_only = CompleteOptions { rule, support: None, ..CompleteOptions::default() };

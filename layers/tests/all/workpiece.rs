@@ -386,7 +386,14 @@ fn a_saved_field_stands_for_its_order() {
     let layered = solid.workpiece().layers(Some(Strategy::Greedy), 0.6, &go).unwrap();
     let field = layered.uniform.field.clone();
     let rounded = field.rounded();
-    let saved = SavedField { field, rows: solid.rows.clone(), cell_mm: CELL, origin: Point3::origin(), mesh: 0 };
+    let saved = SavedField {
+        field,
+        rows: solid.rows.clone(),
+        cell_mm: CELL,
+        origin: Point3::origin(),
+        mesh: 0,
+        aids: Default::default(),
+    };
     let growth = saved.growth().unwrap();
     assert_eq!((growth.order.iter().collect::<Vec<_>>()), rounded.iter().collect::<Vec<_>>());
     assert_eq!(growth.missed_cells(), layered.growth.missed_cells());

@@ -564,6 +564,39 @@ fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
 }
 
 impl FilledLayers {
+    /// Says what the beads on some triangles of a layer are for, e.g. that they are support.
+    ///
+    /// # Arguments
+    /// * `layer`: from 0; one that is not there, or without curves, is passed over.
+    /// * `is_of`: whether a triangle of its surface, by number, is one of them.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::nalgebra::Point3;
+    /// use curvlay_toolpath::surface::{BeadKind, LayerSurface, PathOptions, fill_layers};
+    /// use std::ops::ControlFlow;
+    /// // A layer of a square of the part and a square of support beside it.
+    /// let square = |x: f64| [[x, 0.0], [x + 8.0, 0.0], [x + 8.0, 8.0], [x, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
+    /// let vertices = [square(0.0), square(10.0)].concat();
+    /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4] }];
+    /// let mut filled = fill_layers(&surfaces, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
+    /// filled.set_kind(0, BeadKind::Support, |triangle| triangle > 1);
+    /// let points = filled.layers[0].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
+    /// assert!(points.into_iter().all(|point| (point.kind == BeadKind::Support) == (point.at.position.x > 9.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_kind(&mut self, layer: usize, kind: BeadKind, is_of: impl Fn(u32) -> bool) {
+        let (Some(Some(filled)), Some(beads)) = (self.layers.get_mut(layer), self.beads.get_mut(layer)) else { return };
+        for (path, bead) in filled.paths.paths.iter_mut().zip(beads) {
+            for (point, of_bead) in path.points.iter_mut().zip(&mut bead.kinds) {
+                if is_of(point.at.triangle) {
+                    (point.kind, *of_bead) = (kind, kind);
+                }
+            }
+        }
+    }
+
     /// The surfaces with their curves as what is built, layer by layer.
     ///
     /// # Arguments

@@ -17,4 +17,6 @@ pub enum BeadKind {
     Bridge,
     /// Sparse infill.
     Infill,
+    /// Support: not of the part, to be broken off. Filling does not know it; [`FilledLayers::set_kind`](super::FilledLayers::set_kind) says it.
+    Support,
 }

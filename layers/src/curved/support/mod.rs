@@ -4,9 +4,9 @@
 //! are one solid, grown and audited by the rules of every other order: each cell is supported and nothing is shadowed. A column below the lowest
 //! hanging cell of a missed region lets it be built from below, before what would shadow it.
 //!
-//! In each round every region of missed cells that hang together gets one column, below the lowest of its cells that has nothing under it: the
+//! In each round every region of missed cells that hang together gets one column, below the lowest of its cells that has nothing under it, of several the one in their middle: the
 //! [shortest way down](column) to the plate, to the part, or to support that is there, so that columns become trees. Then part and support are grown
-//! anew. Rounds end when nothing is missed or no column can be added. In the end support that carries nothing is left out.
+//! anew. Rounds end when nothing is missed or no column can be added. Support that is missed itself is left out in the end.
 
 mod column;
 mod mesh;
@@ -21,6 +21,7 @@ use super::rules::Rules;
 use super::runs::Runs;
 use crate::Progress;
 use column::{DOWN, Ground};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// What support looks like.
@@ -141,11 +142,11 @@ pub fn add_support(
         added.into_iter().for_each(|cell| _ = support.insert(cell));
         let of_round = grown(cells, &support, grow)?;
         missed = of_round.missed_cells();
+        missed.retain(|&cell| cells.contains(cells.position(cell)));
         if missed.len() < best.as_ref().map_or(growth.missed.len(), |best| best.growth.missed.len()) {
-            let support: Vec<u32> = support.iter().filter(|cell| missed_not(&of_round, *cell)).collect();
+            let support: Vec<u32> = support.iter().filter(|&cell| is_built(&of_round, cell)).collect();
             best = Some(of_part(cells, of_round, support, straight_cells, round));
         }
-        missed.retain(|&cell| cells.contains(cells.position(cell)));
         if missed.is_empty() {
             break;
         }
@@ -153,7 +154,7 @@ pub fn add_support(
     Ok(best)
 }
 
-fn missed_not(growth: &Growth, cell: u32) -> bool {
+fn is_built(growth: &Growth, cell: u32) -> bool {
     growth.missed.binary_search_by_key(&cell, |missed| missed.cell).is_err()
 }
 
@@ -195,10 +196,9 @@ fn columns_below(
     let mut ground = Ground { cells, platform, rules, built: &built, support: support.clone() };
     let mut added = Vec::new();
     for region in 0..runs.count() {
-        // By rising number: lowest first.
-        let mut hanging =
-            runs.cells(|piece| piece == region).filter(|&cell| hangs(&ground, cell)).collect::<Vec<_>>().into_iter();
-        let Some(column) = hanging.find_map(|cell| ground.column_below(cell)) else { continue };
+        let hanging =
+            middle_first(cells, runs.cells(|piece| piece == region).filter(|&cell| hangs(&ground, cell)).collect());
+        let Some(column) = hanging.into_iter().find_map(|cell| ground.column_below(cell)) else { continue };
         for cell in thickened(&ground, &column, width) {
             if ground.support.insert(cell) {
                 added.push(cell);
@@ -208,16 +208,25 @@ fn columns_below(
     added
 }
 
+/// The cells lowest first, and in each level those first that are nearest to the middle of the lowest ones.
+fn middle_first(cells: &Cells, mut hanging: Vec<u32>) -> Vec<u32> {
+    let place = |cell: u32| cells.position(cell).map(i64::from);
+    let Some(lowest) = hanging.iter().map(|&cell| place(cell)[2]).min() else { return hanging };
+    let low: Vec<[i64; 3]> = hanging.iter().map(|&cell| place(cell)).filter(|at| at[2] == lowest).collect();
+    let (count, sum) = (low.len() as i64, |axis: usize| low.iter().map(|at| at[axis]).sum::<i64>());
+    let middle = [sum(0), sum(1)];
+    // In wholes: the distances times the number of the lowest cells.
+    let aside = |at: [i64; 3]| (0..2).map(|k| i128::from(count * at[k] - middle[k]).pow(2)).sum::<i128>();
+    hanging.sort_by_key(|&cell| (place(cell)[2], aside(place(cell)), cell));
+    hanging
+}
+
 /// Whether nothing is below a cell, neither straight nor over an edge.
 fn hangs(ground: &Ground, cell: u32) -> bool {
     let is_below = |&step: &[i32; 3]| {
         ground.step(cell, step).is_some_and(|below| ground.is_of_part(below) || ground.support.contains(below))
     };
-    cells_above_plate(ground, cell) && !DOWN.iter().any(|step| is_below(step))
-}
-
-fn cells_above_plate(ground: &Ground, cell: u32) -> bool {
-    ground.cells.position(cell)[2] > 0
+    ground.cells.position(cell)[2] > 0 && !DOWN.iter().any(is_below)
 }
 
 /// A column and the cells around it, but for those that touch the part.
@@ -251,7 +260,7 @@ fn thickened(ground: &Ground, column: &[u32], width: u32) -> Vec<u32> {
 /// Empty cells below the lowest missed cell of each column of the grid.
 fn straight_columns(cells: &Cells, missed: &[u32]) -> usize {
     let level = cells.dims()[0] * cells.dims()[1];
-    let mut lowest = std::collections::BTreeMap::new();
+    let mut lowest = BTreeMap::new();
     for &cell in missed {
         let z = lowest.entry(cell % level).or_insert(cell / level);
         *z = (*z).min(cell / level);

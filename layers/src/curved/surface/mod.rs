@@ -48,7 +48,7 @@ pub use nozzle::uniform_field_with_nozzle;
 pub use plain::plain_field;
 pub use slices::SurfaceSlices;
 pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, measure_spacing, measure_spacing_within};
-pub use store::{OtherCells, OtherMesh, ReadFieldError, SavedField, mesh_stamp};
+pub use store::{OtherCells, OtherMesh, PrintAids, ReadFieldError, SavedField, mesh_stamp};
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};
 

@@ -11,12 +11,20 @@
 //! cells 2                    so many lines follow: a cell of the solid each, by rising number
 //! 17 0.5                     its value in layers
 //! 18 -                       or none: it is missed
+//! support 1                  only with support: so many lines follow, a cell each that is support, by rising number
+//! 18
+//! nozzle 1 0.7853981633974483 8 20 1.5707963267948966 0.5    only with cells judged by the nozzle: tip flat (mm), half angle (rad), height of the
+//!                            cone (mm), block (mm), tilt limit (rad), margin (cells)
+//! directions 1               so many lines follow: a cell, and the direction from the tip to the block
+//! 17 0 0 1
 //! end
 //! ```
 
 use super::field::{FieldError, LayerField};
-use crate::curved::{Cells, CellsError, Growth, GrowthStatistics, MissedCell, MissedReason};
-use nalgebra::Point3;
+use crate::curved::{
+    Cells, CellsError, Growth, GrowthStatistics, MissedCell, MissedReason, NozzleCell, NozzleRule, NozzleRuleError,
+};
+use nalgebra::{Point3, UnitVector3, Vector3};
 use std::io::{self, BufRead, Read, Write};
 
 /// Cells of the grid for each cell of the solid, and on top of that, beyond which a file is not believed: memory must
@@ -46,6 +54,19 @@ pub struct SavedField {
     pub origin: Point3<f64>,
     /// The [stamp](mesh_stamp) of the mesh that the cells were made of.
     pub mesh: u64,
+    /// What the order needs beyond the hull rule.
+    pub aids: PrintAids,
+}
+
+/// What an order needs beyond the hull rule: support, and cells that are judged by the nozzle. None by default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PrintAids {
+    /// The cells that are support, by rising number. They are among those of the field.
+    pub support: Vec<u32>,
+    /// The nozzle.
+    pub rule: NozzleRule,
+    /// Cells judged by it, by rising number.
+    pub nozzle: Vec<NozzleCell>,
 }
 
 /// Why a field could not be read.
@@ -71,7 +92,9 @@ pub enum ReadFieldError {
         found: String,
     },
     /// The cells do not rise, or lie outside the grid.
-    #[error("line {line}: cell {cell} does not come after the one before, or lies outside the grid of {grid} cells")]
+    #[error(
+        "line {line}: cell {cell} does not come after the one before, or is not built, or lies outside the grid of {grid} cells"
+    )]
     Cell {
         /// The line, from 1.
         line: usize,
@@ -112,6 +135,9 @@ pub enum ReadFieldError {
     /// The values are no field.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// The nozzle is none.
+    #[error(transparent)]
+    Nozzle(#[from] NozzleRuleError),
 }
 
 /// The mesh is not the one that a field was made for.
@@ -186,7 +212,8 @@ impl SavedField {
         let cells = self.cells()?;
         let without = cells.iter().filter(|&cell| self.field.value(cell).is_none());
         let missed = without.map(|cell| MissedCell { cell, reason: MissedReason::SupportMissed }).collect();
-        Ok(Growth { order: self.field.rounded(), missed, statistics: GrowthStatistics::default(), nozzle: Vec::new() })
+        let nozzle = self.aids.nozzle.clone();
+        Ok(Growth { order: self.field.rounded(), missed, statistics: GrowthStatistics::default(), nozzle })
     }
 
     /// Whether the field was made for the mesh with this [stamp](mesh_stamp).
@@ -197,12 +224,22 @@ impl SavedField {
         if self.mesh == now { Ok(()) } else { Err(OtherMesh { saved: self.mesh, now }) }
     }
 
-    /// Whether the field was made for these cells, at this low corner in millimetres.
+    /// Whether the field was made for these cells, its support aside, at this low corner in millimetres.
     ///
     /// # Errors
     /// [`OtherCells`] if not.
     pub fn check_cells(&self, cells: &Cells, origin: Point3<f64>) -> Result<(), OtherCells> {
-        if self.field.dims() != cells.dims() || self.rows != cells.rows() {
+        if self.field.dims() != cells.dims() || self.rows.len() != cells.rows().len() {
+            return Err(OtherCells::Cells);
+        }
+        let mut of_part = self.rows.clone();
+        let words = cells.words_per_row();
+        for &cell in &self.aids.support {
+            let (row, x) = ((cell / cells.dims()[0]) as usize, cell % cells.dims()[0]);
+            let word = of_part.get_mut(row * words + x as usize / 64).ok_or(OtherCells::Cells)?;
+            *word &= !(1 << (x % 64));
+        }
+        if of_part != cells.rows() {
             return Err(OtherCells::Cells);
         }
         if self.origin == origin { Ok(()) } else { Err(OtherCells::Origin { saved: self.origin, now: origin }) }
@@ -218,7 +255,7 @@ impl SavedField {
     /// use curvlay_layers::curved::{Cells, surface::{LayerField, SavedField}};
     /// let rows = vec![0b11];
     /// let field = LayerField::new(&Cells::new([2, 1, 1], &rows)?, vec![0.5, f64::NAN], 1.0)?;
-    /// let saved = SavedField { field, rows, cell_mm: 0.8, origin: [0.0; 3].into(), mesh: 7 };
+    /// let saved = SavedField { field, rows, cell_mm: 0.8, origin: [0.0; 3].into(), mesh: 7, aids: Default::default() };
     /// let mut file = Vec::new();
     /// saved.write(&mut file)?;
     /// let read = SavedField::read(&file[..])?;
@@ -241,6 +278,19 @@ impl SavedField {
             match self.field.value(cell) {
                 Some(value) => writeln!(out, "{cell} {value}")?,
                 None => writeln!(out, "{cell} -")?,
+            }
+        }
+        let PrintAids { support, rule, nozzle } = &self.aids;
+        if !support.is_empty() {
+            writeln!(out, "support {}", support.len())?;
+            support.iter().try_for_each(|cell| writeln!(out, "{cell}"))?;
+        }
+        if !nozzle.is_empty() {
+            let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin } = rule;
+            writeln!(out, "nozzle {tip_flat_mm} {half_angle} {cone_height_mm} {block_mm} {max_tilt} {margin}")?;
+            writeln!(out, "directions {}", nozzle.len())?;
+            for NozzleCell { cell, direction } in nozzle {
+                writeln!(out, "{cell} {} {} {}", direction.x, direction.y, direction.z)?;
             }
         }
         writeln!(out, "end")
@@ -297,10 +347,7 @@ impl SavedField {
             }
             read.push((cell, value));
         }
-        lines.next()?;
-        if lines.text != "end" {
-            return Err(lines.unlike("`end`"));
-        }
+        let aids = lines.aids(&read, grid)?;
         let [per_cell, extra] = MOST_GRID;
         if grid > per_cell.saturating_mul(read.len() as u64).saturating_add(extra) {
             return Err(ReadFieldError::Sparse { grid, cells: read.len() });
@@ -319,7 +366,7 @@ impl SavedField {
             values[cell as usize] = value;
         }
         let field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?.in_steps(steps);
-        Ok(SavedField { field, rows, cell_mm, origin: origin.into(), mesh })
+        Ok(SavedField { field, rows, cell_mm, origin: origin.into(), mesh, aids })
     }
 }
 
@@ -366,6 +413,75 @@ impl<R: BufRead> Lines<R> {
         self.next()?;
         let found = self.text.split_once(' ').filter(|(word, _)| *word == key).and_then(|(_, rest)| value(rest));
         found.ok_or_else(|| self.unlike(expected))
+    }
+
+    /// The support and the directions of the nozzle, if there are any, and the end. `cells` are those of the field, with their values.
+    fn aids(&mut self, cells: &[(u32, f64)], grid: u64) -> Result<PrintAids, ReadFieldError> {
+        let mut aids = PrintAids::default();
+        self.next()?;
+        if self.text.starts_with("support ") {
+            let count = self.count("support", "`support` and the number of its cells")?;
+            for _ in 0..count {
+                self.next()?;
+                let Ok(cell) = self.text.parse::<u32>() else { return Err(self.unlike("a cell of the support")) };
+                self.check_built(cells, grid, cell, aids.support.last().copied())?;
+                aids.support.push(cell);
+            }
+            self.next()?;
+        }
+        if self.text.starts_with("nozzle ") {
+            let numbers = self.text.split(' ').skip(1).map(number).collect::<Option<Vec<f64>>>();
+            let Some([tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin]) =
+                numbers.and_then(|numbers| <[f64; 6]>::try_from(numbers).ok())
+            else {
+                return Err(self.unlike("`nozzle` and six numbers"));
+            };
+            aids.rule = NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin };
+            aids.rule.check()?;
+            self.next()?;
+            let count = self.count("directions", "`directions` and their number")?;
+            for _ in 0..count {
+                self.next()?;
+                let found = self.text.split_once(' ').and_then(|(cell, direction)| {
+                    let direction = Vector3::from(three::<f64>(direction)?);
+                    // Written with all digits, so that reading changes nothing.
+                    let is_unit = (direction.norm() - 1.0).abs() < 1e-9;
+                    Some((cell.parse::<u32>().ok()?, UnitVector3::new_unchecked(direction))).filter(|_| is_unit)
+                });
+                let Some((cell, direction)) = found else {
+                    return Err(self.unlike("a cell and a direction of length 1"));
+                };
+                self.check_built(cells, grid, cell, aids.nozzle.last().map(|last| last.cell))?;
+                aids.nozzle.push(NozzleCell { cell, direction });
+            }
+            self.next()?;
+        }
+        if self.text != "end" {
+            return Err(self.unlike("`end`"));
+        }
+        Ok(aids)
+    }
+
+    /// The number behind the word at the start of the line.
+    fn count(&self, key: &str, expected: &'static str) -> Result<usize, ReadFieldError> {
+        let found = self.text.split_once(' ').filter(|(word, _)| *word == key).and_then(|(_, rest)| rest.parse().ok());
+        found.ok_or_else(|| self.unlike(expected))
+    }
+
+    /// Whether a cell has a value and comes after the one before.
+    fn check_built(
+        &self,
+        cells: &[(u32, f64)],
+        grid: u64,
+        cell: u32,
+        before: Option<u32>,
+    ) -> Result<(), ReadFieldError> {
+        let place = cells.binary_search_by_key(&cell, |&(cell, _)| cell);
+        let is_built = place.is_ok_and(|place| !cells[place].1.is_nan());
+        if is_built && before.is_none_or(|before| before < cell) {
+            return Ok(());
+        }
+        Err(ReadFieldError::Cell { line: self.line, cell, grid })
     }
 
     fn unlike(&self, expected: &'static str) -> ReadFieldError {

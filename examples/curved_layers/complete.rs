@@ -1,0 +1,97 @@
+//! How a part is made complete: the options of the command line, and what came of them.
+
+use clap::{Args, ValueEnum};
+use curvlay_examples::args::{from_zero, typed_name};
+use curvlay_layers::curved::{CompleteOptions, NozzleRule, NozzleUse, SupportOptions};
+use curvlay_toolpath::surface::Nozzle;
+
+/// Cells that no order builds by the hull rule.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Cells that the hull rule does not let build")]
+pub struct CompleteArgs {
+    /// When cells are judged by the nozzle that prints in place of the hull rule, which holds for nozzles of any size [default: after;
+    /// off with a --strategy other than best]
+    #[arg(long, value_enum, conflicts_with = "resume")]
+    pub nozzle_growth: Option<NozzleGrowth>,
+    /// How far that nozzle may lean, in degrees: above 0, up to 90
+    #[arg(long, value_name = "DEGREES", default_value_t = 90.0, value_parser = tilt, allow_negative_numbers = true)]
+    pub max_tilt: f64,
+    /// Radius of the balls that stand for cells that are built, in cells: 0.5 is a bead as wide as a cell
+    #[arg(long, value_name = "CELLS", default_value_t = 0.5, value_parser = margin, allow_negative_numbers = true)]
+    pub nozzle_margin: f64,
+    /// Support for cells that are missed all the same [default: auto; none with a --strategy other than best]
+    #[arg(long, value_enum, conflicts_with = "resume")]
+    pub support: Option<Support>,
+    /// Width of the columns of support, in cells
+    #[arg(long, value_name = "CELLS", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
+    pub support_width: u32,
+}
+
+/// When cells are judged by the nozzle that prints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NozzleGrowth {
+    /// Never.
+    Off,
+    /// After the order by the hull rule: what that misses.
+    After,
+    /// From the start on: each cell is built by either rule.
+    FromStart,
+}
+
+/// Whether there is support.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Support {
+    /// None.
+    None,
+    /// Below what is missed, if less is missed with it.
+    Auto,
+}
+
+impl CompleteArgs {
+    /// As they hold with the best strategy, or with one that was asked for: strategies are compared by what they miss.
+    pub fn with_strategy(self, is_best: bool) -> (NozzleGrowth, Support) {
+        let growth = if is_best { NozzleGrowth::After } else { NozzleGrowth::Off };
+        let support = if is_best { Support::Auto } else { Support::None };
+        (self.nozzle_growth.unwrap_or(growth), self.support.unwrap_or(support))
+    }
+
+    /// As layering takes them.
+    pub fn options(self, is_best: bool, nozzle: &Nozzle) -> CompleteOptions {
+        let (growth, support) = self.with_strategy(is_best);
+        let rule = NozzleRule {
+            tip_flat_mm: 2.0 * nozzle.tip_radius(),
+            half_angle: ((nozzle.cone_radius() - nozzle.tip_radius()) / nozzle.cone_height()).atan(),
+            cone_height_mm: nozzle.cone_height(),
+            // Rounding must not make the block narrower than the cone.
+            block_mm: 2.0 * nozzle.block_radius().max(nozzle.cone_radius() * (1.0 + 1e-9)),
+            max_tilt: self.max_tilt.to_radians(),
+            margin: self.nozzle_margin,
+        };
+        let nozzle = match growth {
+            NozzleGrowth::Off => NozzleUse::Off,
+            NozzleGrowth::After => NozzleUse::After,
+            NozzleGrowth::FromStart => NozzleUse::FromStart,
+        };
+        let columns = SupportOptions { width: self.support_width, ..SupportOptions::default() };
+        CompleteOptions { nozzle, rule, support: (support == Support::Auto).then_some(columns) }
+    }
+
+    /// The names of what holds.
+    pub fn names(self, is_best: bool) -> [String; 2] {
+        let (growth, support) = self.with_strategy(is_best);
+        [typed_name(growth), typed_name(support)]
+    }
+}
+
+fn tilt(text: &str) -> Result<f64, String> {
+    let degrees = from_zero(text)?;
+    if degrees > 0.0 && degrees <= 90.0 {
+        Ok(degrees)
+    } else {
+        Err("must be above 0 and at most 90; to print upright alone use --nozzle-growth off".to_owned())
+    }
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    from_zero(text).ok().filter(|cells| *cells <= 1.0).ok_or_else(|| "must be from 0 to 1".to_owned())
+}
