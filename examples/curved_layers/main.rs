@@ -27,10 +27,13 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::nozzle_of;
+use curvlay_examples::orienting::{OrientArgs, Search, laid, search};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::settings::{self, BEAD_MM, LAYER_HEIGHT_MM, NOZZLE, PLATFORM_DIAMETER_MM, Settings};
 use curvlay_examples::shapes::{jug, small_jug};
 use curvlay_kinematics::workcell::AnyWorkcell;
+use curvlay_layers::curved::Rules;
+use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use estimate::Memory;
@@ -43,6 +46,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 use surfaces::{SurfaceOptions, SurfacesRun};
 
 /// Most cells that a part gets unless the user says: some seconds of growing, and 3 GB.
@@ -80,6 +84,11 @@ struct Args {
     /// Shorter curves than so many beads are left out beside longer ones of the same piece of a layer; 0 keeps them all
     #[arg(long, value_name = "BEADS", default_value_t = 5.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = settings::LAYERS)]
     least_length: f64,
+    /// How the part lies on the plate
+    #[arg(long, default_value = "given", conflicts_with = "resume", help_heading = "How the part lies")]
+    orient: Lying,
+    #[command(flatten)]
+    posing: OrientArgs,
     #[command(flatten)]
     voxel: VoxelArgs,
     #[command(flatten)]
@@ -188,6 +197,23 @@ impl Args {
         FieldOptions { resolution, max_cells: MAX_CELLS, eps, beyond_eps, platform_diameter_mm, strategy, height_mm }
     }
 
+    /// Turns the part into its best pose.
+    fn lay(&self, part: &mut Part, bars: &Bars) -> Result<Posed, Failure> {
+        let start = Instant::now();
+        let GrowArgs { eps, beyond_eps, .. } = self.grow;
+        let rules = Rules { eps, eps_is_inside: !beyond_eps, ..Rules::default() };
+        let options = self.posing.options(rules, self.platform_diameter_mm());
+        let search = search(&part.mesh, &self.posing, &options, bars)?;
+        let best = search.best().pose;
+        if best.kind != PoseKind::Given {
+            part.mesh = laid(&part.mesh, &best);
+            let [x, y, z] = best.up.into_inner().into();
+            part.warnings
+                .push(format!("the part was turned: its direction {x:.3} {y:.3} {z:.3} points up (oriented.obj)"));
+        }
+        Ok(Posed { search, time: start.elapsed() })
+    }
+
     fn platform_diameter_mm(&self) -> f64 {
         self.settings.platform_diameter_mm.unwrap_or(PLATFORM_DIAMETER_MM)
     }
@@ -215,6 +241,21 @@ impl Args {
         let options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
         PrintOptions { travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
     }
+}
+
+/// How the part lies on the plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Lying {
+    /// As the mesh is given.
+    Given,
+    /// In the pose that misses the fewest cells, as best_orientation finds it.
+    Best,
+}
+
+/// The pose that was found for the part.
+struct Posed {
+    search: Search,
+    time: Duration,
 }
 
 /// How layers are filled.
@@ -283,6 +324,12 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
         return Err("--prevention needs --strategy governed or printed".to_owned());
     }
+    if matches.get_one::<Lying>("orient") != Some(&Lying::Best) {
+        let posing = ["directions", "orient_voxels", "refine", "least_tipping", "standing_first"];
+        if let Some(id) = posing.into_iter().find(|id| is_given(id)) {
+            return Err(format!("--{} needs --orient best", id.replace('_', "-")));
+        }
+    }
     Ok(())
 }
 
@@ -293,12 +340,17 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers")?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
         // What an earlier run has left goes, but for what this one goes on from: it may fail before it has written its own.
-        let kept = args.resume.as_ref().and_then(|path| path.canonicalize().ok());
-        let is_kept = |name: &str| kept.is_some() && folder.path().join(name).canonicalize().ok() == kept;
+        let read = [args.resume.as_deref(), args.mesh.path()];
+        let kept: Vec<PathBuf> = read.into_iter().flatten().filter_map(|path| path.canonicalize().ok()).collect();
+        let is_kept = |name: &str| folder.path().join(name).canonicalize().is_ok_and(|path| kept.contains(&path));
         folder.clear(|name| outputs::is_ours(name) && !is_kept(name))?;
-        let part = args.part(saved.as_ref())?;
-        let job = Job { args: &args, setup, part: &part, folder: &folder, bars: &Bars::new(args.common.quiet) };
-        pool(&args)?.install(|| job.work(saved))
+        let mut part = args.part(saved.as_ref())?;
+        let bars = &Bars::new(args.common.quiet);
+        pool(&args)?.install(|| {
+            let posed = (args.orient == Lying::Best).then(|| args.lay(&mut part, bars)).transpose()?;
+            let job = Job { args: &args, setup, part: &part, posed, folder: &folder, bars };
+            job.work(saved)
+        })
     })
 }
 
@@ -322,6 +374,8 @@ struct Job<'a> {
     args: &'a Args,
     setup: Setup,
     part: &'a Part,
+    /// The pose of the part, where it was searched.
+    posed: Option<Posed>,
     folder: &'a OutputFolder,
     bars: &'a Bars,
 }

@@ -11,9 +11,10 @@ mod programs;
 mod surfaces;
 
 use crate::motion::{Motion, of_run};
-use crate::{Job, Results, Stage, failure};
+use crate::{Job, Posed, Results, Stage, failure};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Severity;
+use curvlay_examples::orienting::COMMENT;
 use curvlay_examples::output::{OutputFolder, SUMMARY};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -29,9 +30,10 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 21] = [
+const NAMES: [&str; 22] = [
     SUMMARY,
     "report.html",
+    "oriented.obj",
     "field.csv",
     "impossible.csv",
     "field.txt",
@@ -98,6 +100,9 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
     let Job { args, setup, folder, .. } = job;
     match stage {
         Stage::Field | Stage::Surfaces => {
+            if job.posed.is_some() {
+                folder.write_with("oriented.obj", |out| job.part.mesh.write_obj(COMMENT, out))?;
+            }
             field::products(field, surfaces.as_ref(), folder)?;
             surfaces.iter().try_for_each(|run| surfaces::products(run, folder))
         }
@@ -142,7 +147,18 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
     let mut summary = Summary::new();
     let figures = &mut summary;
     field::summary(job.args, job.part, field, figures)?;
-    figures.set("stage_done", typed_name(stage))?;
+    figures.set("stage_done", typed_name(stage))?.set("orient", typed_name(job.args.orient))?;
+    if let Some(Posed { search, time }) = &job.posed {
+        let best = search.best();
+        let up = best.pose.up;
+        figures
+            .set("orient_up_x", up.x)?
+            .set("orient_up_y", up.y)?
+            .set("orient_up_z", up.z)?
+            .set("orient_missed_cells", best.missed_cells)?
+            .set("orient_given_missed_cells", search.given().map_or(0, |given| given.missed_cells))?
+            .set_seconds("orient_s", *time)?;
+    }
     findings.summary(figures)?;
     surfaces.iter().try_for_each(|run| surfaces::summary(run, figures))?;
     paths.iter().try_for_each(|run| paths::summary(job.args, run, figures))?;
