@@ -15,6 +15,7 @@ mod machine;
 mod motion;
 mod outputs;
 mod paths;
+mod ranges;
 mod surfaces;
 
 use clap::parser::ValueSource;
@@ -42,6 +43,7 @@ use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use outputs::Files;
 use paths::PathsRun;
+use ranges::Pick;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
@@ -100,6 +102,12 @@ struct Args {
     /// Go on from the field.txt of an earlier run on the same mesh; takes the place of growing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["voxels", "cell", "strategy", "prevention"], help_heading = CELLS)]
     resume: Option<PathBuf>,
+    /// Fills only these layers and ends: A..B (both included, from 1), A.. or K/N (piece K of N); writes paths.jsonl for --merge
+    #[arg(long, value_name = "LAYERS", value_parser = ranges::pick, conflicts_with = "merge", help_heading = CELLS)]
+    layers: Option<Pick>,
+    /// Takes the paths of runs with --layers, which together have all layers, in place of filling them
+    #[arg(long, value_name = "FILE", num_args = 1.., help_heading = CELLS)]
+    merge: Vec<PathBuf>,
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
     #[arg(long, help_heading = settings::FILES)]
     rotary: bool,
@@ -129,6 +137,9 @@ impl Args {
     fn with_profile(mut self) -> Result<Self, Failure> {
         if let Some(path) = &self.profile {
             self.settings = self.settings.over(&Settings::load(path)?);
+        }
+        if self.layers.is_some() {
+            self.stage = Stage::Paths;
         }
         self.settings = self.settings.filled_in();
         let DepositionOptions { min_feed, max_feed, .. } = self.settings.deposition();
@@ -297,7 +308,7 @@ enum Stage {
 /// The options that a run uses from a stage on; it would not look at them before.
 const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
-    (Stage::Paths, "bead_mm pattern least_gap join_distance least_length"),
+    (Stage::Paths, "bead_mm merge pattern least_gap join_distance least_length"),
     (
         Stage::Gcode,
         "nozzle clearance_mm min_lift_mm material filament_mm material_density_g_cm3 price_per_kg nozzle_celsius bed_celsius fan_share \
@@ -311,7 +322,12 @@ const NEEDS: [(Stage, &str); 4] = [
 /// Says which option would be ignored.
 fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
-    let stage = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
+    let asked = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
+    let is_range = is_given("layers");
+    if is_range && is_given("stage") && asked != Stage::Paths {
+        return Err(format!("--layers ends after the paths: --stage {} does not go with it", typed_name(asked)));
+    }
+    let stage = if is_range { Stage::Paths } else { asked };
     for (needed, ids) in NEEDS.into_iter().filter(|(needed, _)| *needed > stage) {
         if let Some(id) = ids.split(' ').find(|id| is_given(id)) {
             let command = Args::command();
@@ -340,8 +356,9 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers")?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
         // What an earlier run has left goes, but for what this one goes on from: it may fail before it has written its own.
-        let read = [args.resume.as_deref(), args.mesh.path()];
-        let kept: Vec<PathBuf> = read.into_iter().flatten().filter_map(|path| path.canonicalize().ok()).collect();
+        let read = [args.resume.as_deref(), args.mesh.path()].into_iter().flatten();
+        let read = read.chain(args.merge.iter().map(PathBuf::as_path));
+        let kept: Vec<PathBuf> = read.filter_map(|path| path.canonicalize().ok()).collect();
         let is_kept = |name: &str| folder.path().join(name).canonicalize().is_ok_and(|path| kept.contains(&path));
         folder.clear(|name| outputs::is_ours(name) && !is_kept(name))?;
         let mut part = args.part(saved.as_ref())?;
@@ -407,11 +424,30 @@ impl Job<'_> {
         part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
         let files = Files::default();
         let mut results = Results { field, surfaces, paths: None, machine: None, motion: None, files, findings };
+        if let Some(pick) = args.layers {
+            return self.range(pick, results);
+        }
         self.end(Stage::Surfaces.min(args.stage), &mut results)?;
         for stage in [Stage::Paths, Stage::Gcode, Stage::Motion].into_iter().filter(|stage| *stage <= args.stage) {
             self.run(stage, &mut results)?;
             self.end(stage, &mut results)?;
         }
+        Ok(results.findings.outcome())
+    }
+
+    /// Fills a range of the layers and ends.
+    fn range(&self, pick: Pick, mut results: Results) -> Result<Outcome, Failure> {
+        let Job { args, bars, .. } = self;
+        findings::of_stage(Stage::Surfaces, args, &mut results);
+        results.findings.say();
+        let Results { field, surfaces: Some(surfaces), .. } = &results else { return Ok(Outcome::Done) };
+        let range = pick.layers(surfaces.sheets.len()).map_err(failure)?;
+        let options = args.path_options(surfaces.height_mm)?;
+        args.memory().holds_paths(options.bead, field, surfaces)?;
+        let layers = paths::range(&options, surfaces, range.clone(), bars)?;
+        bars.finish();
+        ranges::write(&surfaces.surfaces(), &options, range.clone(), &layers, self.folder)?;
+        outputs::write_range(self, &results, range, &layers)?;
         Ok(results.findings.outcome())
     }
 
@@ -424,7 +460,11 @@ impl Job<'_> {
             (Stage::Paths, ..) => {
                 let options = args.path_options(surfaces.height_mm)?;
                 memory.holds_paths(options.bead, field, surfaces)?;
-                results.paths = Some(paths::run(&options, surfaces, bars)?);
+                let filled = match &args.merge[..] {
+                    [] => Vec::new(),
+                    files => ranges::read(files, &surfaces.surfaces(), &options).map_err(failure)?,
+                };
+                results.paths = Some(paths::run(&options, surfaces, filled, bars)?);
             }
             (Stage::Gcode, Some(paths), _) => {
                 let options = args.print_options();

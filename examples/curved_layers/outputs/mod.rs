@@ -11,7 +11,7 @@ mod programs;
 mod surfaces;
 
 use crate::motion::{Motion, of_run};
-use crate::{Job, Posed, Results, Stage, failure};
+use crate::{Job, Posed, Results, Stage, failure, ranges};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Severity;
 use curvlay_examples::orienting::COMMENT;
@@ -20,7 +20,9 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::Written;
+use curvlay_toolpath::surface::FilledLayer;
 use programs::Programs;
+use std::ops::Range;
 use std::time::Duration;
 
 /// A picture and the line under it.
@@ -30,7 +32,7 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 22] = [
+const NAMES: [&str; 23] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
@@ -41,6 +43,7 @@ const NAMES: [&str; 22] = [
     "layers.obj",
     "layers.vtk",
     "paths.obj",
+    ranges::FILE,
     "toolpath.gcode",
     "toolpath-bc.gcode",
     "gouging.csv",
@@ -92,6 +95,40 @@ pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failu
         Table::print_all(tables.iter().filter(|table| !table.rows().is_empty())).map_err(failure)?;
     }
     Ok(())
+}
+
+/// The summary of a run that fills a range of layers, from 0, and its table on stdout.
+pub fn write_range(
+    job: &Job,
+    results: &Results,
+    range: Range<usize>,
+    layers: &[Option<FilledLayer>],
+) -> Result<(), Failure> {
+    let filled = || layers.iter().flatten();
+    let (curves, length_mm) = (
+        filled().map(|layer| layer.paths.paths.len()).sum::<usize>(),
+        filled().map(|layer| layer.statistics.path_mm).sum::<f64>(),
+    );
+    let mut figures = summary(Stage::Paths, job, results)?;
+    figures
+        .set("layers_first", range.start + 1)?
+        .set("layers_last", range.end)?
+        .set("range_curves", curves)?
+        .set("range_path_mm", length_mm)?;
+    figures.write(job.folder)?;
+    let mut table = Table::new(["Layers", ""]);
+    table
+        .row([
+            "layers".to_owned(),
+            format!(
+                "{}..{} of {}",
+                range.start + 1,
+                range.end,
+                figures.get("surfaces").map_or(0, |n| n.as_u64().unwrap_or(0))
+            ),
+        ])
+        .row(["curves".to_owned(), format!("{curves}, {:.1} m", length_mm / 1000.0)]);
+    Table::print_all([&table]).map_err(failure)
 }
 
 /// The files of a stage. Programs that would be wrong are left out; that is a finding.

@@ -14,6 +14,7 @@ mod mesh_to_robot;
 mod motion;
 mod output;
 mod planar_arm;
+mod ranges;
 mod reach;
 mod render;
 mod shapes;

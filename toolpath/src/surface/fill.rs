@@ -17,7 +17,8 @@ use super::stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 use super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
 use crate::Progress;
 use nalgebra::Point3;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
+use std::sync::Mutex;
 
 /// How far level sets may be off, in beads. Less takes longer and moves curves by less than a machine resolves; with more
 /// the outermost bead spills over the boundary.
@@ -54,6 +55,7 @@ impl LayerSurface<'_> {
 
 /// The paths of one surface.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FilledLayer {
     /// Its curves; as part of [`FilledLayers`] in the order in which they are printed.
     pub paths: LayerPaths,
@@ -63,6 +65,7 @@ pub struct FilledLayer {
     pub uniform: bool,
     /// The greatest distance of a place of the surface from its boundary, in millimetres: half the width of its widest place. Infinite
     /// for a surface without a boundary.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
     pub reach_mm: f64,
 }
 
@@ -226,6 +229,14 @@ pub enum FillLayersError {
         /// A width that surely has room there: half of that, since a ring has to be longer than a bead is wide.
         fits_mm: f64,
     },
+    /// There are no such layers.
+    #[error("layers {} to {} of {layers}", .range[0], .range[1])]
+    Range {
+        /// The first layer asked for, from 0, and the one after the last.
+        range: [usize; 2],
+        /// How many there are.
+        layers: usize,
+    },
     /// The curves cannot be ordered.
     #[error(transparent)]
     Order(OrderError),
@@ -374,8 +385,85 @@ pub fn fill_layers(
     options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FilledLayers, FillLayersError> {
+    fill_rest(surfaces, Vec::new(), options, progress)
+}
+
+/// Fills some of the surfaces of a part: the work of [`fill_layers`] that looks at one surface at a time, for one who shares it out among
+/// computers. [`fill_rest`] does the rest.
+///
+/// # Arguments
+/// * `surfaces`: all of them, as [`fill_layers`] takes them.
+/// * `range`: which of them to fill, from 0.
+///
+/// # Returns
+/// What was made of each surface of the range; none for one without triangles.
+///
+/// # Errors
+/// [`FillLayersError::Range`] for surfaces that are not there; others as [`fill_layers`], but that nothing may fit here.
+///
+/// # Cost
+/// That of [`fill_layer`] for each.
+///
+/// # Example
+/// As for [`fill_rest`].
+pub fn fill_range(
+    surfaces: &[LayerSurface],
+    range: Range<usize>,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<Option<FilledLayer>>, FillLayersError> {
     check_size(surfaces, options)?;
+    let first = range.start;
+    let wrong = FillLayersError::Range { range: [range.start, range.end], layers: surfaces.len() };
+    let fill = |k: usize, surface: &LayerSurface| {
+        let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
+        filled.map_err(|error| FillLayersError::of(first + k, error))
+    };
+    let filled = parallel::map(surfaces.get(range).ok_or(wrong)?, "fill", progress, fill);
+    filled.ok_or(FillLayersError::Cancelled)?.into_iter().collect()
+}
+
+/// [`fill_layers`] where surfaces were filled before, by [`fill_range`]. The result is the same, bit for bit.
+///
+/// # Arguments
+/// * `filled`: what was made of the surfaces, for each of them or for none. Surfaces of which nothing was made are filled now.
+///
+/// # Errors
+/// [`FillLayersError::Range`] for more of them than surfaces; others as [`fill_layers`].
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::surface::{LayerSurface, PathOptions, fill_layers, fill_range, fill_rest};
+/// use std::ops::ControlFlow;
+/// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
+/// let vertices = [level(0.4), level(1.2), level(2.0)];
+/// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2],
+/// });
+/// let (options, silent) = (PathOptions::default(), |_| ControlFlow::Continue(()));
+/// // On one computer, and on another one.
+/// let mut filled = fill_range(&surfaces, 0..2, &options, &silent)?;
+/// filled.extend(fill_range(&surfaces, 2..3, &options, &silent)?);
+/// assert_eq!(fill_rest(&surfaces, filled, &options, &silent)?, fill_layers(&surfaces, &options, &silent)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fill_rest(
+    surfaces: &[LayerSurface],
+    filled: Vec<Option<FilledLayer>>,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayers, FillLayersError> {
+    check_size(surfaces, options)?;
+    if filled.len() > surfaces.len() {
+        return Err(FillLayersError::Range { range: [0, filled.len()], layers: surfaces.len() });
+    }
+    let given: Vec<_> = filled.into_iter().map(Mutex::new).collect();
+    let taken = |layer: usize| given.get(layer).and_then(|given| given.lock().ok()?.take());
     let fill = |layer: usize, surface: &LayerSurface| {
+        if let Some(filled) = taken(layer) {
+            return Ok(Some(filled));
+        }
         let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
         filled.map_err(|error| FillLayersError::of(layer, error))
     };
