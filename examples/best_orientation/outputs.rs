@@ -2,8 +2,7 @@
 
 use super::{Args, Run, drawing};
 use curvlay_examples::args::{Failure, typed_name};
-use curvlay_examples::mesh::Mesh;
-use curvlay_examples::orienting::{Search, laid};
+use curvlay_examples::orienting::{COMMENT, Search, laid};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -25,8 +24,8 @@ pub fn is_ours(name: &str) -> bool {
 pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> Result<(), Failure> {
     let best = laid(&run.part.mesh, &run.search.best().pose);
     folder.write_with("poses.csv", |out| write_poses(&run.search, out))?;
-    folder.write_with("best_pose.stl", |out| write_stl(&best, out))?;
-    folder.write_with("best_pose.obj", |out| write_obj(&best, out))?;
+    folder.write_with("best_pose.stl", |out| best.write_stl(out))?;
+    folder.write_with("best_pose.obj", |out| best.write_obj(COMMENT, out))?;
     folder.write("report.html", report(args, run).to_html())?;
     // The summary comes last: where it is, all is there.
     summary(args, run, start)?.write(folder)?;
@@ -58,31 +57,6 @@ fn write_poses(search: &Search, out: &mut dyn Write) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Binary STL: single precision, as most programs take it.
-fn write_stl(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    out.write_all(&[b' '; 80])?;
-    out.write_all(&(mesh.triangles.len() as u32).to_le_bytes())?;
-    for corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|corner| mesh.vertices[corner as usize]);
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
-        for vector in [normal, a.coords, b.coords, c.coords] {
-            vector.iter().try_for_each(|&at| out.write_all(&(at as f32).to_le_bytes()))?;
-        }
-        out.write_all(&[0; 2])?;
-    }
-    Ok(())
-}
-
-/// With all digits: reading it gives the same numbers again.
-fn write_obj(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "# the part in its best pose, in millimetres, z up, the plate at z = 0")?;
-    mesh.vertices.iter().try_for_each(|at| writeln!(out, "v {:?} {:?} {:?}", at.x, at.y, at.z))?;
-    mesh.triangles.iter().try_for_each(|corners| {
-        let [a, b, c] = corners.map(|corner| corner + 1);
-        writeln!(out, "f {a} {b} {c}")
-    })
 }
 
 /// The best poses and the given one.
@@ -132,7 +106,7 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
         .set("scale", args.mesh.scale)?
         .set("up", typed_name(args.mesh.up))?
         .set("directions", orient.directions)?
-        .set("orient_voxels", orient.voxels)?
+        .set("orient_voxels", orient.orient_voxels)?
         .set("refine", orient.refine)?
         .set("least_tipping_deg", orient.least_tipping)?
         .set("standing_first", orient.standing_first)?

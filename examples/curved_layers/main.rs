@@ -16,6 +16,7 @@ mod machine;
 mod motion;
 mod outputs;
 mod paths;
+mod ranges;
 mod surfaces;
 
 use clap::parser::ValueSource;
@@ -29,10 +30,13 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::nozzle_of;
+use curvlay_examples::orienting::{OrientArgs, Search, laid, search};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::settings::{self, BEAD_MM, LAYER_HEIGHT_MM, NOZZLE, PLATFORM_DIAMETER_MM, Settings};
 use curvlay_examples::shapes::{jug, small_jug};
 use curvlay_kinematics::workcell::AnyWorkcell;
+use curvlay_layers::curved::Rules;
+use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use estimate::Memory;
@@ -41,10 +45,12 @@ use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use outputs::Files;
 use paths::PathsRun;
+use ranges::Pick;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 use surfaces::{SurfaceOptions, SurfacesRun};
 
 /// Most cells that a part gets unless the user says: some seconds of growing, and 3 GB.
@@ -82,6 +88,11 @@ struct Args {
     /// Shorter curves than so many beads are left out beside longer ones of the same piece of a layer; 0 keeps them all
     #[arg(long, value_name = "BEADS", default_value_t = 5.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = settings::LAYERS)]
     least_length: f64,
+    /// How the part lies on the plate
+    #[arg(long, default_value = "given", conflicts_with = "resume", help_heading = "How the part lies")]
+    orient: Lying,
+    #[command(flatten)]
+    posing: OrientArgs,
     #[command(flatten)]
     voxel: VoxelArgs,
     #[command(flatten)]
@@ -98,6 +109,12 @@ struct Args {
     /// Files that are written beside the others, with commas between them
     #[arg(long, value_name = "FILE,...", value_delimiter = ',', help_heading = settings::FILES)]
     also: Vec<Extra>,
+    /// Fills only these layers and ends: A..B (both included, from 1), A.. or K/N (piece K of N); writes paths.jsonl for --merge
+    #[arg(long, value_name = "LAYERS", value_parser = ranges::pick, conflicts_with = "merge", help_heading = CELLS)]
+    layers: Option<Pick>,
+    /// Takes the paths of runs with --layers, which together have all layers, in place of filling them
+    #[arg(long, value_name = "FILE", num_args = 1.., help_heading = CELLS)]
+    merge: Vec<PathBuf>,
     /// Writes a machine file for a table that tilts (B) and turns (C) as well
     #[arg(long, help_heading = settings::FILES)]
     rotary: bool,
@@ -127,6 +144,9 @@ impl Args {
     fn with_profile(mut self) -> Result<Self, Failure> {
         if let Some(path) = &self.profile {
             self.settings = self.settings.over(&Settings::load(path)?);
+        }
+        if self.layers.is_some() {
+            self.stage = Stage::Paths;
         }
         self.settings = self.settings.filled_in();
         let DepositionOptions { min_feed, max_feed, .. } = self.settings.deposition();
@@ -203,6 +223,23 @@ impl Args {
         FieldOptions { resolution, max_cells, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
     }
 
+    /// Turns the part into its best pose.
+    fn lay(&self, part: &mut Part, bars: &Bars) -> Result<Posed, Failure> {
+        let start = Instant::now();
+        let GrowArgs { eps, beyond_eps, .. } = self.grow;
+        let rules = Rules { eps, eps_is_inside: !beyond_eps, ..Rules::default() };
+        let options = self.posing.options(rules, self.platform_diameter_mm());
+        let search = search(&part.mesh, &self.posing, &options, bars)?;
+        let best = search.best().pose;
+        if best.kind != PoseKind::Given {
+            part.mesh = laid(&part.mesh, &best);
+            let [x, y, z] = best.up.into_inner().into();
+            part.warnings
+                .push(format!("the part was turned: its direction {x:.3} {y:.3} {z:.3} points up (oriented.obj)"));
+        }
+        Ok(Posed { search, time: start.elapsed() })
+    }
+
     fn platform_diameter_mm(&self) -> f64 {
         self.settings.platform_diameter_mm.unwrap_or(PLATFORM_DIAMETER_MM)
     }
@@ -231,6 +268,21 @@ impl Args {
         let options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
         PrintOptions { travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
     }
+}
+
+/// How the part lies on the plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Lying {
+    /// As the mesh is given.
+    Given,
+    /// In the pose that misses the fewest cells, as best_orientation finds it.
+    Best,
+}
+
+/// The pose that was found for the part.
+struct Posed {
+    search: Search,
+    time: Duration,
 }
 
 /// How layers are filled.
@@ -305,7 +357,7 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
     (
         Stage::Paths,
-        "bead_mm density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length",
+        "bead_mm merge density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length",
     ),
     (
         Stage::Gcode,
@@ -327,7 +379,12 @@ fn long_name(id: &str) -> String {
 /// Says which option would be ignored.
 fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
-    let stage = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
+    let asked = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
+    let is_range = is_given("layers");
+    if is_range && is_given("stage") && asked != Stage::Paths {
+        return Err(format!("--layers ends after the paths: --stage {} does not go with it", typed_name(asked)));
+    }
+    let stage = if is_range { Stage::Paths } else { asked };
     for (needed, ids) in NEEDS.into_iter().filter(|(needed, _)| *needed > stage) {
         if let Some(id) = ids.split(' ').find(|id| is_given(id)) {
             let (name, needed) = (long_name(id), typed_name(needed));
@@ -347,6 +404,12 @@ fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
         return Err("--prevention needs --strategy governed or printed".to_owned());
     }
+    if matches.get_one::<Lying>("orient") != Some(&Lying::Best) {
+        let posing = ["directions", "orient_voxels", "refine", "least_tipping", "standing_first"];
+        if let Some(id) = posing.into_iter().find(|id| is_given(id)) {
+            return Err(format!("--{} needs --orient best", id.replace('_', "-")));
+        }
+    }
     Ok(())
 }
 
@@ -357,12 +420,18 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers")?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
         // What an earlier run has left goes, but for what this one goes on from: it may fail before it has written its own.
-        let kept = args.resume.as_ref().and_then(|path| path.canonicalize().ok());
-        let is_kept = |name: &str| kept.is_some() && folder.path().join(name).canonicalize().ok() == kept;
+        let read = [args.resume.as_deref(), args.mesh.path()].into_iter().flatten();
+        let read = read.chain(args.merge.iter().map(PathBuf::as_path));
+        let kept: Vec<PathBuf> = read.filter_map(|path| path.canonicalize().ok()).collect();
+        let is_kept = |name: &str| folder.path().join(name).canonicalize().is_ok_and(|path| kept.contains(&path));
         folder.clear(|name| outputs::is_ours(name) && !is_kept(name))?;
-        let part = args.part(saved.as_ref())?;
-        let job = Job { args: &args, setup, part: &part, folder: &folder, bars: &Bars::new(args.common.quiet) };
-        pool(&args)?.install(|| job.work(saved))
+        let mut part = args.part(saved.as_ref())?;
+        let bars = &Bars::new(args.common.quiet);
+        pool(&args)?.install(|| {
+            let posed = (args.orient == Lying::Best).then(|| args.lay(&mut part, bars)).transpose()?;
+            let job = Job { args: &args, setup, part: &part, posed, folder: &folder, bars };
+            job.work(saved)
+        })
     })
 }
 
@@ -386,6 +455,8 @@ struct Job<'a> {
     args: &'a Args,
     setup: Setup,
     part: &'a Part,
+    /// The pose of the part, where it was searched.
+    posed: Option<Posed>,
     folder: &'a OutputFolder,
     bars: &'a Bars,
 }
@@ -419,11 +490,30 @@ impl Job<'_> {
         part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
         let files = Files::default();
         let mut results = Results { field, surfaces, paths: None, machine: None, motion: None, files, findings };
+        if let Some(pick) = args.layers {
+            return self.range(pick, results);
+        }
         self.end(Stage::Surfaces.min(args.stage), &mut results)?;
         for stage in [Stage::Paths, Stage::Gcode, Stage::Motion].into_iter().filter(|stage| *stage <= args.stage) {
             self.run(stage, &mut results)?;
             self.end(stage, &mut results)?;
         }
+        Ok(results.findings.outcome())
+    }
+
+    /// Fills a range of the layers and ends.
+    fn range(&self, pick: Pick, mut results: Results) -> Result<Outcome, Failure> {
+        let Job { args, bars, .. } = self;
+        findings::of_stage(Stage::Surfaces, args, &mut results);
+        results.findings.say();
+        let Results { field, surfaces: Some(surfaces), .. } = &results else { return Ok(Outcome::Done) };
+        let range = pick.layers(surfaces.sheets.len()).map_err(failure)?;
+        let options = args.path_options(surfaces.height_mm)?;
+        args.memory().holds_paths(options.bead, field, surfaces)?;
+        let layers = paths::range(&options, surfaces, range.clone(), bars)?;
+        bars.finish();
+        ranges::write(&surfaces.surfaces(), &options, range.clone(), &layers, self.folder)?;
+        outputs::write_range(self, &results, range, &layers)?;
         Ok(results.findings.outcome())
     }
 
@@ -436,7 +526,11 @@ impl Job<'_> {
             (Stage::Paths, ..) => {
                 let options = args.path_options(surfaces.height_mm)?;
                 memory.holds_paths(options.bead, field, surfaces)?;
-                results.paths = Some(paths::run(&options, surfaces, bars)?);
+                let filled = match &args.merge[..] {
+                    [] => Vec::new(),
+                    files => ranges::read(files, &surfaces.surfaces(), &options).map_err(failure)?,
+                };
+                results.paths = Some(paths::run(&options, surfaces, filled, bars)?);
             }
             (Stage::Gcode, Some(paths), _) => {
                 let options = args.print_options();

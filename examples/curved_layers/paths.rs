@@ -8,9 +8,9 @@ use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
     BeadKind, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS,
-    SurfacePath, fill_layers,
+    SurfacePath, fill_range, fill_rest,
 };
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 /// What came of the stage.
@@ -60,8 +60,36 @@ impl PathsRun {
     }
 }
 
-/// Fills all surfaces.
-pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result<PathsRun, Failure> {
+/// Fills a range of the surfaces, from 0.
+pub fn range(
+    options: &PathOptions,
+    surfaces: &SurfacesRun,
+    range: Range<usize>,
+    bars: &Bars,
+) -> Result<Vec<Option<FilledLayer>>, Failure> {
+    let progress = |p: curvlay_toolpath::Progress| {
+        if p.stage == "fill" {
+            bars.update("paths", p.done, p.total);
+        }
+        ControlFlow::Continue(())
+    };
+    fill_range(&surfaces.surfaces(), range, options, &progress).map_err(failed)
+}
+
+fn failed(error: FillLayersError) -> Failure {
+    match error {
+        FillLayersError::Layer { layer, error } => failure(format!("layer {}: {error}", layer + 1)),
+        error => failure(error),
+    }
+}
+
+/// Fills the surfaces, but for those that are filled already.
+pub fn run(
+    options: &PathOptions,
+    surfaces: &SurfacesRun,
+    filled: Vec<Option<FilledLayer>>,
+    bars: &Bars,
+) -> Result<PathsRun, Failure> {
     let (start, clock) = (Instant::now(), StageClock::default());
     let progress = |p: curvlay_toolpath::Progress| {
         clock.note(p.stage, p.done);
@@ -71,10 +99,7 @@ pub fn run(options: &PathOptions, surfaces: &SurfacesRun, bars: &Bars) -> Result
         }
         ControlFlow::Continue(())
     };
-    let mut filled = fill_layers(&surfaces.surfaces(), options, &progress).map_err(|error| match error {
-        FillLayersError::Layer { layer, error } => failure(format!("layer {}: {error}", layer + 1)),
-        error => failure(error),
-    })?;
+    let mut filled = fill_rest(&surfaces.surfaces(), filled, options, &progress).map_err(failed)?;
     for (layer, sheet) in surfaces.printed.iter().enumerate() {
         filled.set_kind(layer, BeadKind::Support, |triangle| triangle as usize >= sheet.part_triangles);
     }

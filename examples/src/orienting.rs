@@ -14,13 +14,14 @@ use std::ops::ControlFlow;
 
 /// How the best pose is searched.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "How the part lies")]
 pub struct OrientArgs {
     /// Directions that are tried, spread over the sphere; the part's flat resting faces are tried as well
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(0..=10_000), allow_negative_numbers = true)]
     pub directions: u32,
     /// Cells that a pose is tried with at first
-    #[arg(long = "orient-voxels", value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000), allow_negative_numbers = true)]
-    pub voxels: u64,
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000), allow_negative_numbers = true)]
+    pub orient_voxels: u64,
     /// How many of the best poses are tried again with five times as many cells
     #[arg(long, value_name = "N", default_value_t = 20, allow_negative_numbers = true)]
     pub refine: usize,
@@ -31,6 +32,9 @@ pub struct OrientArgs {
     #[arg(long)]
     pub standing_first: bool,
 }
+
+/// First line of files that hold a part in its best pose.
+pub const COMMENT: &str = "the part in its best pose, in millimetres, z up, the plate at z = 0";
 
 /// So many times the cells when poses are tried again.
 const FINER: u64 = 5;
@@ -92,7 +96,7 @@ pub fn laid(mesh: &Mesh, pose: &Pose) -> Mesh {
 /// [`Failure`] for a mesh that has no poses or no cells.
 pub fn search(mesh: &Mesh, args: &OrientArgs, options: &OrientOptions, bars: &Bars) -> Result<Search, Failure> {
     let found = poses(&mesh.vertices, &mesh.triangles, options)?;
-    let (coarse, coarse_mm) = judged(mesh, &found, options, args.voxels, "poses", bars)?;
+    let (coarse, coarse_mm) = judged(mesh, &found, options, args.orient_voxels, "poses", bars)?;
     let given = coarse.iter().position(|judged| judged.pose.kind == PoseKind::Given);
     let mut again: Vec<usize> = (0..args.refine.min(coarse.len())).collect();
     again.extend(given.filter(|given| *given >= args.refine && args.refine > 0));
@@ -100,7 +104,7 @@ pub fn search(mesh: &Mesh, args: &OrientArgs, options: &OrientOptions, bars: &Ba
         return Ok(Search { coarse, fine: Vec::new(), cell_mm: [coarse_mm; 2] });
     }
     let best: Vec<Pose> = again.iter().map(|&place| coarse[place].pose).collect();
-    let (mut fine, fine_mm) = judged(mesh, &best, options, FINER * args.voxels, "the best again", bars)?;
+    let (mut fine, fine_mm) = judged(mesh, &best, options, FINER * args.orient_voxels, "the best again", bars)?;
     fine.iter_mut().for_each(|judged| judged.number = again[judged.number]);
     Ok(Search { coarse, fine, cell_mm: [coarse_mm, fine_mm] })
 }

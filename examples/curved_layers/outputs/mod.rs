@@ -12,15 +12,18 @@ mod programs;
 mod surfaces;
 
 use crate::motion::{Motion, of_run};
-use crate::{Job, Results, Stage, failure};
+use crate::{Job, Posed, Results, Stage, failure, ranges};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Severity;
+use curvlay_examples::orienting::COMMENT;
 use curvlay_examples::output::{OutputFolder, SUMMARY};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::Written;
+use curvlay_toolpath::surface::FilledLayer;
 use programs::Programs;
+use std::ops::Range;
 use std::time::Duration;
 
 /// A picture and the line under it.
@@ -30,9 +33,10 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 24] = [
+const NAMES: [&str; 26] = [
     SUMMARY,
     "report.html",
+    "oriented.obj",
     "field.csv",
     "impossible.csv",
     "field.txt",
@@ -41,6 +45,7 @@ const NAMES: [&str; 24] = [
     "layers.vtk",
     "paths.obj",
     "paths.vtp",
+    ranges::FILE,
     "toolpath.gcode",
     "toolpath-bc.gcode",
     "toolpath.apt",
@@ -96,12 +101,49 @@ pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failu
     Ok(())
 }
 
+/// The summary of a run that fills a range of layers, from 0, and its table on stdout.
+pub fn write_range(
+    job: &Job,
+    results: &Results,
+    range: Range<usize>,
+    layers: &[Option<FilledLayer>],
+) -> Result<(), Failure> {
+    let filled = || layers.iter().flatten();
+    let (curves, length_mm) = (
+        filled().map(|layer| layer.paths.paths.len()).sum::<usize>(),
+        filled().map(|layer| layer.statistics.path_mm).sum::<f64>(),
+    );
+    let mut figures = summary(Stage::Paths, job, results)?;
+    figures
+        .set("layers_first", range.start + 1)?
+        .set("layers_last", range.end)?
+        .set("range_curves", curves)?
+        .set("range_path_mm", length_mm)?;
+    figures.write(job.folder)?;
+    let mut table = Table::new(["Layers", ""]);
+    table
+        .row([
+            "layers".to_owned(),
+            format!(
+                "{}..{} of {}",
+                range.start + 1,
+                range.end,
+                figures.get("surfaces").map_or(0, |n| n.as_u64().unwrap_or(0))
+            ),
+        ])
+        .row(["curves".to_owned(), format!("{curves}, {:.1} m", length_mm / 1000.0)]);
+    Table::print_all([&table]).map_err(failure)
+}
+
 /// The files of a stage. Programs that would be wrong are left out; that is a finding.
 fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failure> {
     let Results { field, surfaces, paths, machine, motion, files, findings } = results;
     let Job { args, setup, folder, part, .. } = job;
     match stage {
         Stage::Field | Stage::Surfaces => {
+            if job.posed.is_some() {
+                folder.write_with("oriented.obj", |out| job.part.mesh.write_obj(COMMENT, out))?;
+            }
             field::products(args, field, surfaces.as_ref(), folder)?;
             surfaces.iter().try_for_each(|run| surfaces::products(args, run, folder))
         }
@@ -147,7 +189,18 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
     let mut summary = Summary::new();
     let figures = &mut summary;
     field::summary(job.args, job.part, field, figures)?;
-    figures.set("stage_done", typed_name(stage))?;
+    figures.set("stage_done", typed_name(stage))?.set("orient", typed_name(job.args.orient))?;
+    if let Some(Posed { search, time }) = &job.posed {
+        let best = search.best();
+        let up = best.pose.up;
+        figures
+            .set("orient_up_x", up.x)?
+            .set("orient_up_y", up.y)?
+            .set("orient_up_z", up.z)?
+            .set("orient_missed_cells", best.missed_cells)?
+            .set("orient_given_missed_cells", search.given().map_or(0, |given| given.missed_cells))?
+            .set_seconds("orient_s", *time)?;
+    }
     findings.summary(figures)?;
     surfaces.iter().try_for_each(|run| surfaces::summary(run, figures))?;
     paths.iter().try_for_each(|run| paths::summary(job.args, run, figures))?;

@@ -7,6 +7,7 @@ mod obj;
 mod placement;
 mod ply;
 mod stl;
+mod write;
 
 pub use placement::{LARGE_MM, Placement, Unit, Up};
 

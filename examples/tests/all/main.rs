@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod args;
+mod best_orientation;
 mod boge;
 mod clock;
 mod common;
@@ -13,6 +14,7 @@ mod mesh_to_robot;
 mod motion;
 mod output;
 mod planar_arm;
+mod ranges;
 mod reach;
 mod render;
 mod shapes;

@@ -18,7 +18,8 @@ use super::stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 use super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
 use crate::Progress;
 use nalgebra::Point3;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
+use std::sync::Mutex;
 
 /// How far level sets may be off, in beads. Less takes longer and moves curves by less than a machine resolves; with more
 /// the outermost bead spills over the boundary.
@@ -55,6 +56,7 @@ impl LayerSurface<'_> {
 
 /// The paths of one surface.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FilledLayer {
     /// Its curves; as part of [`FilledLayers`] in the order in which they are printed.
     pub paths: LayerPaths,
@@ -64,6 +66,7 @@ pub struct FilledLayer {
     pub uniform: bool,
     /// The greatest distance of a place of the surface from its boundary, in millimetres: half the width of its widest place. Infinite
     /// for a surface without a boundary.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
     pub reach_mm: f64,
     /// What is sparse of it ([`PathOptions::infill`]): nothing of a layer that is filled solid. `statistics` are those of the rest.
     pub sparse: SparseFill,
@@ -240,6 +243,17 @@ pub enum FillLayersError {
     /// What is above and below each layer cannot be looked at, to find where skins are.
     #[error(transparent)]
     Stack(#[from] StackError),
+    /// There are no such layers.
+    #[error("layers {} to {} of {layers}", .range[0], .range[1])]
+    Range {
+        /// The first layer asked for, from 0, and the one after the last.
+        range: [usize; 2],
+        /// How many there are.
+        layers: usize,
+    },
+    /// Layers that are not filled solid cannot be filled piece by piece: where skins bridge sparse infill depends on the pieces below.
+    #[error("layers can be filled in pieces only if they are solid: take a density of 1")]
+    SparseRange,
     /// The curves cannot be ordered.
     #[error(transparent)]
     Order(OrderError),
@@ -424,10 +438,93 @@ pub fn fill_layers(
     options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FilledLayers, FillLayersError> {
+    fill_rest(surfaces, Vec::new(), options, progress)
+}
+
+/// Fills some of the surfaces of a part: the work of [`fill_layers`] that looks at one surface at a time, for one who shares it out among
+/// computers. [`fill_rest`] does the rest.
+///
+/// # Arguments
+/// * `surfaces`: all of them, as [`fill_layers`] takes them.
+/// * `range`: which of them to fill, from 0.
+///
+/// # Returns
+/// What was made of each surface of the range; none for one without triangles.
+///
+/// # Errors
+/// [`FillLayersError::Range`] for surfaces that are not there, [`FillLayersError::SparseRange`] for sparse infill; others as [`fill_layers`], but that nothing may fit here.
+///
+/// # Cost
+/// That of [`fill_layer`] for each.
+///
+/// # Example
+/// As for [`fill_rest`].
+pub fn fill_range(
+    surfaces: &[LayerSurface],
+    range: Range<usize>,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<Option<FilledLayer>>, FillLayersError> {
     check_size(surfaces, options)?;
-    let Sites { of_layer, stack } =
-        if options.infill.is_solid() { Sites::default() } else { sites(surfaces, options, progress)? };
+    if !options.infill.is_solid() {
+        return Err(FillLayersError::SparseRange);
+    }
+    let first = range.start;
+    let wrong = FillLayersError::Range { range: [range.start, range.end], layers: surfaces.len() };
+    let fill = |k: usize, surface: &LayerSurface| {
+        let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
+        filled.map_err(|error| FillLayersError::of(first + k, error))
+    };
+    let filled = parallel::map(surfaces.get(range).ok_or(wrong)?, "fill", progress, fill);
+    filled.ok_or(FillLayersError::Cancelled)?.into_iter().collect()
+}
+
+/// [`fill_layers`] where surfaces were filled before, by [`fill_range`]. The result is the same, bit for bit.
+///
+/// # Arguments
+/// * `filled`: what was made of the surfaces, for each of them or for none. Surfaces of which nothing was made are filled now.
+///
+/// # Errors
+/// [`FillLayersError::Range`] for more of them than surfaces, [`FillLayersError::SparseRange`] for some of them with sparse infill; others as [`fill_layers`].
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::surface::{LayerSurface, PathOptions, fill_layers, fill_range, fill_rest};
+/// use std::ops::ControlFlow;
+/// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
+/// let vertices = [level(0.4), level(1.2), level(2.0)];
+/// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2],
+/// });
+/// let (options, silent) = (PathOptions::default(), |_| ControlFlow::Continue(()));
+/// // On one computer, and on another one.
+/// let mut filled = fill_range(&surfaces, 0..2, &options, &silent)?;
+/// filled.extend(fill_range(&surfaces, 2..3, &options, &silent)?);
+/// assert_eq!(fill_rest(&surfaces, filled, &options, &silent)?, fill_layers(&surfaces, &options, &silent)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fill_rest(
+    surfaces: &[LayerSurface],
+    filled: Vec<Option<FilledLayer>>,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayers, FillLayersError> {
+    check_size(surfaces, options)?;
+    let is_solid = options.infill.is_solid();
+    if !is_solid && filled.iter().any(Option::is_some) {
+        return Err(FillLayersError::SparseRange);
+    }
+    if filled.len() > surfaces.len() {
+        return Err(FillLayersError::Range { range: [0, filled.len()], layers: surfaces.len() });
+    }
+    let Sites { of_layer, stack } = if is_solid { Sites::default() } else { sites(surfaces, options, progress)? };
+    let given: Vec<_> = filled.into_iter().map(Mutex::new).collect();
+    let taken = |layer: usize| given.get(layer).and_then(|given| given.lock().ok()?.take());
     let fill = |layer: usize, surface: &LayerSurface| {
+        if let Some(filled) = taken(layer) {
+            return Ok(Some(Placed { layer: filled, solid: None, open: Vec::new() }));
+        }
         let fill = || fill_at(surface, options, of_layer.get(layer), progress);
         let filled = (!surface.triangles.is_empty()).then(fill).transpose();
         filled.map_err(|error| FillLayersError::of(layer, error))

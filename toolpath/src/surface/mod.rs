@@ -46,7 +46,7 @@ pub use deposition::{
 };
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
-    estimate_fill, fill_layer, fill_layers,
+    estimate_fill, fill_layer, fill_layers, fill_range, fill_rest,
 };
 pub use geodesic::{DistanceError, Nearest, Sources, SurfaceDistance};
 pub use gouging::{

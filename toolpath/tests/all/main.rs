@@ -25,6 +25,7 @@ mod order;
 mod orientation;
 mod paths;
 mod print;
+mod ranges;
 mod serde;
 mod short;
 mod statistics;

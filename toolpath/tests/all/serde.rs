@@ -3,7 +3,7 @@
 
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    GougingOptions, LayerSurface, PathOptions, Pattern, PrintOptions, StatisticsOptions, Turns, fill_layers,
+    GougingOptions, LayerSurface, PathOptions, Pattern, PrintOptions, StatisticsOptions, Turns, fill_layer, fill_layers,
 };
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
@@ -32,6 +32,24 @@ fn options_come_back() {
     assert_eq!(serde_json::from_str::<PathOptions>(text).unwrap(), options);
     assert!(serde_json::from_str::<PathOptions>(r#"{"beads": 0.5}"#).is_err());
     assert!(serde_json::from_str::<PrintOptions>(r#"{"travel": {"lift": 2.0}}"#).is_err());
+}
+
+/// Layers with beads, without room for one, and without a boundary: infinite figures come back as well.
+#[test]
+fn filled_layers_come_back() {
+    let square = |wide: f64| [[0.0, 0.0], [wide, 0.0], [wide, 7.0], [0.0, 7.0]].map(|[x, y]| Point3::new(x, y, 0.4));
+    let ball =
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let level = [[0, 1, 2], [0, 2, 3]];
+    let surfaces: [(Vec<Point3<f64>>, &[[u32; 3]]); 3] =
+        [(square(11.0).into(), &level), (square(0.2).into(), &level), (ball.map(Point3::from).into(), &faces)];
+    for (vertices, triangles) in &surfaces {
+        let thickness = vec![0.8; triangles.len()];
+        let surface = LayerSurface { vertices, triangles, thickness: &thickness };
+        let filled = fill_layer(&surface, &PathOptions::default(), &|_| ControlFlow::Continue(())).unwrap();
+        comes_back(&Some(filled));
+    }
 }
 
 #[test]

@@ -33,6 +33,7 @@ use nalgebra::Point3;
 
 /// A point of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfacePoint {
     /// A triangle that has the point.
     pub triangle: u32,

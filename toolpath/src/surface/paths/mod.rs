@@ -126,6 +126,7 @@ impl Default for PathOptions {
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathPoint {
     /// Where it is on the surface.
     pub at: SurfacePoint,
@@ -137,6 +138,7 @@ pub struct PathPoint {
 
 /// A continuous curve on the surface.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfacePath {
     /// Points in order, along which material is laid without a break.
     pub points: Vec<PathPoint>,
@@ -195,6 +197,7 @@ impl SurfacePath {
 
 /// Why a part of the surface stays without a bead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum UnfilledReason {
     /// There is no room for a bead: it is narrower than three quarters of a bead everywhere; for even ones narrower than
@@ -206,6 +209,7 @@ pub enum UnfilledReason {
 
 /// A connected part of the surface that stays without a bead.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unfilled {
     /// A point of it: the middle of the triangle that is farthest from the boundary.
     pub at: SurfacePoint,
@@ -217,6 +221,7 @@ pub struct Unfilled {
 
 /// The paths of a layer.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LayerPaths {
     /// All curves, region by region.
     pub paths: Vec<SurfacePath>,

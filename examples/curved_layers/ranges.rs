@@ -1,0 +1,268 @@
+//! Paths of a range of layers in a file, and such files put together: a big part on several computers.
+//!
+//! A surface is filled by itself, so what comes of it does not depend on which others are filled in the same run. What follows, the
+//! order of the curves and which short ones stay, looks at all layers: it is done when they are put together. So the
+//! result is that of one run, bit for bit.
+//!
+//! The file is text, a JSON value a line: a [`Header`], what was made of each layer (`null` for one without a surface), and `"end"`.
+//! Numbers are written with all digits.
+
+use curvlay_examples::output::{OutputError, OutputFolder};
+use curvlay_layers::curved::surface::mesh_stamp;
+use curvlay_toolpath::surface::{FilledLayer, LayerSurface, PathOptions};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The file in the output folder.
+pub const FILE: &str = "paths.jsonl";
+
+/// What the first line says that the file is.
+const FORMAT: &str = "curvlay paths 1";
+
+/// Layers that are picked, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pick {
+    /// From the first to the last, both included; to the last that there is if none is named.
+    From { first: usize, last: Option<usize> },
+    /// One of several pieces of about the same number of layers.
+    Piece { piece: usize, of: usize },
+}
+
+/// `A..B`, `A..` or `K/N`, for clap.
+pub fn pick(text: &str) -> Result<Pick, String> {
+    let number = |text: &str| text.trim().parse::<usize>().ok().filter(|&n| n > 0);
+    let wrong = || "must be A..B (both included), A.. or K/N (piece K of N), counted from 1".to_owned();
+    if let Some((piece, of)) = text.split_once('/') {
+        let (piece, of) = number(piece).zip(number(of)).ok_or_else(wrong)?;
+        return if piece <= of {
+            Ok(Pick::Piece { piece, of })
+        } else {
+            Err(format!("there is no piece {piece} of {of}"))
+        };
+    }
+    let (first, last) = text.split_once("..").ok_or_else(wrong)?;
+    let first = number(first).ok_or_else(wrong)?;
+    if last.trim().is_empty() {
+        return Ok(Pick::From { first, last: None });
+    }
+    let last = number(last).ok_or_else(wrong)?;
+    if last < first {
+        Err(format!("no layer: {last} comes before {first}"))
+    } else {
+        Ok(Pick::From { first, last: Some(last) })
+    }
+}
+
+impl Pick {
+    /// The layers, from 0, out of so many.
+    pub fn layers(self, count: usize) -> Result<Range<usize>, RangeError> {
+        match self {
+            Pick::From { first, last } => {
+                let last = last.unwrap_or(count.max(first));
+                if last <= count { Ok(first - 1..last) } else { Err(RangeError::Beyond { first, last, count }) }
+            }
+            Pick::Piece { of, .. } if of > count => Err(RangeError::Pieces { of, count }),
+            Pick::Piece { piece, of } => Ok((piece - 1) * count / of..piece * count / of),
+        }
+    }
+}
+
+/// Why ranges of layers cannot be made or put together.
+#[derive(Debug, thiserror::Error)]
+pub enum RangeError {
+    #[error("--layers {first}..{last}: there are {count} layers; {}", advice(*.first, *.count))]
+    Beyond { first: usize, last: usize, count: usize },
+    #[error("{of} pieces of {count} layers: some would be empty; take --layers K/{count} or fewer pieces")]
+    Pieces { of: usize, count: usize },
+    #[error("{}: cannot be read: {source}", .path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error("{}: line {line}: {why}", .path.display())]
+    Line { path: PathBuf, line: usize, why: String },
+    #[error("{}: these are no paths of a range of layers: --merge wants the paths.jsonl of runs with --layers", .path.display())]
+    Format { path: PathBuf },
+    #[error(
+        "{}: the paths are on other surfaces: make them with the same mesh, --resume file, --layer-height and program",
+        .path.display()
+    )]
+    OtherSurfaces { path: PathBuf },
+    #[error(
+        "{}: the paths were made with other options: --bead, --pattern, --least-gap, --join-distance and --least-length must be the \
+         same in all runs",
+        .path.display()
+    )]
+    OtherOptions { path: PathBuf },
+    #[error("layers {}..{} are in {} and in {}: leave one of the files out", .layers[0], .layers[1], .paths[0].display(), .paths[1].display())]
+    Overlap { layers: [usize; 2], paths: [PathBuf; 2] },
+    #[error("no file has layers {}: make them with --layers and name their files, too", listed(.0))]
+    Missing(Vec<[usize; 2]>),
+}
+
+fn advice(first: usize, count: usize) -> String {
+    if first <= count {
+        format!("--layers {first}..{count} or {first}.. ends with the last one")
+    } else {
+        format!("the last range may begin at {count}")
+    }
+}
+
+fn listed(ranges: &[[usize; 2]]) -> String {
+    ranges.iter().map(|[first, last]| format!("{first}..{last}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The first line of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Header {
+    format: String,
+    /// Stamp of all surfaces, hexadecimal.
+    surfaces: String,
+    /// How they were filled.
+    options: PathOptions,
+    /// How many surfaces there are, and the first and the last that follow, counted from 1.
+    count: usize,
+    first: usize,
+    last: usize,
+}
+
+/// A number that differs for other surfaces: the FNV-1a hash of the stamps of all of them and the bits of their thickness.
+fn stamp(surfaces: &[LayerSurface]) -> String {
+    let mix = |hash: u64, value: u64| (hash ^ value).wrapping_mul(0x0000_0100_0000_01b3);
+    let of = |hash: u64, surface: &LayerSurface| {
+        let hash = mix(hash, mesh_stamp(surface.vertices, surface.triangles));
+        surface.thickness.iter().fold(hash, |hash, thickness| mix(hash, thickness.to_bits()))
+    };
+    format!("{:016x}", surfaces.iter().fold(0xcbf2_9ce4_8422_2325, of))
+}
+
+/// Writes what was made of a range of layers.
+pub fn write(
+    surfaces: &[LayerSurface],
+    options: &PathOptions,
+    range: Range<usize>,
+    layers: &[Option<FilledLayer>],
+    folder: &OutputFolder,
+) -> Result<(), OutputError> {
+    let (surfaces, count) = (stamp(surfaces), surfaces.len());
+    let header = Header {
+        format: FORMAT.to_owned(),
+        surfaces,
+        options: *options,
+        count,
+        first: range.start + 1,
+        last: range.end,
+    };
+    folder.write_with(FILE, |out| {
+        serde_json::to_writer(&mut *out, &header)?;
+        for layer in layers {
+            writeln!(out)?;
+            serde_json::to_writer(&mut *out, layer)?;
+        }
+        writeln!(out, "\n\"end\"")
+    })?;
+    Ok(())
+}
+
+/// What the files hold of these surfaces: each layer once.
+pub fn read(
+    files: &[PathBuf],
+    surfaces: &[LayerSurface],
+    options: &PathOptions,
+) -> Result<Vec<Option<FilledLayer>>, RangeError> {
+    let (stamp, count) = (stamp(surfaces), surfaces.len());
+    let mut layers: Vec<Option<FilledLayer>> = vec![None; count];
+    let mut owner: Vec<Option<usize>> = vec![None; count];
+    for (number, path) in files.iter().enumerate() {
+        let mut lines = Lines::open(path)?;
+        let header: Header = lines.next().map_err(|error| match error {
+            RangeError::Line { path, .. } => RangeError::Format { path },
+            error => error,
+        })?;
+        let path = path.clone();
+        if header.format != FORMAT {
+            return Err(RangeError::Format { path });
+        }
+        if header.surfaces != stamp || header.count != count {
+            return Err(RangeError::OtherSurfaces { path });
+        }
+        if header.options != *options {
+            return Err(RangeError::OtherOptions { path });
+        }
+        if header.first == 0 || header.first > header.last || header.last > count {
+            return Err(RangeError::Line { path, line: 1, why: format!("no range of {count} layers") });
+        }
+        let range = header.first - 1..header.last;
+        if let Some((at, other)) = range.clone().find_map(|at| owner[at].map(|other| (at, other))) {
+            let last = range.take_while(|&layer| owner[layer] == Some(other) || layer < at).last().unwrap_or(at);
+            return Err(RangeError::Overlap { layers: [at + 1, last + 1], paths: [files[other].clone(), path] });
+        }
+        for at in range {
+            layers[at] = lines.next()?;
+            owner[at] = Some(number);
+        }
+        if lines.next::<String>()? != "end" {
+            return Err(RangeError::Line { path, line: lines.line, why: "\"end\" expected".to_owned() });
+        }
+    }
+    let mut missing: Vec<[usize; 2]> = Vec::new();
+    for layer in (1..=count).filter(|layer| owner[layer - 1].is_none()) {
+        match missing.last_mut() {
+            Some([_, last]) if *last + 1 == layer => *last = layer,
+            _ => missing.push([layer, layer]),
+        }
+    }
+    if missing.is_empty() { Ok(layers) } else { Err(RangeError::Missing(missing)) }
+}
+
+/// The values of a file, one a line.
+struct Lines {
+    path: PathBuf,
+    source: BufReader<File>,
+    text: String,
+    line: usize,
+}
+
+impl Lines {
+    fn open(path: &Path) -> Result<Self, RangeError> {
+        let unreadable = |source| RangeError::Unreadable { path: path.to_owned(), source };
+        if !path.metadata().map_err(unreadable)?.is_file() {
+            return Err(RangeError::Format { path: path.to_owned() });
+        }
+        let source = BufReader::new(File::open(path).map_err(unreadable)?);
+        Ok(Lines { path: path.to_owned(), source, text: String::new(), line: 0 })
+    }
+
+    fn next<T: for<'a> Deserialize<'a>>(&mut self) -> Result<T, RangeError> {
+        self.text.clear();
+        self.line += 1;
+        let failed = |why: String| RangeError::Line { path: self.path.clone(), line: self.line, why };
+        match self.source.read_line(&mut self.text) {
+            Ok(0) => Err(failed("the file is cut short: make it again".to_owned())),
+            Ok(_) => serde_json::from_str(&self.text).map_err(|error| failed(error.to_string())),
+            Err(source) => Err(RangeError::Unreadable { path: self.path.clone(), source }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_are_picked_by_range_or_piece() {
+        let of = |text: &str, count| pick(text).map_err(|_| ()).and_then(|pick| pick.layers(count).map_err(|_| ()));
+        assert_eq!(
+            (of("3..5", 9), of("3..", 9), of("9..9", 9), of("9..", 9)),
+            (Ok(2..5), Ok(2..9), Ok(8..9), Ok(8..9))
+        );
+        assert_eq!((of("3..10", 9), of("10..", 9), of("4/3", 9), of("1/10", 9)), (Err(()), Err(()), Err(()), Err(())));
+        for text in ["", "0..3", "5..4", "..4", "a..b", "0/3", "1/0", "1", "1..2..3", "-1..3"] {
+            assert!(pick(text).is_err(), "{text}");
+        }
+        for (count, of_them) in [(10, 3), (7, 7), (100, 8)] {
+            let pieces = (1..=of_them).map(|k| of(&format!("{k}/{of_them}"), count).unwrap());
+            assert_eq!(pieces.flatten().collect::<Vec<_>>(), (0..count).collect::<Vec<_>>());
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Meshes written: OBJ with all digits, binary STL.
+
+use super::Mesh;
+use std::io::{self, Write};
+
+impl Mesh {
+    /// Writes OBJ with all digits: reading it gives the same numbers again.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_obj(&self, comment: &str, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "# {comment}")?;
+        self.vertices.iter().try_for_each(|at| writeln!(out, "v {:?} {:?} {:?}", at.x, at.y, at.z))?;
+        self.triangles.iter().try_for_each(|corners| {
+            let [a, b, c] = corners.map(|corner| corner + 1);
+            writeln!(out, "f {a} {b} {c}")
+        })
+    }
+
+    /// Writes binary STL: single precision, as most programs take it.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_stl(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(&[b' '; 80])?;
+        out.write_all(&(self.triangles.len() as u32).to_le_bytes())?;
+        for corners in &self.triangles {
+            let [a, b, c] = corners.map(|corner| self.vertices[corner as usize]);
+            let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+            for vector in [normal, a.coords, b.coords, c.coords] {
+                vector.iter().try_for_each(|&at| out.write_all(&(at as f32).to_le_bytes()))?;
+            }
+            out.write_all(&[0; 2])?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,150 @@
+//! `curved_layers` by ranges of layers, put together again, and a part that is turned before: what comes of it, and bad input.
+
+// Its own tests run here.
+#[allow(dead_code)]
+#[path = "../../curved_layers/ranges.rs"]
+mod picked;
+
+use crate::common;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Runs the example, which `cargo test` has built beside this test.
+fn run(args: &[&str]) -> Output {
+    let beside = std::env::current_exe().unwrap();
+    let program = beside.ancestors().nth(2).unwrap().join("examples").join("curved_layers");
+    assert!(program.exists(), "build the examples first: cargo build --examples");
+    Command::new(program).args(args).arg("--quiet").output().unwrap()
+}
+
+fn line(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).lines().last().unwrap_or_default().to_owned()
+}
+
+/// Boxes as OBJ.
+fn obj(boxes: &[[[i32; 3]; 2]]) -> String {
+    let mut text = String::new();
+    for bounds in boxes {
+        for k in 0..8usize {
+            let [x, y, z] = [0, 1, 2].map(|axis| bounds[k >> axis & 1][axis]);
+            text.push_str(&format!("v {x} {y} {z}\n"));
+        }
+    }
+    for first in (0..boxes.len()).map(|at| 8 * at + 1) {
+        for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            let [a, b, c, d] = quad.map(|corner| corner + first);
+            text.push_str(&format!("f {a} {b} {c} {d}\n"));
+        }
+    }
+    text
+}
+
+/// A fresh folder, with a mesh in it.
+fn folder(name: &str, boxes: &[[[i32; 3]; 2]]) -> (PathBuf, String) {
+    let place = common::place("ranges", name);
+    let _ = fs::remove_dir_all(&place);
+    fs::create_dir_all(&place).unwrap();
+    let mesh = place.join("part.obj");
+    fs::write(&mesh, obj(boxes)).unwrap();
+    (place, mesh.display().to_string())
+}
+
+#[test]
+fn ranges_of_layers_put_together_are_one_run() {
+    let (place, mesh) =
+        folder("whole", &[[[0, 0, 0], [10, 10, 30]], [[0, 0, 20], [40, 10, 30]], [[12, 2, 0], [22, 8, 6]]]);
+    let path = |name: &str| place.join(name).display().to_string();
+    let output = run(&["--mesh", &mesh, "--cell", "2", "--out", &path("one")]);
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", line(&output));
+    let figures = common::summary(&place.join("one"));
+    let field = path("one/field.txt");
+    let on = |more: &[&str]| run(&[&["--mesh", mesh.as_str(), "--resume", &field][..], more].concat());
+    let ranges = [("a", "1/3"), ("b", "2/3"), ("c", "3/3")];
+    let mut next = 1;
+    for (name, layers) in ranges {
+        let output = on(&["--layers", layers, "--out", &path(name), "--threads", "1"]);
+        assert_eq!(output.status.code(), Some(0), "{}", line(&output));
+        let summary = common::summary(&place.join(name));
+        assert_eq!((&summary["layers_first"], &summary["stage_done"]), (&Value::from(next), &"paths".into()));
+        next = summary["layers_last"].as_u64().unwrap() + 1;
+        let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+        summary.keys().for_each(|key| assert!(page.contains(&format!("`{key}`")), "{key}"));
+    }
+    let surfaces = figures["surfaces"].as_u64().unwrap();
+    assert_eq!(next, surfaces + 1);
+    let [a, b, c] = ["a", "b", "c"].map(|name| path(&format!("{name}/paths.jsonl")));
+    let output = on(&["--merge", &c, &a, &b, "--out", &path("merged")]);
+    assert_eq!(output.status.code(), run(&["--mesh", &mesh, "--cell", "2", "--out", &path("again")]).status.code());
+    for file in ["layers.obj", "field.txt", "paths.obj", "toolpath.gcode", "turns.csv"] {
+        let of = |folder: &str| fs::read(place.join(folder).join(file)).ok();
+        assert!(of("one").is_some() || file == "turns.csv", "{file}");
+        assert_eq!(of("one"), of("merged"), "{file}");
+    }
+    let merged = common::summary(&place.join("merged"));
+    for (key, value) in figures.iter().filter(|(key, _)| !key.ends_with("_s")) {
+        let of_growth = ["strategy_used", "missed_shadowed", "missed_unsupported", "even_method", "waits"];
+        assert!(
+            of_growth.contains(&key.as_str()) || merged.get(key) == Some(value),
+            "{key}: {value} {:?}",
+            merged.get(key)
+        );
+    }
+
+    let refused = |more: &[&str], status: i32, words: &str| {
+        let output = on(&[more, &["--out", &path("refused")]].concat());
+        assert_eq!(output.status.code(), Some(status), "{}", line(&output));
+        assert!(line(&output).contains(words), "{}", line(&output));
+    };
+    let last = figures["surfaces"].as_u64().unwrap() / 3;
+    refused(&["--merge", &a, &b, &a, &c], 1, &format!("layers 1..{last} are in "));
+    refused(&["--merge", &b], 1, &format!("no file has layers 1..{last}, "));
+    refused(&["--merge", &a, &b, &c, "--bead", "2.5"], 1, "--least-length must be the same");
+    refused(&["--merge", &a, &b, &c, "--layer-height", "1.5"], 1, "on other surfaces");
+    refused(&["--merge", &mesh], 1, "wants the paths.jsonl");
+    refused(&["--merge", &path("no-such-file")], 1, "no-such-file");
+    refused(&["--merge", &a, "--layers", "1..2"], 2, "--layers");
+    refused(&["--layers", "1..2", "--stage", "gcode"], 2, "--layers ends after the paths");
+    refused(&["--layers", "3..2"], 2, "2 comes before 3");
+    refused(&["--layers", "0..2"], 2, "counted from 1");
+    refused(&["--layers", "2..9999"], 1, &format!("there are {surfaces} layers; --layers 2..{surfaces}"));
+    refused(&["--layers", "9998..9999"], 1, &format!("may begin at {surfaces}"));
+    refused(&["--layers", "1/9999"], 1, &format!("9999 pieces of {surfaces} layers"));
+    // Cut short, in a line and after one.
+    let text = fs::read_to_string(&a).unwrap();
+    for end in [text.len() - 7, text.len() / 2] {
+        fs::write(&a, &text[..end]).unwrap();
+        refused(&["--merge", &a, &b, &c], 1, "line ");
+    }
+}
+
+/// A hook whose leg hangs down is turned over; a run that goes on from there takes the part as it was turned.
+#[test]
+fn a_part_is_laid_in_its_best_pose() {
+    let (place, mesh) =
+        folder("oriented", &[[[0, 0, 0], [10, 10, 40]], [[0, 0, 30], [40, 10, 40]], [[30, 0, 10], [40, 10, 40]]]);
+    let path = |name: &str| place.join(name).display().to_string();
+    let common_args = ["--cell", "2", "--stage", "surfaces", "--mesh", &mesh];
+    let best =
+        ["--orient", "best", "--directions", "12", "--orient-voxels", "800", "--refine", "0", "--standing-first"];
+    let output = run(&[&common_args[..], &best, &["--out", &path("best")]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", line(&output));
+    let summary = common::summary(&place.join("best"));
+    assert!(summary["orient_given_missed_cells"].as_u64().unwrap() > 50);
+    assert_eq!((summary["orient_missed_cells"].as_u64(), summary["missed_cells"].as_u64()), (Some(0), Some(0)));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the part was turned"));
+    let layers = fs::read(place.join("best/layers.obj")).unwrap();
+    let (field, turned) = (path("best/field.txt"), path("best/oriented.obj"));
+    let output = run(&["--mesh", &turned, "--resume", &field, "--stage", "surfaces", "--out", &path("best")]);
+    assert_eq!(output.status.code(), Some(0), "{}", line(&output));
+    assert_eq!(fs::read(place.join("best/layers.obj")).unwrap(), layers);
+
+    let output = run(&[&common_args[..], &["--directions", "12", "--out", &path("best")]].concat());
+    assert_eq!(
+        (output.status.code(), line(&output).contains("needs --orient best")),
+        (Some(2), true),
+        "{}",
+        line(&output)
+    );
+}
