@@ -7,7 +7,8 @@
 //! * [`curved::surface`]: the field of uniform layers, its surfaces, and how far apart they lie.
 //! * [`curved::orient`]: how a part should lie on the plate.
 //! * [`curved::trim`]: surfaces that end on the skin of a part.
-//! * [`planar`]: plane layers after Boge (2019): what a printer misses that cannot turn the part.
+//! * [`planar`]: solids cut into parts that are printed in flat layers along directions of their own ([`planar::decompose_volume`] after
+//!   Lettori et al. 2022, [`planar::decompose_by_planes`] after RoboFDM), and plane layers after Boge (2019).
 
 pub mod curved;
 pub mod planar;
