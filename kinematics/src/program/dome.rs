@@ -1,7 +1,7 @@
 //! From a point on a dome in the robot's hand to the robtarget that brings it under a fixed nozzle: [`DomeRig`].
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The numbers of Brooks' rig, in millimetres: from a point on a dome in the robot's hand to the robtarget that brings it
 /// under a fixed nozzle.
@@ -59,8 +59,73 @@ impl DomeRig {
         self.target(radius, point.z, slope, turn)
     }
 
+    /// The same for a point of any surface, with the platform turned by any `turn`: the normal comes to stand upright at the
+    /// contact by the shortest tilt. On a surface of revolution, with the turn of [`turns`](Self::turns), this is
+    /// [`target_of`](Self::target_of).
+    /// ```
+    /// use curvlay_kinematics::{nalgebra::{Point3, Vector3}, program::DomeRig};
+    /// let rig = DomeRig::BROOKS;
+    /// let pose = rig.target_on(&Point3::new(3.0, 4.0, 150.0), &Vector3::z_axis(), 0.5);
+    /// // The point of the platform's frame, as the effector has it.
+    /// assert!((pose * Point3::new(3.0, 4.0, 150.0 - rig.effector) - rig.contact()).norm() < 1e-9);
+    /// ```
+    pub fn target_on(&self, point: &Point3<f64>, normal: &UnitVector3<f64>, turn: f64) -> Isometry3<f64> {
+        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        // Straight down there is no shortest tilt: about x.
+        let tilt = UnitQuaternion::rotation_between(&(turned * normal.into_inner()), &Vector3::z());
+        let tilt = tilt.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+        let rotation = tilt * turned;
+        let lever = rotation * (point - Point3::new(0.0, 0.0, self.effector));
+        Isometry3::from_parts(Translation3::from(self.contact().coords - lever), rotation)
+    }
+
+    /// The turn at each point of a path that brings it into the robot's YZ plane, without jumps of a whole turn.
+    ///
+    /// Nearer to the axis than `pole` millimetres, where small ways would be large turns, it is interpolated along the path:
+    /// [`target_on`](Self::target_on) takes any turn.
+    /// ```
+    /// use curvlay_kinematics::{nalgebra::Point3, program::DomeRig};
+    /// // Once around, and a little more.
+    /// let points: Vec<_> = (0..=70).map(|k| 0.1 * f64::from(k)).map(|a| Point3::new(9.0 * a.cos(), 9.0 * a.sin(), 0.0)).collect();
+    /// let turns = DomeRig::turns(&points, 5.0);
+    /// assert!((turns[70] - turns[0] + 7.0).abs() < 1e-9);
+    /// ```
+    pub fn turns(points: &[Point3<f64>], pole: f64) -> Vec<f64> {
+        let mut along = 0.0;
+        let mut lengths = Vec::with_capacity(points.len());
+        let mut known: Vec<(usize, f64)> = Vec::new();
+        for (k, at) in points.iter().enumerate() {
+            along += if k > 0 { (at - points[k - 1]).norm() } else { 0.0 };
+            lengths.push(along);
+            if at.x.hypot(at.y) >= pole.max(f64::MIN_POSITIVE) {
+                let turn = -FRAC_PI_2 - at.y.atan2(at.x);
+                let before = known.last().map_or(0.0, |(_, turn)| *turn);
+                known.push((k, before + wrapped(turn - before)));
+            }
+        }
+        let mut turns = vec![0.0; points.len()];
+        if let (Some(first), Some(last)) = (known.first(), known.last()) {
+            turns[..first.0].fill(first.1);
+            turns[last.0..].fill(last.1);
+        }
+        for pair in known.windows(2) {
+            let [(from, a), (to, b)] = [pair[0], pair[1]];
+            let way = lengths[to] - lengths[from];
+            for k in from..to {
+                let share = if way > 0.0 { (lengths[k] - lengths[from]) / way } else { 0.0 };
+                turns[k] = a + (b - a) * share;
+            }
+        }
+        turns
+    }
+
     /// Where the nozzle touches, in the robot's base.
     pub fn contact(&self) -> Point3<f64> {
         self.home + Vector3::z() * self.top
     }
+}
+
+/// An angle within half a turn of 0.
+fn wrapped(angle: f64) -> f64 {
+    angle - (angle / TAU).round() * TAU
 }

@@ -19,7 +19,8 @@
 //!
 //! No reader gives a number that is not finite, or one beyond 1e6 (mm, rad, s).
 //!
-//! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget.
+//! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget; [`print_on_dome`] makes the steps of a print on
+//! one, and [`choose_turns`] keeps an axis within its turns.
 //!
 //! Extruder signals: a controller hands out a signal when it reads it, and past a blended corner it reads ahead of the
 //! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there. A change between two
@@ -30,6 +31,7 @@
 mod check;
 mod csv;
 mod dome;
+mod dome_print;
 mod external;
 mod knot;
 mod merge;
@@ -40,11 +42,13 @@ mod servo;
 mod strokes;
 mod text;
 mod tokens;
+mod turns;
 mod urscript;
 
 pub use check::{ProgramLimits, WriteError};
 pub use csv::{CsvReader, write_csv};
 pub use dome::DomeRig;
+pub use dome_print::{DomeFault, DomeOptions, DomePrint, DomeStroke, PrintedStroke, print_on_dome};
 pub use external::{ExternalAxes, Payload};
 pub use knot::{PrintKnot, TargetOptions};
 pub use prints::{PrintPiece, StreamLeg, StreamOptions, TargetMotion, print_pieces, print_stream, print_targets};
@@ -55,6 +59,7 @@ pub use rapid::{
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use strokes::{StrokeOptions, lifted, strokes};
 pub use tokens::ReadError;
+pub use turns::{TurnChoice, TurnError, TurnPath, choose_turns};
 pub use urscript::{
     FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
 };

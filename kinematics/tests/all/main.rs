@@ -5,6 +5,7 @@ mod arm;
 mod arm_singular;
 mod cell;
 mod common;
+mod dome_print;
 mod extremes;
 mod growing_scene;
 mod limits;

@@ -6,6 +6,8 @@ mod common;
 mod contacts;
 mod deposition;
 mod drawing_files;
+mod drawing_fill;
+mod drawing_surface;
 mod fit;
 mod fitted;
 mod gcode;

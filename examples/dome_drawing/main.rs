@@ -1,0 +1,169 @@
+//! A drawing on a domed platform: from a DXF or SVG file to the RAPID program with which an IRB 120 that holds the platform under a
+//! fixed nozzle prints the design.
+//!
+//! B. Brooks, *3D printing a transposed design in biopolymer materials using an articulated robot and pellet-based extrusion* (ME
+//! thesis, Massey University 2016), chapter 4.
+//! ```sh
+//! cargo run --release --example dome_drawing -- --dxf rosette-leaves.dxf
+//! cargo run --release --example dome_drawing -- --svg flower.svg --diameter 250 --fill lines --angle 90
+//! ```
+//! Without a file it prints a design made in code. `--help` lists the options.
+
+mod design;
+mod outputs;
+mod pictures;
+mod plan;
+mod robot;
+
+use clap::{Parser, ValueEnum};
+use curvlay_examples::args::{Common, Failure, Outcome, above_zero, from_zero, run_with_args};
+use curvlay_examples::bars::Bars;
+use curvlay_examples::output::OutputFolder;
+use plan::Planned;
+use robot::Printed;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// A drawing on a domed platform, from DXF or SVG to RAPID, after Brooks (2016).
+#[derive(Parser, Clone, Debug)]
+#[command(version, name = "dome_drawing")]
+pub struct Args {
+    /// DXF file with the design
+    #[arg(long, value_name = "FILE", conflicts_with = "svg")]
+    dxf: Option<PathBuf>,
+    /// SVG file with the design
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// The design made in code, without a file
+    #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg"])]
+    design: Design,
+    /// Layers to print, as often as there are some [default: all]
+    #[arg(long, value_name = "NAME")]
+    layer: Vec<String>,
+    /// Scales the design to this diameter in millimetres [default: as it is]
+    #[arg(long = "diameter", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    diameter_mm: Option<f64>,
+    /// The point of the drawing that comes to the pole of the dome [default: the middle of the design]
+    #[arg(long = "centre", value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    centre_mm: Option<[f64; 2]>,
+    /// Width of a bead in millimetres
+    #[arg(long = "bead", value_name = "MM", default_value_t = 3.2, value_parser = above_zero, allow_negative_numbers = true)]
+    bead_mm: f64,
+    /// How contours are filled
+    #[arg(long, default_value = "spiral")]
+    fill: FillKind,
+    /// Direction of scan lines in degrees
+    #[arg(long = "angle", value_name = "DEG", default_value_t = 90.0, allow_negative_numbers = true)]
+    angle_deg: f64,
+    /// Scan lines end at every line, as in the thesis, instead of going on as a zigzag
+    #[arg(long)]
+    no_zigzag: bool,
+    /// The outermost bead lies on the contour, as in the thesis, instead of half a bead within
+    #[arg(long)]
+    on_line: bool,
+    /// What carries the design: dome (the platform of the thesis), sphere (of radius 200 mm), or a mesh file, its middle on the axis
+    #[arg(long, value_name = "NAME|FILE", default_value = "dome")]
+    surface: String,
+    /// How the design comes onto the surface
+    #[arg(long, default_value = "vertical")]
+    projection: ProjectionKind,
+    /// Diameter of the platform in millimetres
+    #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 300.0, value_parser = above_zero, allow_negative_numbers = true)]
+    platform_diameter_mm: f64,
+    /// Largest distance of points of the program in millimetres; 0.2 in the thesis
+    #[arg(long = "step", value_name = "MM", default_value_t = 1.0, value_parser = step, allow_negative_numbers = true)]
+    step_mm: f64,
+    /// Ends closer than this are joined, in millimetres
+    #[arg(long = "join", value_name = "MM", default_value_t = 0.005, value_parser = from_zero, allow_negative_numbers = true)]
+    join_mm: f64,
+    /// Smaller pieces are left out, in square millimetres; open pieces that are shorter than a bead, too
+    #[arg(long = "min-area", value_name = "MM2", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
+    min_area_mm2: f64,
+    /// Layers of beads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    layers: u32,
+    /// Height of a layer of beads in millimetres
+    #[arg(long = "layer-height", value_name = "MM", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
+    layer_height_mm: f64,
+    /// Added to the height of the nozzle over the surface, in millimetres
+    #[arg(long = "nozzle-height", value_name = "MM", default_value_t = 0.0, value_parser = height, allow_negative_numbers = true)]
+    nozzle_height_mm: f64,
+    /// Most moves of a RAPID module
+    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(1..))]
+    moves_per_module: u32,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Designs made in code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Design {
+    /// Two crowns of leaves around a hub, and stems.
+    Rosette,
+    /// Many narrow leaves: the size of the design of the thesis.
+    Large,
+}
+
+/// How contours are filled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FillKind {
+    /// Not at all.
+    None,
+    /// By scan lines.
+    Lines,
+    /// By loops.
+    Concentric,
+    /// By loops joined to one curve.
+    Spiral,
+}
+
+/// How a design comes onto a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProjectionKind {
+    /// Along z.
+    Vertical,
+    /// From a point as far below the design as the dome is high.
+    Point,
+    /// With the lengths of the meridians.
+    Meridian,
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    above_zero(text).and_then(|mm| if mm >= 0.01 { Ok(mm) } else { Err("must be at least 0.01".to_owned()) })
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value.abs() <= 50.0 { Ok(value) } else { Err("must be from -50 to 50".to_owned()) }
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|word| word.trim().parse().ok().filter(|x: &f64| x.abs() <= 1e6)).collect();
+    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| "must be two numbers, as in 10,-5".to_owned())
+}
+
+fn main() -> ExitCode {
+    run_with_args(|args: Args| {
+        let folder = args.common.folder("dome_drawing")?;
+        let (planned, printed, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        outputs::table(&args, &planned, &printed).print()?;
+        Ok(outcome)
+    })
+}
+
+/// Plans the print, checks it, and writes the files.
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Planned, Printed, Outcome), Failure> {
+    let start = Instant::now();
+    let mut planned = plan::plan(args, bars)?;
+    let program = robot::program(args, &planned, bars)?;
+    let seconds = start.elapsed();
+    plan::measure(args, &mut planned, bars)?;
+    let printed = robot::check(args, &planned, program, seconds, bars)?;
+    bars.update("write", 0, 1);
+    folder.clear(outputs::is_ours)?;
+    let outcome = outputs::write(args, &planned, &printed, folder)?;
+    bars.finish();
+    Ok((planned, printed, outcome))
+}

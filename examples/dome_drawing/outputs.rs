@@ -1,0 +1,249 @@
+//! What the example leaves behind: the table on stdout, `summary.json`, `strokes.csv`, the program, pictures, and `report.html`.
+
+use super::plan::Planned;
+use super::robot::{NAME, Printed};
+use super::{Args, pictures};
+use curvlay_examples::args::{Failure, Outcome, typed_name};
+use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_examples::output::{OutputError, OutputFolder};
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_toolpath::drawing::StrokeKind;
+use std::io::{self, Write};
+
+/// Share of the design that beads may leave open, and share that they may cover twice, without a finding; what the filled design of the
+/// thesis should reach.
+const COVERED: f64 = 0.97;
+const OVERLAP: f64 = 0.04;
+
+/// Whether a file is of an earlier run.
+pub fn is_ours(name: &str) -> bool {
+    let part = || {
+        let number = name.strip_prefix(NAME)?.strip_prefix('_')?.strip_suffix(".mod")?;
+        (!number.is_empty() && number.chars().all(|c| c.is_ascii_digit())).then_some(())
+    };
+    ["strokes.csv", "report.html"].contains(&name)
+        || name == format!("{NAME}.mod")
+        || part().is_some()
+        || pictures::NAMES.iter().any(|picture| name == format!("{picture}.png"))
+}
+
+pub fn write(args: &Args, planned: &Planned, printed: &Printed, folder: &OutputFolder) -> Result<Outcome, Failure> {
+    let mut findings = findings(args, planned, printed);
+    findings.say();
+    for (name, bytes) in &printed.program.files {
+        folder.write(name, bytes)?;
+    }
+    folder.write_with("strokes.csv", |out| write_strokes(planned, out))?;
+    let drawn = pictures::draw(planned);
+    for (name, png) in pictures::NAMES.iter().zip(&drawn) {
+        folder.write(&format!("{name}.png"), png)?;
+    }
+    folder.write("report.html", report(args, planned, printed, &findings, &drawn).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, planned, printed, &findings)?.write(folder).map_err(|error: OutputError| Failure::from(error))?;
+    Ok(findings.outcome())
+}
+
+fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
+    let mut findings = Findings::default();
+    let drawing = &planned.drawing;
+    let skipped: Vec<String> = drawing.skipped.iter().map(|(what, count)| format!("{count} {what}")).collect();
+    if !skipped.is_empty() {
+        findings.add(Severity::Told, "entities are not drawn", skipped.join(", "), "");
+    }
+    if drawing.unit_mm.is_none() && args.dxf.is_some() {
+        findings.add(Severity::Told, "the file names no unit; millimetres are taken", "", "");
+    }
+    if planned.duplicates + planned.zero_length > 0 {
+        let amount = format!("{} duplicates, {} of no length", planned.duplicates, planned.zero_length);
+        findings.add(Severity::Told, "pieces are removed", amount, "");
+    }
+    let overlaps = &planned.overlaps;
+    if overlaps.dropped > 0 {
+        let amount = format!("{}, {:.1} mm2", overlaps.dropped, overlaps.dropped_mm2);
+        findings.add(Severity::Told, "pieces are too small", amount, "--min-area");
+    }
+    if planned.filled.too_narrow > 0 {
+        let amount = format!("{}, {:.1} mm2", planned.filled.too_narrow, planned.filled.too_narrow_mm2);
+        findings.add(Severity::Told, "regions are too narrow for a bead", amount, "--bead");
+    }
+    let print = &printed.program.print;
+    for fault in print.faults.iter().take(5) {
+        findings.add(Severity::Failed, "a stroke is not printed", fault.to_string(), "");
+    }
+    if print.faults.len() > 5 {
+        findings.add(Severity::Failed, "more strokes are not printed", (print.faults.len() - 5).to_string(), "");
+    }
+    for (pair, count) in &printed.touching {
+        let amount = format!("{count} of {} waypoints that were looked at", printed.checked);
+        findings.add(Severity::Failed, format!("{pair} touch"), amount, "");
+    }
+    if printed.blocked_travels > 0 {
+        let amount = printed.blocked_travels.to_string();
+        findings.add(Severity::Failed, "ways between strokes are not free", amount, "");
+    }
+    if !printed.read_back() {
+        let amount = format!("{:.1e} mm at {} targets", printed.round_trip_mm, printed.targets_read);
+        findings.add(Severity::Failed, "the program read back is not the plan", amount, "");
+    }
+    let fills = !matches!(args.fill, super::FillKind::None) && !planned.overlaps.regions.is_empty();
+    if fills && planned.coverage.covered < COVERED {
+        let amount = format!("{} of the area", percent(1.0 - planned.coverage.covered));
+        findings.add(Severity::Told, "the beads leave gaps", amount, "--bead");
+    }
+    if fills && planned.coverage.overlap > OVERLAP {
+        let amount = format!("{} of the area", percent(planned.coverage.overlap));
+        findings.add(Severity::Told, "beads lie on each other", amount, "--bead");
+    }
+    findings
+}
+
+fn kind(kind: StrokeKind) -> &'static str {
+    match kind {
+        StrokeKind::Outline => "outline",
+        StrokeKind::Fill => "fill",
+        StrokeKind::Open => "open",
+    }
+}
+
+/// A line for each point.
+fn write_strokes(planned: &Planned, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "stroke,kind,layer,width_mm,x_mm,y_mm,z_mm,nx,ny,nz")?;
+    for (number, on_surface) in planned.strokes.iter().enumerate() {
+        let stroke = planned.flat(on_surface);
+        for at in &on_surface.points {
+            let (p, n) = (at.position, at.normal);
+            write!(out, "{number},{},{},{:.4}", kind(stroke.kind), on_surface.layer + 1, stroke.width)?;
+            writeln!(out, ",{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}", p.x, p.y, p.z, n.x, n.y, n.z)?;
+        }
+    }
+    Ok(())
+}
+
+fn widths(planned: &Planned) -> [f64; 2] {
+    let widths = planned.filled.strokes.iter().map(|stroke| stroke.width);
+    let [least, most] = widths.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], w| [a.min(w), b.max(w)]);
+    [least.min(most), most]
+}
+
+pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
+    let coverage = &planned.coverage;
+    let print = &printed.program.print;
+    let points = printed.points(planned);
+    let [least, most] = widths(planned);
+    let mut table = Table::new(["", "this run", "thesis"]);
+    let mut row = |name: &str, ours: String, thesis: &str| _ = table.row([name.to_owned(), ours, thesis.to_owned()]);
+    row("entities", planned.pieces.len().to_string(), "");
+    row("not drawn", planned.drawing.skipped_count().to_string(), "");
+    row("closed contours", planned.closed().to_string(), "");
+    row("open contours", (planned.contours.len() - planned.closed()).to_string(), "");
+    row("area of the contours mm2", format!("{:.1}", planned.area_sum_mm2), "");
+    row("without overlaps mm2", format!("{:.1}", planned.area_union_mm2), "");
+    row("contour points", points[0].to_string(), "66661");
+    row("fill points", points[1].to_string(), "27758");
+    row("bead mm", format!("{least:.2} to {most:.2}"), "3.2 to 6.4");
+    row("stops", (planned.filled.stops() * args.layers as usize).to_string(), "");
+    row("stops with scan lines", (planned.stops_scan_lines * args.layers as usize).to_string(), "");
+    row("covered", percent(coverage.covered), "");
+    row("covered twice", percent(coverage.overlap), "");
+    row("outside of the design", percent(coverage.outside), "");
+    row("largest distortion", percent(planned.distortion.largest), "");
+    row("axis 6 degrees", format!("{:.1}", printed.axis6_span_deg()), "");
+    row("returns home", "0".to_owned(), "one a contour");
+    row("strokes not printed", print.faults.len().to_string(), "");
+    row("moves", printed.program.written.moves.to_string(), "");
+    row("modules", (printed.program.written.modules + 1).to_string(), "1, too large to load");
+    row("read back within mm", format!("{:.1e}", printed.round_trip_mm), "");
+    row("file to program s", format!("{:.3}", printed.seconds.as_secs_f64()), "");
+    table
+}
+
+fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings) -> Result<Summary, Failure> {
+    let print = &printed.program.print;
+    let points = printed.points(planned);
+    let [least, most] = widths(planned);
+    let layers: Vec<String> =
+        planned.drawing.layers().into_iter().map(|(name, count)| format!("{name} {count}")).collect();
+    let skipped: Vec<String> = planned.drawing.skipped.iter().map(|(what, count)| format!("{what} {count}")).collect();
+    let surface = std::path::Path::new(&args.surface).file_name().map(|name| name.to_string_lossy().into_owned());
+    let mut summary = Summary::new();
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("design", planned.name.as_str())?
+        .set("drawing_layers", layers.join(", "))?
+        .set("bead_mm", args.bead_mm)?
+        .set("fill", typed_name(args.fill))?
+        .set("angle_deg", args.angle_deg)?
+        .set("surface", surface.unwrap_or_default())?
+        .set("projection", typed_name(args.projection))?
+        .set("step_mm", args.step_mm)?
+        .set("layers", args.layers)?
+        .set("scale", planned.scale)?
+        .set("threads", args.common.threads)?
+        .set("entities", planned.pieces.len())?
+        .set("skipped_entities", planned.drawing.skipped_count())?
+        .set("skipped", skipped.join(", "))?
+        .set("duplicates", planned.duplicates)?
+        .set("zero_length", planned.zero_length)?
+        .set("closed", planned.closed())?
+        .set("open", planned.contours.len() - planned.closed())?
+        .set("regions", planned.overlaps.regions.len())?
+        .set("area_sum_mm2", planned.area_sum_mm2)?
+        .set("area_union_mm2", planned.area_union_mm2)?
+        .set("contour_points", points[0])?
+        .set("fill_points", points[1])?
+        .set("stops", planned.filled.stops() * args.layers as usize)?
+        .set("stops_scan_lines", planned.stops_scan_lines * args.layers as usize)?
+        .set("on_printed", planned.on_printed)?
+        .set("min_width_mm", least)?
+        .set("max_width_mm", most)?
+        .set("covered_fraction", planned.coverage.covered)?
+        .set("overlap_fraction", planned.coverage.overlap)?
+        .set("outside_fraction", planned.coverage.outside)?
+        .set("mean_distortion", planned.distortion.mean)?
+        .set("largest_distortion", planned.distortion.largest)?
+        .set("axis6_min_deg", print.axis6[0].to_degrees())?
+        .set("axis6_max_deg", print.axis6[1].to_degrees())?
+        .set("axis6_span_deg", printed.axis6_span_deg())?
+        .set("returns_home", 0)?
+        .set("unreachable", print.faults.len())?
+        .set("touching", printed.touching.values().sum::<usize>())?
+        .set("blocked_travels", printed.blocked_travels)?
+        .set("moves", printed.program.written.moves)?
+        .set("modules", printed.program.written.modules + 1)?
+        .set("round_trip_mm", printed.round_trip_mm)?;
+    findings.summary(&mut summary)?;
+    summary.set_seconds("seconds", printed.seconds)?;
+    Ok(summary)
+}
+
+fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings, drawn: &[Vec<u8>]) -> Report {
+    let mut report = Report::new("A drawing on a dome");
+    findings.report(&mut report);
+    report.paragraph(
+        "A design comes from its file onto a dome that an IRB 120 holds under a fixed nozzle. Its entities are joined to \
+         contours; what an earlier contour fills is removed from later ones; what is left is filled with beads, and projected onto \
+         the dome. Each stroke of the nozzle then has a pose of the robot at every point.",
+    );
+    report.table("This run, beside the thesis", &table(args, planned, printed));
+    let mut layers = Table::new(["layer", "entities"]);
+    for (name, count) in planned.drawing.layers() {
+        layers.row([name, count.to_string()]);
+    }
+    report.table("Layers of the file", &layers);
+    let captions = [
+        "the entities of the file, a colour each",
+        "joined contours: closed ones dark, open ones orange",
+        "after overlaps are removed, a colour for each region",
+        "the beads, as wide as they are laid; open contours orange, begins of strokes dark",
+        "on the surface",
+        "distortion: dark where lengths are kept, bright where they change most",
+    ];
+    for pair in captions.iter().zip(drawn).collect::<Vec<_>>().chunks(2) {
+        let pictures: Vec<(&str, &[u8])> = pair.iter().map(|(caption, png)| (**caption, png.as_slice())).collect();
+        report.pictures(&pictures);
+    }
+    report
+}

@@ -1,0 +1,260 @@
+//! From the file to strokes on the surface.
+
+use super::{Args, FillKind, ProjectionKind, design};
+use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::bars::Bars;
+use curvlay_examples::mesh::read_mesh;
+use curvlay_kinematics::nalgebra::{Point2, Point3, Vector3};
+use curvlay_toolpath::drawing::{
+    Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, MeshSurface,
+    Overlaps, Profile, Projection, Revolved, Stroke, Surface, SurfacePoint, centre_of, coverage, distortion, fill,
+    join, order, place, project, raised, read_dxf, read_svg, remove_overlaps, signed_area, start_strokes, union_area,
+};
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::Path;
+
+/// Radius of the sphere that `--surface sphere` means: near the thesis' dome.
+const SPHERE_MM: f64 = 200.0;
+
+/// Distances over which distortion is sampled, in points of the design.
+const DISTORTION_SAMPLES: usize = 5000;
+
+/// What carries the design.
+pub enum Carrier {
+    Revolved(Revolved),
+    Mesh(MeshSurface),
+}
+
+impl Surface for Carrier {
+    fn hit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> Option<SurfacePoint> {
+        match self {
+            Carrier::Revolved(surface) => surface.hit(from, direction),
+            Carrier::Mesh(surface) => surface.hit(from, direction),
+        }
+    }
+
+    fn over(&self, at: &Point2<f64>) -> Option<SurfacePoint> {
+        match self {
+            Carrier::Revolved(surface) => surface.over(at),
+            Carrier::Mesh(surface) => surface.over(at),
+        }
+    }
+
+    fn along_meridian(&self, at: &Point2<f64>) -> Option<SurfacePoint> {
+        match self {
+            Carrier::Revolved(surface) => surface.along_meridian(at),
+            Carrier::Mesh(surface) => surface.along_meridian(at),
+        }
+    }
+
+    fn has_meridians(&self) -> bool {
+        matches!(self, Carrier::Revolved(_))
+    }
+}
+
+/// A stroke on the surface.
+pub struct OnSurface {
+    pub points: Vec<SurfacePoint>,
+    /// Which of the strokes.
+    pub stroke: usize,
+    /// Layer of beads, from 0.
+    pub layer: u32,
+}
+
+/// A planned print.
+pub struct Planned {
+    pub name: String,
+    pub drawing: Drawing,
+    /// The entities of the chosen layers, each a piece.
+    pub pieces: Vec<Contour>,
+    /// The contours in their place and order.
+    pub contours: Vec<Contour>,
+    pub duplicates: usize,
+    pub zero_length: usize,
+    pub scale: f64,
+    pub area_sum_mm2: f64,
+    pub area_union_mm2: f64,
+    pub overlaps: Overlaps,
+    pub filled: Filled,
+    pub on_printed: usize,
+    pub carrier: Carrier,
+    pub projection: Projection,
+    pub strokes: Vec<OnSurface>,
+    /// Strokes of the same design filled with scan lines that are not joined, as in the thesis.
+    pub stops_scan_lines: usize,
+    pub coverage: Coverage,
+    pub distortion: Distortion,
+}
+
+impl Planned {
+    pub fn closed(&self) -> usize {
+        self.contours.iter().filter(|contour| contour.closed).count()
+    }
+
+    /// The stroke in the plane.
+    pub fn flat(&self, on_surface: &OnSurface) -> &Stroke {
+        &self.filled.strokes[on_surface.stroke]
+    }
+}
+
+fn fault(path: &Path, what: impl std::fmt::Display) -> Failure {
+    Failure::new(format!("{}: {what}", path.display()))
+}
+
+fn read(args: &Args) -> Result<(String, Drawing), Failure> {
+    let name = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    if let Some(path) = &args.dxf {
+        let file = File::open(path).map_err(|error| fault(path, error))?;
+        return Ok((name(path), read_dxf(BufReader::new(file)).map_err(|error| fault(path, error))?));
+    }
+    if let Some(path) = &args.svg {
+        let bytes = fs::read(path).map_err(|error| fault(path, error))?;
+        return Ok((name(path), read_svg(&bytes).map_err(|error| fault(path, error))?));
+    }
+    Ok((typed_name(args.design), design::drawing(args.design)))
+}
+
+fn carrier(args: &Args) -> Result<Carrier, Failure> {
+    let radius = 0.5 * args.platform_diameter_mm;
+    let profile = match args.surface.as_str() {
+        "dome" => Profile::brooks(),
+        "sphere" => Profile::Sphere { radius: SPHERE_MM, top: 149.6 },
+        file => {
+            let path = Path::new(file);
+            let mesh = read_mesh(path)?;
+            // Its box in the middle of the axis, its highest point where that of the dome is.
+            let first = mesh.vertices.first().copied().unwrap_or_else(Point3::origin);
+            let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+            let shift = Vector3::new(-0.5 * (low.x + high.x), -0.5 * (low.y + high.y), 149.6 - high.z);
+            let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
+            return Ok(Carrier::Mesh(
+                MeshSurface::new(&vertices, &mesh.triangles).map_err(|error| fault(path, error))?,
+            ));
+        }
+    };
+    let revolved = Revolved::new(profile, radius).map_err(|_| {
+        Failure::of_arguments(format!(
+            "the {} has no surface out to a diameter of {} mm",
+            args.surface, args.platform_diameter_mm
+        ))
+    })?;
+    Ok(Carrier::Revolved(revolved))
+}
+
+/// How the beads lie.
+pub fn fill_options(args: &Args) -> FillOptions {
+    FillOptions {
+        bead: args.bead_mm,
+        contour: if args.on_line { ContourAt::OnLine } else { ContourAt::Inside },
+        fill: match args.fill {
+            FillKind::None => Fill::None,
+            FillKind::Lines => Fill::Lines,
+            FillKind::Concentric => Fill::Concentric,
+            FillKind::Spiral => Fill::Spiral,
+        },
+        angle: args.angle_deg.to_radians(),
+        zigzag: !args.no_zigzag,
+        tolerance: FillOptions::default().tolerance.min(0.1 * args.bead_mm),
+        ..FillOptions::default()
+    }
+}
+
+/// All stages up to strokes on the surface.
+pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
+    bars.update("read", 0, 5);
+    let (name, drawing) = read(args)?;
+    let carrier = carrier(args)?;
+    let wanted = |layer: &str| args.layer.is_empty() || args.layer.iter().any(|name| name == layer);
+    let here = |error: &dyn std::fmt::Display| Failure::new(format!("{name}: {error}"));
+    if let Some(missing) = args.layer.iter().find(|name| !drawing.layers().iter().any(|(layer, _)| layer == *name)) {
+        let layers: Vec<String> = drawing.layers().into_iter().map(|(layer, _)| layer).collect();
+        return Err(here(&format!("no entity is on layer `{missing}`; layers with entities: {}", layers.join(", "))));
+    }
+    if drawing.entities.is_empty() {
+        return Err(here(&"there is nothing in it that can be drawn"));
+    }
+    let pieces = drawing.contours(wanted, Flatten::default()).map_err(|error| here(&error))?;
+
+    bars.update("join", 1, 5);
+    let joined = join(&pieces, args.join_mm).map_err(|error| here(&error))?;
+    let mut contours = joined.contours;
+    let centre = args.centre_mm.map_or(Centre::Box, |at| Centre::At(Point2::from(at)));
+    let middle = centre_of(&contours, centre).ok_or_else(|| here(&"all its lines have no length"))?;
+    let scale = place(&mut contours, centre, args.diameter_mm).map_err(|error| here(&error))?;
+    // For the picture of the input: in the same place.
+    let moved = |contour: &Contour| Contour {
+        points: contour.points.iter().map(|at| Point2::from((at - middle) * scale)).collect(),
+        ..*contour
+    };
+    let pieces: Vec<Contour> = pieces.iter().map(moved).collect();
+    order(&mut contours);
+    let area_sum_mm2 =
+        contours.iter().filter(|contour| contour.closed).map(|contour| signed_area(&contour.points).abs()).sum();
+
+    bars.update("fill", 2, 5);
+    let overlaps =
+        remove_overlaps(&contours, args.min_area_mm2, if args.min_area_mm2 > 0.0 { args.bead_mm } else { 0.0 });
+    let mut filled = fill(&overlaps.regions, &overlaps.open, &fill_options(args)).map_err(|error| here(&error))?;
+    let on_printed = start_strokes(&mut filled.strokes);
+
+    bars.update("project", 3, 5);
+    let projection = match args.projection {
+        ProjectionKind::Vertical => Projection::Vertical,
+        ProjectionKind::Point => Projection::FromPoint { height: -149.6 },
+        ProjectionKind::Meridian => Projection::Meridian,
+    };
+    let mut strokes = Vec::new();
+    for (number, stroke) in filled.strokes.iter().enumerate() {
+        let points =
+            project(&carrier, projection, number, &stroke.points, stroke.closed, args.step_mm).map_err(|error| {
+                let width =
+                    2.0 * contours.iter().flat_map(|c| &c.points).map(|at| at.coords.norm()).fold(0.0, f64::max);
+                here(&format!(
+                    "{error}; the design is {width:.1} mm wide about its centre, --diameter makes it smaller"
+                ))
+            })?;
+        strokes.push(OnSurface { points, stroke: number, layer: 0 });
+    }
+    let first = strokes.len();
+    for layer in 1..args.layers {
+        for k in 0..first {
+            let points = raised(&strokes[k].points, f64::from(layer) * args.layer_height_mm);
+            strokes.push(OnSurface { points, stroke: strokes[k].stroke, layer });
+        }
+    }
+    Ok(Planned {
+        name,
+        drawing,
+        pieces,
+        duplicates: joined.duplicates,
+        zero_length: joined.zero_length,
+        scale,
+        area_sum_mm2,
+        area_union_mm2: 0.0,
+        overlaps,
+        filled,
+        on_printed,
+        carrier,
+        projection,
+        strokes,
+        contours,
+        stops_scan_lines: 0,
+        coverage: Coverage::default(),
+        distortion: Distortion::default(),
+    })
+}
+
+/// Figures that the program does not need.
+pub fn measure(args: &Args, planned: &mut Planned, bars: &Bars) -> Result<(), Failure> {
+    bars.update("measure", 4, 5);
+    planned.area_union_mm2 = union_area(&planned.contours);
+    planned.coverage = coverage(&planned.overlaps.regions, &planned.filled.strokes)?;
+    let scan = FillOptions { fill: Fill::Lines, zigzag: false, ..fill_options(args) };
+    planned.stops_scan_lines = fill(&planned.overlaps.regions, &planned.overlaps.open, &scan)?.stops();
+    let points: Vec<Point2<f64>> = planned.contours.iter().flat_map(|contour| &contour.points).copied().collect();
+    let every = points.len().div_ceil(DISTORTION_SAMPLES).max(1);
+    let sampled: Vec<Point2<f64>> = points.into_iter().step_by(every).collect();
+    planned.distortion = distortion(&planned.carrier, planned.projection, &sampled);
+    Ok(())
+}

@@ -1,0 +1,228 @@
+//! The robot: an IRB 120 that holds the platform under a nozzle. Its program, and the checks of it.
+
+use super::Args;
+use super::plan::Planned;
+use curvlay_examples::args::Failure;
+use curvlay_examples::bars::Bars;
+use curvlay_kinematics::nalgebra::{Isometry3, Point2, Point3};
+use curvlay_kinematics::program::{
+    DomeOptions, DomePrint, DomeRig, DomeStroke, Goal, Move, ProgramLimits, RapidOptions, RapidWritten, Step,
+    print_on_dome, read_rapid, write_rapid,
+};
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use curvlay_kinematics::{Arm, nozzle_frame, robots};
+use curvlay_toolpath::drawing::{StrokeKind, Surface};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::io::{self, Write};
+use std::rc::Rc;
+use std::time::Duration;
+
+/// The name of the program.
+pub const NAME: &str = "drawing";
+
+/// Turns of the extruder a minute for a bead of this width, in millimetres (thesis, section 6.4.2); in proportion for others.
+const RPM: f64 = 4.0;
+const RPM_BEAD_MM: f64 = 3.2;
+
+/// Height of fill over outlines that are printed before, in millimetres (thesis, section 4.13).
+const FILL_ABOVE_MM: f64 = 0.2;
+
+/// The body of the platform in the scene lies so deep below its surface, in millimetres: the nozzle touches the surface.
+const SKIN_MM: f64 = 0.5;
+
+/// Waypoints at most so far apart, in millimetres, are looked at in the scene.
+const CHECK_EVERY_MM: f64 = 5.0;
+
+/// Every target comes back from the program within this, in millimetres.
+const ROUND_TRIP_MM: f64 = 1e-3;
+
+/// A program in memory.
+pub struct Program {
+    pub print: DomePrint,
+    pub files: BTreeMap<String, Vec<u8>>,
+    pub written: RapidWritten,
+}
+
+/// A program that is checked.
+pub struct Printed {
+    pub program: Program,
+    pub seconds: Duration,
+    /// Bodies that touch, and how often.
+    pub touching: BTreeMap<String, usize>,
+    pub checked: usize,
+    pub blocked_travels: usize,
+    /// Largest distance of a target read back.
+    pub round_trip_mm: f64,
+    pub targets_read: usize,
+}
+
+impl Printed {
+    /// Points of outlines and open contours, and of fill.
+    pub fn points(&self, planned: &Planned) -> [usize; 2] {
+        let mut counts = [0, 0];
+        for stroke in &planned.strokes {
+            counts[usize::from(planned.flat(stroke).kind == StrokeKind::Fill)] += stroke.points.len();
+        }
+        counts
+    }
+
+    pub fn axis6_span_deg(&self) -> f64 {
+        (self.program.print.axis6[1] - self.program.print.axis6[0]).to_degrees()
+    }
+
+    pub fn read_back(&self) -> bool {
+        self.round_trip_mm <= ROUND_TRIP_MM && self.targets_read == self.program.print.points()
+    }
+}
+
+/// Bytes that a writer fills while it is elsewhere.
+#[derive(Clone, Default)]
+struct Shared(Rc<RefCell<Vec<u8>>>);
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+pub fn options(args: &Args) -> DomeOptions {
+    DomeOptions { nozzle_mm: args.nozzle_height_mm, ..DomeOptions::default() }
+}
+
+/// Plans the motion and writes the program into memory.
+pub fn program(args: &Args, planned: &Planned, bars: &Bars) -> Result<Program, Failure> {
+    bars.update("robot", 4, 5);
+    let arm = Arm::new(&robots::IRB120)?;
+    let strokes: Vec<DomeStroke> = planned
+        .strokes
+        .iter()
+        .map(|on_surface| {
+            let stroke = planned.flat(on_surface);
+            let separate = stroke.kind == StrokeKind::Fill && args.fill != super::FillKind::Spiral;
+            DomeStroke {
+                points: on_surface.points.iter().map(|at| (at.position, at.normal)).collect(),
+                closed: stroke.closed,
+                feed: RPM * stroke.width / RPM_BEAD_MM,
+                above: if separate { FILL_ABOVE_MM } else { 0.0 },
+            }
+        })
+        .collect();
+    let options = options(args);
+    let print = print_on_dome(&DomeRig::BROOKS, &arm, &strokes, &options);
+    if print.strokes.is_empty() {
+        let first = print.faults.first().map_or_else(|| "there is no stroke".to_owned(), ToString::to_string);
+        return Err(Failure::new(format!("nothing can be printed: {first}")));
+    }
+    let rapid = RapidOptions {
+        name: NAME.to_owned(),
+        filament_signal: "aoExtruderRpm".to_owned(),
+        moves_per_module: args.moves_per_module,
+        limits: ProgramLimits::of_arm(&arm),
+        ..RapidOptions::default()
+    };
+    let mut files: Vec<(String, Shared)> = Vec::new();
+    let written = write_rapid(print.steps(&options), &rapid, |name| {
+        let file = Shared::default();
+        files.push((name.to_owned(), file.clone()));
+        Ok(file)
+    })?;
+    let files = files.into_iter().map(|(name, file)| (name, file.0.take())).collect();
+    Ok(Program { print, files, written })
+}
+
+/// The scene: the arm, the platform in its hand, and the nozzle.
+fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
+    let rig = DomeRig::BROOKS;
+    let radius = 0.5 * args.platform_diameter_mm;
+    let ring = |share: f64| {
+        (0..48)
+            .map(move |k| TAU * f64::from(k) / 48.0)
+            .map(move |a| Point2::new(share * radius * a.cos(), share * radius * a.sin()))
+    };
+    let rings = (0..=16).flat_map(|k| ring(f64::from(k) / 16.0));
+    let points: Vec<Point3<f64>> = rings
+        .filter_map(|at| planned.carrier.over(&at))
+        .map(|at| at.position - at.normal.into_inner() * SKIN_MM)
+        .collect();
+    let flange_platform = Isometry3::translation(0.0, 0.0, -rig.effector);
+    let nozzle = nozzle_frame(&rig.contact(), &-curvlay_kinematics::nalgebra::Vector3::z_axis());
+    let circle = |radius: f64, z: f64| {
+        (0..12).map(move |k| TAU * f64::from(k) / 12.0).map(move |a| Point3::new(radius * a.cos(), radius * a.sin(), z))
+    };
+    // A flat tip of 1 mm, a cone of 45 degrees, and a block of 20 mm.
+    let cone = Shape::Hull { points: circle(0.5, 0.0).chain(circle(8.5, 8.0)).collect(), radius: 0.0 };
+    let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
+    let platform = Shape::Hull { points, radius: 0.0 };
+    let bodies = vec![
+        body("platform", Mount::Link(6), flange_platform, platform),
+        body("nozzle", Mount::Base, nozzle, cone),
+        body("hot end", Mount::Base, nozzle, Shape::cylinder(10.0, 8.0, 60.0)),
+    ];
+    Ok(Scene::new(SceneModel { links: links(&robots::IRB120), bodies, ..SceneModel::of(arm) })?)
+}
+
+/// Looks at the postures in the scene, at the ways between strokes, and reads the program back.
+pub fn check(
+    args: &Args,
+    planned: &Planned,
+    program: Program,
+    seconds: Duration,
+    bars: &Bars,
+) -> Result<Printed, Failure> {
+    let scene = scene(args, planned, Arm::new(&robots::IRB120)?)?;
+    let mut touching: BTreeMap<String, usize> = BTreeMap::new();
+    let (mut checked, mut blocked_travels) = (0, 0);
+    let mut before: Option<[f64; 6]> = None;
+    let total = program.print.strokes.len() as u64;
+    for (number, stroke) in program.print.strokes.iter().enumerate() {
+        bars.update("check", number as u64, total);
+        let last = stroke.joints.len() - 1;
+        let mut next = 0.0;
+        for (k, joints) in stroke.joints.iter().enumerate() {
+            if stroke.lengths[k] < next && k < last {
+                continue;
+            }
+            next = stroke.lengths[k] + CHECK_EVERY_MM;
+            checked += 1;
+            if let Some([a, b]) = scene.touching(&(*joints).into())? {
+                *touching.entry(format!("{a} and {b}")).or_default() += 1;
+            }
+        }
+        if let Some(from) = before {
+            blocked_travels += usize::from(!scene.is_free(&from.into(), &stroke.below[0].into(), 1.0)?);
+        }
+        before = Some(stroke.below[1]);
+    }
+    let (round_trip_mm, targets_read) = read_back(&program)?;
+    Ok(Printed { program, seconds, touching, checked, blocked_travels, round_trip_mm, targets_read })
+}
+
+/// Reads the program by our own reader: the largest distance of a target from the plan, and how many there are.
+fn read_back(program: &Program) -> Result<(f64, usize), Failure> {
+    let open = |path: &str| {
+        let name = path.rsplit(['/', ':', '\\']).next().unwrap_or(path);
+        let file = program.files.iter().find(|(file, _)| file.eq_ignore_ascii_case(name));
+        file.map(|(_, bytes)| bytes.as_slice()).ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, name.to_owned()))
+    };
+    let main = open(&format!("{NAME}.mod"))?;
+    let mut planned = program.print.strokes.iter().flat_map(|stroke| &stroke.poses);
+    let (mut worst, mut count) = (0.0f64, 0);
+    for step in read_rapid(main, open)? {
+        if let Step::Move(Move { goal: Goal::Line(target), .. }) = step? {
+            let Some(pose) = planned.next() else { return Ok((f64::INFINITY, count + 1)) };
+            // Of the platform's rim, the farthest point that the pose moves.
+            let turn = target.pose.rotation.angle_to(&pose.rotation);
+            let off = (target.pose.translation.vector - pose.translation.vector).norm() + 250.0 * turn;
+            worst = worst.max(off);
+            count += 1;
+        }
+    }
+    Ok((worst, count))
+}

@@ -1,0 +1,228 @@
+//! Prints on a dome: turns of axis 6, poses against the general cell, steps.
+
+use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
+use curvlay_kinematics::program::{
+    DomeFault, DomeOptions, DomeRig, DomeStroke, Goal, Move, Step, TurnError, TurnPath, Zone, choose_turns,
+    print_on_dome,
+};
+use curvlay_kinematics::{Arm, Cell, Waypoint, nozzle_frame, robots};
+use proptest::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+fn arm() -> Arm {
+    Arm::new(&robots::IRB120).unwrap()
+}
+
+/// A point of the thesis' platform, Eq. 3-1 without its odd powers.
+fn dome(x: f64, y: f64) -> (Point3<f64>, UnitVector3<f64>) {
+    let square = x * x + y * y;
+    let fall = 2.0 * 0.002343 + 4.0 * 3.309e-8 * square;
+    let z = 149.6 - 0.002343 * square - 3.309e-8 * square * square;
+    (Point3::new(x, y, z), UnitVector3::new_normalize(Vector3::new(fall * x, fall * y, 1.0)))
+}
+
+fn stroke(points: impl IntoIterator<Item = [f64; 2]>, closed: bool) -> DomeStroke {
+    DomeStroke { points: points.into_iter().map(|[x, y]| dome(x, y)).collect(), closed, feed: 2.0, above: 0.0 }
+}
+
+fn ring(radius: f64, turns: f64) -> DomeStroke {
+    let n = (360.0 * turns.abs()) as u32;
+    let angle = move |k: u32| turns * TAU * f64::from(k) / f64::from(n);
+    stroke((0..=n).map(|k| [radius * angle(k).cos(), radius * angle(k).sin()]), turns.abs() == 1.0)
+}
+
+/// Rows computed by hand on paper: tangents of 3:4:5 triangles, turns by right angles.
+#[test]
+fn targets_of_a_few_points_are_as_computed() {
+    // At (0, -60, 110) with the slope -3/4 the platform is tilted by -atan(3/4), R = Rx(-36.87 deg). The lever from the point to the
+    // effector, (0, 60, -150), turns to (0, 48 - 90, -36 - 120) = (0, -42, -156); the contact is (0, -165, 824).
+    let pose = DomeRig::BROOKS.target_of(&Point3::new(0.0, -60.0, 110.0), -0.75);
+    assert!((pose.translation.vector - Vector3::new(0.0, -207.0, 668.0)).norm() < 1e-9, "{}", pose.translation);
+    let [w, x] = [(0.9f64).sqrt(), -(0.1f64).sqrt()];
+    let q = pose.rotation.quaternion();
+    assert!((q.w - w).abs() < 1e-12 && (q.i - x).abs() < 1e-12 && q.j.abs() < 1e-12 && q.k.abs() < 1e-12, "{q}");
+    // The same point a quarter of a turn on: R = Rx(-36.87 deg) Rz(-90 deg).
+    let pose = DomeRig::BROOKS.target_of(&Point3::new(60.0, 0.0, 110.0), -0.75);
+    assert!((pose.translation.vector - Vector3::new(0.0, -207.0, 668.0)).norm() < 1e-9);
+    let image = pose.rotation * Vector3::x();
+    assert!((image - Vector3::new(0.0, -0.8, 0.6)).norm() < 1e-12, "{image}");
+}
+
+proptest! {
+    /// The general cell gives the same poses, and so does the general formula.
+    #[test]
+    fn the_general_cell_has_the_same_poses(x in -130.0..130.0f64, y in -130.0..130.0f64, more in -3.0..3.0f64) {
+        let rig = DomeRig::BROOKS;
+        let (at, normal) = dome(x, y);
+        let radius = x.hypot(y);
+        prop_assume!(radius > 1e-3);
+        let slope = -normal.xy().norm() / normal.z;
+        let pose = rig.target_of(&at, slope);
+        let turn = DomeRig::turns(&[at], 0.0)[0];
+        let general = rig.target_on(&at, &normal, turn);
+        prop_assert!((pose.translation.vector - general.translation.vector).norm() < 1e-9);
+        prop_assert!(pose.rotation.angle_to(&general.rotation) < 1e-9);
+        let nozzle = nozzle_frame(&rig.contact(), &-Vector3::z_axis());
+        let cell = Cell::part_in_hand(arm(), Isometry3::translation(0.0, 0.0, -rig.effector), nozzle).unwrap();
+        let waypoint = Waypoint { position: at, axis: normal };
+        for turn in [turn, turn + more] {
+            let ours = rig.target_on(&at, &normal, turn);
+            // Tilted as the waypoint is at the tool angle 0, what is left is a turn about z.
+            let left = ours.rotation * waypoint.frame(0.0).rotation * Vector3::x();
+            let flange = cell.flange(&waypoint, -left.y.atan2(left.x));
+            prop_assert!((flange.translation.vector - ours.translation.vector).norm() < 1e-9);
+            prop_assert!(flange.rotation.angle_to(&ours.rotation) < 1e-9);
+        }
+    }
+
+    /// Every choice is within the range and has the angles of the path.
+    #[test]
+    fn chosen_turns_stay_within_their_range(
+        paths in proptest::collection::vec((proptest::collection::vec(-0.5..0.5f64, 1..60), -9.0..9.0f64), 1..8),
+    ) {
+        let range = [-400f64.to_radians(), 400f64.to_radians()];
+        let all: Vec<Vec<f64>> = paths.iter().map(|(steps, begin)| {
+            let mut at = *begin;
+            steps.iter().map(|step| { at += step; at }).collect()
+        }).collect();
+        let given: Vec<TurnPath> = all.iter().map(|turns| TurnPath { turns, closed: false }).collect();
+        let mut at = 0.3;
+        match choose_turns(&given, range, at) {
+            Ok(choices) => for (choice, turns) in choices.iter().zip(&all) {
+                let chosen = choice.turned(turns);
+                prop_assert!(chosen.iter().all(|turn| (range[0] - 1e-9..=range[1] + 1e-9).contains(turn)));
+                prop_assert!((chosen[0] - at - choice.travel).abs() < 1e-9);
+                let mut given = turns.clone();
+                if choice.reversed { given.reverse(); }
+                prop_assert!(chosen.iter().zip(&given).all(|(a, b)| (a - b - choice.shift).abs() < 1e-9));
+                prop_assert!((choice.shift / TAU - (choice.shift / TAU).round()).abs() < 1e-9);
+                // No other whole turn and direction is nearer: all of them tried.
+                for whole in -5..=5 {
+                    for (begin, _) in [(turns[0], 0), (turns[turns.len() - 1], 1)] {
+                        let shift = f64::from(whole) * TAU;
+                        let fits = turns.iter().all(|turn| (range[0]..=range[1]).contains(&(turn + shift)));
+                        prop_assert!(!fits || (begin + shift - at).abs() >= choice.travel.abs() - 1e-9);
+                    }
+                }
+                at = *chosen.last().unwrap();
+            },
+            Err(TurnError { path, span, .. }) => prop_assert!(span > range[1] - range[0] - TAU, "{path}"),
+        }
+    }
+}
+
+/// Twice around does not fit; once around that begins there fits only from another begin.
+#[test]
+fn closed_paths_may_begin_elsewhere() {
+    let range = [-PI, PI];
+    let turns: Vec<f64> = (0..=100).map(|k| TAU * f64::from(k) / 100.0 - PI + 0.7).collect();
+    let path = TurnPath { turns: &turns, closed: true };
+    let choice = choose_turns(&[path], [-PI - 1e-9, PI + 1e-9], 0.0);
+    assert!(choice.is_err());
+    // From the 64 begins that are tried one is within 0.1 rad of the end of the range.
+    let choice = choose_turns(&[path], [-PI - 0.1, PI + 0.1], 0.0).unwrap()[0];
+    assert_ne!(choice.start, 0);
+    let chosen = choice.turned(&turns);
+    assert!(chosen.iter().all(|turn| turn.abs() <= PI + 0.1));
+    let points: Vec<usize> = (0..100).chain([0]).collect();
+    let ordered = choice.ordered(&points);
+    assert_eq!((ordered.len(), ordered[0], ordered[100]), (101, choice.start, choice.start));
+    for (k, point) in ordered.iter().enumerate() {
+        let off = (chosen[k] - turns[*point]) / TAU;
+        assert!((off - off.round()).abs() < 1e-9);
+    }
+    let open = TurnPath { turns: &turns, closed: false };
+    assert!(matches!(choose_turns(&[open], range, 0.0), Err(TurnError { path: 0, .. })));
+    assert!(choose_turns(&[TurnPath { turns: &[f64::NAN], closed: false }], range, 0.0).is_err());
+    assert_eq!(choose_turns(&[TurnPath { turns: &[], closed: true }], range, 0.0).unwrap().len(), 1);
+}
+
+#[test]
+fn turns_go_evenly_past_the_pole() {
+    // Straight through the pole, and beside it.
+    for beside in [0.0, 0.01, 3.0] {
+        let points: Vec<Point3<f64>> = (-40..=40).map(|x| Point3::new(f64::from(x), beside, 0.0)).collect();
+        let turns = DomeRig::turns(&points, 5.0);
+        let steps = turns.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        assert!(steps < 0.4, "{beside}: {steps}");
+        assert!(((turns[80] - turns[0]).abs() - PI).abs() < 0.2);
+    }
+    assert_eq!(DomeRig::turns(&[Point3::origin(); 3], 5.0), [0.0; 3]);
+    assert!(DomeRig::turns(&[], 5.0).is_empty());
+}
+
+/// Rings, twenty of them, one way or the other: axis 6 never returns home and stays within its 400 degrees.
+#[test]
+fn axis_6_stays_within_its_turns() {
+    let (rig, arm) = (DomeRig::BROOKS, arm());
+    let strokes: Vec<DomeStroke> =
+        (1..=20).map(|k| ring(6.5 * f64::from(k), if k % 3 == 0 { -1.0 } else { 1.0 })).collect();
+    let options = DomeOptions::default();
+    let print = print_on_dome(&rig, &arm, &strokes, &options);
+    assert_eq!((print.strokes.len(), print.faults.len()), (20, 0));
+    let limits = arm.limits();
+    for joints in print.strokes.iter().flat_map(|stroke| stroke.joints.iter().chain(&stroke.below)) {
+        assert!(limits.contains(joints), "{joints:?}");
+    }
+    // Forward kinematics, and no jump within a stroke.
+    for stroke in &print.strokes {
+        for (pose, joints) in stroke.poses.iter().zip(&stroke.joints) {
+            assert!((arm.forward(joints).translation.vector - pose.translation.vector).norm() < 1e-6);
+        }
+        for (k, pair) in stroke.joints.windows(2).enumerate() {
+            for j in 0..6 {
+                assert!((pair[1][j] - pair[0][j]).abs() < 0.05, "{k} {pair:?}");
+            }
+        }
+    }
+    let [low, high] = print.axis6.map(f64::to_degrees);
+    assert!(low >= -400.0 && high <= 400.0 && high - low < 500.0, "{low} {high}");
+    // To the first ring, which begins at a quarter turn; every other one begins where the one before ended.
+    assert!((print.travel - PI / 2.0).abs() < 0.1, "{}", print.travel);
+    let steps: Vec<Step> = print.steps(&options).collect();
+    let ons = steps.iter().filter(|step| matches!(step, Step::Extruder(true))).count();
+    assert_eq!(ons, 20);
+    assert!(matches!(steps[0], Step::Move(Move { goal: Goal::Joints(_), zone: Zone::Stop, .. })));
+    assert_eq!(
+        print.points(),
+        steps.iter().filter(|step| matches!(step, Step::Move(Move { goal: Goal::Line(_), .. }))).count()
+    );
+}
+
+#[test]
+fn what_cannot_be_printed_is_named() {
+    let (rig, arm) = (DomeRig::BROOKS, arm());
+    let far = stroke([[0.0, 0.0], [900.0, 0.0]], false);
+    let mut nan = ring(20.0, 1.0);
+    nan.points[7].0.x = f64::NAN;
+    let empty = stroke([], false);
+    let strokes = [far, ring(50.0, 2.5), ring(50.0, 1.0), nan, empty];
+    let print = print_on_dome(&rig, &arm, &strokes, &DomeOptions::default());
+    assert_eq!(print.strokes.len(), 1);
+    let kinds: Vec<(usize, bool)> =
+        print.faults.iter().map(|fault| (fault.stroke(), matches!(fault, DomeFault::Turns { .. }))).collect();
+    assert_eq!(kinds, [(0, false), (1, true), (3, false), (4, false)]);
+    assert!(print.faults[0].to_string().contains("point 1 at (900.0, 0.0"), "{}", print.faults[0]);
+}
+
+/// The nozzle goes evenly over the surface, whatever the flange does.
+#[test]
+fn speeds_are_those_over_the_surface() {
+    let (rig, arm) = (DomeRig::BROOKS, arm());
+    let options = DomeOptions::default();
+    let print = print_on_dome(&rig, &arm, &[ring(60.0, 1.0)], &options);
+    let mut poses: Vec<Isometry3<f64>> = Vec::new();
+    let mut seconds = 0.0;
+    for step in print.steps(&options).skip(1) {
+        let Step::Move(Move { goal: Goal::Line(target), speed, .. }) = step else { continue };
+        if let Some(last) = poses.last() {
+            let way = (target.pose.translation.vector - last.translation.vector).norm() / speed.mm_s;
+            let turn =
+                UnitQuaternion::angle_to(&target.pose.rotation, &last.rotation) / speed.rad_s * options.turn_factor;
+            seconds += way.max(turn);
+        }
+        poses.push(target.pose);
+    }
+    let expected = print.strokes[0].lengths.last().unwrap() / options.print_mm_s;
+    assert!((seconds - expected).abs() < 0.01 * expected, "{seconds} {expected}");
+}
