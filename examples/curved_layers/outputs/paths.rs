@@ -64,6 +64,7 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("wall_mm", totals.wall_mm)?
         .set("solid_mm", totals.solid_mm)?
         .set("skin_mm", totals.skin_mm)?
+        .set("support_mm", totals.support_mm)?
         .set("infill_mm", totals.sparse.infill_mm)?
         .set("sparse_mm3", totals.sparse.volume_mm3)?
         .set("sparse_infill_mm3", totals.sparse.infill_mm3)?

@@ -157,6 +157,7 @@ impl<W: Write> Writer<W> {
                     BeadKind::Skin => 3,
                     BeadKind::Infill => 4,
                     BeadKind::Bridge => 5,
+                    BeadKind::Support => 6,
                 };
                 self.line(&format!("PAINT/COLOR,{colour}"))
             }

@@ -8,7 +8,7 @@
 //! | `feed_mm_s` | speed of the tip; of the filament for `retract` and `prime` |
 //! | `seconds` | how long the move takes at this speed; of a `dwell` how long it waits; 0 where the start is not known |
 //! | `layer` | from 1 |
-//! | `bead` | `wall`, `solid`, `skin`, `bridge` or `infill`, of `print` |
+//! | `bead` | `wall`, `solid`, `skin`, `bridge`, `infill` or `support`, of `print` |
 //! | `width_mm`, `height_mm` | of the bead, of `print` |
 //!
 //! What does not belong to a kind, or is not known, is empty. Temperatures and fans have no lines.
@@ -116,5 +116,6 @@ fn name(kind: BeadKind) -> &'static str {
         BeadKind::Skin => "skin",
         BeadKind::Infill => "infill",
         BeadKind::Bridge => "bridge",
+        BeadKind::Support => "support",
     }
 }

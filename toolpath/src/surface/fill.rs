@@ -147,6 +147,8 @@ pub struct FillTotals {
     pub solid_mm: f64,
     /// Length of skins, bridges included.
     pub skin_mm: f64,
+    /// Length of support ([`FilledLayers::set_kind`]).
+    pub support_mm: f64,
     /// What is sparse, of all layers together. Fractions above are of the area of the rest.
     pub sparse: SparseFill,
 }
@@ -815,6 +817,7 @@ impl FillTotals {
                     BeadKind::Wall => self.wall_mm += length,
                     BeadKind::Solid => self.solid_mm += length,
                     BeadKind::Skin | BeadKind::Bridge => self.skin_mm += length,
+                    BeadKind::Support => self.support_mm += length,
                     BeadKind::Infill => {}
                 }
             }

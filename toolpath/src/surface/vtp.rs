@@ -1,7 +1,7 @@
 //! Tool paths for ParaView: VTK XML, polygonal data with raw binary arrays (`.vtp`).
 //!
 //! A line for each path; at its points `width_mm`, `height_mm`, `direction`, `time_s` (when the nozzle is there) and `kind` (0 wall, 1 solid,
-//! 2 skin, 3 infill, 4 bridge), for each line `layer` (from 1). Numbers are of single precision: 41 bytes a waypoint.
+//! 2 skin, 3 infill, 4 bridge, 5 support), for each line `layer` (from 1). Numbers are of single precision: 41 bytes a waypoint.
 
 use super::deposition::{Move, MoveKind};
 use super::kind::BeadKind;
@@ -154,6 +154,7 @@ fn number(kind: BeadKind) -> u8 {
         BeadKind::Skin => 2,
         BeadKind::Infill => 3,
         BeadKind::Bridge => 4,
+        BeadKind::Support => 5,
     }
 }
 
