@@ -822,7 +822,7 @@ fn profiles_are_taken_and_options_win() {
 
     for (text, status, words) in [
         (r#"{"layer_hight_mm": 0.2}"#, 1, "line 1: `layer_hight_mm` is no setting; did you mean `layer_height_mm`?"),
-        ("{\n\"bead_mm\": 0.5,\n\"beads\": 3}", 1, "line 3: `beads` is no setting; did you mean `bead_mm`?"),
+        ("{\n\"bead_mm\": 0.5,\n\"beads_mm\": 3}", 1, "line 3: `beads_mm` is no setting; did you mean `bead_mm`?"),
         (r#"{"colour of the machine": 0.2}"#, 1, "there are "),
         (r#"{"bead_mm": -0.5}"#, 1, "`bead_mm` is -0.5: must be above 0"),
         (r#"{"bead_mm": "wide"}"#, 1, "line 1 column"),
