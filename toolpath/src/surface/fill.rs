@@ -444,7 +444,7 @@ pub fn fill_layers(
     let changed = keep_carriers(&mut layers, surfaces, options.bead);
     judge_again(&mut layers, &changed, (surfaces, &solid), options.bead, progress)?;
     if let Some(stack) = &stack {
-        infill::mark(&mut layers, surfaces, &open, stack);
+        infill::mark(&mut layers, surfaces, &open, 0.5 * options.bead, stack);
     }
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     let reach = layers

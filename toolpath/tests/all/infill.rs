@@ -80,7 +80,12 @@ fn dome(radius: f64, angle: f64) -> SurfaceMesh {
 
 fn curves(filled: &FilledLayers, layer: usize, kind: BeadKind) -> Vec<&SurfacePath> {
     let paths = filled.layers[layer].iter().flat_map(|layer| &layer.paths.paths);
-    paths.filter(|path| path.points[0].kind == kind).collect()
+    // A bridge is a part of a skin.
+    let kind_of = |path: &SurfacePath| match path.points[0].kind {
+        BeadKind::Bridge => BeadKind::Skin,
+        kind => kind,
+    };
+    paths.filter(|path| kind_of(path) == kind).collect()
 }
 
 fn length(filled: &FilledLayers, layer: usize, kind: BeadKind) -> f64 {

@@ -17,11 +17,12 @@ const STEP: f64 = 0.25;
 /// Says of points of skins that they are over sparse infill: [`BeadKind::Bridge`].
 ///
 /// # Arguments
-/// * `open`: for each layer and vertex how far it is in what is sparse.
+/// * `open`: for each layer and vertex how far it is in what is sparse; vertices are far apart, so what is nearer than `margin` to it counts.
 pub(in crate::surface) fn mark(
     layers: &mut [Option<FilledLayer>],
     surfaces: &[LayerSurface],
     open: &[Vec<f64>],
+    margin: f64,
     stack: &LayerStack,
 ) {
     let is_open = |p: Point3<f64>, below: usize, reach: f64| {
@@ -35,7 +36,9 @@ pub(in crate::surface) fn mark(
         let normal = triangle.normal();
         let of = |from: Point3<f64>, to: Point3<f64>| (to - from).cross(&(found.point - from)).dot(&normal);
         let [at_a, at_b, at_c] = corners.map(|v| open[below].get(v as usize).copied().unwrap_or(-1.0));
-        at_a * of(b, c) + at_b * of(c, a) + at_c * of(a, b) > 0.0
+        let weights = [of(b, c), of(c, a), of(a, b)];
+        let open = at_a * weights[0] + at_b * weights[1] + at_c * weights[2];
+        open > -margin * weights.iter().sum::<f64>()
     };
     for (above, layer) in layers.iter_mut().enumerate().skip(1) {
         let points = layer.iter_mut().flat_map(|layer| &mut layer.paths.paths).flat_map(|path| &mut path.points);
