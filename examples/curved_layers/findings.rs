@@ -143,6 +143,11 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
         );
         findings.add(Told, what, amount, "--bead");
     }
+    if run.bridges.length_mm > 0.0 {
+        let amount =
+            format!("{:.1} m in all, the longest {:.1} mm", run.bridges.length_mm / 1000.0, run.bridges.longest_mm);
+        findings.add(Noted, "skins bridge what is sparse below them", amount, "--skin, --density");
+    }
     if totals.self_crossings > 0 {
         findings.add(Told, "paths cross each other", format!("{} times", totals.self_crossings), "paths.obj");
     }

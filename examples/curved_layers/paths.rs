@@ -7,8 +7,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    BeadKind, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions, SHORT_CURVE_BEADS,
-    SurfacePath, fill_range, fill_rest,
+    BeadKind, Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions,
+    SHORT_CURVE_BEADS, SurfacePath, fill_range, fill_rest,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -22,6 +22,8 @@ pub struct PathsRun {
     pub short_curves: usize,
     /// Parts of the layers that no bead fits into.
     pub too_thin: LeftOutParts,
+    /// What skins bridge.
+    pub bridges: Bridges,
     pub times: Times,
 }
 
@@ -113,6 +115,7 @@ pub fn run(
         ));
     }
     let too_thin = filled.left_out(&surfaces.surfaces());
+    let bridges = filled.bridges(&surfaces.surfaces());
     let short_curves = filled.curves_shorter_than(SHORT_CURVE_BEADS * bead_mm);
-    Ok(PathsRun { bead_mm, totals, short_curves, too_thin, filled, times })
+    Ok(PathsRun { bead_mm, totals, short_curves, too_thin, filled, bridges, times })
 }

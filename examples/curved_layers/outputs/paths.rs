@@ -68,6 +68,10 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("infill_mm", totals.sparse.infill_mm)?
         .set("sparse_mm3", totals.sparse.volume_mm3)?
         .set("sparse_infill_mm3", totals.sparse.infill_mm3)?
+        .set("infill_density", args.settings.infill().density)?
+        .set("achieved_density", if totals.sparse.volume_mm3 > 0.0 { totals.sparse.density() } else { 1.0 })?
+        .set("bridged_mm", run.bridges.length_mm)?
+        .set("max_bridge_mm", run.bridges.longest_mm)?
         .set("covered_fraction", totals.covered_fraction)?
         .set("overlap_fraction", totals.overlap_fraction)?
         .set("spill_fraction", totals.spill_fraction)?
@@ -85,6 +89,13 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
 pub fn rows(run: &PathsRun, table: &mut Table) {
     let (totals, times) = (&run.totals, &run.times);
     let share = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
+    if totals.sparse.volume_mm3 > 0.0 {
+        let metres = |mm: f64| format!("{:.1} m", mm / 1000.0);
+        table.row(["density of infill".to_owned(), share(totals.sparse.density())]).row([
+            "bridged by skins".to_owned(),
+            format!("{}, {:.1} mm at most", metres(run.bridges.length_mm), run.bridges.longest_mm),
+        ]);
+    }
     table
         .row(["bead".to_owned(), format!("{:.3} mm wide", run.bead_mm)])
         .row(["curves".to_owned(), format!("{} in {} regions", totals.curves, totals.regions)])

@@ -315,8 +315,6 @@ struct Placed {
     layer: FilledLayer,
     /// What is solid of it, if that is not all.
     solid: Option<SurfaceMesh>,
-    /// For each vertex how far it is in what is sparse; empty where nothing is.
-    open: Vec<f64>,
 }
 
 /// Fills a surface that has a place in a part.
@@ -349,7 +347,7 @@ fn fill_at(
     let site = site.unwrap_or(&alone);
     let filled = |options: &PathOptions, uniform: bool| -> Result<Placed, FillError> {
         mark("curves", 0)?;
-        let infill::Filled { paths, sparse, solid, open } = if options.infill.is_solid() {
+        let infill::Filled { paths, sparse, solid } = if options.infill.is_solid() {
             infill::Filled::solid(field.paths(options, &report("curves"))?)
         } else {
             infill::filled(&field, surface, options, site, &report("curves"))?
@@ -364,7 +362,7 @@ fn fill_at(
         };
         mark("coverage", 1)?;
         let solid = solid.filter(|_| sparse.area_mm2 > 0.0);
-        Ok(Placed { layer: FilledLayer { paths, statistics, uniform, reach_mm, sparse }, solid, open })
+        Ok(Placed { layer: FilledLayer { paths, statistics, uniform, reach_mm, sparse }, solid })
     };
     // The figures know nothing of how the curves were made; what they find fault with is made anew.
     match filled(options, false) {
@@ -532,18 +530,16 @@ pub fn fill_rest(
         filled.map_err(|error| FillLayersError::of(layer, error))
     };
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
-    let (mut layers, mut solid, mut open) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut layers, mut solid) = (Vec::with_capacity(surfaces.len()), Vec::with_capacity(surfaces.len()));
     for filled in filled {
-        let placed = filled?.map(|placed| (placed.layer, placed.solid, placed.open));
-        let (layer, of_solid, of_open) = placed.map_or((None, None, Vec::new()), |(l, s, o)| (Some(l), s, o));
+        let (layer, of_layer) = filled?.map(|placed| (placed.layer, placed.solid)).unzip();
         layers.push(layer);
-        solid.push(of_solid);
-        open.push(of_open);
+        solid.push(of_layer.flatten());
     }
     let changed = keep_carriers(&mut layers, surfaces, options.bead);
     judge_again(&mut layers, &changed, (surfaces, &solid), options.bead, progress)?;
     if let Some(stack) = &stack {
-        infill::mark(&mut layers, surfaces, &open, stack);
+        infill::mark(&mut layers, surfaces, stack);
     }
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     let reach = layers

@@ -80,7 +80,12 @@ fn dome(radius: f64, angle: f64) -> SurfaceMesh {
 
 fn curves(filled: &FilledLayers, layer: usize, kind: BeadKind) -> Vec<&SurfacePath> {
     let paths = filled.layers[layer].iter().flat_map(|layer| &layer.paths.paths);
-    paths.filter(|path| path.points[0].kind == kind).collect()
+    // A bridge is a part of a skin.
+    let kind_of = |path: &SurfacePath| match path.points[0].kind {
+        BeadKind::Bridge => BeadKind::Skin,
+        kind => kind,
+    };
+    paths.filter(|path| kind_of(path) == kind).collect()
 }
 
 fn length(filled: &FilledLayers, layer: usize, kind: BeadKind) -> f64 {
@@ -275,7 +280,7 @@ fn skins_are_where_fewer_layers_lie_above_or_below() {
                 for path in curves(&filled, layer, BeadKind::Infill) {
                     assert!(path.points.iter().all(|p| is_under(&p.at.position, 0.0)));
                 }
-                // Grown inward by a bead, from between the last vertex that is covered and the first that is not.
+                // Grown inward by a bead, from the last vertex that is covered.
                 let grown = curves(&filled, layer, BeadKind::Skin);
                 assert!(grown.iter().flat_map(|path| &path.points).all(|p| !is_under(&p.at.position, -3.0)));
                 assert!(grown.iter().flat_map(|path| &path.points).any(|p| is_under(&p.at.position, 0.0)));
@@ -299,7 +304,7 @@ fn meets(from: Point3<f64>, to: Point3<f64>, corners: [Point3<f64>; 3]) -> bool 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 3, ..ProptestConfig::default() })]
 
     #[test]
     fn skins_agree_with_columns_through_all_triangles(seed in 0_u64..1000, skin in 1_u32..4, hole in (3_usize..9, 3_usize..9, 2_usize..6)) {

@@ -263,13 +263,7 @@ impl<'a> Scene<'a> {
     /// * `stand`, `direction`: a pose on the way.
     /// * `moves`: no pose has its tip farther away than this, in millimetres.
     /// * `turns`: nor another direction by more than this, in radians.
-    pub fn near(
-        &self,
-        stand: Stand,
-        direction: &UnitVector3<f64>,
-        [moves, turns]: [f64; 2],
-        leaves: &mut Vec<u32>,
-    ) {
+    pub fn near(&self, stand: Stand, direction: &UnitVector3<f64>, [moves, turns]: [f64; 2], leaves: &mut Vec<u32>) {
         let sweeper = Sweeper { at: self.seeker(stand, direction, 0.0, true), moves, turns };
         self.tree.leaves(self.keys, stand.before, &sweeper, leaves);
     }

@@ -5,6 +5,7 @@ use super::super::kind::BeadKind;
 use super::super::paths::segments::{Segments, nearest};
 use super::super::paths::{PathPoint, SurfacePath};
 use super::super::stack::LayerStack;
+use super::thickness;
 use nalgebra::Point3;
 
 /// A place of a bead lies on an earlier bead whose middle is no farther than this many thicknesses of its layer below it: one straight
@@ -14,37 +15,53 @@ const ON: f64 = 1.5;
 /// Places along a bead are this far apart, in widths.
 const STEP: f64 = 0.25;
 
-/// Says of points of skins that they are over sparse infill: [`BeadKind::Bridge`].
-///
-/// # Arguments
-/// * `open`: for each layer and vertex how far it is in what is sparse.
-pub(in crate::surface) fn mark(
-    layers: &mut [Option<FilledLayer>],
-    surfaces: &[LayerSurface],
-    open: &[Vec<f64>],
-    stack: &LayerStack,
-) {
-    let is_open = |p: Point3<f64>, below: usize, reach: f64| {
-        let layer = below as u32;
-        let Some(found) = stack.tree.nearest(&stack.keys, p, layer..layer + 1, reach, |_, _| true) else {
-            return false;
-        };
-        let triangle = &stack.tree.triangles()[found.triangle];
-        let corners = surfaces[below].triangles[triangle.index as usize];
-        let [a, b, c] = triangle.corners;
-        let normal = triangle.normal();
-        let of = |from: Point3<f64>, to: Point3<f64>| (to - from).cross(&(found.point - from)).dot(&normal);
-        let [at_a, at_b, at_c] = corners.map(|v| open[below].get(v as usize).copied().unwrap_or(-1.0));
-        at_a * of(b, c) + at_b * of(c, a) + at_c * of(a, b) > 0.0
-    };
-    for (above, layer) in layers.iter_mut().enumerate().skip(1) {
-        let points = layer.iter_mut().flat_map(|layer| &mut layer.paths.paths).flat_map(|path| &mut path.points);
+/// Says of points of skins that they are over sparse infill: [`BeadKind::Bridge`]. There the layer before has a surface, but no bead of
+/// anything solid.
+pub(in crate::surface) fn mark(layers: &mut [Option<FilledLayer>], surfaces: &[LayerSurface], stack: &LayerStack) {
+    for above in 1..layers.len() {
+        let (before, rest) = layers.split_at_mut(above);
+        let (Some(before), Some(layer)) = (&before[above - 1], &mut rest[0]) else { continue };
+        if before.sparse.area_mm2 <= 0.0 {
+            continue;
+        }
+        let (paths, surface, below) = (&before.paths.paths, &surfaces[above], above as u32 - 1);
+        let solid =
+            Below::new(paths, surface, |path| path.points.first().is_some_and(|point| point.kind != BeadKind::Infill));
+        let points = layer.paths.paths.iter_mut().flat_map(|path| &mut path.points);
         for point in points.filter(|point| point.kind == BeadKind::Skin) {
-            let thickness = surfaces[above].thickness.get(point.at.triangle as usize).copied().unwrap_or(0.0);
-            if is_open(point.at.position, above - 1, ON * thickness) {
+            let (p, reach) = (point.at.position, ON * thickness(surface, point.at.triangle));
+            let is_over = || stack.tree.nearest(&stack.keys, p, below..below + 1, reach, |_, _| true).is_some();
+            if !solid.carries(p, reach) && is_over() {
                 point.kind = BeadKind::Bridge;
             }
         }
+    }
+}
+
+/// Beads of the layer before.
+struct Below<'a> {
+    paths: &'a [SurfacePath],
+    near: Segments,
+}
+
+impl<'a> Below<'a> {
+    fn new(paths: &'a [SurfacePath], surface: &LayerSurface, wanted: impl Fn(&SurfacePath) -> bool) -> Self {
+        let most = ON * surface.thickness.iter().copied().fold(0.0, f64::max);
+        let mut near = Segments::new(4.0 / 3.0 * most);
+        for (number, path) in (0..).zip(paths).filter(|(_, path)| wanted(path)) {
+            (0..path.segments())
+                .for_each(|k| near.add(path.segment(k).map(|point| point.at.position), [number, k as u32]));
+        }
+        near.sort();
+        Below { paths, near }
+    }
+
+    /// Whether the middle of a bead is within reach.
+    fn carries(&self, p: Point3<f64>, reach: f64) -> bool {
+        self.near.near(p).any(|[number, k]| {
+            let line = self.paths[number as usize].segment(k as usize).map(|point| point.at.position);
+            (nearest(line, p) - p).norm() <= reach
+        })
     }
 }
 
@@ -88,20 +105,15 @@ impl FilledLayers {
         let mut bridges = Bridges::default();
         for ([before, layer], surface) in self.layers.array_windows().zip(surfaces.iter().skip(1)) {
             let (Some(before), Some(layer)) = (before, layer) else { continue };
-            let below = &before.paths.paths;
-            let most = ON * surface.thickness.iter().copied().fold(0.0, f64::max);
-            let mut near = Segments::new(4.0 / 3.0 * most);
-            near.add_all(below);
-            for path in &layer.paths.paths {
-                bridges.add(path, surface, below, &near);
-            }
+            let below = Below::new(&before.paths.paths, surface, |_| true);
+            layer.paths.paths.iter().for_each(|path| bridges.add(path, surface, &below));
         }
         bridges
     }
 }
 
 impl Bridges {
-    fn add(&mut self, path: &SurfacePath, surface: &LayerSurface, below: &[SurfacePath], near: &Segments) {
+    fn add(&mut self, path: &SurfacePath, surface: &LayerSurface, below: &Below) {
         let mut free = 0.0;
         for [from, to] in (0..path.segments()).map(|k| path.segment(k)) {
             let is_bridge = |point: &PathPoint| point.kind == BeadKind::Bridge;
@@ -109,16 +121,12 @@ impl Bridges {
                 free = 0.0;
                 continue;
             }
-            let thickness = surface.thickness.get(from.at.triangle as usize).copied().unwrap_or(0.0);
+            let reach = ON * thickness(surface, from.at.triangle);
             let way = to.at.position - from.at.position;
             let steps = (way.norm() / (STEP * from.width)).ceil().max(1.0);
             for step in 0..steps as usize {
                 let p = from.at.position + way * ((step as f64 + 0.5) / steps);
-                let carries = |[number, k]: [u32; 2]| {
-                    let line = below[number as usize].segment(k as usize).map(|point| point.at.position);
-                    (nearest(line, p) - p).norm() <= ON * thickness
-                };
-                if near.near(p).any(carries) {
+                if below.carries(p, reach) {
                     free = 0.0;
                 } else {
                     free += way.norm() / steps;

@@ -158,14 +158,12 @@ pub(super) struct Filled {
     pub sparse: SparseFill,
     /// What is solid; none if there is nothing solid.
     pub solid: Option<SurfaceMesh>,
-    /// For each vertex of the layer how far it is in what is sparse, in millimetres; below 0 outside.
-    pub open: Vec<f64>,
 }
 
 impl Filled {
     /// A layer that is solid.
     pub fn solid(paths: LayerPaths) -> Filled {
-        Filled { paths, sparse: SparseFill::default(), solid: None, open: Vec::new() }
+        Filled { paths, sparse: SparseFill::default(), solid: None }
     }
 }
 
@@ -229,8 +227,7 @@ pub(super) fn filled(
     }
     paths.unfilled = field.unfilled(&paths.paths);
     let solid = flush.part(|class| class != Class::Sparse)?.map(|(mesh, _)| mesh);
-    let open = contours.inside.iter().zip(&site.skin).map(|(inside, skin)| inside.min(-skin)).collect();
-    Ok(Filled { paths, sparse, solid, open })
+    Ok(Filled { paths, sparse, solid })
 }
 
 fn thickness(surface: &LayerSurface, triangle: u32) -> f64 {

@@ -23,6 +23,10 @@ use std::ops::{ControlFlow, Range};
 /// Columns reach this many thicknesses for each layer: layers are no more than that apart where they belong together.
 const COLUMN: f64 = 1.5;
 
+/// Where a skin begins, in layers short of all: next to the last vertex that is covered, since the outside of the part may be anywhere between
+/// it and the first that is not.
+const SHORT: f64 = 0.05;
+
 /// How much skins grow, in beads.
 const GROWTH: f64 = 1.0;
 
@@ -173,7 +177,7 @@ fn meets([a, b, c]: &[Point3<f64>; 3], from: Point3<f64>, way: Vector3<f64>) -> 
 
 /// For each vertex how far it is inside of what is covered by fewer than `skin` layers, grown: below 0 outside.
 fn grown(surface: &LayerSurface, counts: &[f64], skin: usize, growth: f64) -> Vec<f64> {
-    let level = skin as f64 - 0.5;
+    let level = skin as f64 - SHORT;
     let bare = |v: u32| counts[v as usize] < level;
     let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
     let mut edges: Vec<[u32; 2]> = surface.triangles.iter().flat_map(sides).collect();
