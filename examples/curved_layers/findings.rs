@@ -91,13 +91,17 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
     let (missed, share) = (&run.growth.missed, run.missed_share());
     if !missed.is_empty() {
         let inside = missed.iter().filter(|cell| matches!(cell.reason, MissedReason::Shadowed { .. })).count();
+        let out_of_reach = missed.iter().filter(|cell| cell.reason == MissedReason::OutOfReach).count();
+        let reach =
+            if out_of_reach > 0 { format!(", {out_of_reach} out of reach of the nozzle") } else { String::new() };
         let amount = format!(
-            "{} of its volume, {} of {} cells: {inside} inside the hull of what is built by then, {} with nothing to stand on; \
-             {} are proven impossible in any order, {} are undecided",
+            "{} of its volume, {} of {} cells: {inside} inside the hull of what is built by then{reach}, {} with nothing to stand on; \
+             by hulls alone {} are missed, {} are proven impossible in any order, {} are undecided",
             percent(share),
             missed.len(),
             run.solid.grid.count(),
-            missed.len() - inside,
+            missed.len() - inside - out_of_reach,
+            run.missed_by_hull.len(),
             run.impossible.len(),
             run.undecided()
         );

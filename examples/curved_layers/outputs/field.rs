@@ -168,7 +168,11 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("missed_volume_mm3", run.missed_mm3)?
         .set("missed_share", run.missed_share())?
         .set("missed_shadowed", missed(run, |reason| matches!(reason, MissedReason::Shadowed { .. })))?
-        .set("missed_unsupported", missed(run, |reason| !matches!(reason, MissedReason::Shadowed { .. })))?
+        .set("missed_out_of_reach", missed(run, |reason| reason == MissedReason::OutOfReach))?
+        .set(
+            "missed_unsupported",
+            missed(run, |reason| matches!(reason, MissedReason::SupportMissed | MissedReason::NeverAdjacent)),
+        )?
         .set("impossible_cells", run.impossible.len())?
         .set("undecided_cells", run.undecided())?
         .set("proofs_ok", run.proofs.is_ok())?

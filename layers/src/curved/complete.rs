@@ -325,17 +325,17 @@ pub struct PrintedSheet {
 impl PartSupport {
     /// The layers of the part and of this support together, first to last: all that planning their tool paths takes.
     pub fn printed_with(&self, part: &LayerSurfaces) -> Vec<PrintedSheet> {
-        let sheet =
-            |(of_part, of_support): ((&[Point3<f64>], &[[u32; 3]], &[f64]), (&[Point3<f64>], &[[u32; 3]], &[f64]))| {
-                let first = of_part.0.len() as u32;
-                let moved = of_support.1.iter().map(|corners| corners.map(|corner| first + corner));
-                PrintedSheet {
-                    vertices: [of_part.0, of_support.0].concat(),
-                    triangles: of_part.1.iter().copied().chain(moved).collect(),
-                    thickness_mm: [of_part.2, of_support.2].concat(),
-                    part_triangles: of_part.1.len(),
-                }
-            };
-        part.iter().zip(self.surfaces.iter()).map(sheet).collect()
+        let both = part.iter().zip(self.surfaces.iter());
+        let printed = both.map(|((points, triangles, thickness), of_support)| {
+            let first = points.len() as u32;
+            let moved = of_support.1.iter().map(|corners| corners.map(|corner| first + corner));
+            PrintedSheet {
+                vertices: [points, of_support.0].concat(),
+                triangles: triangles.iter().copied().chain(moved).collect(),
+                thickness_mm: [thickness, of_support.2].concat(),
+                part_triangles: triangles.len(),
+            }
+        });
+        printed.collect()
     }
 }

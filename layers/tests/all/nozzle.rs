@@ -159,7 +159,7 @@ proptest! {
 fn a_hanging_ball_is_reached_from_the_side() {
     let is_solid = |[x, y, z]: [u32; 3]| {
         let [dx, dy, dz] = [f64::from(x) - 15.0, f64::from(y) - 5.0, f64::from(z) - 12.0];
-        let post = (x < 2 || x > 28) && (4..7).contains(&y);
+        let post = !(2..=28).contains(&x) && (4..7).contains(&y);
         let beam = z >= 24 && (4..7).contains(&y);
         let stem = (14..17).contains(&x) && (4..7).contains(&y) && z > 12;
         post || beam || stem || dx * dx + dy * dy + dz * dz < 5.2 * 5.2

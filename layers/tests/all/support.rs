@@ -35,7 +35,7 @@ fn supported(part: &Part, rules: &Rules, options: &SupportOptions) -> (Growth, O
 fn hanging_ball() -> Part {
     part([31, 11, 27], |[x, y, z]: [u32; 3]| {
         let [dx, dy, dz] = [f64::from(x) - 15.0, f64::from(y) - 5.0, f64::from(z) - 12.0];
-        let post = (x < 2 || x > 28) && (4..7).contains(&y);
+        let post = !(2..=28).contains(&x) && (4..7).contains(&y);
         let beam = z >= 24 && (4..7).contains(&y);
         let stem = (14..17).contains(&x) && (4..7).contains(&y) && z > 12;
         post || beam || stem || dx * dx + dy * dy + dz * dz < 5.2 * 5.2
