@@ -13,6 +13,7 @@ use curvlay_examples::table::Table;
 use curvlay_layers::curved::{Impossible, MissedReason};
 use nalgebra::Vector3;
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// Pixels of each picture.
@@ -75,12 +76,26 @@ fn numbers(run: &FieldRun) -> Vec<u32> {
 /// layer that is printed of which it is a part, if it is.
 fn write_field(run: &FieldRun, order: &[u32], layers: &[Option<u32>], out: &mut dyn Write) -> io::Result<()> {
     let grid = &run.solid.grid;
+    // Numbers with four digits take most of the time, and there are only as many as planes of cells.
+    let along = |axis: usize| -> Vec<[String; 2]> {
+        let text = |at: u32| {
+            let mut cell = [0; 3];
+            cell[axis] = at;
+            [format!("{at},"), format!("{:.4},", grid.centre(cell)[axis])]
+        };
+        (0..grid.dims()[axis]).map(text).collect()
+    };
+    let [xs, ys, zs] = [0, 1, 2].map(along);
     writeln!(out, "x,y,z,x_mm,y_mm,z_mm,cell_layer,layer")?;
+    let mut line = String::new();
     for cell in grid.iter() {
-        let [x, y, z] = grid.position(cell);
-        let (centre, cell) = (grid.centre([x, y, z]), cell as usize);
-        let layer = layers[cell].map_or_else(String::new, |layer| layer.to_string());
-        writeln!(out, "{x},{y},{z},{:.4},{:.4},{:.4},{},{layer}", centre.x, centre.y, centre.z, order[cell])?;
+        let [x, y, z] = grid.position(cell).map(|at| at as usize);
+        line.clear();
+        [0, 1].iter().for_each(|&k| line.extend([&xs[x][k], &ys[y][k], &zs[z][k]].map(String::as_str)));
+        let _ = write!(line, "{},", order[cell as usize]); // to a string, which takes it
+        layers[cell as usize].iter().for_each(|layer| _ = write!(line, "{layer}"));
+        line.push('\n');
+        out.write_all(line.as_bytes())?;
     }
     Ok(())
 }

@@ -1,4 +1,5 @@
 //! The example `best_orientation`: its figures, its files, and what it says to bad input.
+#![allow(clippy::float_cmp, reason = "counts are exact")]
 
 // `main` and what it prints are of no use here.
 #[allow(dead_code)]
@@ -84,7 +85,8 @@ fn a_hook_is_turned_over_and_written() {
     let stl = read_mesh(&path.join("best_pose.stl")).unwrap();
     assert_eq!((stl.triangles.len(), best.triangles.len()), (given.triangles.len(), given.triangles.len()));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
-    assert!((6..=7).contains(&report.matches("data:image/png;base64,").count()));
+    // The poses that were tried again, and the sphere.
+    assert!((5..=6).contains(&report.matches("data:image/png;base64,").count()));
 
     // The page on formats has it all.
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();

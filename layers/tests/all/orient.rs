@@ -1,4 +1,5 @@
 //! How a part should lie: closed forms, slow twins of resting poses and of support columns, ranking, and bad input.
+#![allow(clippy::float_cmp, reason = "counts of cells times whole powers of two are exact")]
 
 use crate::common::{go, random_rows};
 use curvlay_layers::Progress;
