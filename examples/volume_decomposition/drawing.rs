@@ -65,8 +65,8 @@ fn draw_wall(scene: &mut Scene, wall: &SeparationWall, step: &Separation, thin: 
     let ends = [edge(low - margin), edge(high + margin)];
     let up = d * (top - step.height_mm).max(0.0) * 1.05;
     let mut frame = |shift: Vector3<f64>, colour: Rgb| {
-        for k in 0..2 {
-            scene.bar(ends[k], ends[k] + shift, 1.5 * thin, colour);
+        for end in ends {
+            scene.bar(end, end + shift, 1.5 * thin, colour);
         }
         scene.bar(ends[0] + shift, ends[1] + shift, 1.5 * thin, colour);
     };

@@ -4,7 +4,7 @@
 
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::Vector3;
-use curvlay_examples::shapes::jug;
+use curvlay_examples::shapes::{bend, ell, jug, mushroom, tee};
 use curvlay_voxel::inspect::{Orientation, inspect};
 
 fn corners(mesh: &Mesh) -> impl Iterator<Item = [Vector3<f64>; 3]> {
@@ -45,4 +45,25 @@ fn the_jug_stands_on_a_flat_foot() {
         .map(area)
         .sum();
     assert!(hanging > 1000.0, "{hanging} mm2");
+}
+
+#[test]
+fn shapes_for_volumes_are_solids_of_known_volume() {
+    let prism = 30.0 * (30.0 * 60.0 + 90.0 * 30.0);
+    // Polygons of 48 and 72 sides in the circles; the bend has its middle line at the radius 60, by Pappus, in 24 chords.
+    let circle = |r: f64, sides: f64| sides / 2.0 * r * r * (std::f64::consts::TAU / sides).sin();
+    let bar = circle(15.0, 48.0) * (40.0 + 30.0 + 60.0 * 48.0 * (std::f64::consts::FRAC_PI_2 / 48.0).tan());
+    let stem = circle(20.0, 72.0) * 60.0;
+    for (name, mesh, volume, within) in [
+        ("ell", ell(), prism, 1e-9),
+        ("tee", tee(), prism, 1e-9),
+        ("bend", bend(), bar, 2e-3),
+        ("mushroom", mushroom(), stem + circle(50.0, 72.0) * 35.0, 0.1),
+    ] {
+        let report = inspect(&mesh.vertices, &mesh.triangles).unwrap();
+        assert!(report.is_sound() && report.non_manifold_edges.count == 0, "{name}: {report:?}");
+        assert_eq!((report.euler, report.components, report.orientation), (2, 1, Orientation::Outward), "{name}");
+        let found = report.signed_volume_mm3;
+        assert!((found - volume).abs() < within * volume, "{name}: {found} {volume}");
+    }
 }

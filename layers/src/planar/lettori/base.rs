@@ -4,10 +4,11 @@ use super::layers::{Stand, analyse};
 use super::options::{BaseChoice, VolumeError, VolumeOptions};
 use crate::planar::Solid;
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 
 /// How many flat sides are tried as bases, beside the axes.
 const SIDES: usize = 12;
-/// Sides whose normals differ by less than this (a degree) are one.
+/// Sides whose normals are in one cell of this width (about a degree) are one.
 const ALIKE: f64 = 0.0175;
 /// Layers in which the overhang of a direction is compared; a part that is sliced in fewer is compared as it is.
 const LAYERS: f64 = 60.0;
@@ -23,16 +24,16 @@ pub(super) fn direction(solid: &Solid, options: &VolumeOptions) -> Result<Vector
 
 fn least_overhang(solid: &Solid, options: &VolumeOptions) -> Vector3<f64> {
     let mut candidates: Vec<Vector3<f64>> = Vec::new();
-    let mut sides: Vec<(Vector3<f64>, f64)> = Vec::new();
+    // By cells of the sphere, so that a mesh with as many normals as faces takes no longer.
+    let mut cells: BTreeMap<[i32; 3], (Vector3<f64>, f64)> = BTreeMap::new();
     for triangle in 0..solid.triangles().len() {
         let [a, b, c] = solid.corners(triangle);
         let doubled = (b - a).cross(&(c - a));
         let Some(normal) = doubled.try_normalize(0.0) else { continue };
-        match sides.iter_mut().find(|(known, _)| (known - normal).norm() < ALIKE) {
-            Some((_, area)) => *area += doubled.norm() / 2.0,
-            None => sides.push((normal, doubled.norm() / 2.0)),
-        }
+        let cell = [0, 1, 2].map(|k| (normal[k] / ALIKE).round() as i32);
+        cells.entry(cell).or_insert((normal, 0.0)).1 += doubled.norm() / 2.0;
     }
+    let mut sides: Vec<(Vector3<f64>, f64)> = cells.into_values().collect();
     // A stable sort: of equal sides the first one.
     sides.sort_by(|a, b| b.1.total_cmp(&a.1));
     candidates.extend([Vector3::z(), Vector3::y(), Vector3::x()].into_iter().flat_map(|axis| [axis, -axis]));
