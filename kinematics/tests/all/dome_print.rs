@@ -28,7 +28,7 @@ fn stroke(points: impl IntoIterator<Item = [f64; 2]>, closed: bool) -> DomeStrok
 fn ring(radius: f64, turns: f64) -> DomeStroke {
     let n = (360.0 * turns.abs()) as u32;
     let angle = move |k: u32| turns * TAU * f64::from(k) / f64::from(n);
-    stroke((0..=n).map(|k| [radius * angle(k).cos(), radius * angle(k).sin()]), turns.abs() == 1.0)
+    stroke((0..=n).map(|k| [radius * angle(k).cos(), radius * angle(k).sin()]), (turns.abs() - 1.0).abs() < 1e-9)
 }
 
 /// Rows computed by hand on paper: tangents of 3:4:5 triangles, turns by right angles.

@@ -1,5 +1,8 @@
 //! DXF and SVG files, and their curves as polylines.
 
+// Figures that are exact by construction are compared exactly.
+#![allow(clippy::float_cmp)]
+
 use curvlay_toolpath::drawing::{
     Contour, Curve, CurveFault, Drawing, DxfError, Flatten, FlattenError, join, read_dxf, remove_overlaps, signed_area,
     union_area,
