@@ -122,6 +122,11 @@ fn write_strokes(planned: &Planned, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
+/// How often the nozzle stops, also in the middle of a stroke.
+fn stops(args: &Args, planned: &Planned, printed: &Printed) -> usize {
+    planned.filled.stops() * args.layers as usize + printed.program.print.splits
+}
+
 fn widths(planned: &Planned) -> [f64; 2] {
     let widths = planned.filled.strokes.iter().map(|stroke| stroke.width);
     let [least, most] = widths.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], w| [a.min(w), b.max(w)]);
@@ -144,7 +149,7 @@ pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
     row("contour points", points[0].to_string(), "66661");
     row("fill points", points[1].to_string(), "27758");
     row("bead mm", format!("{least:.2} to {most:.2}"), "3.2 to 6.4");
-    row("stops", (planned.filled.stops() * args.layers as usize).to_string(), "");
+    row("stops", stops(args, planned, printed).to_string(), "");
     row("stops with scan lines", (planned.stops_scan_lines * args.layers as usize).to_string(), "");
     row("covered", percent(coverage.covered), "");
     row("covered twice", percent(coverage.overlap), "");
@@ -194,7 +199,8 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("area_union_mm2", planned.area_union_mm2)?
         .set("contour_points", points[0])?
         .set("fill_points", points[1])?
-        .set("stops", planned.filled.stops() * args.layers as usize)?
+        .set("stops", stops(args, planned, printed))?
+        .set("splits", print.splits)?
         .set("stops_scan_lines", planned.stops_scan_lines * args.layers as usize)?
         .set("on_printed", planned.on_printed)?
         .set("min_width_mm", least)?

@@ -56,7 +56,7 @@ pub fn draw(planned: &Planned) -> Vec<Vec<u8>> {
         // A little narrower, so that neighbours can be told apart.
         line(&mut scene, &stroke.points, stroke.closed, 0.42 * stroke.width, colour, reach);
         if let Some(at) = stroke.points.first() {
-            let at = Point3::new(at.x, at.y, 2.0 * reach * DETAIL);
+            let at = Point3::new(at.x, at.y, stroke.width);
             scene.bar(at - Vector3::x() * fine * 3.0, at + Vector3::x() * fine * 3.0, fine * 3.0, INK);
         }
     }

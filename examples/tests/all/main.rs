@@ -7,6 +7,7 @@ mod boge;
 mod clock;
 mod common;
 mod curved_layers;
+mod dome_drawing;
 mod jerk_motion;
 mod mesh;
 mod mesh_to_gcode;

@@ -10,7 +10,8 @@
 use super::{ConfData, DomeRig, Goal, Move, Speed, Step, Target, TurnError, TurnPath, Zone, choose_turns};
 use crate::arm::Arm;
 use nalgebra::{Isometry3, Point3, UnitVector3};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// A stroke on the surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +90,8 @@ pub struct DomePrint {
     pub strokes: Vec<PrintedStroke>,
     /// Those that cannot.
     pub faults: Vec<DomeFault>,
+    /// How often a stroke was stopped because axis 6 cannot turn as far as it needs.
+    pub splits: usize,
     /// The least and the largest angle of axis 6, in radians.
     pub axis6: [f64; 2],
     /// How far axis 6 turns between strokes in all, in radians.
@@ -133,7 +136,7 @@ impl DomeFault {
 }
 
 /// Plans a print: turns, poses and joints of every stroke, with the arm in one of the postures in which it holds the pole of the
-/// platform under the nozzle. The first of them in which all is within reach is taken, else the one with the fewest faults.
+/// platform under the nozzle. A stroke that turns farther than axis 6 can is printed in parts. The first of the postures in which all is within reach is taken, else the one with the fewest faults.
 ///
 /// # Returns
 /// What can be printed, and what cannot with the reason: numbers that are not finite are out of reach.
@@ -192,19 +195,27 @@ fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], 
     let range = [arm.limits().lower[5] - constant, arm.limits().upper[5] - constant];
     let mut print = DomePrint { axis6: [home[5]; 2], home: *home, ..DomePrint::default() };
     let (mut previous, mut turn) = (*home, 0.0);
-    for (number, stroke) in strokes.iter().enumerate() {
-        let places: Vec<Point3<f64>> = stroke.points.iter().map(|(at, _)| *at).collect();
-        let mut turns = DomeRig::turns(&places, options.pole_mm);
-        turns.iter_mut().for_each(|turn| *turn += options.added_turn);
-        let path = TurnPath { turns: &turns, closed: stroke.closed };
+    // The last piece comes first.
+    let mut waiting: Vec<Piece> = strokes.iter().enumerate().rev().map(|of| Piece::of(of, options)).collect();
+    while let Some(Piece { number, stroke, points, turns, closed, whole }) = waiting.pop() {
+        let path = TurnPath { turns: &turns, closed };
         let choice = match choose_turns(&[path], range, turn) {
             Ok(choices) => choices[0],
+            Err(_) if whole && turns.iter().all(|turn| turn.is_finite()) => {
+                let pieces = within_span(&turns, range[1] - range[0] - TAU);
+                print.splits += pieces.len() - 1;
+                waiting.extend(pieces.into_iter().rev().map(|part| {
+                    let (points, turns) = (points[part.clone()].to_vec(), turns[part].to_vec());
+                    Piece { number, stroke, points, turns, closed: false, whole: false }
+                }));
+                continue;
+            }
             Err(TurnError { span, .. }) => {
                 print.faults.push(DomeFault::Turns { stroke: number, span_deg: span.to_degrees() });
                 continue;
             }
         };
-        let (points, turns) = (choice.ordered(&stroke.points), choice.turned(&turns));
+        let (points, turns) = (choice.ordered(&points), choice.turned(&turns));
         let above = stroke.above + options.nozzle_mm;
         let poses: Vec<Isometry3<f64>> = points
             .iter()
@@ -237,9 +248,47 @@ fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], 
     print
 }
 
+/// A stroke, or a part of one that turns too far.
+struct Piece<'a> {
+    number: usize,
+    stroke: &'a DomeStroke,
+    points: Vec<(Point3<f64>, UnitVector3<f64>)>,
+    turns: Vec<f64>,
+    closed: bool,
+    whole: bool,
+}
+
+impl<'a> Piece<'a> {
+    fn of((number, stroke): (usize, &'a DomeStroke), options: &DomeOptions) -> Self {
+        let places: Vec<Point3<f64>> = stroke.points.iter().map(|(at, _)| *at).collect();
+        let mut turns = DomeRig::turns(&places, options.pole_mm);
+        turns.iter_mut().for_each(|turn| *turn += options.added_turn);
+        Piece { number, stroke, points: stroke.points.clone(), turns, closed: stroke.closed, whole: true }
+    }
+}
+
+/// Parts of a path, each as long as its angles stay within a span; neighbours have a point together.
+fn within_span(turns: &[f64], span: f64) -> Vec<Range<usize>> {
+    let mut parts = Vec::new();
+    let (mut begin, mut low, mut high) = (0, f64::INFINITY, f64::NEG_INFINITY);
+    for (k, &turn) in turns.iter().enumerate() {
+        (low, high) = (low.min(turn), high.max(turn));
+        if high - low > span && k > begin + 1 {
+            parts.push(begin..k);
+            begin = k - 1;
+            (low, high) = (turn.min(turns[begin]), turn.max(turns[begin]));
+        }
+    }
+    parts.push(begin..turns.len());
+    parts
+}
+
 /// Joints 1 to 5 may change by so much from one point of a path to the next, in radians; more is another posture, through which no
 /// straight move leads.
 const SAME_POSTURE: f64 = 0.3;
+
+/// Joints along a path, and below its begin and end.
+type Followed = (Vec<[f64; 6]>, [[f64; 6]; 2]);
 
 /// Joints along poses, and below the first and the last of them; or the first that is out of reach.
 fn follow(
@@ -249,7 +298,7 @@ fn follow(
     hop: f64,
     constant: f64,
     turns: &[f64],
-) -> Result<(Vec<[f64; 6]>, [[f64; 6]; 2]), usize> {
+) -> Result<Followed, usize> {
     let down = |pose: &Isometry3<f64>| {
         let mut pose = *pose;
         pose.translation.z -= hop;

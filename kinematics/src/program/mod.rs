@@ -20,7 +20,8 @@
 //! No reader gives a number that is not finite, or one beyond 1e6 (mm, rad, s).
 //!
 //! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget; [`print_on_dome`] makes the steps of a print on
-//! one, and [`choose_turns`] keeps an axis within its turns.
+//! one, and [`choose_turns`] keeps an axis within its turns. [`ExtruderCommand`] is a line of his extruder's serial
+//! protocol.
 //!
 //! Extruder signals: a controller hands out a signal when it reads it, and past a blended corner it reads ahead of the
 //! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there. A change between two
@@ -33,6 +34,7 @@ mod csv;
 mod dome;
 mod dome_print;
 mod external;
+mod extruder;
 mod knot;
 mod merge;
 mod names;
@@ -50,6 +52,7 @@ pub use csv::{CsvReader, write_csv};
 pub use dome::DomeRig;
 pub use dome_print::{DomeFault, DomeOptions, DomePrint, DomeStroke, PrintedStroke, print_on_dome};
 pub use external::{ExternalAxes, Payload};
+pub use extruder::{ExtruderCommand, ExtruderCommandError};
 pub use knot::{PrintKnot, TargetOptions};
 pub use prints::{PrintPiece, StreamLeg, StreamOptions, TargetMotion, print_pieces, print_stream, print_targets};
 pub use rapid::{

@@ -2,8 +2,8 @@
 
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_kinematics::program::{
-    DomeFault, DomeOptions, DomeRig, DomeStroke, Goal, Move, Step, TurnError, TurnPath, Zone, choose_turns,
-    print_on_dome,
+    DomeFault, DomeOptions, DomeRig, DomeStroke, ExtruderCommand, ExtruderCommandError, Goal, Move, Step, TurnError,
+    TurnPath, Zone, choose_turns, print_on_dome,
 };
 use curvlay_kinematics::{Arm, Cell, Waypoint, nozzle_frame, robots};
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn stroke(points: impl IntoIterator<Item = [f64; 2]>, closed: bool) -> DomeStrok
 fn ring(radius: f64, turns: f64) -> DomeStroke {
     let n = (360.0 * turns.abs()) as u32;
     let angle = move |k: u32| turns * TAU * f64::from(k) / f64::from(n);
-    stroke((0..=n).map(|k| [radius * angle(k).cos(), radius * angle(k).sin()]), turns.abs() == 1.0)
+    stroke((0..=n).map(|k| [radius * angle(k).cos(), radius * angle(k).sin()]), (turns.abs() - 1.0).abs() < 1e-9)
 }
 
 /// Rows computed by hand on paper: tangents of 3:4:5 triangles, turns by right angles.
@@ -196,12 +196,12 @@ fn what_cannot_be_printed_is_named() {
     let mut nan = ring(20.0, 1.0);
     nan.points[7].0.x = f64::NAN;
     let empty = stroke([], false);
-    let strokes = [far, ring(50.0, 2.5), ring(50.0, 1.0), nan, empty];
+    let strokes = [far, ring(50.0, 1.0), ring(50.0, 1.0), nan, empty];
     let print = print_on_dome(&rig, &arm, &strokes, &DomeOptions::default());
-    assert_eq!(print.strokes.len(), 1);
+    assert_eq!(print.strokes.len(), 2);
     let kinds: Vec<(usize, bool)> =
         print.faults.iter().map(|fault| (fault.stroke(), matches!(fault, DomeFault::Turns { .. }))).collect();
-    assert_eq!(kinds, [(0, false), (1, true), (3, false), (4, false)]);
+    assert_eq!(kinds, [(0, false), (3, false), (4, false)]);
     assert!(print.faults[0].to_string().contains("point 1 at (900.0, 0.0"), "{}", print.faults[0]);
 }
 
@@ -225,4 +225,47 @@ fn speeds_are_those_over_the_surface() {
     }
     let expected = print.strokes[0].lengths.last().unwrap() / options.print_mm_s;
     assert!((seconds - expected).abs() < 0.01 * expected, "{seconds} {expected}");
+}
+
+proptest! {
+    /// Commands come back from their lines, and no line panics.
+    #[test]
+    fn extruder_commands_come_back(rpm in 0.0..1e4f64, ms in any::<u32>(), line in ".*") {
+        for command in [
+            ExtruderCommand::Forwards,
+            ExtruderCommand::Reverse,
+            ExtruderCommand::Start,
+            ExtruderCommand::Stop,
+            ExtruderCommand::Rpm(rpm),
+            ExtruderCommand::PulseReverse(ms),
+        ] {
+            prop_assert_eq!(format!(" {command}\r\n").parse(), Ok(command));
+        }
+        let _ = line.parse::<ExtruderCommand>();
+    }
+}
+
+#[test]
+fn lines_that_are_no_commands_are_refused() {
+    for line in ["", "START,1", "RPM", "RPM,", "RPM,-1", "RPM,NaN", "RPM,1e9", "PULSEREV,1.5", "start", "PULSEREV,-1"] {
+        assert_eq!(line.parse::<ExtruderCommand>(), Err(ExtruderCommandError { line: line.to_owned() }));
+    }
+    assert_eq!(ExtruderCommand::Rpm(f64::NAN).to_string(), "RPM,0");
+    assert_eq!(ExtruderCommand::Rpm(1e9).to_string(), "RPM,10000");
+}
+
+/// Three times around one way is more than axis 6 can turn: it stops in between, and nothing is left out.
+#[test]
+fn what_turns_too_far_is_printed_in_parts() {
+    let (rig, arm) = (DomeRig::BROOKS, arm());
+    let stroke = ring(50.0, 3.0);
+    let print = print_on_dome(&rig, &arm, std::slice::from_ref(&stroke), &DomeOptions::default());
+    assert!(print.faults.is_empty());
+    assert_eq!((print.splits, print.strokes.len()), (2, 3));
+    // Parts have their ends together.
+    assert_eq!(print.points(), stroke.points.len() + print.splits);
+    let lengths: f64 = print.strokes.iter().map(|stroke| stroke.lengths.last().unwrap()).sum();
+    let length: f64 = stroke.points.windows(2).map(|pair| (pair[1].0 - pair[0].0).norm()).sum();
+    assert!((lengths - length).abs() < 1e-6);
+    assert!(print.axis6.iter().all(|angle| angle.to_degrees().abs() <= 400.0));
 }

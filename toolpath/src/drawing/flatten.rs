@@ -80,10 +80,8 @@ pub enum FlattenError {
         value: f64,
     },
     /// No entity is on the layers that were asked for.
-    #[error("no entity is on layer {wanted}; there are: {layers}")]
+    #[error("no entity is on the layers asked for; there are: {layers}")]
     NoEntity {
-        /// What was asked for.
-        wanted: String,
         /// The layers that have entities.
         layers: String,
     },
@@ -158,10 +156,11 @@ impl Drawing {
                 fits.ok_or(FlattenError::TooManyPoints { limit: MAX_POINTS })?;
                 left -= (points.len() - before).min(left);
             }
-            let farthest = points.iter().flat_map(|p| [p.x.abs(), p.y.abs()]).fold(0.0, f64::max);
-            if !(farthest <= MAX_COORDINATE_MM) {
-                return Err(named(CurveFault::TooFar { value: farthest, limit: MAX_COORDINATE_MM }));
+            let mut coordinates = points.iter().flat_map(|p| [p.x, p.y]);
+            if let Some(value) = coordinates.find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM) {
+                return Err(named(CurveFault::TooFar { value, limit: MAX_COORDINATE_MM }));
             }
+            let farthest = points.iter().flat_map(|p| [p.x.abs(), p.y.abs()]).fold(0.0, f64::max);
             points.dedup();
             // Circles come back to their begin but for rounding, which is far below any tolerance of joining.
             let near = 1e-9 * farthest.max(1e-3);
@@ -177,13 +176,9 @@ impl Drawing {
             contours.push(Contour { points, closed, entity: number });
         }
         if contours.is_empty() {
-            let wanted = match self.layers().iter().find(|(name, _)| is_on(name)) {
-                Some((name, _)) => name.clone(),
-                None => "asked for".to_owned(),
-            };
             let layers: Vec<String> = self.layers().into_iter().map(|(name, _)| name).collect();
             let layers = if layers.is_empty() { "none".to_owned() } else { layers.join(", ") };
-            return Err(FlattenError::NoEntity { wanted, layers });
+            return Err(FlattenError::NoEntity { layers });
         }
         Ok(contours)
     }

@@ -1,5 +1,8 @@
 //! DXF and SVG files, and their curves as polylines.
 
+// Figures that are exact by construction are compared exactly.
+#![allow(clippy::float_cmp)]
+
 use curvlay_toolpath::drawing::{
     Contour, Curve, CurveFault, Drawing, DxfError, Flatten, FlattenError, join, read_dxf, remove_overlaps, signed_area,
     union_area,
@@ -210,7 +213,7 @@ fn drawings_that_cannot_be_flattened_are_refused() {
     let Flatten::Tolerance(_) = Flatten::default() else { panic!("a step") };
     assert!(matches!(error("A", Flatten::Tolerance(0.0)), FlattenError::Option { .. }));
     assert!(matches!(error("A", Flatten::Step(f64::NAN)), FlattenError::Option { .. }));
-    assert_eq!(error("B", Flatten::default()).to_string(), "no entity is on layer asked for; there are: A, FAR");
+    assert_eq!(error("B", Flatten::default()).to_string(), "no entity is on the layers asked for; there are: A, FAR");
     assert!(error("FAR", Flatten::default()).to_string().starts_with("CIRCLE number 2 (line 18): a coordinate is 1.0"));
     let mut huge = Drawing::default();
     huge.add("A", [Curve::circle(Point2::origin(), 1e5, 0.0, TAU)]);

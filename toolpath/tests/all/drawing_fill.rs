@@ -1,5 +1,8 @@
 //! Joining, placing, overlaps, fill and coverage of drawings.
 
+// Figures that are exact by construction are compared exactly.
+#![allow(clippy::float_cmp)]
+
 use curvlay_toolpath::drawing::*;
 use curvlay_toolpath::nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
@@ -238,7 +241,7 @@ fn scan_lines_of_a_rectangle_are_as_computed() {
     let rectangle = region(&piece(&[[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]], true), &[]);
     for (angle, count, length) in [(0.0, 18, 27.0), (PI / 2.0, 28, 17.0)] {
         let scan = FillOptions { angle, zigzag: false, ..options(Fill::Lines, 1.0) };
-        let filled = fill(&[rectangle.clone()], &[], &scan).unwrap();
+        let filled = fill(std::slice::from_ref(&rectangle), &[], &scan).unwrap();
         let lines: Vec<&Stroke> = filled.strokes.iter().filter(|stroke| stroke.kind == StrokeKind::Fill).collect();
         assert_eq!((lines.len(), filled.stops()), (count, count + 1));
         for line in &lines {
@@ -246,9 +249,9 @@ fn scan_lines_of_a_rectangle_are_as_computed() {
             assert!((line.width - 1.0).abs() < 1e-9);
         }
         // Joined, they are one.
-        let zigzag = fill(&[rectangle.clone()], &[], &FillOptions { zigzag: true, ..scan }).unwrap();
+        let zigzag = fill(std::slice::from_ref(&rectangle), &[], &FillOptions { zigzag: true, ..scan }).unwrap();
         assert_eq!(zigzag.stops(), 2);
-        let covered = coverage(&[rectangle.clone()], &zigzag.strokes).unwrap();
+        let covered = coverage(std::slice::from_ref(&rectangle), &zigzag.strokes).unwrap();
         assert!(covered.covered > 0.97 && covered.overlap < 0.04 && covered.outside < 0.01, "{covered:?}");
     }
 }
@@ -261,8 +264,8 @@ fn tangent_scan_lines_stay_inside() {
     let region = region(&comb, &[square(2.0, 2.0, 2.0)]);
     for angle in [0.0, 0.1, PI / 2.0, -1.0, PI] {
         let scan = FillOptions { angle, ..options(Fill::Lines, 0.5) };
-        let filled = fill(&[region.clone()], &[], &scan).unwrap();
-        let covered = coverage(&[region.clone()], &filled.strokes).unwrap();
+        let filled = fill(std::slice::from_ref(&region), &[], &scan).unwrap();
+        let covered = coverage(std::slice::from_ref(&region), &filled.strokes).unwrap();
         assert!(covered.outside < 2e-3 && covered.covered > 0.95, "{angle}: {covered:?}");
     }
 }
@@ -278,16 +281,17 @@ fn a_spiral_is_one_closed_curve() {
         (piece(&[[0.0, 0.0], [20.0, 7.0], [40.0, 0.0], [40.0, 20.0], [20.0, 13.0], [0.0, 20.0]], true), vec![]),
     ] {
         let region = region(&shape, &holes);
-        let spiral = fill(&[region.clone()], &[], &options(Fill::Spiral, 1.5)).unwrap();
+        let spiral = fill(std::slice::from_ref(&region), &[], &options(Fill::Spiral, 1.5)).unwrap();
         assert_eq!(spiral.stops(), 1, "{:?}", shape.points[1]);
         assert!(spiral.strokes[0].closed);
-        let loops = fill(&[region.clone()], &[], &options(Fill::Concentric, 1.5)).unwrap();
+        let loops = fill(std::slice::from_ref(&region), &[], &options(Fill::Concentric, 1.5)).unwrap();
         assert!(loops.stops() > 4);
         // Bridges are as long as what they replace.
         let length: f64 = loops.strokes.iter().map(Stroke::length).sum();
         let off = (spiral.strokes[0].length() - length).abs() / length;
         assert!(off < 0.02, "{off}");
-        let [ours, theirs] = [&spiral, &loops].map(|filled| coverage(&[region.clone()], &filled.strokes).unwrap());
+        let [ours, theirs] =
+            [&spiral, &loops].map(|filled| coverage(std::slice::from_ref(&region), &filled.strokes).unwrap());
         assert!(ours.covered > theirs.covered - 0.01 && ours.overlap < theirs.overlap + 0.02, "{ours:?} {theirs:?}");
         assert!(ours.outside < 2e-3, "{ours:?}");
     }
@@ -298,12 +302,12 @@ fn a_spiral_is_one_closed_curve() {
 fn beads_fit_a_ribbon() {
     let ribbon = region(&piece(&[[0.0, 0.0], [200.0, 0.0], [200.0, 4.2], [0.0, 4.2]], true), &[]);
     for (bead, width) in [(3.2, 2.1), (1.5, 2.1), (1.2, 1.05), (0.7, 0.7)] {
-        let filled = fill(&[ribbon.clone()], &[], &options(Fill::Spiral, bead)).unwrap();
+        let filled = fill(std::slice::from_ref(&ribbon), &[], &options(Fill::Spiral, bead)).unwrap();
         assert!((filled.strokes[0].width - width).abs() < 0.02, "{bead}: {}", filled.strokes[0].width);
-        let covered = coverage(&[ribbon.clone()], &filled.strokes).unwrap();
+        let covered = coverage(std::slice::from_ref(&ribbon), &filled.strokes).unwrap();
         assert!(covered.covered > 0.97 && covered.overlap < 0.04 && covered.outside < 0.01, "{bead}: {covered:?}");
     }
-    let filled = fill(&[ribbon.clone()], &[], &options(Fill::Spiral, 5.0)).unwrap();
+    let filled = fill(std::slice::from_ref(&ribbon), &[], &options(Fill::Spiral, 5.0)).unwrap();
     assert_eq!((filled.stops(), filled.too_narrow), (0, 1));
     assert!((filled.too_narrow_mm2 - 840.0).abs() < 1e-6);
 }
@@ -312,7 +316,7 @@ fn beads_fit_a_ribbon() {
 fn the_thesis_prints_too_wide() {
     let ribbon = region(&piece(&[[0.0, 0.0], [200.0, 0.0], [200.0, 4.2], [0.0, 4.2]], true), &[]);
     let scan = FillOptions { contour: ContourAt::OnLine, ..options(Fill::None, 6.4) };
-    let on_line = coverage(&[ribbon.clone()], &fill(&[ribbon], &[], &scan).unwrap().strokes).unwrap();
+    let on_line = coverage(std::slice::from_ref(&ribbon), &fill(&[ribbon], &[], &scan).unwrap().strokes).unwrap();
     assert!(on_line.covered > 0.99 && on_line.outside > 1.45, "{on_line:?}");
 }
 
@@ -409,14 +413,14 @@ fn what_is_covered_twice_is_counted() {
         source: 0,
     };
     let region = region(&piece(&[[0.0, 0.0], [20.0, 0.0], [20.0, 4.0], [0.0, 4.0]], true), &[]);
-    let found = coverage(&[region.clone()], &[line(1.0), line(2.5)]).unwrap();
+    let found = coverage(std::slice::from_ref(&region), &[line(1.0), line(2.5)]).unwrap();
     assert!((found.covered - 3.5 / 4.0).abs() < 0.03 && (found.overlap - 0.5 / 4.0).abs() < 0.03, "{found:?}");
     // A bend is one bead; coming back over oneself is two.
     let points = [[2.0, 2.0], [10.0, 2.0], [10.0, 3.5]].map(Point2::from);
     let bend = Stroke { points: points.to_vec(), ..line(0.0) };
-    assert_eq!(coverage(&[region.clone()], &[bend.clone()]).unwrap().overlap, 0.0);
+    assert_eq!(coverage(std::slice::from_ref(&region), &[bend.clone()]).unwrap().overlap, 0.0);
     let back = Stroke { points: points.into_iter().chain([Point2::new(2.0, 2.0)]).collect(), ..bend };
-    assert!(coverage(&[region.clone()], &[back]).unwrap().overlap > 0.05);
+    assert!(coverage(std::slice::from_ref(&region), &[back]).unwrap().overlap > 0.05);
     let bad = Stroke { width: 0.0, ..line(0.0) };
     assert_eq!(coverage(&[region], &[bad]), Err(CoverageError::NotFinite));
     assert_eq!(coverage(&[], &[]).unwrap(), Coverage::default());

@@ -1,5 +1,8 @@
 //! Drawings on domes, spheres, height fields and meshes.
 
+// Figures that are exact by construction are compared exactly.
+#![allow(clippy::float_cmp)]
+
 use curvlay_toolpath::drawing::*;
 use curvlay_toolpath::nalgebra::{Point2, Point3, Vector3};
 use proptest::prelude::*;

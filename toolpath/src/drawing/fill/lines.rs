@@ -35,7 +35,8 @@ pub(super) fn scan(shape: &Shape, bead: f64, options: &FillOptions) -> Vec<(Ring
         shape.iter().map(|ring| ring.iter().map(|&[x, y]| [cos * x + sin * y, cos * y - sin * x]).collect()).collect();
     let heights = turned.iter().flatten().map(|at| at[1]);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
-    if !(low < high) {
+    // Not for an empty shape either, whose extent is infinite the wrong way round.
+    if low >= high {
         return Vec::new();
     }
     // Lines reach half a bead beyond the shape on both sides.
@@ -72,9 +73,9 @@ fn crossings(shape: &Shape, rows: &[f64]) -> Vec<Crossing> {
             }
         }
         let last = all.len();
-        for k in first..last {
-            all[k].next = if k + 1 < last { k + 1 } else { first };
-            all[k].previous = if k > first { k - 1 } else { last - 1 };
+        for (k, crossing) in all.iter_mut().enumerate().skip(first) {
+            crossing.next = if k + 1 < last { k + 1 } else { first };
+            crossing.previous = if k > first { k - 1 } else { last - 1 };
         }
     }
     let mut by_place: Vec<usize> = (0..all.len()).collect();
@@ -102,9 +103,9 @@ fn strokes(shape: &Shape, rows: &[f64], zigzag: bool) -> Vec<Ring> {
         let mut line = vec![at(start), at(all[start].partner)];
         let mut end = all[start].partner;
         (done[start], done[end]) = (true, true);
-        while zigzag {
+        loop {
             // Upwards first: the rows below are mostly done.
-            let leads = |&(to, _): &(usize, bool)| !done[to] && all[to].row.abs_diff(all[end].row) == 1;
+            let leads = |&(to, _): &(usize, bool)| zigzag && !done[to] && all[to].row.abs_diff(all[end].row) == 1;
             let ways = [(all[end].next, true), (all[end].previous, false)];
             let Some((to, forward)) = ways.into_iter().filter(leads).max_by_key(|&(to, _)| all[to].row) else { break };
             line.extend(between(&shape[all[end].ring], all[end].edge, all[to].edge, forward));

@@ -231,12 +231,11 @@ fn check(options: &FillOptions) -> Result<(), FillError> {
     }
 }
 
-/// The strokes of a region, outlines and fill; `None` if it is too narrow.
-fn beads(
-    region: &Region,
-    source: usize,
-    options: &FillOptions,
-) -> Result<Option<(Vec<Stroke>, Vec<Stroke>)>, FillError> {
+/// Outlines and fill.
+type Beads = (Vec<Stroke>, Vec<Stroke>);
+
+/// The strokes of a region; `None` if it is too narrow.
+fn beads(region: &Region, source: usize, options: &FillOptions) -> Result<Option<Beads>, FillError> {
     let bead = options.bead;
     let whole = region.shape();
     // Half of the tolerance for the shape, half for its round corners.

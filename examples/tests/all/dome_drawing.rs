@@ -1,0 +1,177 @@
+//! The example `dome_drawing`: its figures, its files, and what it says to bad input.
+
+// `main` and what it prints are of no use here.
+#[allow(dead_code)]
+#[path = "../../dome_drawing/main.rs"]
+mod example;
+
+use crate::common;
+use crate::common::summary;
+use clap::Parser;
+use curvlay_examples::args::Outcome;
+use curvlay_examples::bars::Bars;
+use example::Args;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn arguments(words: &[&str]) -> Result<Args, clap::Error> {
+    Args::try_parse_from(["dome_drawing"].iter().chain(words))
+}
+
+fn place(name: &str) -> PathBuf {
+    common::place("dome_drawing", name)
+}
+
+/// Runs the example in a folder of its own.
+fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
+    let folder = common::folder("dome_drawing", name);
+    let (_, _, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder)
+        .map_err(|failure| failure.message().to_owned())?;
+    Ok((place(name), outcome))
+}
+
+fn file(name: &str, text: &str) -> String {
+    fs::create_dir_all(place("files")).unwrap();
+    let path = place("files").join(name);
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Whether the page on formats has every key of the summary and the columns of the strokes.
+fn assert_documented(path: &Path) {
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    let (_, page) = page.split_once("\n## `dome_drawing`\n").unwrap();
+    for key in summary(path).keys() {
+        assert!(page.contains(&format!("`{key}`")), "{key}");
+    }
+    let table = fs::read_to_string(path.join("strokes.csv")).unwrap();
+    assert!(page.contains(&format!("`{}`", table.lines().next().unwrap())));
+}
+
+#[test]
+fn the_design_made_in_code_is_printed() {
+    let (path, outcome) = run("rosette", &[]).unwrap();
+    assert_eq!(outcome, Outcome::Done);
+    let summary = summary(&path);
+    let count = |key: &str| summary[key].as_u64().unwrap();
+    let figure = |key: &str| summary[key].as_f64().unwrap();
+    assert_eq!([count("entities"), count("closed"), count("open"), count("unreachable")], [53, 21, 12, 0]);
+    assert_eq!([count("touching"), count("blocked_travels"), count("returns_home")], [0, 0, 0]);
+    assert!(figure("area_union_mm2") < figure("area_sum_mm2"));
+    assert!(figure("axis6_min_deg") >= -400.0 && figure("axis6_max_deg") <= 400.0);
+    assert!(figure("round_trip_mm") <= 1e-3);
+    assert!(figure("covered_fraction") >= 0.95 && figure("overlap_fraction") <= 0.04);
+    assert!(count("stops") * 5 <= count("stops_scan_lines"));
+    // A line for each point, on the dome of Eq. 3-1.
+    let csv = fs::read_to_string(path.join("strokes.csv")).unwrap();
+    assert_eq!(csv.lines().count() as u64, 1 + count("contour_points") + count("fill_points"));
+    for line in csv.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').skip(4).map(|cell| cell.parse().unwrap()).collect();
+        let square = cells[0] * cells[0] + cells[1] * cells[1];
+        let height = 149.6 - 0.002343 * square - 3.309e-8 * square * square;
+        assert!((cells[2] - height).abs() < 1e-3, "{line}");
+    }
+    // A main and parts, and as many targets in them.
+    let parts: Vec<String> =
+        (1..count("modules")).map(|k| fs::read_to_string(path.join(format!("drawing_{k:03}.mod"))).unwrap()).collect();
+    let lines: usize = parts.iter().map(|part| part.matches("MoveL ").count()).sum();
+    assert_eq!(lines as u64, count("contour_points") + count("fill_points") + count("splits"));
+    let starts: usize = parts.iter().map(|part| part.matches("SetDO doExtruder,1").count()).sum();
+    assert_eq!(starts as u64, count("stops"));
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert_eq!(report.matches("data:image/png;base64,").count(), 6);
+    assert_documented(&path);
+}
+
+#[test]
+fn an_svg_is_printed_in_layers_on_a_sphere() {
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
+        <g id="rim"><rect x="10" y="10" width="30" height="20"/><text x="3" y="3">no</text></g>
+        <path id="wave" d="M 50 50 C 60 20 70 80 90 50" fill="none" stroke="black"/></svg>"#;
+    let svg = file("flower.svg", svg);
+    let words = ["--svg", &svg, "--surface", "sphere", "--layers", "2", "--fill", "lines", "--projection", "meridian"];
+    let (path, _) = run("svg", &words).unwrap();
+    let summary = summary(&path);
+    assert_eq!(summary["drawing_layers"], "0 1, rim 1");
+    assert_eq!(summary["skipped"], "text 1");
+    assert_eq!((&summary["closed"], &summary["open"], &summary["unreachable"]), (&1.into(), &1.into(), &0.into()));
+    assert!((summary["area_sum_mm2"].as_f64().unwrap() - 600.0).abs() < 1e-2);
+    let csv = fs::read_to_string(path.join("strokes.csv")).unwrap();
+    for line in csv.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').skip(4).map(|cell| cell.parse().unwrap()).collect();
+        let radius = cells[0].hypot(cells[1]).hypot(cells[2] - 149.6 + 200.0);
+        let wanted = if line.contains(",1,") && line.split(',').nth(2) == Some("1") { 200.0 } else { 201.0 };
+        assert!((radius - wanted).abs() < 1e-3, "{line}");
+    }
+    let (path, outcome) = run("svg_layer", &["--svg", &svg, "--layer", "rim", "--fill", "none", "--on-line"]).unwrap();
+    assert_eq!(outcome, Outcome::Done);
+    assert_eq!(common::summary(&path)["stops"], 1);
+}
+
+#[test]
+fn bad_files_are_told() {
+    let entities = |text: &str| {
+        let text = format!("0 SECTION 2 ENTITIES {text} 0 ENDSEC 0 EOF");
+        text.split_whitespace().map(|word| word.to_owned() + "\n").collect::<String>()
+    };
+    let line = "0 LINE 8 A 10 0 20 0 11 9 21 9 ";
+    for (name, text, told) in [
+        ("empty.dxf", String::new(), "has no section ENTITIES"),
+        ("nothing.dxf", entities(""), "nothing in it that can be drawn"),
+        ("text.dxf", "once upon a time\n".to_owned(), "line 1: not an ASCII DXF file"),
+        ("cut.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n".to_owned(), "the file ends in the middle of a section"),
+        ("nan.dxf", entities(&(line.to_owned() + "0 CIRCLE 8 A 10 NaN 20 0 40 1")), "line 22: `NaN`"),
+        ("zero.dxf", entities("0 CIRCLE 8 A 10 0 20 0 40 0"), "line 6: the CIRCLE has a radius of 0"),
+        ("huge.dxf", entities("0 CIRCLE 8 A 10 9e9 20 0 40 5"), "CIRCLE number 1 (line 6)"),
+        ("wide.dxf", entities("0 CIRCLE 8 A 10 0 20 0 40 200"), "400.0 mm wide about its centre"),
+        ("bad.svg", "<svg><path".to_owned(), "not a readable SVG file"),
+        ("no.svg", "plain words".to_owned(), "not a readable SVG file"),
+    ] {
+        let path = file(name, &text);
+        let kind = if name.ends_with("svg") { "--svg" } else { "--dxf" };
+        let error = run(&format!("bad_{name}"), &[kind, &path]).unwrap_err();
+        assert!(error.contains(told) && error.contains(name) && !error.contains('\n'), "{name}: {error}");
+        assert!(!place(&format!("bad_{name}")).exists(), "{name}");
+    }
+    let path = file("layers.dxf", &entities(line));
+    let error = run("bad_layer", &["--dxf", &path, "--layer", "B"]).unwrap_err();
+    assert!(error.contains("no entity is on layer `B`; layers with entities: A"), "{error}");
+    assert!(run("bad_gone", &["--dxf", "no/such.dxf"]).unwrap_err().contains("no/such.dxf"));
+    assert!(run("bad_mesh", &["--surface", "no/such.stl"]).unwrap_err().contains("no/such.stl"));
+}
+
+#[test]
+fn arguments_out_of_range_are_refused() {
+    for words in [
+        ["--bead", "0"],
+        ["--diameter", "nan"],
+        ["--centre", "1"],
+        ["--step", "0.001"],
+        ["--layers", "0"],
+        ["--fill", "foam"],
+        ["--nozzle-height", "90"],
+        ["--angle", "x"],
+    ] {
+        assert!(arguments(&words).is_err(), "{words:?}");
+    }
+    assert!(arguments(&["--dxf", "a", "--svg", "b"]).is_err());
+}
+
+/// The three designs: nothing out of reach, axis 6 within its turns, and one stop for many of scan lines.
+#[test]
+#[ignore = "needs ../shared/dxf; .ci/run runs it where that folder exists"]
+fn the_three_designs_are_printed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/dxf");
+    for name in ["rosette-leaves", "petals-mixed", "lattice-wreath"] {
+        let path = folder.join(format!("{name}.dxf"));
+        let (path, outcome) = run(name, &["--dxf", path.to_str().unwrap(), "--bead", "1.4"]).unwrap();
+        assert_eq!(outcome, Outcome::Done, "{name}");
+        let summary = summary(&path);
+        let figure = |key: &str| summary[key].as_f64().unwrap();
+        assert!(figure("axis6_min_deg") >= -400.0 && figure("axis6_max_deg") <= 400.0, "{name}");
+        assert!(figure("round_trip_mm") <= 1e-3 && figure("unreachable") == 0.0, "{name}");
+    }
+    let truncated = folder.join("../bad-models/truncated.dxf");
+    let error = run("truncated", &["--dxf", truncated.to_str().unwrap()]).unwrap_err();
+    assert!(error.contains("the file ends in the middle of a section"), "{error}");
+}
