@@ -2,6 +2,7 @@
 //!
 //! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3.
 
+pub mod robofdm;
 mod uniform;
 
 pub use uniform::{UniformSlicing, slice_uniformly};

@@ -10,6 +10,7 @@ mod growth_twins;
 mod impossible;
 mod plates;
 mod quality;
+mod robofdm;
 mod serde;
 mod surface;
 mod trimming;

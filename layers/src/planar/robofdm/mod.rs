@@ -1,0 +1,24 @@
+//! RoboFDM: a solid in parts that are printed one after another, each in flat layers along its own direction.
+//!
+//! Wu, Dai, Fang, Liu, Wang, "RoboFDM: a robotic system for support-free fabrication using FDM", ICRA 2017; here after
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.4.
+
+mod border;
+mod closed;
+mod cut;
+mod error;
+mod mixture;
+mod promise;
+mod segment;
+mod sequence;
+mod skeleton;
+mod tuning;
+
+pub use border::Border;
+pub use cut::{FlowNetwork, Labelling};
+pub use error::RoboFdmError;
+pub use mixture::GaussianMixture;
+pub use segment::{MAX_CLUSTERS, SegmentOptions, Segmentation, segment};
+pub use sequence::{BuildSequence, PlannedPart, Root, SequenceOptions, plan_sequence};
+pub use skeleton::{CurveSkeleton, SkeletonOptions, curve_skeleton};
+pub use tuning::{Decomposition, PrintedPart, TuningOptions, tune};

@@ -1,0 +1,8 @@
+//! RoboFDM: skeletons, mixtures, cuts, segments and sequences.
+
+mod cuts;
+mod mixtures;
+mod segments;
+mod sequences;
+mod shapes;
+mod skeletons;

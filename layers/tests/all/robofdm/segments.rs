@@ -1,0 +1,112 @@
+use super::shapes::{Shape, dumbbell, tee, tripod};
+use curvlay_layers::nalgebra::Vector3;
+use curvlay_layers::planar::robofdm::{RoboFdmError, SegmentOptions, Segmentation, segment};
+
+pub fn segmented(shape: &Shape) -> Segmentation {
+    segment(&shape.points, &shape.triangles, &SegmentOptions::default()).unwrap()
+}
+
+/// The part of the facet whose middle is nearest to a point.
+fn part_at(shape: &Shape, segmentation: &Segmentation, p: [f64; 3]) -> u32 {
+    let far = |f: &usize| (shape.middle(*f) - Vector3::from(p)).norm();
+    let nearest = (0..shape.triangles.len()).min_by(|f, g| far(f).total_cmp(&far(g))).unwrap();
+    segmentation.part_of[nearest]
+}
+
+fn all_differ(parts: &[u32]) -> bool {
+    parts.iter().enumerate().all(|(i, a)| parts[..i].iter().all(|b| a != b))
+}
+
+#[test]
+fn a_dumbbell_is_two_balls_and_a_bar_with_upright_planes_between() {
+    let shape = dumbbell();
+    let segmentation = segmented(&shape);
+    assert_eq!((segmentation.parts, segmentation.mixture.means.len()), (3, 2));
+    let parts = [[7.0, 7.0, 13.0], [22.0, 7.0, 9.0], [37.0, 7.0, 13.0]].map(|p| part_at(&shape, &segmentation, p));
+    assert!(all_differ(&parts));
+    // A bar of radius 2 and a ball of radius 6: the distances from the skeleton.
+    assert!((segmentation.mixture.means[0].exp() - 2.0).abs() < 0.6, "{:?}", segmentation.mixture);
+    assert!((segmentation.mixture.means[1].exp() - 6.0).abs() < 1.5, "{:?}", segmentation.mixture);
+    assert_eq!(segmentation.borders.len(), 2);
+    for border in &segmentation.borders {
+        assert!(border.normal.x.abs() > 5f64.to_radians().cos(), "{border:?}");
+        // Where the bar enters the ball, sqrt(36 - 4) from its middle, give or take two cells.
+        let x = border.origin.x.min(44.0 - border.origin.x);
+        assert!((x - 12.7).abs() < 2.0, "{x}");
+        // From the first part to the second.
+        let mean = |part: u32| {
+            let own: Vec<_> = (0..shape.triangles.len()).filter(|&f| segmentation.part_of[f] == part).collect();
+            own.iter().map(|&f| shape.middle(f)).sum::<Vector3<f64>>() / own.len() as f64
+        };
+        assert!((mean(border.parts[1]) - mean(border.parts[0])).dot(&border.normal) > 0.0);
+    }
+}
+
+#[test]
+fn each_arm_of_a_tee_and_of_a_tripod_is_a_part() {
+    for (shape, ends) in [
+        (tee(), [[20.0, 7.0, 5.0], [6.0, 7.0, 26.0], [34.0, 7.0, 26.0]]),
+        (tripod(), [[36.0, 20.0, 10.0], [12.0, 34.0, 10.0], [12.0, 6.0, 10.0]]),
+    ] {
+        let segmentation = segmented(&shape);
+        assert_eq!(segmentation.parts, 3);
+        assert!(all_differ(&ends.map(|p| part_at(&shape, &segmentation, p))));
+    }
+}
+
+#[test]
+fn parts_are_connected_and_borders_lie_between_them() {
+    let shape = tripod();
+    let segmentation = segmented(&shape);
+    assert!(segmentation.part_of.iter().all(|&p| (p as usize) < segmentation.parts));
+    // Flood over shared edges with nothing but the definition.
+    for part in 0..segmentation.parts as u32 {
+        let own: Vec<usize> = (0..shape.triangles.len()).filter(|&f| segmentation.part_of[f] == part).collect();
+        let shares =
+            |f: usize, g: usize| shape.triangles[f].iter().filter(|v| shape.triangles[g].contains(v)).count() == 2;
+        let (mut seen, mut next) = (vec![own[0]], 0);
+        while let Some(&f) = seen.get(next) {
+            next += 1;
+            let new: Vec<usize> = own.iter().copied().filter(|g| !seen.contains(g) && shares(f, *g)).collect();
+            seen.extend(new);
+        }
+        assert_eq!(seen.len(), own.len());
+    }
+    for border in &segmentation.borders {
+        for edge in &border.edges {
+            let mut sides: Vec<u32> = (0..shape.triangles.len())
+                .filter(|&f| edge.iter().all(|v| shape.triangles[f].contains(v)))
+                .map(|f| segmentation.part_of[f])
+                .collect();
+            sides.sort_unstable();
+            assert_eq!(sides, border.parts);
+        }
+    }
+}
+
+#[test]
+fn the_number_of_clusters_can_be_given() {
+    let shape = tee();
+    let options = SegmentOptions { clusters: Some(2), ..SegmentOptions::default() };
+    let segmentation = segment(&shape.points, &shape.triangles, &options).unwrap();
+    assert_eq!(segmentation.mixture.means.len(), 2);
+}
+
+#[test]
+fn bad_options_are_named() {
+    let shape = tee();
+    let default = SegmentOptions::default();
+    let facets = shape.triangles.len();
+    let bad = [
+        ("clusters", SegmentOptions { clusters: Some(0), ..default }),
+        ("clusters", SegmentOptions { clusters: Some(facets + 1), ..default }),
+        ("border_cost", SegmentOptions { border_cost: -1.0, ..default }),
+        ("min_part", SegmentOptions { min_part: 2.0, ..default }),
+        ("border_offset", SegmentOptions { border_offset: f64::INFINITY, ..default }),
+        ("smoothing", SegmentOptions { smoothing: 101, ..default }),
+    ];
+    for (expected, options) in bad {
+        let error = segment(&shape.points, &shape.triangles, &options).unwrap_err();
+        assert!(matches!(error, RoboFdmError::Option { name, .. } if name == expected), "{error}");
+    }
+}
