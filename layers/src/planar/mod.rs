@@ -1,8 +1,16 @@
-//! Plane layers: what a printer does that cannot turn the part, and the yardstick for curved layers.
+//! Plane layers: what a printer does that cannot turn the part, and solids that are cut into parts, each printed in flat layers
+//! along a direction of its own.
 //!
-//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3.
+//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3: [`slice_uniformly`].
 
+mod region;
 pub mod robofdm;
+mod solid;
 mod uniform;
 
+pub use region::Region;
+pub use solid::{
+    Cut, CutPlane, OverhangError, Partition, PlaneError, PlaneFrame, SectionPolygon, Solid, SolidError, risky_area,
+    risky_faces, slice,
+};
 pub use uniform::{UniformSlicing, slice_uniformly};

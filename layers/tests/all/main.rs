@@ -8,6 +8,7 @@ mod field_file;
 mod growth;
 mod growth_twins;
 mod impossible;
+mod planar;
 mod plates;
 mod quality;
 mod robofdm;

@@ -15,13 +15,13 @@ fn two_sum(a: f64, b: f64) -> [f64; 2] {
     [sum, (a - (sum - second)) + (b - second)]
 }
 
-fn two_product(a: f64, b: f64) -> [f64; 2] {
+pub(crate) fn two_product(a: f64, b: f64) -> [f64; 2] {
     let product = a * b;
     [product, a.mul_add(b, -product)]
 }
 
 /// The sign of a number; zero has none.
-pub(super) fn sign(value: f64) -> i8 {
+pub(crate) fn sign(value: f64) -> i8 {
     i8::from(value > 0.0) - i8::from(value < 0.0)
 }
 
@@ -47,7 +47,7 @@ pub(super) fn cross_sign(a: [f64; 2], b: [f64; 2], c: [f64; 2], d: [f64; 2]) -> 
 }
 
 /// Adds a number to a sum of numbers that do not overlap, smallest first, without zeros.
-fn grow(sum: &mut Vec<f64>, term: f64) {
+pub(crate) fn grow(sum: &mut Vec<f64>, term: f64) {
     let mut carry = term;
     let mut kept = 0;
     for i in 0..sum.len() {

@@ -24,7 +24,7 @@ mod crossing;
 mod crossings;
 mod edges;
 mod error;
-mod exact;
+pub(crate) mod exact;
 mod holes;
 mod patch;
 mod pieces;

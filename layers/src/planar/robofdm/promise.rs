@@ -62,7 +62,7 @@ pub(super) fn promising(
         // Its section would be risky itself.
         if normal.dot(&judge.direction) >= judge.limit {
             let upward = Judge { direction: normal, floor: f64::NEG_INFINITY, ..judge.clone() };
-            let mut gains = surface.sweep(walls, judge, &upward, options.spacing);
+            let mut gains = surface.sweep(walls, judge, &upward, options);
             gains.sort_by(|a, b| b.0.total_cmp(&a.0));
             let made = gains.into_iter().take(PLANES_PER_NORMAL).filter_map(|(gain, offset)| {
                 Some((gain, CutPlane::through(&Point3::from(normal * offset), &normal).ok()?))
@@ -91,8 +91,11 @@ impl Surface {
         ids.sort_unstable();
         ids.dedup();
         let own = |v: u32| ids.binary_search(&v).unwrap_or(0) as u32;
-        let mut surface =
-            Surface { places: vec![Point3::origin(); ids.len()], corners: Vec::new(), sections: vec![Vec::new(); ids.len()] };
+        let mut surface = Surface {
+            places: vec![Point3::origin(); ids.len()],
+            corners: Vec::new(),
+            sections: vec![Vec::new(); ids.len()],
+        };
         for wall in walls {
             let corners = wall.corners.map(own);
             for (&v, &place) in corners.iter().zip(&wall.places) {
@@ -106,7 +109,8 @@ impl Surface {
     }
 
     /// For planes from the top down: what each saves, and its offset.
-    fn sweep(&self, walls: &[Wall], judge: &Judge, upward: &Judge, spacing: f64) -> Vec<(f64, f64)> {
+    fn sweep(&self, walls: &[Wall], judge: &Judge, upward: &Judge, options: &TuningOptions) -> Vec<(f64, f64)> {
+        let spacing = options.spacing;
         let heights: Vec<f64> = self.places.iter().map(|p| p.coords.dot(&upward.direction)).collect();
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -140,17 +144,16 @@ impl Surface {
                 }
             }
             let signs = [judge.is_risky(&walls[f]), upward.is_risky(&walls[f])];
-            if signs != [false; 2] {
-                let area = area_vector(&walls[f].places).norm();
-                let saved = if signs[0] { area } else { 0.0 } - if signs[1] { area } else { 0.0 };
-                h.sort_by(f64::total_cmp);
-                let (lowest, highest) = (planes_below(h[0]), planes_below(h[2]));
-                whole_at[lowest].push((corners[0], saved));
-                let top = (0..3).fold(corners[0], |top, k| {
-                    if heights[corners[k] as usize] > heights[top as usize] { corners[k] } else { top }
-                });
-                (lowest..highest).for_each(|l| crossed_at[l].push((top, saved, h)));
-            }
+            let vector = area_vector(&walls[f].places);
+            let saved = (f64::from(u8::from(signs[0])) - f64::from(u8::from(signs[1]))) * vector.norm();
+            // What is above a plane is closed by its section, so the area of that is what all facets add up to against the normal.
+            let saved = saved + options.seam_cost * vector.dot(&upward.direction);
+            h.sort_by(f64::total_cmp);
+            let (lowest, highest) = (planes_below(h[0]), planes_below(h[2]));
+            whole_at[lowest].push((corners[0], saved));
+            let higher = |a: u32, b: u32| if heights[b as usize] > heights[a as usize] { b } else { a };
+            let top = higher(higher(corners[0], corners[1]), corners[2]);
+            (lowest..highest).for_each(|l| crossed_at[l].push((top, saved, h)));
         }
 
         let mut pieces = Pieces { parent: (0..heights.len() as u32).collect(), saved: vec![0.0; heights.len()] };
@@ -172,7 +175,8 @@ impl Surface {
             roots.sort_unstable();
             roots.dedup();
             // Pieces with a section that the plane cuts stay.
-            let cut: Vec<u32> = sections.iter().filter(|(_, r)| r[0] < offset(l) && r[1] > offset(l)).map(|s| *s.0).collect();
+            let cut: Vec<u32> =
+                sections.iter().filter(|(_, r)| r[0] < offset(l) && r[1] > offset(l)).map(|s| *s.0).collect();
             let mut barred = Vec::new();
             if !cut.is_empty() {
                 for (v, of_vertex) in self.sections.iter().enumerate() {

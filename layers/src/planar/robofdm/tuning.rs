@@ -39,6 +39,8 @@ pub struct TuningOptions {
     pub normals: usize,
     /// Distance of the planes that are tried, in mm. Default 5, the paper's.
     pub spacing: f64,
+    /// A cut must save so much risky area for each area of its seam. Default 0.1: large seams stand in the way of later cuts.
+    pub seam_cost: f64,
     /// Most parts. Default 40.
     pub max_parts: usize,
     /// Share of the risky area of the whole solid, printed along the root's direction, at which the work is done. Default 0.01.
@@ -57,6 +59,7 @@ impl Default for TuningOptions {
             candidates: 6,
             normals: 100,
             spacing: 5.0,
+            seam_cost: 0.1,
             max_parts: 40,
             goal: 0.01,
         }
@@ -143,10 +146,11 @@ pub fn tune(
         volume: solid.volume(),
     };
     let before = state.risky();
-    let tell = |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
-    };
+    let tell =
+        |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
+        };
     let mut random = Random(0x0b0e);
     // Which node holds each part of the sequence.
     let mut node_of: Vec<(u32, usize)> = vec![(root.part, 0)];
@@ -185,6 +189,7 @@ impl TuningOptions {
             ("candidates", self.candidates as f64, 1.0, 1e6),
             ("normals", self.normals as f64, 1.0, 1e6),
             ("spacing", self.spacing, 1e-3, 1e9),
+            ("seam_cost", self.seam_cost, 0.0, 1e9),
             ("max_parts", self.max_parts as f64, 1.0, 1e6),
             ("goal", self.goal, 0.0, 1.0),
         ];
@@ -238,6 +243,12 @@ impl State {
         (0..self.nodes.len()).map(|node| self.risky_of(node)).sum()
     }
 
+    /// Area of all seams.
+    fn seam(&self) -> f64 {
+        let shared = |a: usize| (0..a).map(move |b| self.partition.shared_area(self.nodes[a].cell, self.nodes[b].cell));
+        (0..self.nodes.len()).flat_map(shared).sum()
+    }
+
     /// Risky area of a part: of its surface while it is printed.
     fn risky_of(&self, node: usize) -> f64 {
         let walls = self.walls(node);
@@ -246,7 +257,8 @@ impl State {
 
     fn judge(&self, node: usize, walls: &[Wall]) -> Judge {
         let Node { direction, base, .. } = self.nodes[node];
-        let lowest = || walls.iter().flat_map(|w| w.places).map(|p| p.coords.dot(&direction)).fold(f64::INFINITY, f64::min);
+        let lowest =
+            || walls.iter().flat_map(|w| w.places).map(|p| p.coords.dot(&direction)).fold(f64::INFINITY, f64::min);
         let floor = if base.is_none() { lowest() + self.options.platform } else { f64::NEG_INFINITY };
         let earlier = self.nodes[..node].iter().map(|node| node.cell).collect();
         Judge { earlier, direction, floor, limit: -self.options.max_angle.sin() }
@@ -309,7 +321,9 @@ impl State {
             let [x, y, z, by] = [0; 4].map(|_| if trial == 0 { 0.0 } else { random.signed() });
             // An axis of any direction, a turn of any angle up to the largest.
             let axis = Vector3::new(x, y, z).try_normalize(0.0).unwrap_or_default();
-            let turn = UnitQuaternion::from_scaled_axis(axis * (self.options.max_turn * Vector3::new(x, y, z).norm().min(1.0)));
+            let turn = UnitQuaternion::from_scaled_axis(
+                axis * (self.options.max_turn * Vector3::new(x, y, z).norm().min(1.0)),
+            );
             let place = base + normal * (by * self.options.max_offset * self.diagonal);
             let Ok(plane) = CutPlane::through(&place, &(turn * normal)) else { continue };
             let allowed = plane.normal().dot(&self.up) > 0.0 && Self::spares_sections(&walls, &plane);
@@ -376,7 +390,8 @@ impl State {
             planes.extend(promises.iter().filter(|(gain, _)| *gain >= least).map(|&(gain, plane)| (gain, node, plane)));
         }
         planes.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let before = self.risky();
+        let cost = |state: &State| state.risky() + self.options.seam_cost * state.seam();
+        let before = cost(self);
         let mut best: Option<(f64, State)> = None;
         for (gain, node, plane) in planes.into_iter().take(TRIALS) {
             // Those that follow promise less than what is there.
@@ -385,7 +400,7 @@ impl State {
             }
             let mut next = self.clone();
             if next.split(node, &plane) {
-                let gain = before - next.risky();
+                let gain = before - cost(&next);
                 if gain >= least && best.as_ref().is_none_or(|(so_far, _)| gain > *so_far) {
                     best = Some((gain, next));
                 }
@@ -409,11 +424,15 @@ impl State {
         let pays = |&&piece: &&u32| {
             let mut walls = self.partition.walls(piece);
             // A section that the plane cuts has something of it on both sides.
-            let spares = walls.iter().filter_map(|w| w.beyond).all(|b| cut.below.contains(&b) || !touched_below.contains(&b));
+            let spares =
+                walls.iter().filter_map(|w| w.beyond).all(|b| cut.below.contains(&b) || !touched_below.contains(&b));
+            let all = walls.len();
             walls.retain(|wall| wall.beyond.is_none_or(|beyond| !cut.below.contains(&beyond)));
+            let section: f64 = cut.below.iter().map(|&below| self.partition.shared_area(piece, below)).sum();
             spares
+                && walls.len() < all
                 && self.partition.volume(piece) >= LEAST_PIECE * self.volume
-                && judge.risky(&walls) > upward.risky(&walls)
+                && judge.risky(&walls) > upward.risky(&walls) + self.options.seam_cost * section
         };
         let (above, kept): (Vec<u32>, Vec<u32>) = cut.above.iter().partition(pays);
         // What floats below hangs on something above: it is printed with that, if it is printed on its own.
@@ -426,7 +445,8 @@ impl State {
         let new = above.into_iter().map(|cell| Node { cell, direction: plane.normal(), base: Some(*plane) });
         let new: Vec<Node> = new.collect();
         let made = !new.is_empty() && self.partition.volume(below) >= LEAST_PIECE * self.volume;
-        let sound = made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
+        let sound =
+            made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
         self.nodes.splice(node + 1..node + 1, new);
         sound
     }
@@ -445,4 +465,3 @@ impl State {
         (0..self.nodes.len()).map(part).collect()
     }
 }
-
