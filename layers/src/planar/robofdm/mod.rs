@@ -2,7 +2,13 @@
 //!
 //! Wu, Dai, Fang, Liu, Wang, "RoboFDM: a robotic system for support-free fabrication using FDM", ICRA 2017; here after
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.4.
+//!
+//! * Phase I: [`segment`] (with [`curve_skeleton`], [`GaussianMixture`] and [`Labelling`]).
+//! * Phase II: [`plan_sequence`].
+//! * Phase III: [`tune`], into closed meshes.
+//! * [`audit_parts`] checks the result, or parts of any other origin.
 
+mod audit;
 mod border;
 mod closed;
 mod cut;
@@ -14,6 +20,7 @@ mod sequence;
 mod skeleton;
 mod tuning;
 
+pub use audit::{AuditOptions, AuditedPart, PartsAudit, audit_parts};
 pub use border::Border;
 pub use cut::{FlowNetwork, Labelling};
 pub use error::RoboFdmError;

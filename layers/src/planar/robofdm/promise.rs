@@ -28,6 +28,12 @@ impl Judge {
         walls.iter().filter(|wall| self.is_risky(wall)).map(|wall| area_vector(&wall.places).norm()).sum()
     }
 
+    /// Area on earlier parts.
+    pub(super) fn seam(&self, walls: &[Wall]) -> f64 {
+        let is_seam = |wall: &&Wall| wall.beyond.is_some_and(|beyond| self.earlier.contains(&beyond));
+        walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).sum()
+    }
+
     /// Eq. 2.1, but for what lies on earlier parts or on the platform.
     pub(super) fn is_risky(&self, wall: &Wall) -> bool {
         let vector = area_vector(&wall.places);
@@ -130,6 +136,7 @@ impl Surface {
                 *range = [range[0].min(h), range[1].max(h)];
             }
         }
+        sections.retain(|section, _| options.keep_sections_apart || judge.earlier.contains(section));
         // Facets by the planes that their lowest and highest corners lie above.
         let mut whole_at = vec![Vec::new(); count + 1];
         let mut crossed_at = vec![Vec::new(); count + 1];

@@ -39,7 +39,14 @@ pub struct TuningOptions {
     pub normals: usize,
     /// Distance of the planes that are tried, in mm. Default 5, the paper's.
     pub spacing: f64,
-    /// A cut must save so much risky area for each area of its seam. Default 0.1: large seams stand in the way of later cuts.
+    /// How often that distance is halved, and with it the cost of seams, when no plane is worth a cut any more. Default 3; the paper has 0.
+    pub halvings: u32,
+    /// Whether no two base sections may intersect: constraint I to the letter. Default `false`: the section of a cut may end on the
+    /// base plane of a part that is printed later. All that stands when that part is printed lies below its plane, so nothing is in
+    /// the way (the collision of the paper's Fig. 2.6 needs a part that is printed earlier).
+    pub keep_sections_apart: bool,
+    /// A cut must save so much risky area for each area of its seam. Default 0.02: of two planes that save
+    /// nearly the same, the one with the smaller seam.
     pub seam_cost: f64,
     /// Most parts. Default 40.
     pub max_parts: usize,
@@ -59,7 +66,9 @@ impl Default for TuningOptions {
             candidates: 6,
             normals: 100,
             spacing: 5.0,
-            seam_cost: 0.1,
+            halvings: 3,
+            keep_sections_apart: false,
+            seam_cost: 0.02,
             max_parts: 40,
             goal: 0.01,
         }
@@ -128,6 +137,25 @@ const LEAST_PIECE: f64 = 1e-4;
 /// # Cost
 /// A cut of the mesh for each perturbation and each trial, and for each fine cut `normals` operations for each triangle of the riskiest parts.
 /// One thread.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::nalgebra::Point3;
+/// use curvlay_layers::planar::Solid;
+/// use curvlay_layers::planar::robofdm::{SegmentOptions, SequenceOptions, TuningOptions, plan_sequence, segment, tune};
+/// use std::ops::ControlFlow;
+/// let points: Vec<_> = (0..8).map(|i| Point3::new(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1) * 4.0, f64::from(i >> 2) * 40.0)).collect();
+/// let faces = [
+///     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+///     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+/// ];
+/// let segmentation = segment(&points, &faces, &SegmentOptions::default())?;
+/// let sequence = plan_sequence(&points, &faces, &segmentation, &SequenceOptions::default())?;
+/// let solid = Solid::new(&points, &faces)?;
+/// let parts = tune(&solid, &sequence, &TuningOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// assert_eq!((parts.parts.len(), parts.risky_mm2()), (1, 0.0)); // a rod needs no support
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn tune(
     solid: &Solid,
     sequence: &BuildSequence,
@@ -165,13 +193,20 @@ pub fn tune(
     tell("merging", 0, 1)?;
     state.merge();
     after[1] = state.risky();
-    let (mut risky, mut known) = (after[1], Promises::new());
+    let (mut risky, mut known, mut halvings) = (after[1], Promises::new(), 0);
     while risky > options.goal * before && state.nodes.len() < options.max_parts {
         tell("cuts", state.nodes.len(), options.max_parts)?;
-        if !state.cut_finely(&mut known, LEAST_GAIN * before) {
+        if state.cut_finely(&mut known, LEAST_GAIN * before) {
+            risky = state.risky();
+        } else if halvings < options.halvings {
+            // What is left takes finer planes, and a seam that pays less.
+            halvings += 1;
+            state.options.spacing /= 2.0;
+            state.options.seam_cost /= 2.0;
+            known.clear();
+        } else {
             break;
         }
-        risky = state.risky();
     }
     state.merge();
     after[2] = state.risky();
@@ -243,10 +278,14 @@ impl State {
         (0..self.nodes.len()).map(|node| self.risky_of(node)).sum()
     }
 
-    /// Area of all seams.
-    fn seam(&self) -> f64 {
-        let shared = |a: usize| (0..a).map(move |b| self.partition.shared_area(self.nodes[a].cell, self.nodes[b].cell));
-        (0..self.nodes.len()).flat_map(shared).sum()
+    /// Risky area of all parts, and what their seams cost.
+    fn cost(&self) -> f64 {
+        let of = |node: usize| {
+            let walls = self.walls(node);
+            let judge = self.judge(node, &walls);
+            judge.risky(&walls) + self.options.seam_cost * judge.seam(&walls)
+        };
+        (0..self.nodes.len()).map(of).sum()
     }
 
     /// Risky area of a part: of its surface while it is printed.
@@ -390,8 +429,7 @@ impl State {
             planes.extend(promises.iter().filter(|(gain, _)| *gain >= least).map(|&(gain, plane)| (gain, node, plane)));
         }
         planes.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let cost = |state: &State| state.risky() + self.options.seam_cost * state.seam();
-        let before = cost(self);
+        let before = self.cost();
         let mut best: Option<(f64, State)> = None;
         for (gain, node, plane) in planes.into_iter().take(TRIALS) {
             // Those that follow promise less than what is there.
@@ -400,7 +438,7 @@ impl State {
             }
             let mut next = self.clone();
             if next.split(node, &plane) {
-                let gain = before - cost(&next);
+                let gain = before - next.cost();
                 if gain >= least && best.as_ref().is_none_or(|(so_far, _)| gain > *so_far) {
                     best = Some((gain, next));
                 }
@@ -421,11 +459,16 @@ impl State {
         let Some((&below, others)) = standing.split_first() else { return false };
         let touched_below: BTreeSet<u32> =
             cut.below.iter().flat_map(|&piece| self.partition.walls(piece)).filter_map(|wall| wall.beyond).collect();
+        let touched_below: BTreeSet<u32> = touched_below.into_iter().filter(|b| !cut.above.contains(b)).collect();
         let pays = |&&piece: &&u32| {
             let mut walls = self.partition.walls(piece);
             // A section that the plane cuts has something of it on both sides.
-            let spares =
-                walls.iter().filter_map(|w| w.beyond).all(|b| cut.below.contains(&b) || !touched_below.contains(&b));
+            let barring = |b: &u32| self.options.keep_sections_apart || judge.earlier.contains(b);
+            let spares = walls
+                .iter()
+                .filter_map(|w| w.beyond)
+                .filter(barring)
+                .all(|b| cut.below.contains(&b) || !touched_below.contains(&b));
             let all = walls.len();
             walls.retain(|wall| wall.beyond.is_none_or(|beyond| !cut.below.contains(&beyond)));
             let section: f64 = cut.below.iter().map(|&below| self.partition.shared_area(piece, below)).sum();
@@ -455,9 +498,7 @@ impl State {
         let part = |node: usize| {
             let Node { cell, direction, base } = self.nodes[node];
             let walls = self.walls(node);
-            let earlier = self.judge(node, &walls).earlier;
-            let is_seam = |wall: &&Wall| wall.beyond.is_some_and(|beyond| earlier.contains(&beyond));
-            let seam_mm2 = walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).sum();
+            let seam_mm2 = self.judge(node, &walls).seam(&walls);
             let on = self.touched(node);
             let solid = self.partition.part(cell).map_err(|source| RoboFdmError::Part { part: node, source })?;
             Ok(PrintedPart { solid, direction, base, risky_mm2: self.risky_of(node), seam_mm2, on })

@@ -2,6 +2,7 @@
 
 mod cuts;
 mod mixtures;
+mod parts;
 mod segments;
 mod sequences;
 mod shapes;
