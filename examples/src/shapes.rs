@@ -3,6 +3,7 @@
 use crate::mesh::Mesh;
 use curvlay_voxel::{ImplicitMesh, polygonise};
 use nalgebra::{Point3, Vector3};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Edge of the lattice on which the jug is cut out, in mm: about 30,000 triangles.
 const JUG_CELL: f64 = 2.2;
@@ -93,4 +94,99 @@ fn ring(p: Point3<f64>, centre: Point3<f64>, axis: Vector3<f64>, radius: f64, th
     let d = p - centre;
     let along = d.dot(&axis);
     ((d - axis * along).norm() - radius).hypot(along) - thickness
+}
+
+/// A round bar of 15 mm radius that goes up by 40 mm, around a bend of a quarter circle of 60 mm radius, and on to the side by 30 mm:
+/// after Fig. 2 of Lettori et al. (2022).
+pub fn bend() -> Mesh {
+    const SIDES: usize = 48;
+    const STEPS: usize = 24;
+    let (radius, up, curve, out) = (15.0, 40.0, 60.0, 30.0);
+    let mut path = vec![(Point3::origin(), 0.0)];
+    path.extend((0..=STEPS).map(|k| {
+        let angle = FRAC_PI_2 * k as f64 / STEPS as f64;
+        (Point3::new(curve * (1.0 - angle.cos()), 0.0, up + curve * angle.sin()), angle)
+    }));
+    path.push((Point3::new(curve + out, 0.0, up + curve), FRAC_PI_2));
+    let ring = |(at, angle): (Point3<f64>, f64)| {
+        let side = Vector3::new(angle.cos(), 0.0, -angle.sin());
+        (0..SIDES).map(move |k| {
+            let turn = TAU * k as f64 / SIDES as f64;
+            at + (side * turn.cos() + Vector3::y() * turn.sin()) * radius
+        })
+    };
+    let ends = [path[0].0, path[path.len() - 1].0];
+    rings(path.into_iter().map(|section| ring(section).collect()).collect(), ends)
+}
+
+/// A mushroom: a stem of 20 mm radius and 60 mm height, and a cap of 60 mm radius.
+pub fn mushroom() -> Mesh {
+    const SIDES: usize = 72;
+    let profile = [[20.0, 0.0], [20.0, 60.0], [60.0, 60.0], [57.0, 72.0], [48.0, 84.0], [33.0, 93.0], [14.0, 98.5]];
+    let ring = |[r, z]: [f64; 2]| {
+        (0..SIDES).map(move |k| {
+            let turn = TAU * k as f64 / SIDES as f64;
+            Point3::new(r * turn.cos(), r * turn.sin(), z)
+        })
+    };
+    let ends = [Point3::origin(), Point3::new(0.0, 0.0, 100.0)];
+    rings(profile.into_iter().map(|section| ring(section).collect()).collect(), ends)
+}
+
+/// A flipped L, 30 mm thick: a post 60 mm high below a bar of 90 by 30 mm that reaches to one side.
+pub fn ell() -> Mesh {
+    let outline =
+        [[0.0, 0.0], [30.0, 0.0], [30.0, 60.0], [90.0, 60.0], [90.0, 90.0], [30.0, 90.0], [0.0, 90.0], [0.0, 60.0]];
+    prism(&outline, &[[0, 1, 2, 7], [7, 2, 5, 6], [2, 3, 4, 5]], 30.0)
+}
+
+/// A T, 30 mm thick: a stem of 30 by 60 mm below a bar of 90 by 30 mm.
+pub fn tee() -> Mesh {
+    let outline = [
+        [-15.0, 0.0],
+        [15.0, 0.0],
+        [15.0, 60.0],
+        [45.0, 60.0],
+        [45.0, 90.0],
+        [15.0, 90.0],
+        [-15.0, 90.0],
+        [-45.0, 90.0],
+        [-45.0, 60.0],
+        [-15.0, 60.0],
+    ];
+    prism(&outline, &[[0, 1, 2, 9], [9, 2, 5, 6], [2, 3, 4, 5], [8, 9, 6, 7]], 30.0)
+}
+
+/// Rings of as many points each, counter-clockwise seen from the far end, joined and closed by a fan at both ends.
+fn rings(rings: Vec<Vec<Point3<f64>>>, ends: [Point3<f64>; 2]) -> Mesh {
+    let (rows, sides) = (rings.len(), rings[0].len());
+    let at = |row: usize, k: usize| (row * sides + k % sides) as u32;
+    let [first, last] = [at(rows, 0), at(rows, 0) + 1];
+    let mut triangles = Vec::new();
+    for k in 0..sides {
+        triangles.extend([[first, at(0, k + 1), at(0, k)], [last, at(rows - 1, k), at(rows - 1, k + 1)]]);
+        for row in 1..rows {
+            let [a, b, c, d] = [at(row - 1, k), at(row - 1, k + 1), at(row, k + 1), at(row, k)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let mut vertices = rings.concat();
+    vertices.extend(ends);
+    Mesh { vertices, triangles }
+}
+
+/// An outline in x and z, counter-clockwise, in quads, made thick along y, its middle at y = 0.
+fn prism(outline: &[[f64; 2]], quads: &[[u32; 4]], thick: f64) -> Mesh {
+    let n = outline.len() as u32;
+    let side = |y: f64| outline.iter().map(move |&[x, z]| Point3::new(x, y, z));
+    let vertices = side(-thick / 2.0).chain(side(thick / 2.0)).collect();
+    let mut triangles = Vec::new();
+    for &[a, b, c, d] in quads {
+        triangles.extend([[a, b, c], [a, c, d], [a + n, c + n, b + n], [a + n, d + n, c + n]]);
+    }
+    for k in 0..n {
+        let next = (k + 1) % n;
+        triangles.extend([[k, k + n, next + n], [k, next + n, next]]);
+    }
+    Mesh { vertices, triangles }
 }

@@ -6,8 +6,9 @@
 //!   [`curved::audit`]: whether an order can be built.
 //! * [`curved::surface`]: the field of uniform layers, its surfaces, and how far apart they lie.
 //! * [`curved::trim`]: surfaces that end on the skin of a part.
-//! * [`planar::robofdm`]: a solid in parts, each in flat layers along a direction of its own, and their audit.
-//! * [`planar`]: plane layers after Boge (2019): what a printer misses that cannot turn the part.
+//! * [`planar::robofdm`]: RoboFDM: skeleton, segments, sequence, tuned planes, and an audit of parts.
+//! * [`planar`]: solids cut into parts that are printed in flat layers along directions of their own ([`planar::decompose_volume`] after
+//!   Lettori et al. 2022, [`planar::decompose_by_planes`] after RoboFDM), and plane layers after Boge (2019).
 
 pub mod curved;
 pub mod planar;

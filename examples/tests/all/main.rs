@@ -17,3 +17,4 @@ mod reach;
 mod render;
 mod shapes;
 mod stewart_table;
+mod volume_decomposition;

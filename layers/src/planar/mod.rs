@@ -3,12 +3,19 @@
 //!
 //! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3: [`slice_uniformly`].
 
+mod lettori;
 mod region;
 pub mod robofdm;
 mod solid;
 mod uniform;
 
+pub use lettori::{
+    AuditOptions, BaseChoice, Feature, FeatureKind, Scenario, Separation, SeparationWall, Stuck, StuckReason,
+    VolumeAudit, VolumeDecomposition, VolumeError, VolumeOptions, VolumePart, audit_volumes, decompose_volume,
+    largest_rectangle,
+};
 pub use region::Region;
+pub use robofdm::{CuttingError, CuttingOptions, PlaneDecomposition, PlanePart, decompose_by_planes};
 pub use solid::{
     Cut, CutPlane, OverhangError, Partition, PlaneError, PlaneFrame, SectionPolygon, Solid, SolidError, risky_area,
     risky_faces, slice,

@@ -76,6 +76,14 @@ impl Region {
         Region { shapes: self.shapes.outline_as::<i64>(&style) }
     }
 
+    /// The region with fewer corners: outlines move by at most `within` (U. Ramer, 1972; D. Douglas and T. Peucker, 1973). Without
+    /// it, each offset of an offset doubles the corners.
+    pub fn simplified(&self, within: f64) -> Region {
+        let contours = |shape: &Vec<Vec<[f64; 2]>>| shape.iter().map(|contour| simplified(contour, within)).collect();
+        let shapes = self.shapes.iter().map(contours).collect();
+        Region { shapes }.overlay(&Region::default(), OverlayRule::Subject)
+    }
+
     /// Whether it has no points.
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
@@ -179,6 +187,34 @@ impl Region {
         let widest = at.chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
         Some(Point2::new((widest[0] + widest[1]) / 2.0, y))
     }
+}
+
+/// The corners of a closed contour that are needed.
+fn simplified(contour: &[[f64; 2]], within: f64) -> Vec<[f64; 2]> {
+    let n = contour.len();
+    let far = |a: usize, k: usize| {
+        let d = [0, 1].map(|i| contour[k][i] - contour[a][i]);
+        d[0].hypot(d[1])
+    };
+    let Some(opposite) = (0..n).max_by(|&a, &b| far(0, a).total_cmp(&far(0, b))) else { return Vec::new() };
+    let mut needed = vec![false; n + 1];
+    (needed[0], needed[opposite]) = (true, true);
+    let mut open = vec![[0, opposite], [opposite, n]];
+    while let Some([from, to]) = open.pop() {
+        let (a, b) = (contour[from], contour[to % n]);
+        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+        let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let off = |k: usize| {
+            let [x, y] = [contour[k][0] - a[0], contour[k][1] - a[1]];
+            ((dx * y - dy * x) / length).abs()
+        };
+        let Some(furthest) = (from + 1..to).max_by(|&a, &b| off(a).total_cmp(&off(b))) else { continue };
+        if off(furthest) > within {
+            needed[furthest] = true;
+            open.extend([[from, furthest], [furthest, to]]);
+        }
+    }
+    (0..n).filter(|&k| needed[k]).map(|k| contour[k]).collect()
 }
 
 fn area(shape: &[Vec<[f64; 2]>]) -> f64 {

@@ -187,6 +187,13 @@ impl Partition {
         self.faces_of(cell).into_iter().map(wall).collect()
     }
 
+    /// The corners of the faces between two cells; some come more than once.
+    pub fn shared_points(&self, cell: u32, other: u32) -> Vec<Point3<f64>> {
+        let between =
+            |face: &&Face| (face.back, face.front) == (cell, other) || (face.back, face.front) == (other, cell);
+        self.faces.iter().filter(between).flat_map(|face| self.places(face.corners)).collect()
+    }
+
     /// Cells in order of their numbers.
     pub fn cells(&self) -> Vec<u32> {
         let mut all: Vec<u32> = self.faces.iter().flat_map(|face| [face.back, face.front]).collect();

@@ -1,7 +1,11 @@
 //! Plane layers of solids: sections, parts, overhang, decomposition.
+// Numbers that are exact: whole ones, and what is written in one place and read in another.
+#![allow(clippy::float_cmp)]
 
 mod cells;
+mod lettori;
 mod overhang;
 mod region;
+mod robofdm;
 mod section;
 mod shapes;

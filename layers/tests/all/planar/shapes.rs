@@ -170,3 +170,61 @@ pub fn sound_blocks(list: &[[i32; 3]]) -> Vec<[i32; 3]> {
     }
     all
 }
+
+/// A round tube along a path of points with directions, closed at both ends.
+pub fn swept(path: &[(Point3<f64>, Vector3<f64>)], across: Vector3<f64>, radius: f64, sides: usize) -> Solid {
+    let mut vertices = Vec::new();
+    for &(at, along) in path {
+        let other = along.cross(&across).normalize();
+        vertices.extend((0..sides).map(|k| {
+            let angle = TAU * k as f64 / sides as f64;
+            at + (across * angle.cos() + other * angle.sin()) * radius
+        }));
+    }
+    let ring = |row: usize, k: usize| (row * sides + k % sides) as u32;
+    let [first, last] = [vertices.len() as u32, vertices.len() as u32 + 1];
+    vertices.extend([path[0].0, path[path.len() - 1].0]);
+    let rows = path.len();
+    let mut triangles = Vec::new();
+    for k in 0..sides {
+        triangles.push([first, ring(0, k + 1), ring(0, k)]);
+        triangles.push([last, ring(rows - 1, k), ring(rows - 1, k + 1)]);
+        for row in 1..rows {
+            let [a, b, c, d] = [ring(row - 1, k), ring(row - 1, k + 1), ring(row, k + 1), ring(row, k)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    Solid::new(&vertices, &triangles).unwrap()
+}
+
+/// The curved part of Lettori et al., Fig. 2: up, around a bend of a quarter circle, and on to the side.
+pub fn bend(radius: f64, sides: usize) -> Solid {
+    let (up, curve, out, steps) = (40.0, 60.0, 30.0, 16);
+    let mut path = vec![(Point3::origin(), Vector3::z())];
+    for k in 0..=steps {
+        let angle = std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(steps);
+        let at = Point3::new(curve * (1.0 - angle.cos()), 0.0, up + curve * angle.sin());
+        path.push((at, Vector3::new(angle.sin(), 0.0, angle.cos())));
+    }
+    path.push((Point3::new(curve + out, 0.0, up + curve), Vector3::x()));
+    swept(&path, Vector3::y(), radius, sides)
+}
+
+/// A T: a stem of 30 by 30 by 60 mm below a bar of 90 by 30 by 30 mm.
+pub fn tee() -> Solid {
+    let mut all = cells([1, 0, 0], [2, 1, 2]);
+    all.extend(cells([0, 0, 2], [3, 1, 3]));
+    blocks(&all, 30.0)
+}
+
+/// A flipped L: a post of 30 by 30 by 60 mm below a bar of 90 by 30 by 30 mm that reaches to one side.
+pub fn ell() -> Solid {
+    let mut all = cells([0, 0, 0], [1, 1, 2]);
+    all.extend(cells([0, 0, 2], [3, 1, 3]));
+    blocks(&all, 30.0)
+}
+
+/// A mushroom: a stem of 20 mm radius and 60 mm, and a cap of 60 mm radius.
+pub fn mushroom() -> Solid {
+    turned(&[[0.0, 0.0], [20.0, 0.0], [20.0, 60.0], [60.0, 60.0], [50.0, 80.0], [25.0, 95.0], [0.0, 100.0]], 48)
+}

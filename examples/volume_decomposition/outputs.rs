@@ -1,0 +1,230 @@
+//! What the example leaves behind: the table on stdout, meshes of the parts, `parts.csv`, `separations.csv`, `features.csv`,
+//! `report.html` and `summary.json`.
+
+use super::volumes::Divided;
+use super::{Args, drawing};
+use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::findings::Findings;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_layers::planar::{FeatureKind, Scenario, Separation, Solid};
+use std::io::{self, Write};
+use std::time::Instant;
+
+pub fn write(
+    args: &Args,
+    divided: &[Divided],
+    findings: &Findings,
+    folder: &OutputFolder,
+    start: Instant,
+) -> Result<(), Failure> {
+    folder.clear(is_ours)?;
+    for of in divided {
+        for (k, part) in of.result.parts.iter().enumerate() {
+            folder.write_with(&format!("{}_part_{:02}.stl", of.name, k + 1), |out| write_stl(&part.solid, out))?;
+        }
+    }
+    folder.write_with("parts.csv", |out| write_parts(divided, out))?;
+    folder.write_with("separations.csv", |out| write_separations(divided, out))?;
+    let has_features = divided.iter().any(|of| !of.result.features.is_empty());
+    folder.write_list("features.csv", has_features, |out| write_features(divided, out))?;
+    folder.write("report.html", report(args, divided, findings).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, divided, findings, start)?.write(folder)?;
+    Ok(())
+}
+
+/// Files that an earlier run may have left.
+fn is_ours(name: &str) -> bool {
+    let part = name.strip_suffix(".stl").and_then(|stem| stem.rsplit_once("_part_"));
+    part.is_some_and(|(_, number)| number.len() >= 2 && number.bytes().all(|digit| digit.is_ascii_digit()))
+        || ["parts.csv", "separations.csv", "features.csv", "report.html"].contains(&name)
+}
+
+/// Binary STL.
+fn write_stl(solid: &Solid, out: &mut dyn Write) -> io::Result<()> {
+    out.write_all(&[b' '; 80])?;
+    out.write_all(&(solid.triangles().len() as u32).to_le_bytes())?;
+    for triangle in 0..solid.triangles().len() {
+        let [a, b, c] = solid.corners(triangle);
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+        for v in [normal, a.coords, b.coords, c.coords] {
+            for x in v.iter() {
+                out.write_all(&(*x as f32).to_le_bytes())?;
+            }
+        }
+        out.write_all(&[0; 2])?;
+    }
+    Ok(())
+}
+
+fn write_parts(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "shape,part,dx,dy,dz,base_mm,volume_mm3,layers,separation,overhang_mm3,unsupported_mm2")?;
+    for of in divided {
+        for (k, part) in of.result.parts.iter().enumerate() {
+            let d = part.direction;
+            let separation = part.separation.map_or_else(String::new, |k| (k + 1).to_string());
+            writeln!(
+                out,
+                "{},{},{:.9},{:.9},{:.9},{:.6},{:.6},{},{separation},{:.6},{:.6}",
+                of.name,
+                k + 1,
+                d.x,
+                d.y,
+                d.z,
+                part.base_mm,
+                part.solid.volume(),
+                part.layer_tops_mm.len(),
+                part.overhang_mm3,
+                of.audit.unsupported_mm2[k]
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn scenario(separation: &Separation) -> &'static str {
+    match separation.scenario {
+        Scenario::Crossing => "crossing",
+        Scenario::Enclosing => "enclosing",
+    }
+}
+
+fn write_separations(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "shape,separation,scenario,height_mm,points,walls,overhang_mm3,taken_mm3")?;
+    for of in divided {
+        for (k, step) in of.result.separations.iter().enumerate() {
+            let (kind, walls) = (scenario(step), step.walls.len());
+            write!(out, "{},{},{kind},{:.6},{},{walls}", of.name, k + 1, step.height_mm, step.points.len())?;
+            writeln!(out, ",{:.6},{:.6}", step.overhang_mm3, step.taken_mm3)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_features(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "shape,kind,from_mm,to_mm,u_mm,v_mm,size_mm,volume_mm3")?;
+    for of in divided {
+        for feature in &of.result.features {
+            let kind = if feature.kind == FeatureKind::Hole { "hole" } else { "island" };
+            write!(out, "{},{kind},{:.4},{:.4}", of.name, feature.from_mm, feature.to_mm)?;
+            let (middle, size) = (feature.middle, feature.size_mm);
+            writeln!(out, ",{:.4},{:.4},{size:.4},{:.4}", middle.x, middle.y, feature.volume_mm3)?;
+        }
+    }
+    Ok(())
+}
+
+/// A line for each part of each shape.
+pub fn table(divided: &[Divided]) -> Table {
+    let heads =
+        ["shape", "part", "direction", "volume mm3", "layers", "overhang before mm3", "after mm3", "audit", "time s"];
+    let mut table = Table::new(heads);
+    for of in divided {
+        for (k, part) in of.result.parts.iter().enumerate() {
+            let d = part.direction;
+            let first = |text: String| if k == 0 { text } else { String::new() };
+            table.row([
+                first(of.name.clone()),
+                (k + 1).to_string(),
+                format!("({:.3} {:.3} {:.3})", d.x, d.y, d.z),
+                format!("{:.0}", part.solid.volume()),
+                part.layer_tops_mm.len().to_string(),
+                first(format!("{:.0}", of.result.overhang_before_mm3)),
+                format!("{:.0}", part.overhang_mm3),
+                first(if of.audit.is_ok { "ok".to_owned() } else { "failed".to_owned() }),
+                first(format!("{:.3}", of.decompose_time.as_secs_f64())),
+            ]);
+        }
+    }
+    table
+}
+
+fn summary(args: &Args, divided: &[Divided], findings: &Findings, start: Instant) -> Result<Summary, Failure> {
+    let mut summary = Summary::new();
+    let file =
+        args.mesh.mesh.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("mesh", file.unwrap_or_else(|| typed_name(args.shape)))?
+        .set("layer_mm", args.layer_mm)?
+        .set("least_layer_mm", args.options().min_layer_mm)?
+        .set("angle_deg", args.angle_deg)?
+        .set("torch_mm", args.torch_mm)?
+        .set("stand_off_mm", args.stand_off_mm)?
+        .set("feature_mm", args.feature_mm)?
+        .set("base", typed_name(args.base))?
+        .set("threads", args.common.threads)?;
+    let plain = typed_name(args.shape);
+    for of in divided {
+        let prefixes = if args.mesh.mesh.is_some() {
+            vec![String::new()]
+        } else if of.name == plain {
+            vec![String::new(), format!("{}_", of.name)]
+        } else {
+            vec![format!("{}_", of.name)]
+        };
+        for prefix in prefixes {
+            let key = |name: &str| format!("{prefix}{name}");
+            summary
+                .set(&key("facets"), of.solid.triangles().len())?
+                .set(&key("volume_mm3"), of.solid.volume())?
+                .set(&key("parts"), of.result.parts.len())?
+                .set(&key("separations"), of.result.separations.len())?
+                .set(&key("features"), of.result.features.len())?
+                .set(&key("layers"), of.layers())?
+                .set(&key("overhang_before_mm3"), of.result.overhang_before_mm3)?
+                .set(&key("overhang_after_mm3"), of.overhang_after_mm3())?
+                .set(&key("stuck_parts"), of.result.stuck.len())?
+                .set(&key("audit_ok"), of.audit.is_ok)?
+                .set(&key("volume_error"), of.audit.volume_error)?
+                .set(&key("missing_share"), of.audit.missing_share)?
+                .set(&key("doubled_share"), of.audit.doubled_share)?
+                .set(&key("unsupported_mm2"), of.unsupported_mm2())?
+                .set_seconds(&key("decompose_s"), of.decompose_time)?
+                .set_seconds(&key("audit_s"), of.audit_time)?;
+        }
+    }
+    findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+/// The most steps and parts that the report shows of one shape.
+const SHOWN: usize = 12;
+
+fn report(args: &Args, divided: &[Divided], findings: &Findings) -> Report {
+    let mut report = Report::new("Volumes along several directions");
+    findings.report(&mut report);
+    report.paragraph(&format!(
+        "Layers of {} mm; a side that slopes less than {} degrees over the level needs support. What a layer carries is green, what \
+         hangs over is red, intersection points are black. Walls are blue where they are upright and grey where they are tilted, so that \
+         the torch of {} mm passes at a stand-off of {} mm. Arrows are the printing directions.",
+        args.layer_mm, args.angle_deg, args.torch_mm, args.stand_off_mm
+    ));
+    report.table("All parts", &table(divided));
+    for of in divided {
+        report.heading(&of.name);
+        let steps = of.result.separations.iter().take(SHOWN).enumerate();
+        let drawn: Vec<(String, Vec<u8>)> = steps
+            .map(|(k, step)| {
+                let caption = format!("separation {}: {}, {:.0} mm3 taken off", k + 1, scenario(step), step.taken_mm3);
+                (caption, drawing::step(step))
+            })
+            .collect();
+        let all = of.result.parts.len();
+        let counts = (1..=all).filter(|&count| count == all || count < SHOWN);
+        let built: Vec<(String, Vec<u8>)> =
+            counts.map(|count| (format!("{count} of {all} parts printed"), drawing::parts(of, count))).collect();
+        for pictures in [drawn, built] {
+            let pairs: Vec<(&str, &[u8])> =
+                pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();
+            if !pairs.is_empty() {
+                report.pictures(&pairs);
+            }
+        }
+    }
+    report
+}
