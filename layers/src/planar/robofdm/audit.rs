@@ -70,6 +70,9 @@ pub struct PartsAudit {
 /// Rounding of the slices, as a share of how far a layer may lean out.
 const SLACK: f64 = 0.02;
 
+/// How far below the horizon a direction may look: rounding. A level one does not look down.
+const LEVEL: f64 = 1e-9;
+
 /// By which shares of a step the grid of points is moved: irrational ones, so that no point lies on a face that was modelled or cut.
 const SHIFTS: [f64; 3] = [0.414_213_562, 0.618_033_988, 0.732_050_807];
 
@@ -107,7 +110,7 @@ pub fn audit_parts(
     options.check()?;
     let Some(first) = parts.first() else { return Err(RoboFdmError::Empty) };
     let volume: f64 = parts.iter().map(|part| part.solid.volume()).sum();
-    let down = |&p: &usize| parts[p].direction.dot(&first.direction) <= 0.0;
+    let down = |&p: &usize| parts[p].direction.dot(&first.direction) < -LEVEL;
     let mut audit = PartsAudit {
         volume_error: volume / solid.volume() - 1.0,
         misplaced_points: misplaced(solid, parts, options.points),

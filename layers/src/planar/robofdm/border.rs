@@ -29,8 +29,8 @@ pub(super) fn borders(mesh: &ClosedMesh, part_of: &[u32], offset: f64) -> Vec<Bo
     // Edges by parts, each with the facets on the side of the first and of the second.
     let mut between: BTreeMap<[u32; 2], Vec<Edge>> = BTreeMap::new();
     for (f, beyond) in mesh.beyond.iter().enumerate() {
-        for k in 0..3 {
-            let g = beyond[k] as usize;
+        for (k, &g) in beyond.iter().enumerate() {
+            let g = g as usize;
             if part_of[f] < part_of[g] {
                 let edge = [k, (k + 1) % 3].map(|k| mesh.triangles[f][k]);
                 between.entry([part_of[f], part_of[g]]).or_default().push((edge, [f, g]));

@@ -226,8 +226,8 @@ fn labelling(
         .collect();
     let mut edges = Vec::new();
     for (f, beyond) in mesh.beyond.iter().enumerate() {
-        for k in 0..3 {
-            let g = beyond[k] as usize;
+        for (k, &g) in beyond.iter().enumerate() {
+            let g = g as usize;
             if f < g {
                 let cost = options.border_cost * groove_cost(mesh, f, g, k);
                 let [a, b] = [k, (k + 1) % 3].map(|k| mesh.points[mesh.triangles[f][k] as usize]);
@@ -283,8 +283,8 @@ fn join_small(mesh: &ClosedMesh, part_of: &mut [u32], areas: &[f64], least: f64)
         for part in small {
             let mut shared = vec![0.0; count];
             for (f, beyond) in mesh.beyond.iter().enumerate().filter(|&(f, _)| part_of[f] as usize == part) {
-                for k in 0..3 {
-                    let other = part_of[beyond[k] as usize] as usize;
+                for (k, &g) in beyond.iter().enumerate() {
+                    let other = part_of[g as usize] as usize;
                     if other != part {
                         let [a, b] = [k, (k + 1) % 3].map(|k| mesh.points[mesh.triangles[f][k] as usize]);
                         shared[other] += (b - a).norm();

@@ -133,9 +133,9 @@ pub fn plan_sequence(
     let parts = segmentation.parts;
     match options.root {
         Root::Part(root) if root as usize >= parts => Err(RoboFdmError::Root { root, parts }),
-        Root::Part(root) => Ok(planner.from_root(root)),
+        Root::Part(root) => Ok(planner.rooted_at(root)),
         Root::Best => {
-            let plans = (0..parts as u32).map(|root| planner.from_root(root));
+            let plans = (0..parts as u32).map(|root| planner.rooted_at(root));
             let rank = |plan: &BuildSequence| (!plan.planes_look_up, plan.risky_mm2());
             let better = |a: &BuildSequence, b: &BuildSequence| {
                 let (a, b) = (rank(a), rank(b));
@@ -146,6 +146,9 @@ pub fn plan_sequence(
     }
 }
 
+/// A point and the normal.
+type Plane = (Point3<f64>, Vector3<f64>);
+
 struct Planner<'a> {
     mesh: &'a ClosedMesh<'a>,
     segmentation: &'a Segmentation,
@@ -154,16 +157,15 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    fn from_root(&self, root: u32) -> BuildSequence {
+    fn rooted_at(&self, root: u32) -> BuildSequence {
         let (order, parents) = self.traversal(root);
         // Children come after their parents, so from the last to the first all below is known.
         let mut below: Vec<Vec<bool>> =
             (0..parents.len()).map(|p| (0..parents.len()).map(|q| p == q).collect()).collect();
         for &part in order.iter().rev() {
             if let Some(parent) = parents[part as usize] {
-                for q in 0..parents.len() {
-                    below[parent as usize][q] |= below[part as usize][q];
-                }
+                let own = below[part as usize].clone();
+                below[parent as usize].iter_mut().zip(own).for_each(|(below, own)| *below |= own);
             }
         }
         let plane = |part: u32| {
@@ -180,7 +182,7 @@ impl Planner<'_> {
             None => self.root_direction(root, &normals),
         };
         let planes_look_up = planes.iter().flatten().all(|(_, normal)| normal.dot(&up) > 0.0);
-        let planned = |(&part, plane): (&u32, Option<(Point3<f64>, Vector3<f64>)>)| {
+        let planned = |(&part, plane): (&u32, Option<Plane>)| {
             let direction = plane.map_or(up, |plane| plane.1);
             let floor = plane.is_none().then(|| self.lowest(part, direction) + self.options.platform);
             PlannedPart {

@@ -9,7 +9,7 @@
 //! that would float are seen.
 
 use super::error::RoboFdmError;
-use super::promise::{Judge, area_vector, promising};
+use super::promise::{Judge, promising};
 use super::sequence::BuildSequence;
 use crate::Progress;
 use crate::planar::solid::Wall;

@@ -41,7 +41,7 @@ fn audited(shape: &Shape, parts: &Decomposition) -> PartsAudit {
 fn hook() -> Shape {
     cells([30, 10, 30], |p| {
         let corners = [[5.0, 5.0, -5.0], [5.0, 5.0, 24.0], [24.0, 5.0, 24.0], [24.0, 5.0, 15.0]];
-        corners.windows(2).any(|c| to_segment(p, c[0], c[1]) < 4.1)
+        corners.windows(2).map(|c| to_segment(p, c[0], c[1])).fold(f64::MAX, f64::min).max(4.1 - p.z) - 4.1
     })
 }
 

@@ -1,16 +1,18 @@
-use super::segments::segmented;
+use super::segments::{part_at, segmented};
 use super::shapes::{Shape, dumbbell, tee};
 use curvlay_layers::nalgebra::Vector3;
 use curvlay_layers::planar::robofdm::{BuildSequence, RoboFdmError, Root, SequenceOptions, plan_sequence};
 
-fn planned(shape: &Shape, options: &SequenceOptions) -> BuildSequence {
-    plan_sequence(&shape.points, &shape.triangles, &segmented(shape), options).unwrap()
+fn planned(shape: &Shape, clusters: usize, options: &SequenceOptions) -> BuildSequence {
+    plan_sequence(&shape.points, &shape.triangles, &segmented(shape, clusters), options).unwrap()
 }
 
 #[test]
 fn a_tee_stands_on_its_stem_and_its_arms_grow_sideways() {
     let shape = tee();
-    let sequence = planned(&shape, &SequenceOptions { direction: Some(Vector3::z()), ..SequenceOptions::default() });
+    let root = Root::Part(part_at(&shape, &segmented(&shape, 1), [20.0, 7.0, 5.0]));
+    let sequence =
+        planned(&shape, 1, &SequenceOptions { root, direction: Some(Vector3::z()), ..SequenceOptions::default() });
     let [stem, first, second] = &sequence.parts[..] else { panic!("{sequence:?}") };
     assert!(sequence.planes_look_up);
     assert_eq!((stem.parent, stem.base, stem.direction), (None, None, Vector3::z()));
@@ -38,11 +40,11 @@ fn shape_risk(shape: &Shape, up: Vector3<f64>) -> f64 {
 #[test]
 fn a_dumbbell_stands_on_a_ball_and_grows_in_a_row() {
     let shape = dumbbell();
-    let segmentation = segmented(&shape);
+    let segmentation = segmented(&shape, 2);
     let ends: Vec<u32> =
         (0..3).filter(|p| segmentation.borders.iter().filter(|b| b.parts.contains(p)).count() == 1).collect();
     let options = SequenceOptions { root: Root::Part(ends[0]), ..SequenceOptions::default() };
-    let sequence = planned(&shape, &options);
+    let sequence = planned(&shape, 2, &options);
     let parents: Vec<_> = sequence.parts.iter().map(|part| part.parent).collect();
     assert_eq!(parents, [None, Some(sequence.parts[0].part), Some(sequence.parts[1].part)]);
     assert_eq!(sequence.parts[2].part, ends[1]);
@@ -51,16 +53,16 @@ fn a_dumbbell_stands_on_a_ball_and_grows_in_a_row() {
     assert!(bar.dot(&ball) > 0.99 && bar.x.abs() > 0.99);
     assert!(sequence.planes_look_up);
     // The direction of the root is no worse than that of the planes on it.
-    let along = planned(&shape, &SequenceOptions { direction: Some(bar), ..options });
+    let along = planned(&shape, 2, &SequenceOptions { direction: Some(bar), ..options });
     assert!(sequence.parts[0].risky_mm2 <= along.parts[0].risky_mm2);
 }
 
 #[test]
 fn the_best_root_is_no_worse_than_any() {
     let shape = tee();
-    let best = planned(&shape, &SequenceOptions::default());
+    let best = planned(&shape, 1, &SequenceOptions::default());
     for part in 0..3 {
-        let other = planned(&shape, &SequenceOptions { root: Root::Part(part), ..SequenceOptions::default() });
+        let other = planned(&shape, 1, &SequenceOptions { root: Root::Part(part), ..SequenceOptions::default() });
         assert_eq!(other.parts[0].part, part);
         assert!(!other.planes_look_up || best.risky_mm2() <= other.risky_mm2());
     }
@@ -69,20 +71,20 @@ fn the_best_root_is_no_worse_than_any() {
 #[test]
 fn a_plane_that_looks_down_is_reported() {
     let shape = dumbbell();
-    let sequence = planned(&shape, &SequenceOptions::default());
+    let sequence = planned(&shape, 2, &SequenceOptions::default());
     let down = -sequence.parts[1].direction;
     let options = SequenceOptions {
         root: Root::Part(sequence.parts[0].part),
         direction: Some(down),
         ..SequenceOptions::default()
     };
-    assert!(!planned(&shape, &options).planes_look_up);
+    assert!(!planned(&shape, 2, &options).planes_look_up);
 }
 
 #[test]
 fn bad_options_are_named() {
     let shape = tee();
-    let segmentation = segmented(&shape);
+    let segmentation = segmented(&shape, 1);
     let error =
         |options: SequenceOptions| plan_sequence(&shape.points, &shape.triangles, &segmentation, &options).unwrap_err();
     let default = SequenceOptions::default();

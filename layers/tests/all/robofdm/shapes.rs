@@ -9,10 +9,10 @@ pub struct Shape {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The surface of all cells of `dims` for whose centre `inside` holds, smoothed a little so that it is round.
-pub fn cells(dims: [i32; 3], inside: impl Fn(Vector3<f64>) -> bool) -> Shape {
+/// The surface of all cells of `dims` for whose centre `distance` is below zero, smoothed and moved onto the zero of `distance`.
+pub fn cells(dims: [i32; 3], distance: impl Fn(Vector3<f64>) -> f64) -> Shape {
     let is_cell = |c: [i32; 3]| {
-        (0..3).all(|k| (0..dims[k]).contains(&c[k])) && inside(Vector3::from(c.map(|c| f64::from(c) + 0.5)))
+        (0..3).all(|k| (0..dims[k]).contains(&c[k])) && distance(Vector3::from(c.map(|c| f64::from(c) + 0.5))) < 0.0
     };
     let mut number = BTreeMap::new();
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
@@ -51,6 +51,13 @@ pub fn cells(dims: [i32; 3], inside: impl Fn(Vector3<f64>) -> bool) -> Shape {
     }
     let mut shape = Shape { points, triangles };
     (0..3).for_each(|_| shape.smooth());
+    for p in &mut shape.points {
+        for _ in 0..3 {
+            let at = |k: usize, by: f64| distance(p.coords + Vector3::ith(k, by));
+            let slope = Vector3::from([0, 1, 2].map(|k| (at(k, 1e-4) - at(k, -1e-4)) / 2e-4));
+            *p -= slope * (distance(p.coords) / slope.norm_squared().max(0.1));
+        }
+    }
     shape
 }
 
@@ -84,28 +91,30 @@ pub fn to_segment(p: Vector3<f64>, a: [f64; 3], b: [f64; 3]) -> f64 {
 pub fn dumbbell() -> Shape {
     cells([44, 14, 14], |p| {
         let (a, b) = ([7.0; 3], [37.0, 7.0, 7.0]);
-        to_segment(p, a, b) < 2.1 || (p - Vector3::from(a)).norm() < 6.0 || (p - Vector3::from(b)).norm() < 6.0
+        let balls = (p - Vector3::from(a)).norm().min((p - Vector3::from(b)).norm()) - 6.0;
+        balls.min(to_segment(p, a, b) - 2.1)
     })
 }
 
 /// A stem from (20, 4, 0) to (20, 4, 26) and a bar over it from x = 2 to 38, all round, of radius 3.
 pub fn tee() -> Shape {
     cells([40, 8, 30], |p| {
-        to_segment(p, [20.0, 4.0, -5.0], [20.0, 4.0, 26.0]) < 3.1
-            || to_segment(p, [3.0, 4.0, 26.0], [37.0, 4.0, 26.0]) < 3.1
+        let bar = to_segment(p, [5.0, 4.0, 26.0], [35.0, 4.0, 26.0]);
+        // The platform cuts the stem flat.
+        bar.min(to_segment(p, [20.0, 4.0, -5.0], [20.0, 4.0, 26.0])).max(3.1 - p.z) - 3.1
     })
 }
 
-/// Three legs of radius 3 and length 20 from (20, 20, 20), all downwards.
+/// Three legs of radius 3 along the axes from (5, 5, 5).
 pub fn tripod() -> Shape {
-    let feet = [[38.0, 20.0, 6.0], [11.0, 35.6, 6.0], [11.0, 4.4, 6.0]];
-    cells([42, 42, 24], |p| feet.iter().any(|&foot| to_segment(p, [20.0; 3], foot) < 3.1))
+    let feet = [[26.0, 5.0, 5.0], [5.0, 26.0, 5.0], [5.0, 5.0, 26.0]];
+    cells([30, 30, 30], |p| feet.iter().map(|&foot| to_segment(p, [5.0; 3], foot)).fold(f64::MAX, f64::min) - 3.1)
 }
 
 /// A ring of radius 12, 3 thick.
 pub fn ring() -> Shape {
     cells([32, 32, 8], |p| {
         let d = p - Vector3::new(16.0, 16.0, 4.0);
-        (d.xy().norm() - 12.0).hypot(d.z) < 3.1
+        (d.xy().norm() - 12.0).hypot(d.z) - 3.1
     })
 }

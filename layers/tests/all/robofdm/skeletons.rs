@@ -49,7 +49,7 @@ fn a_ring_keeps_its_hole_and_is_one_branch() {
 #[test]
 fn a_ball_is_near_its_middle() {
     let middle = Vector3::new(6.0, 6.0, 6.0);
-    let skeleton = skeleton(&cells([12, 12, 12], |p| (p - middle).norm() < 5.0));
+    let skeleton = skeleton(&cells([12, 12, 12], |p| (p - middle).norm() - 5.0));
     assert!(skeleton.branch_count() <= 1 && skeleton.nodes.iter().all(|p| (p.coords - middle).norm() < 1.0));
 }
 
