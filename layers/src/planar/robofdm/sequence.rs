@@ -2,7 +2,7 @@
 //!
 //! Dissertation, section 2.4.2. The parts with their borders are a graph; it is traversed breadth first from a root. The
 //! base plane of a part separates it, with all that grows on it, from the rest, and the part is printed along the plane's normal. The
-//! root is printed in the direction in which the least of it looks down (Eq. 2.1) while the planes on it look up.
+//! root is printed in the direction in which the least of it looks down (Eq. 2.1) while all planes look up, else those on it.
 //!
 //! Departure: the plane of a part is fitted to the whole curve around it and what grows on it, not only to the
 //! border with its predecessor. Where three parts meet, that border is an open arc, and its plane does not separate them.
@@ -175,11 +175,12 @@ impl Planner<'_> {
         };
         let planes: Vec<_> = order.iter().map(|&part| plane(part)).collect();
         let on_root = |&(part, _): &(&u32, _)| parents[*part as usize] == Some(root);
-        let normals: Vec<_> =
-            order.iter().zip(&planes).filter(on_root).filter_map(|(_, plane)| plane.map(|p| p.1)).collect();
+        let normal = |(_, plane): (&u32, &Option<Plane>)| plane.map(|plane| plane.1);
+        let all: Vec<_> = order.iter().zip(&planes).filter_map(normal).collect();
+        let first: Vec<_> = order.iter().zip(&planes).filter(on_root).filter_map(normal).collect();
         let up = match self.options.direction {
             Some(direction) => direction.normalize(),
-            None => self.root_direction(root, &normals),
+            None => self.root_direction(root, &[&all, &first, &[]]),
         };
         let planes_look_up = planes.iter().flatten().all(|(_, normal)| normal.dot(&up) > 0.0);
         let planned = |(&part, plane): (&u32, Option<Plane>)| {
@@ -248,12 +249,13 @@ impl Planner<'_> {
         self.facets(part).map(area).sum()
     }
 
-    /// The direction of the least risky area, with all `normals` looking up if that can be.
-    fn root_direction(&self, root: u32, normals: &[Vector3<f64>]) -> Vector3<f64> {
+    /// The direction of the least risky area in which all normals of a list look up: of the first list for which there is one.
+    fn root_direction(&self, root: u32, lists: &[&[Vector3<f64>]]) -> Vector3<f64> {
         let candidates: Vec<_> = self.flat_directions(root).into_iter().chain(sphere(DIRECTIONS)).collect();
-        let looks_up = |d: &&Vector3<f64>| normals.iter().all(|n| n.dot(d) > 0.0);
-        let allowed: Vec<_> = candidates.iter().filter(looks_up).collect();
-        let allowed = if allowed.is_empty() { candidates.iter().collect() } else { allowed };
+        let allowed_by = |normals: &&[Vector3<f64>]| -> Vec<&Vector3<f64>> {
+            candidates.iter().filter(|d| normals.iter().all(|n| n.dot(d) > 0.0)).collect()
+        };
+        let allowed = lists.iter().map(allowed_by).find(|allowed| !allowed.is_empty()).unwrap_or_default();
         let risky = |d: &Vector3<f64>| self.risky(root, *d, Some(self.lowest(root, *d) + self.options.platform));
         // Of equals the first one, so that the largest flat region wins.
         let best = allowed.into_iter().map(|d| (risky(d), d)).min_by(|a, b| a.0.total_cmp(&b.0));

@@ -45,8 +45,7 @@ pub struct TuningOptions {
     /// base plane of a part that is printed later. All that stands when that part is printed lies below its plane, so nothing is in
     /// the way (the collision of the paper's Fig. 2.6 needs a part that is printed earlier).
     pub keep_sections_apart: bool,
-    /// A cut must save so much risky area for each area of its seam. Default 0.02: of two planes that save
-    /// nearly the same, the one with the smaller seam.
+    /// A cut must save so much risky area for each area of its seam. Default 0: Eq. 2.2 as it stands.
     pub seam_cost: f64,
     /// Most parts. Default 40.
     pub max_parts: usize,
@@ -68,7 +67,7 @@ impl Default for TuningOptions {
             spacing: 5.0,
             halvings: 3,
             keep_sections_apart: false,
-            seam_cost: 0.02,
+            seam_cost: 0.0,
             max_parts: 40,
             goal: 0.01,
         }

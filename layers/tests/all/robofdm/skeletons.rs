@@ -28,7 +28,8 @@ fn nodes_lie_on_the_axes_and_reach_to_a_radius_from_the_ends() {
             [3.0, 4.0, 26.0],
             [37.0, 4.0, 26.0],
         ));
-        assert!(off < 1.0, "{p} is {off} away");
+        // Half the radius, where the arms meet: the flow rounds that corner off.
+        assert!(off < 1.5, "{p} is {off} away");
     }
     for end in [[20.0, 4.0, 0.0], [3.0, 4.0, 26.0], [37.0, 4.0, 26.0]] {
         assert!(skeleton.distance(Point3::from(end)) < 4.0);
