@@ -7,6 +7,7 @@
 //! * [`curved::surface`]: the field of uniform layers, its surfaces, and how far apart they lie.
 //! * [`curved::orient`]: how a part should lie on the plate.
 //! * [`curved::trim`]: surfaces that end on the skin of a part.
+//! * [`planar::robofdm`]: RoboFDM: skeleton, segments, sequence, tuned planes, and an audit of parts.
 //! * [`planar`]: solids cut into parts that are printed in flat layers along directions of their own ([`planar::decompose_volume`] after
 //!   Lettori et al. 2022, [`planar::decompose_by_planes`] after RoboFDM), and plane layers after Boge (2019).
 

@@ -5,7 +5,7 @@
 
 mod lettori;
 mod region;
-mod robofdm;
+pub mod robofdm;
 mod solid;
 mod uniform;
 

@@ -13,6 +13,7 @@ mod nozzle;
 mod planar;
 mod plates;
 mod quality;
+mod robofdm;
 mod serde;
 mod support;
 mod surface;

@@ -35,6 +35,17 @@ pub struct Partition {
     cells: u32,
 }
 
+/// A triangle around a cell.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::planar) struct Wall {
+    /// Numbers of its corners in the partition, counter-clockwise from outside the cell.
+    pub(in crate::planar) corners: [u32; 3],
+    /// Where they are.
+    pub(in crate::planar) places: [Point3<f64>; 3],
+    /// The cell on the other side; none where that is the outside of the solid.
+    pub(in crate::planar) beyond: Option<u32>,
+}
+
 /// What a cut makes of the cells that it was asked to cut.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cut {
@@ -160,6 +171,20 @@ impl Partition {
         let between =
             |face: &&Face| (face.back, face.front) == (cell, other) || (face.back, face.front) == (other, cell);
         self.faces.iter().filter(between).map(|face| doubled_normal(self.places(face.corners)).norm() / 2.0).sum()
+    }
+
+    /// The triangles around a cell.
+    ///
+    /// # Cost
+    /// `O(n)` for the `n` triangles of the partition.
+    pub(in crate::planar) fn walls(&self, cell: u32) -> Vec<Wall> {
+        let wall = |side: (usize, bool)| {
+            let face = &self.faces[side.0];
+            let [a, b, c] = face.corners;
+            let (corners, beyond) = if side.1 { ([a, c, b], face.back) } else { ([a, b, c], face.front) };
+            Wall { corners, places: self.places(corners), beyond: (beyond != OUTSIDE).then_some(beyond) }
+        };
+        self.faces_of(cell).into_iter().map(wall).collect()
     }
 
     /// The corners of the faces between two cells; some come more than once.

@@ -1,0 +1,200 @@
+//! Whether parts are the solid, and whether each can be printed on the earlier ones: a check from first principles.
+//!
+//! It takes closed meshes, directions and an order, and knows nothing of planes, facets that are risky, or how the parts were found. It asks
+//! for points in space in which parts they are, and slices every part into layers: each must lie on the one below or on earlier parts,
+//! but for what the self-support angle lets it lean out.
+
+use super::error::RoboFdmError;
+use crate::Progress;
+use crate::planar::{CutPlane, PlaneFrame, Region, Solid, slice};
+use nalgebra::{Point3, Vector3};
+use std::ops::ControlFlow;
+
+/// How parts are checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AuditOptions {
+    /// Height of a layer, in mm. Default 0.5.
+    pub layer: f64,
+    /// The self-support angle, in radians from upright: a layer may lean out by its height times the tangent. Default 45 degrees.
+    pub max_angle: f64,
+    /// Points along each side of the bounding box that are asked for their part. Default 7: 343 points.
+    pub points: u32,
+    /// Share of all layers' area that may lie on nothing. Default 0.01.
+    pub max_unsupported: f64,
+    /// Difference of the volumes, relative, that is rounding. Default 1e-9.
+    pub max_volume_error: f64,
+}
+
+impl Default for AuditOptions {
+    fn default() -> Self {
+        Self {
+            layer: 0.5,
+            max_angle: std::f64::consts::FRAC_PI_4,
+            points: 7,
+            max_unsupported: 0.01,
+            max_volume_error: 1e-9,
+        }
+    }
+}
+
+/// A part to be checked: its mesh, the direction in which it is printed, and whether it stands on the platform.
+#[derive(Clone, Copy, Debug)]
+pub struct AuditedPart<'a> {
+    /// Its closed mesh.
+    pub solid: &'a Solid,
+    /// The direction in which it is printed.
+    pub direction: Vector3<f64>,
+    /// Whether its lowest layer lies on the platform.
+    pub on_platform: bool,
+}
+
+/// What a check found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartsAudit {
+    /// Volume of all parts over that of the solid, minus one.
+    pub volume_error: f64,
+    /// Points that are in no part although they are in the solid, in several parts, or in one although they are outside.
+    pub misplaced_points: usize,
+    /// Parts whose direction looks down when the first one is printed: constraint II.
+    pub looking_down: Vec<usize>,
+    /// Layers of each part.
+    pub layers: Vec<usize>,
+    /// Area of the layers of each part, in mm2.
+    pub layer_mm2: Vec<f64>,
+    /// Area of the layers of each part that lies on nothing, in mm2, seen along its direction.
+    pub unsupported_mm2: Vec<f64>,
+    /// Whether all of this is within the limits of the options.
+    pub is_ok: bool,
+}
+
+/// Rounding of the slices, as a share of how far a layer may lean out.
+const SLACK: f64 = 0.02;
+
+/// How far below the horizon a direction may look: rounding. A level one does not look down.
+const LEVEL: f64 = 1e-9;
+
+/// By which shares of a step the grid of points is moved: irrational ones, so that no point lies on a face that was modelled or cut.
+const SHIFTS: [f64; 3] = [0.414_213_562, 0.618_033_988, 0.732_050_807];
+
+/// Checks parts.
+///
+/// # Errors
+/// [`RoboFdmError::Option`] for an option out of range, [`RoboFdmError::Empty`] without parts, [`RoboFdmError::Cancelled`].
+///
+/// # Cost
+/// `O(n)` for each layer and each point of `n` triangles, and booleans of polygons for each layer. One thread.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::nalgebra::{Point3, Vector3};
+/// use curvlay_layers::planar::Solid;
+/// use curvlay_layers::planar::robofdm::{AuditOptions, AuditedPart, audit_parts};
+/// use std::ops::ControlFlow;
+/// let points: Vec<_> = (0..8).map(|i| Point3::new(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1) * 4.0, f64::from(i >> 2) * 40.0)).collect();
+/// let faces = [
+///     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+///     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+/// ];
+/// let rod = Solid::new(&points, &faces)?;
+/// let part = AuditedPart { solid: &rod, direction: Vector3::z(), on_platform: true };
+/// let audit = audit_parts(&rod, &[part], &AuditOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// assert!(audit.is_ok && audit.layers == [80]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn audit_parts(
+    solid: &Solid,
+    parts: &[AuditedPart],
+    options: &AuditOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<PartsAudit, RoboFdmError> {
+    options.check()?;
+    let Some(first) = parts.first() else { return Err(RoboFdmError::Empty) };
+    let volume: f64 = parts.iter().map(|part| part.solid.volume()).sum();
+    let down = |&p: &usize| parts[p].direction.dot(&first.direction) < -LEVEL;
+    let mut audit = PartsAudit {
+        volume_error: volume / solid.volume() - 1.0,
+        misplaced_points: misplaced(solid, parts, options.points),
+        looking_down: (0..parts.len()).filter(down).collect(),
+        layers: Vec::new(),
+        layer_mm2: Vec::new(),
+        unsupported_mm2: Vec::new(),
+        is_ok: false,
+    };
+    for part in 0..parts.len() {
+        if progress(Progress { stage: "audit", done: part as u64, total: parts.len() as u64 }).is_break() {
+            return Err(RoboFdmError::Cancelled);
+        }
+        let [layers, area, unsupported] = layers(&parts[part], &parts[..part], options);
+        audit.layers.push(layers as usize);
+        audit.layer_mm2.push(area);
+        audit.unsupported_mm2.push(unsupported);
+    }
+    let [area, unsupported] = [&audit.layer_mm2, &audit.unsupported_mm2].map(|list| list.iter().sum::<f64>());
+    audit.is_ok = audit.volume_error.abs() <= options.max_volume_error
+        && audit.misplaced_points == 0
+        && audit.looking_down.is_empty()
+        && unsupported <= options.max_unsupported * area;
+    Ok(audit)
+}
+
+impl AuditOptions {
+    fn check(&self) -> Result<(), RoboFdmError> {
+        let named = [
+            ("layer", self.layer, 1e-6, 1e9),
+            ("max_angle", self.max_angle, 1e-6, std::f64::consts::FRAC_PI_2 - 1e-6),
+            ("points", f64::from(self.points), 0.0, 100.0),
+            ("max_unsupported", self.max_unsupported, 0.0, 1.0),
+            ("max_volume_error", self.max_volume_error, 0.0, 1.0),
+        ];
+        match named.into_iter().find(|(_, value, low, high)| !(low..=high).contains(&value)) {
+            Some((name, value, ..)) => Err(RoboFdmError::Option { name, value }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Points of a grid that are not in one part if they are in the solid, and in none otherwise.
+fn misplaced(solid: &Solid, parts: &[AuditedPart], points: u32) -> usize {
+    let [low, high] = solid.bounds();
+    let place = |i: u32, j: u32, k: u32| {
+        let share = [i, j, k].map(f64::from);
+        let along = |axis: usize| (share[axis] + SHIFTS[axis]) / f64::from(points);
+        Point3::from([0, 1, 2].map(|axis| low[axis] + (high[axis] - low[axis]) * along(axis)))
+    };
+    let is_wrong = |p: Point3<f64>| {
+        let inside = |solid: &Solid| usize::from(solid.winding(&p) > 0.5);
+        parts.iter().map(|part| inside(part.solid)).sum::<usize>() != inside(solid)
+    };
+    let rows = (0..points).flat_map(|i| (0..points).map(move |j| (i, j)));
+    rows.flat_map(|(i, j)| (0..points).map(move |k| (i, j, k))).filter(|&(i, j, k)| is_wrong(place(i, j, k))).count()
+}
+
+/// How many layers a part has, their area, and the area of what lies on nothing.
+fn layers(part: &AuditedPart, earlier: &[AuditedPart], options: &AuditOptions) -> [f64; 3] {
+    let [low, high] = part.solid.extent(&part.direction);
+    let count = ((high - low) / options.layer).ceil();
+    let Ok(lowest) = CutPlane::through(&Point3::from(part.direction * low), &part.direction) else { return [0.0; 3] };
+    let frame = PlaneFrame::of(&lowest);
+    let section =
+        |solid: &Solid, layer: f64| Region::new(&slice(solid, &lowest.moved((layer + 0.5) * options.layer), &frame));
+    let reach = options.layer * options.max_angle.tan() * (1.0 + SLACK);
+    let (mut area, mut unsupported) = (0.0, 0.0);
+    let mut below = Region::new(&[]);
+    for layer in 0..count as usize {
+        let own = section(part.solid, layer as f64);
+        area += own.area();
+        if layer > 0 || !part.on_platform {
+            let mut hanging = own.difference(&below.offset(reach));
+            // Earlier parts carry what they lie under.
+            for other in earlier {
+                if hanging.is_empty() {
+                    break;
+                }
+                hanging = hanging.difference(&section(other.solid, layer as f64 - 1.0).offset(reach));
+            }
+            unsupported += hanging.area();
+        }
+        below = own;
+    }
+    [count, area, unsupported]
+}

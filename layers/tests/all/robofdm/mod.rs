@@ -1,0 +1,9 @@
+//! RoboFDM: skeletons, mixtures, cuts, segments and sequences.
+
+mod cuts;
+mod mixtures;
+mod parts;
+mod segments;
+mod sequences;
+mod shapes;
+mod skeletons;

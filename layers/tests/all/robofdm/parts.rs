@@ -1,0 +1,198 @@
+use super::shapes::{Shape, cells, tee, to_segment};
+use curvlay_layers::Progress;
+use curvlay_layers::nalgebra::{Point3, Vector3};
+use curvlay_layers::planar::robofdm::{
+    AuditOptions, AuditedPart, Decomposition, PartsAudit, RoboFdmError, SegmentOptions, SequenceOptions, TuningOptions,
+    audit_parts, plan_sequence, segment, tune,
+};
+use curvlay_layers::planar::{CutPlane, Partition, Solid};
+use std::ops::ControlFlow;
+
+fn go(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn solid(shape: &Shape) -> Solid {
+    Solid::new(&shape.points, &shape.triangles).unwrap()
+}
+
+fn decomposed(shape: &Shape, options: &TuningOptions) -> Result<Decomposition, RoboFdmError> {
+    let segmentation = segment(&shape.points, &shape.triangles, &SegmentOptions::default())?;
+    // The feet of these shapes are flat to a cell, not to a layer.
+    let upright = SequenceOptions { direction: Some(Vector3::z()), platform: 1.0, ..SequenceOptions::default() };
+    let sequence = plan_sequence(&shape.points, &shape.triangles, &segmentation, &upright)?;
+    tune(&solid(shape), &sequence, options, &go)
+}
+
+fn tuning() -> TuningOptions {
+    TuningOptions { platform: 1.0, spacing: 2.0, ..TuningOptions::default() }
+}
+
+fn audited(shape: &Shape, parts: &Decomposition) -> PartsAudit {
+    let parts: Vec<_> = parts
+        .parts
+        .iter()
+        .map(|part| AuditedPart { solid: &part.solid, direction: part.direction, on_platform: part.base.is_none() })
+        .collect();
+    audit_parts(&solid(shape), &parts, &AuditOptions::default(), &go).unwrap()
+}
+
+/// A hook: up, over, and down again, but not to the platform.
+fn hook() -> Shape {
+    cells([30, 10, 30], |p| {
+        let corners = [[5.0, 5.0, -5.0], [5.0, 5.0, 24.0], [24.0, 5.0, 24.0], [24.0, 5.0, 15.0]];
+        corners.windows(2).map(|c| to_segment(p, c[0], c[1])).fold(f64::MAX, f64::min).max(4.1 - p.z) - 4.1
+    })
+}
+
+#[test]
+fn the_arms_of_a_tee_become_parts_that_need_no_support() {
+    let shape = tee();
+    let parts = decomposed(&shape, &tuning()).unwrap();
+    assert!(parts.parts.len() >= 3 && parts.parts[0].base.is_none());
+    assert!(parts.risky_mm2() <= 0.05 * parts.risky_before_mm2, "{} of {}", parts.risky_mm2(), parts.risky_before_mm2);
+    let [planes, merged, cut] = parts.risky_after_phases_mm2;
+    assert!(merged <= planes * (1.0 + 1e-9) && cut <= merged * (1.0 + 1e-9));
+    assert!((cut - parts.risky_mm2()).abs() < 1e-6);
+    for (at, part) in parts.parts.iter().enumerate().skip(1) {
+        assert!(part.seam_mm2 > 0.0 && !part.on.is_empty() && part.on.iter().all(|&on| on < at));
+        assert!(part.direction.z > 0.0 && part.base.is_some_and(|base| base.normal() == part.direction));
+    }
+    let audit = audited(&shape, &parts);
+    assert!(audit.is_ok, "{audit:?}");
+    assert!(audit.volume_error.abs() < 1e-12);
+}
+
+#[test]
+fn cuts_save_risky_area_and_parts_fit_whatever_is_left() {
+    let shape = hook();
+    let whole = solid(&shape).volume();
+    for options in [tuning(), TuningOptions { keep_sections_apart: true, ..tuning() }] {
+        let parts = decomposed(&shape, &options).unwrap();
+        assert!(
+            parts.risky_mm2() < 0.6 * parts.risky_before_mm2,
+            "{} of {}",
+            parts.risky_mm2(),
+            parts.risky_before_mm2
+        );
+        let volume: f64 = parts.parts.iter().map(|part| part.solid.volume()).sum();
+        assert!((volume / whole - 1.0).abs() < 1e-12);
+        let audit = audited(&shape, &parts);
+        assert_eq!((audit.misplaced_points, audit.looking_down.len()), (0, 0));
+    }
+    // The same twice.
+    assert_eq!(decomposed(&shape, &tuning()), decomposed(&shape, &tuning()));
+}
+
+#[test]
+fn without_cuts_there_is_one_part_whose_risk_is_that_of_the_solid() {
+    let shape = hook();
+    let parts = decomposed(&shape, &TuningOptions { max_parts: 1, perturbations: 0, goal: 1.0, ..tuning() }).unwrap();
+    let down = |[a, b, c]: [Point3<f64>; 3]| {
+        let normal = (b - a).cross(&(c - a)) / 2.0;
+        let on_platform =
+            [a, b, c].iter().all(|p| p.z <= shape.points.iter().map(|p| p.z).fold(f64::MAX, f64::min) + 1.0);
+        if normal.z < -(0.5f64.sqrt()) * normal.norm() && !on_platform { normal.norm() } else { 0.0 }
+    };
+    let expected: f64 = shape.triangles.iter().map(|t| down(t.map(|v| shape.points[v as usize]))).sum();
+    assert!((parts.risky_before_mm2 - expected).abs() < 1e-6 * expected, "{} {expected}", parts.risky_before_mm2);
+}
+
+/// A box from the origin to a corner.
+fn block(x: f64, y: f64, z: f64) -> Solid {
+    let points: Vec<_> =
+        (0..8).map(|i| Point3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z)).collect();
+    let faces = [
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 5, 7],
+        [4, 7, 6],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+        [1, 7, 5],
+    ];
+    Solid::new(&points, &faces).unwrap()
+}
+
+#[test]
+fn the_audit_sees_what_hangs_what_overlaps_and_what_is_missing() {
+    let whole = block(20.0, 10.0, 10.0);
+    let mut partition = Partition::new(&whole);
+    let cut = partition.cut(&[0], &CutPlane::through(&Point3::new(10.0, 0.0, 0.0), &Vector3::x()).unwrap());
+    let [left, right] = [cut.below[0], cut.above[0]].map(|cell| partition.part(cell).unwrap());
+    let part = |solid, direction, on_platform| AuditedPart { solid, direction, on_platform };
+    let audit = |parts: &[AuditedPart]| audit_parts(&whole, parts, &AuditOptions::default(), &go).unwrap();
+
+    // Left upright, then right along x on its side.
+    let good = audit(&[part(&left, Vector3::z(), true), part(&right, Vector3::x(), false)]);
+    assert!(good.is_ok && good.layers == [20, 20] && good.unsupported_mm2 == [0.0, 0.0], "{good:?}");
+    assert!((good.layer_mm2[0] - 2000.0).abs() < 1e-6);
+    // Right upright, but not on the platform: the first layer hangs, but for what leans out of the left part's layer below.
+    let hanging = audit(&[part(&left, Vector3::z(), true), part(&right, Vector3::z(), false)]);
+    assert!((hanging.unsupported_mm2[1] - 100.0).abs() < 1.0 && !hanging.is_ok, "{hanging:?}");
+    // Down.
+    let down = audit(&[part(&left, Vector3::z(), true), part(&right, -Vector3::z(), true)]);
+    assert_eq!((down.looking_down.as_slice(), down.is_ok), ([1].as_slice(), false));
+    // One part twice, one missing: the volume is right.
+    let twice = audit(&[part(&left, Vector3::z(), true), part(&left, Vector3::z(), true)]);
+    assert!(twice.volume_error.abs() < 1e-12 && twice.misplaced_points == 343 && !twice.is_ok, "{twice:?}");
+    let missing = audit(&[part(&left, Vector3::z(), true)]);
+    assert!((missing.volume_error + 0.5).abs() < 1e-12 && !missing.is_ok);
+}
+
+#[test]
+fn a_wedge_leans_out_as_far_as_the_angle_lets_it() {
+    // Sheared by 1: 45 degrees on one side.
+    let upright = block(10.0, 10.0, 10.0);
+    let sheared: Vec<_> = upright.vertices().iter().map(|p| Point3::new(p.x + p.z, p.y, p.z)).collect();
+    let wedge = Solid::new(&sheared, upright.triangles()).unwrap();
+    let part = [AuditedPart { solid: &wedge, direction: Vector3::z(), on_platform: true }];
+    let unsupported = |max_angle: f64| {
+        let options = AuditOptions { max_angle: max_angle.to_radians(), ..AuditOptions::default() };
+        audit_parts(&wedge, &part, &options, &go).unwrap().unsupported_mm2[0]
+    };
+    assert!(unsupported(45.0) < 1e-6);
+    // Nineteen layers, each leaning out half a millimetre, of which the tangent is held.
+    let free = 0.5 - 0.5 * 40f64.to_radians().tan() * 1.02;
+    assert!((unsupported(40.0) - 19.0 * 10.0 * free).abs() < 0.5, "{}", unsupported(40.0));
+}
+
+#[test]
+fn bad_options_are_named_and_work_can_be_cancelled() {
+    let shape = tee();
+    let name = |options: TuningOptions| match decomposed(&shape, &options) {
+        Err(RoboFdmError::Option { name, .. }) => name,
+        other => panic!("{other:?}"),
+    };
+    let default = TuningOptions::default();
+    assert_eq!(name(TuningOptions { max_angle: 0.0, ..default }), "max_angle");
+    assert_eq!(name(TuningOptions { platform: f64::NAN, ..default }), "platform");
+    assert_eq!(name(TuningOptions { max_section: 0.5, ..default }), "max_section");
+    assert_eq!(name(TuningOptions { candidates: 0, ..default }), "candidates");
+    assert_eq!(name(TuningOptions { normals: 0, ..default }), "normals");
+    assert_eq!(name(TuningOptions { spacing: 0.0, ..default }), "spacing");
+    assert_eq!(name(TuningOptions { seam_cost: -1.0, ..default }), "seam_cost");
+    assert_eq!(name(TuningOptions { max_parts: 0, ..default }), "max_parts");
+    assert_eq!(name(TuningOptions { goal: 2.0, ..default }), "goal");
+    assert_eq!(name(TuningOptions { max_offset: -1.0, ..default }), "max_offset");
+    assert_eq!(name(TuningOptions { max_turn: 2.0, ..default }), "max_turn");
+
+    let whole = solid(&shape);
+    let parts = [AuditedPart { solid: &whole, direction: Vector3::z(), on_platform: true }];
+    let stop = |_: Progress| ControlFlow::Break(());
+    let audit = |options: AuditOptions| audit_parts(&whole, &parts, &options, &go);
+    assert!(matches!(
+        audit(AuditOptions { layer: 0.0, ..AuditOptions::default() }),
+        Err(RoboFdmError::Option { name: "layer", .. })
+    ));
+    assert_eq!(audit_parts(&whole, &parts, &AuditOptions::default(), &stop), Err(RoboFdmError::Cancelled));
+    assert_eq!(audit_parts(&whole, &[], &AuditOptions::default(), &go), Err(RoboFdmError::Empty));
+    let segmentation = segment(&shape.points, &shape.triangles, &SegmentOptions::default()).unwrap();
+    let sequence = plan_sequence(&shape.points, &shape.triangles, &segmentation, &SequenceOptions::default()).unwrap();
+    assert_eq!(tune(&whole, &sequence, &default, &stop), Err(RoboFdmError::Cancelled));
+}
