@@ -523,7 +523,7 @@ pub fn fill_rest(
     let taken = |layer: usize| given.get(layer).and_then(|given| given.lock().ok()?.take());
     let fill = |layer: usize, surface: &LayerSurface| {
         if let Some(filled) = taken(layer) {
-            return Ok(Some(Placed { layer: filled, solid: None, open: Vec::new() }));
+            return Ok(Some(Placed { layer: filled, solid: None }));
         }
         let fill = || fill_at(surface, options, of_layer.get(layer), progress);
         let filled = (!surface.triangles.is_empty()).then(fill).transpose();
