@@ -633,11 +633,11 @@ fn an_arm_of_a_file_prints_over_a_plate_that_stands_still() {
 fn what_is_printed_later_is_in_nobodys_way() {
     let scratch = Scratch::new("tower");
     let out = scratch.path("out");
-    let args = ["--cell", "8", "--stage", "motion", "--cell8", "--program", "csv"];
+    let args = ["--cell", "8", "--layer-height", "4", "--stage", "motion", "--cell8", "--program", "csv"];
     let figures = block([16.0, 16.0, 80.0], &out, &args);
     documented(&out);
     let count = |key: &str| figures[key].as_u64().unwrap();
-    assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (10, 9, 0));
+    assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (20, 19, 0));
     assert_eq!((count("blocked_waypoints"), count("unreachable_waypoints"), count("check_findings")), (0, 0, 0));
     // As CSV, the table's axes stand beside the targets.
     let file = fs::File::open(Path::new(&out).join("print_001.csv")).unwrap();
@@ -645,7 +645,7 @@ fn what_is_printed_later_is_in_nobodys_way() {
     let moves = steps.iter().filter(|step| matches!(step, Step::Move(Move { table: Some(_), .. }))).count();
     let extruding = |step: &&Step| matches!(step, Step::Extruder(_) | Step::FilamentSpeed(_));
     assert_eq!(moves + steps.iter().filter(extruding).count(), steps.len());
-    assert_eq!(steps.iter().filter(|step| matches!(step, Step::Extruder(_))).count(), 20);
+    assert_eq!(steps.iter().filter(|step| matches!(step, Step::Extruder(_))).count(), 40);
     assert!(!Path::new(&out).join("print.mod").exists());
 }
 
