@@ -203,6 +203,7 @@ impl Args {
         let height_is = if has_cells { ", the edge of a cell," } else { ", the default," };
         let height_is = origin(settings.layer_height_mm.is_some(), height_is);
         let bead_is = origin(settings.bead_mm.is_some(), ", the default");
+        let height_mm = (height_mm * 1e3).round() / 1e3;
         Err(format!(
             "layers of {height_mm} mm{height_is} are higher than a bead is wide, {bead_mm} mm{bead_is}: see --layer-height and --bead"
         ))
@@ -487,6 +488,10 @@ impl Job<'_> {
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
         let (field, surfaces) =
             field::run(&args.field_options(&self.setup.nozzle), surfaces.as_ref(), args.memory(), part, saved, bars)?;
+        // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
+        if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
+            args.path_options(surfaces.height_mm)?;
+        }
         part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
         let files = Files::default();
         let mut results = Results { field, surfaces, paths: None, machine: None, motion: None, files, findings };

@@ -199,8 +199,8 @@ proptest! {
             let prints = matches!(step, Move::Print { .. });
             let number = |column: usize| csv[column].1.parse::<f64>().unwrap();
             prop_assert_eq!(tip, Point3::new(number(1), number(2), number(3)));
-            prop_assert_eq!([direction.x, direction.y, direction.z], [number(4), number(5), number(6)]);
-            prop_assert_eq!(feed_mm_s, number(8));
+            prop_assert_eq!(direction.into_inner(), Vector3::new(number(4), number(5), number(6)));
+            prop_assert_eq!(feed_mm_s.to_bits(), number(8).to_bits());
             prop_assert_eq!(&csv[0].1[..], if prints { "print" } else { "travel" });
             for k in 0..3 {
                 prop_assert!((apt.to[k] - tip[k]).abs() <= 0.51e-4 && (apt.to[k + 3] - direction[k]).abs() <= 0.51e-6);
