@@ -104,11 +104,12 @@ fn genus_one_and_enclosing_overhang_end() {
 }
 
 #[test]
-fn fewer_parts_leave_more_risky_area() {
+fn fewer_parts_leave_no_less_risky_area() {
     let whole = cut(&tee(), &upright());
     let two = cut(&tee(), &CuttingOptions { max_parts: 2, ..upright() });
     assert_eq!(two.parts.len(), 2);
-    assert!(two.risky_after_mm2() > whole.risky_after_mm2());
+    // A slab of the whole T, on which the rest is printed sideways, already does most of it.
+    assert!(two.risky_after_mm2() >= whole.risky_after_mm2() && two.risky_after_mm2() < two.risky_before_mm2);
     assert_eq!(cut(&tee(), &CuttingOptions { max_parts: 1, ..upright() }).parts.len(), 1);
 }
 
