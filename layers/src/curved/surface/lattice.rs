@@ -33,6 +33,11 @@ impl Lattice {
     /// The lattice of the centres of the cells, in the middle of its room; neighbours are joined if both have a value
     /// and no cut between them ([`is_cut`]).
     pub(super) fn of(field: &LayerField) -> Self {
+        Self::cut_where(field, is_cut)
+    }
+
+    /// The same with cuts of one's own.
+    pub(super) fn cut_where(field: &LayerField, is_cut: impl Fn(f64, f64) -> bool) -> Self {
         let dims = field.dims().map(|d| d + 2 * ROOM);
         let len = dims.iter().map(|&d| d as usize).product();
         let mut lattice = Lattice { dims, values: vec![f64::NAN; len], joined: vec![0; len] };
@@ -54,6 +59,11 @@ impl Lattice {
             }
         }
         lattice
+    }
+
+    /// The node of a cell of the grid that it was made of.
+    pub(super) fn node(&self, position: [u32; 3]) -> usize {
+        self.index(position.map(|c| c + ROOM))
     }
 
     /// The values at the cells of the grid that it was made of.

@@ -9,6 +9,8 @@
 //!
 //! At a cut a surface goes half a cell beyond the centres and no farther. So a cell at a cut that faces it keeps so near
 //! to the middle of its layer that the level there, its *own*, comes within that half cell: else nothing would cover it.
+//!
+//! [`relax`] does the same without any bounds, for a field that is free to move yet (`coherent`).
 
 use super::field::LayerField;
 use super::in_parallel;
@@ -34,6 +36,9 @@ const LEAST_SHARE: usize = 4096;
 const SWEEPS: usize = 10;
 const SHARE: f64 = 0.8;
 
+/// Values have settled when they move by less than this in a sweep, in the mean, in layers.
+const SETTLED: f64 = 5e-4;
+
 /// The field with a slope of 1 as far as its layers allow.
 ///
 /// Values stay in their steps, and the slope is that of a layer in its thickness.
@@ -41,14 +46,47 @@ pub(super) fn evened(field: LayerField) -> LayerField {
     let (slope, steps) = (1.0 / field.layer_cells(), f64::from(field.steps_per_layer()));
     let mut lattice = Lattice::of(&field);
     let solid: Vec<usize> = (0..lattice.values.len()).filter(|&node| !lattice.values[node].is_nan()).collect();
-    let mut ways = vec![[0.0; 3]; lattice.values.len()];
-    for _ in 0..SWEEPS {
-        let found = in_parallel(solid.len(), LEAST_SHARE, |k| way(&lattice, solid[k]).map(|way| way * slope));
-        solid.iter().zip(found).for_each(|(&node, way)| ways[node] = way);
-        let found = in_parallel(solid.len(), LEAST_SHARE, |k| moved(&lattice, &ways, solid[k], steps));
-        solid.iter().zip(found).for_each(|(&node, value)| lattice.values[node] = value);
-    }
+    sweep(&mut lattice, &solid, [slope, 0.0], SWEEPS, |lattice, ways, node, foretold| {
+        within_step(lattice, ways, node, foretold, steps)
+    });
     field.with_values(lattice.values_at_cells())
+}
+
+/// The values at some nodes after `sweeps` towards a slope of a layer a cell, or fewer if they have settled; from 0 on. Nothing else holds
+/// them; other nodes stay as they are.
+pub(super) fn relax(lattice: &mut Lattice, nodes: &[usize], sweeps: usize) {
+    sweep(lattice, nodes, [1.0, SETTLED], sweeps, |_, _, _, foretold| foretold.max(0.0));
+}
+
+/// `sweeps` in which each of some nodes goes a [`SHARE`] of the way to what its joined neighbours foretell, as far as `allowed` lets it; until they
+/// move by less than `settled` in the mean.
+fn sweep(
+    lattice: &mut Lattice,
+    nodes: &[usize],
+    [slope, settled]: [f64; 2],
+    sweeps: usize,
+    allowed: impl Fn(&Lattice, &[[f64; 3]], usize, f64) -> f64 + Send + Sync,
+) {
+    let solid: Vec<usize> = (0..lattice.values.len()).filter(|&node| !lattice.values[node].is_nan()).collect();
+    let mut ways = vec![[0.0; 3]; lattice.values.len()];
+    for _ in 0..sweeps {
+        let found = in_parallel(solid.len(), LEAST_SHARE, |k| way(lattice, solid[k]).map(|way| way * slope));
+        solid.iter().zip(found).for_each(|(&node, way)| ways[node] = way);
+        let moved = |node: usize| {
+            let value = lattice.values[node];
+            let foretold = foretold(lattice, &ways, node);
+            foretold.map_or(value, |foretold| allowed(lattice, &ways, node, value + SHARE * (foretold - value)))
+        };
+        let found = in_parallel(nodes.len(), LEAST_SHARE, |k| moved(nodes[k]));
+        let mut moves = 0.0;
+        for (&node, value) in nodes.iter().zip(found) {
+            moves += (value - lattice.values[node]).abs();
+            lattice.values[node] = value;
+        }
+        if moves < settled * nodes.len() as f64 {
+            break;
+        }
+    }
 }
 
 /// The unit vector along the slope at a node; zero if there is none. Not a number along an axis on which the front parts or
@@ -80,24 +118,35 @@ fn step(a: f64, b: f64) -> f64 {
     }
 }
 
-/// The value of a node after a sweep. One without joined neighbours stays.
-fn moved(lattice: &Lattice, ways: &[[f64; 3]], node: usize, steps: f64) -> f64 {
+/// The mean of what the joined neighbours of a node foretell; `None` if there are none.
+fn foretold(lattice: &Lattice, ways: &[[f64; 3]], node: usize) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (axis, stride) in lattice.strides().into_iter().enumerate() {
+        for forwards in [false, true] {
+            let next = if forwards { node + stride } else { node - stride };
+            if lattice.is_joined(node, axis, forwards) {
+                let step = step(ways[node][axis], ways[next][axis]);
+                sum += if forwards { lattice.values[next] - step } else { lattice.values[next] + step };
+                count += 1.0;
+            }
+        }
+    }
+    (count > 0.0).then(|| sum / count)
+}
+
+/// What is nearest to a value of all that a node may have: it stays in its step, and at a cut its own level stays within its half.
+fn within_step(lattice: &Lattice, ways: &[[f64; 3]], node: usize, wanted: f64, steps: f64) -> f64 {
     let value = lattice.values[node];
     let layer = value.floor();
     let own = layer + 0.5;
-    let (mut sum, mut count) = (0.0, 0.0);
     // Whether the own level lies between the node and a joined neighbour that comes later, or earlier; if not, how far
     // across the cuts on that side the front goes.
     let mut carried = [false; 2];
     let mut across = [0.0f64; 2];
     for (axis, stride) in lattice.strides().into_iter().enumerate() {
         for forwards in [false, true] {
-            let next = if forwards { node + stride } else { node - stride };
-            let there = lattice.values[next];
+            let there = lattice.values[if forwards { node + stride } else { node - stride }];
             if lattice.is_joined(node, axis, forwards) {
-                let step = step(ways[node][axis], ways[next][axis]);
-                sum += if forwards { there - step } else { there + step };
-                count += 1.0;
                 carried[usize::from(there < own)] = true;
             } else if !there.is_nan() {
                 let out = if forwards { ways[node][axis] } else { -ways[node][axis] };
@@ -106,16 +155,13 @@ fn moved(lattice: &Lattice, ways: &[[f64; 3]], node: usize, steps: f64) -> f64 {
             }
         }
     }
-    if count == 0.0 {
-        return value;
-    }
     let reach = |side: usize| {
         let is_bound = !carried[side] && across[side] >= FACES;
         if is_bound { (0.5 - MARGIN) * across[side] } else { 0.5 }
     };
     let (low, high) = (own - reach(0), (own + reach(1)).min(layer + 1.0 - GAP));
     let (first, end) = ((value * steps).floor() / steps, ((value * steps).floor() + 1.0) / steps - GAP);
-    (value + SHARE * (sum / count - value)).clamp(low.min(end), high.max(first)).clamp(first, end)
+    wanted.clamp(low.min(end), high.max(first)).clamp(first, end)
 }
 
 #[cfg(test)]

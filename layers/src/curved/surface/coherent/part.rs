@@ -3,9 +3,7 @@
 use crate::curved::{Cells, Rules};
 
 /// No neighbour.
-pub(super) const NONE: u32 = u32::MAX;
-
-const FACES: [[i32; 3]; 6] = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+const NONE: u32 = u32::MAX;
 
 /// The built cells. Neighbours are places in the list, or [`NONE`].
 pub(super) struct Part {
@@ -13,8 +11,6 @@ pub(super) struct Part {
     pub(super) cells: Vec<u32>,
     /// By number of the cell.
     places: Vec<u32>,
-    /// The neighbours across the faces.
-    pub(super) faces: Vec<[u32; 6]>,
     /// The cells that can support each, `supporters` in a row.
     around: Vec<u32>,
     supporters: usize,
@@ -36,12 +32,11 @@ impl Part {
             if inside { places[grid.id([x, y, z]) as usize] } else { NONE }
         };
         let offsets = rules.neighbours.offsets();
-        let faces = cells.iter().map(|&cell| FACES.map(|step| next(cell, &step))).collect();
         let around = cells.iter().flat_map(|&cell| offsets.iter().map(move |step| (cell, step)));
         let around = around.map(|(cell, step)| next(cell, step)).collect();
         let mut stands = vec![false; cells.len()];
         standing.iter().for_each(|&cell| stands[places[cell as usize] as usize] = true);
-        Part { cells, places, faces, around, supporters: offsets.len(), stands }
+        Part { cells, places, around, supporters: offsets.len(), stands }
     }
 
     /// The place of a cell of the part.

@@ -132,6 +132,31 @@ proptest! {
     }
 }
 
+/// A block of 8 x 4 x 10 cells whose last column comes `later` layers after the others, as a torn order has it.
+fn torn_block(later: usize) -> UniformField {
+    let (dims, rows) = ([8, 4, 10], [0xff; 40]);
+    let cells = Cells::new(dims, &rows).unwrap();
+    let (platform, rules) = (Platform::under(&cells, 4.0).unwrap(), Rules::default());
+    let mut layers = vec![Vec::new(); 10 + later];
+    for cell in cells.iter() {
+        let [x, _, z] = cells.position(cell);
+        layers[z as usize + if x < 7 || z == 0 { 0 } else { later }].push(cell);
+    }
+    let mut order = LayerOrder::new();
+    layers.into_iter().for_each(|layer| order.push(layer));
+    assert!(audit(&cells, &platform, &rules, &order, &[], &go).unwrap().is_ok());
+    coherent_field(&cells, &platform, &rules, &order, &[], &go).unwrap().expect("nothing is shadowed")
+}
+
+#[test]
+fn a_wait_for_nothing_closes_and_layers_are_a_cell_thick() {
+    let UniformField { field, jumps, .. } = torn_block(4);
+    assert_eq!((field.torn_share(1.5), jumps), (0.0, 0));
+    let thick = |cell: u32| field.value(cell + 32).unwrap() - field.value(cell).unwrap();
+    let uneven = (0..9 * 32).map(|cell| (thick(cell) - 1.0).abs()).fold(0.0, f64::max);
+    assert!(uneven < 0.3, "{uneven}");
+}
+
 #[test]
 fn cancelled_work_ends() {
     let rows = [0b111; 6];
