@@ -792,7 +792,7 @@ fn profiles_are_taken_and_options_win() {
     let moves = GcodeReader::new(gcode.as_bytes(), options).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
     assert!(gcode.lines().filter(|line| line.contains("*")).count() > moves.len());
     let count = |line: &str| gcode.lines().filter(|other| *other == line).count() as f64;
-    assert_eq!(count(";LAYER_CHANGE"), figure("surfaces"));
+    assert!((count(";LAYER_CHANGE") - figure("surfaces")).abs() < 0.5);
     assert!(gcode.contains("\n;HEIGHT:0.") && gcode.contains("\n;WIDTH:0."));
     assert!(count(";TYPE:External perimeter") > 0.0 && count(";TYPE:Solid infill") > 0.0);
     // The same moves for CAM.
