@@ -103,7 +103,9 @@ const FLAT_REGIONS: usize = 20;
 ///     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
 ///     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
 /// ];
-/// let segmentation = segment(&points, &faces, &SegmentOptions::default())?;
+/// // Its twelve facets are too few to tell clusters of thickness apart.
+/// let options = SegmentOptions { clusters: Some(1), ..SegmentOptions::default() };
+/// let segmentation = segment(&points, &faces, &options)?;
 /// let sequence = plan_sequence(&points, &faces, &segmentation, &SequenceOptions::default())?;
 /// assert_eq!((sequence.parts.len(), sequence.risky_mm2()), (1, 0.0)); // a rod stands on one of its faces
 /// # Ok::<(), curvlay_layers::planar::robofdm::RoboFdmError>(())
