@@ -9,7 +9,7 @@
 //! * [`curved::trim`]: surfaces that end on the skin of a part.
 //! * [`planar::robofdm`]: RoboFDM: skeleton, segments, sequence, tuned planes, and an audit of parts.
 //! * [`planar`]: solids cut into parts that are printed in flat layers along directions of their own ([`planar::decompose_volume`] after
-//!   Lettori et al. 2022, [`planar::decompose_by_planes`] after RoboFDM), and plane layers after Boge (2019).
+//!   Lettori et al. 2022), and plane layers after Boge (2019).
 
 pub mod curved;
 pub mod planar;

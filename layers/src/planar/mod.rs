@@ -1,7 +1,10 @@
 //! Plane layers: what a printer does that cannot turn the part, and solids that are cut into parts, each printed in flat layers
 //! along a direction of its own.
 //!
-//! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3: [`slice_uniformly`].
+//! * [`decompose_volume`]: walls before overhang, after M. Lettori et al., "An Approach for Volume Decomposition in Robot-Based Additive
+//!   Manufacturing", CAD'22, 2022.
+//! * [`robofdm`]: skeleton, segments, sequence and tuned planes, after C. Dai, *Material Deposition in 3D Space* (TU Delft 2020), section 2.4.
+//! * [`slice_uniformly`]: H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3.
 
 mod lettori;
 mod region;
@@ -15,7 +18,6 @@ pub use lettori::{
     largest_rectangle,
 };
 pub use region::Region;
-pub use robofdm::{CuttingError, CuttingOptions, PlaneDecomposition, PlanePart, decompose_by_planes};
 pub use solid::{
     Cut, CutPlane, OverhangError, Partition, PlaneError, PlaneFrame, SectionPolygon, Solid, SolidError, risky_area,
     risky_faces, slice,

@@ -430,7 +430,8 @@ fn meshes_that_cannot_lie_are_refused() {
 #[test]
 fn options_out_of_range_are_refused() {
     let cube = boxes(&[[[0.0; 3], [1.0; 3]]]);
-    let with: [(&str, fn(&mut OrientOptions)); 6] = [
+    type Spoil = fn(&mut OrientOptions);
+    let with: [(&str, Spoil); 6] = [
         ("directions", |options| options.directions = OrientOptions::MAX_DIRECTIONS + 1),
         ("min_tipping", |options| options.min_tipping = f64::NAN),
         ("min_tipping", |options| options.min_tipping = -0.1),

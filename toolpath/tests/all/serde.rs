@@ -42,7 +42,8 @@ fn filled_layers_come_back() {
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
     let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
     let level = [[0, 1, 2], [0, 2, 3]];
-    let surfaces: [(Vec<Point3<f64>>, &[[u32; 3]]); 3] =
+    type Mesh<'a> = (Vec<Point3<f64>>, &'a [[u32; 3]]);
+    let surfaces: [Mesh; 3] =
         [(square(11.0).into(), &level), (square(0.2).into(), &level), (ball.map(Point3::from).into(), &faces)];
     for (vertices, triangles) in &surfaces {
         let thickness = vec![0.8; triangles.len()];

@@ -100,13 +100,17 @@ pub struct JudgedPose {
 /// assert_eq!((judged[0].layers, judged[0].base_mm2), (1, 8.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn judge_poses<E: Send>(
+pub fn judge_poses<E, V>(
     vertices: &[Point3<f64>],
     poses: &[Pose],
     options: &OrientOptions,
-    voxelise: &(dyn Fn(&[Point3<f64>]) -> Result<PoseCells, E> + Sync),
+    voxelise: &V,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Vec<JudgedPose>, PoseError<E>> {
+) -> Result<Vec<JudgedPose>, PoseError<E>>
+where
+    E: Send,
+    V: Fn(&[Point3<f64>]) -> Result<PoseCells, E> + Sync + ?Sized,
+{
     options.check()?;
     if poses.is_empty() {
         return Err(PoseError::NoPose);

@@ -7,18 +7,13 @@
 //! * Phase II: [`plan_sequence`].
 //! * Phase III: [`tune`], into closed meshes.
 //! * [`audit_parts`] checks the result, or parts of any other origin.
-//! * [`decompose_by_planes`]: the fine decomposition alone, from the whole solid, with constraint I to the letter. Departures there: below a
-//!   plane there must be one piece, which keeps the base; every piece above becomes a part. A plane must not face down in the part that
-//!   it cuts, so that the section itself needs no support.
 
 mod audit;
 mod border;
 mod closed;
 mod cut;
-mod cutting;
 mod error;
 mod mixture;
-mod planes;
 mod promise;
 mod segment;
 mod sequence;
@@ -28,7 +23,6 @@ mod tuning;
 pub use audit::{AuditOptions, AuditedPart, PartsAudit, audit_parts};
 pub use border::Border;
 pub use cut::{FlowNetwork, Labelling};
-pub use cutting::{CuttingError, CuttingOptions, PlaneDecomposition, PlanePart, decompose_by_planes};
 pub use error::RoboFdmError;
 pub use mixture::GaussianMixture;
 pub use segment::{MAX_CLUSTERS, SegmentOptions, Segmentation, segment};

@@ -6,6 +6,5 @@ mod cells;
 mod lettori;
 mod overhang;
 mod region;
-mod robofdm;
 mod section;
 mod shapes;
