@@ -419,7 +419,7 @@ fn what_is_covered_twice_is_counted() {
     // A bend is one bead; coming back over oneself is two.
     let points = [[2.0, 2.0], [10.0, 2.0], [10.0, 3.5]].map(Point2::from);
     let bend = Stroke { points: points.to_vec(), ..line(0.0) };
-    assert_eq!(coverage(std::slice::from_ref(&region), &[bend.clone()]).unwrap().overlap, 0.0);
+    assert_eq!(coverage(std::slice::from_ref(&region), std::slice::from_ref(&bend)).unwrap().overlap, 0.0);
     let back = Stroke { points: points.into_iter().chain([Point2::new(2.0, 2.0)]).collect(), ..bend };
     assert!(coverage(std::slice::from_ref(&region), &[back]).unwrap().overlap > 0.05);
     let bad = Stroke { width: 0.0, ..line(0.0) };
