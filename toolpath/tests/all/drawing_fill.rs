@@ -316,9 +316,8 @@ fn beads_fit_a_ribbon() {
 fn the_thesis_prints_too_wide() {
     let ribbon = region(&piece(&[[0.0, 0.0], [200.0, 0.0], [200.0, 4.2], [0.0, 4.2]], true), &[]);
     let scan = FillOptions { contour: ContourAt::OnLine, ..options(Fill::None, 6.4) };
-    let on_line =
-        coverage(std::slice::from_ref(&ribbon), &fill(std::slice::from_ref(&ribbon), &[], &scan).unwrap().strokes)
-            .unwrap();
+    let ribbon = [ribbon];
+    let on_line = coverage(&ribbon, &fill(&ribbon, &[], &scan).unwrap().strokes).unwrap();
     assert!(on_line.covered > 0.99 && on_line.outside > 1.45, "{on_line:?}");
 }
 

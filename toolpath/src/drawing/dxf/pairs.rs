@@ -104,6 +104,10 @@ impl<R: BufRead> Records<R> {
             }
             record.pairs.push(pair);
         }
+        // Only what ends something can be the last: another record may be cut short.
+        if self.next.is_none() && !["EOF", "ENDSEC"].contains(&record.kind.as_str()) {
+            return Err(DxfError::Truncated { line: self.line });
+        }
         Ok(Some(record))
     }
 
