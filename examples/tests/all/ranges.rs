@@ -56,7 +56,8 @@ fn ranges_of_layers_put_together_are_one_run() {
     let (place, mesh) =
         folder("whole", &[[[0, 0, 0], [10, 10, 30]], [[0, 0, 20], [40, 10, 30]], [[12, 2, 0], [22, 8, 6]]]);
     let path = |name: &str| place.join(name).display().to_string();
-    let output = run(&["--mesh", &mesh, "--cell", "2", "--out", &path("one")]);
+    let whole = |name: &str| run(&["--mesh", &mesh, "--cell", "2", "--also", "paths-obj", "--out", &path(name)]);
+    let output = whole("one");
     assert!(matches!(output.status.code(), Some(0 | 3)), "{}", line(&output));
     let figures = common::summary(&place.join("one"));
     let field = path("one/field.txt");
@@ -75,8 +76,8 @@ fn ranges_of_layers_put_together_are_one_run() {
     let surfaces = figures["surfaces"].as_u64().unwrap();
     assert_eq!(next, surfaces + 1);
     let [a, b, c] = ["a", "b", "c"].map(|name| path(&format!("{name}/paths.jsonl")));
-    let output = on(&["--merge", &c, &a, &b, "--out", &path("merged")]);
-    assert_eq!(output.status.code(), run(&["--mesh", &mesh, "--cell", "2", "--out", &path("again")]).status.code());
+    let output = on(&["--merge", &c, &a, &b, "--also", "paths-obj", "--out", &path("merged")]);
+    assert_eq!(output.status.code(), whole("again").status.code());
     for file in ["layers.obj", "field.txt", "paths.obj", "toolpath.gcode", "turns.csv"] {
         let of = |folder: &str| fs::read(place.join(folder).join(file)).ok();
         assert!(of("one").is_some() || file == "turns.csv", "{file}");

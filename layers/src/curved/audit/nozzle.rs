@@ -138,7 +138,7 @@ mod tests {
         let nozzle = Obstructions::new(&judged, 0);
         let known = [
             ([-2.0, 0.0], 2.0),
-            ([-3.0, 4.5], 5.0),          // beside the edge of the tip
+            ([-4.0, 3.5], 5.0),          // beside the edge of the tip
             ([1.0, 2.5], 0.5f64.sqrt()), // beside the cone
             ([2.0, 0.0], -(2.5 * 0.5f64.sqrt()).min(2.0)),
             ([7.0, 9.5], 1.0),  // below the block

@@ -96,7 +96,7 @@ fn clip_ears(polygon: &[(u32, Point2<f64>)], used: &mut BTreeSet<[u32; 2]>, tria
         (0..n).map(|k| turn(&polygon[before[k]].1, &polygon[k].1, &polygon[next[k]].1) <= 0).collect();
     let (mut left, mut at) = (n, 0);
     while left > 3 {
-        // Once around: a clean ear; else a flat one; else any that repeats no line; else any.
+        // Once around: a spike or a clean ear; else a flat one; else any that repeats no line; else any.
         let mut fallback: [Option<usize>; 3] = [None; 3];
         let mut ear = None;
         let mut corner = at;
@@ -104,8 +104,11 @@ fn clip_ears(polygon: &[(u32, Point2<f64>)], used: &mut BTreeSet<[u32; 2]>, tria
             let (a, c) = (before[corner], next[corner]);
             let new_line = !used.contains(&edge(a, c));
             let convex = turn(&polygon[a].1, &polygon[corner].1, &polygon[c].1);
+            // A line there and back has no inside: it goes at once, or its sides would pass for those of an ear.
+            let to = |k: usize| polygon[k].1 - polygon[corner].1;
+            let is_spike = convex == 0 && to(a).dot(&to(c)) > 0.0;
             let is_free = || is_empty_ear(polygon, [&next, &before], &reflex, [a, corner, c]);
-            if new_line && convex > 0 && is_free() {
+            if new_line && (is_spike || convex > 0 && is_free()) {
                 ear = Some(corner);
                 break;
             }
