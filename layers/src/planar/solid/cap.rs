@@ -88,51 +88,76 @@ fn clip_ears(polygon: &[(u32, Point2<f64>)], used: &mut BTreeSet<[u32; 2]>, tria
     if n < 3 {
         return;
     }
-    let edge = |a: usize, b: usize| [polygon[a].0.min(polygon[b].0), polygon[a].0.max(polygon[b].0)];
-    used.extend((0..n).map(|k| edge(k, (k + 1) % n)));
+    used.extend((0..n).map(|k| edge(polygon, k, (k + 1) % n)));
     let mut next: Vec<usize> = (1..=n).map(|k| k % n).collect();
     let mut before: Vec<usize> = (0..n).map(|k| (k + n - 1) % n).collect();
     let mut reflex: Vec<bool> =
         (0..n).map(|k| turn(&polygon[before[k]].1, &polygon[k].1, &polygon[next[k]].1) <= 0).collect();
+    // Corners that may be spikes: those whose neighbours have changed. Spikes go first, or their sides would pass for those of an ear.
+    let mut suspects: Vec<usize> = (0..n).rev().collect();
     let (mut left, mut at) = (n, 0);
     while left > 3 {
-        // Once around: a spike or a clean ear; else a flat one; else any that repeats no line; else any.
-        let mut fallback: [Option<usize>; 3] = [None; 3];
-        let mut ear = None;
-        let mut corner = at;
-        for _ in 0..left {
+        let mut spike = None;
+        while let (None, Some(corner)) = (spike, suspects.pop()) {
             let (a, c) = (before[corner], next[corner]);
-            let new_line = !used.contains(&edge(a, c));
-            let convex = turn(&polygon[a].1, &polygon[corner].1, &polygon[c].1);
-            // A line there and back has no inside: it goes at once, or its sides would pass for those of an ear.
-            let to = |k: usize| polygon[k].1 - polygon[corner].1;
-            let is_spike = convex == 0 && to(a).dot(&to(c)) > 0.0;
-            let is_free = || is_empty_ear(polygon, [&next, &before], &reflex, [a, corner, c]);
-            if new_line && (is_spike || convex > 0 && is_free()) {
-                ear = Some(corner);
-                break;
-            }
-            let rank = match (new_line, convex) {
-                (true, 0) => 0,
-                (true, _) => 1,
-                _ => 2,
-            };
-            fallback[rank] = fallback[rank].or(Some(corner));
-            corner = c;
+            let is_left = next[a] == corner;
+            spike = Some(corner)
+                .filter(|_| is_left && !used.contains(&edge(polygon, a, c)) && is_spike(polygon, [a, corner, c]));
         }
-        let ear = ear.or(fallback[0]).or(fallback[1]).or(fallback[2]).unwrap_or(at);
+        let ear = spike.unwrap_or_else(|| next_ear(polygon, [&next, &before], &reflex, used, [at, left]));
         let (a, c) = (before[ear], next[ear]);
         triangles.push([polygon[a].0, polygon[ear].0, polygon[c].0]);
-        used.insert(edge(a, c));
+        used.insert(edge(polygon, a, c));
         (next[a], before[c]) = (c, a);
         for k in [a, c] {
             reflex[k] = turn(&polygon[before[k]].1, &polygon[k].1, &polygon[next[k]].1) <= 0;
         }
+        suspects.extend([c, a]);
         left -= 1;
         // Go on behind the ear: triangles become less thin than from one fan.
         at = next[c];
     }
     triangles.push([polygon[before[at]].0, polygon[at].0, polygon[next[at]].0]);
+}
+
+/// The next corner to cut off, once around from `at` over the `left` corners: a clean ear; else a flat one; else any that repeats no line;
+/// else any.
+fn next_ear(
+    polygon: &[(u32, Point2<f64>)],
+    [next, before]: [&[usize]; 2],
+    reflex: &[bool],
+    used: &BTreeSet<[u32; 2]>,
+    [at, left]: [usize; 2],
+) -> usize {
+    let mut fallback: [Option<usize>; 3] = [None; 3];
+    let mut corner = at;
+    for _ in 0..left {
+        let (a, c) = (before[corner], next[corner]);
+        let new_line = !used.contains(&edge(polygon, a, c));
+        let convex = turn(&polygon[a].1, &polygon[corner].1, &polygon[c].1);
+        if new_line && convex > 0 && is_empty_ear(polygon, [next, before], reflex, [a, corner, c]) {
+            return corner;
+        }
+        let rank = match (new_line, convex) {
+            (true, 0) => 0,
+            (true, _) => 1,
+            _ => 2,
+        };
+        fallback[rank] = fallback[rank].or(Some(corner));
+        corner = c;
+    }
+    fallback.into_iter().flatten().next().unwrap_or(at)
+}
+
+/// The vertices of the line between two corners.
+fn edge(polygon: &[(u32, Point2<f64>)], a: usize, b: usize) -> [u32; 2] {
+    [polygon[a].0.min(polygon[b].0), polygon[a].0.max(polygon[b].0)]
+}
+
+/// Whether a corner is the end of a line there and back, or repeats its neighbour: there is no inside at it.
+fn is_spike(polygon: &[(u32, Point2<f64>)], [a, corner, c]: [usize; 3]) -> bool {
+    let [before, at, after] = [a, corner, c].map(|k| polygon[k].1);
+    turn(&before, &at, &after) == 0 && (before - at).dot(&(after - at)) >= 0.0
 }
 
 /// Whether the rest of the polygon stays out of the triangle of an ear.
