@@ -62,7 +62,7 @@ impl Common {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Part")]
 pub struct MeshArgs {
-    /// STL, OBJ or PLY file [default: a jug made in code, 37 mm tall; with --voxels or --cell 93 mm]
+    /// STL, OBJ or PLY file [default: a jug made in code, 41 mm tall; with --voxels or --cell 93 mm]
     #[arg(value_name = "MESH", help_heading = "Part")]
     pub file: Option<PathBuf>,
     /// The same as an option

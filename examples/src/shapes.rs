@@ -34,9 +34,9 @@ pub fn jug() -> Mesh {
 }
 
 /// How much smaller the small jug is.
-const SMALL: f64 = 0.4;
+const SMALL: f64 = 0.44;
 
-/// The [jug], 37 mm tall: one that is planned in a minute with layers and beads of a printer.
+/// The [jug], 41 mm tall: one that is planned in a minute with layers and beads of a printer.
 pub fn small_jug() -> Mesh {
     let mut mesh = jug();
     mesh.vertices.iter_mut().for_each(|vertex| *vertex *= SMALL);

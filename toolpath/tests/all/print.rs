@@ -144,11 +144,11 @@ fn totals_are_sums_and_means_by_area() {
     assert!(nothing.travel_mm < 1e-300 && nothing.layers == [None]);
 }
 
-type Line = (Vec<Point3<f64>>, Vec<f64>);
+type Line = (Vec<Point3<f64>>, Vec<f64>, Vec<BeadKind>);
 
 /// Of a spiral, which is open.
-fn curve((points, widths): &Line) -> LayerCurve<'_> {
-    LayerCurve { points, widths, kinds: &[], closed: false }
+fn curve((points, widths, kinds): &Line) -> LayerCurve<'_> {
+    LayerCurve { points, widths, kinds, closed: false }
 }
 
 #[test]
@@ -160,7 +160,11 @@ fn a_print_is_planned_by_the_steps_behind_it() {
     let plan = filled.plan(&surfaces, &nozzle, &options, &go_on).unwrap();
 
     let lines = |layer: &Option<FilledLayer>| -> Vec<Line> {
-        layer.iter().flat_map(|layer| &layer.paths.paths).map(SurfacePath::line).collect()
+        let line = |path: &SurfacePath| {
+            let (points, widths) = path.line();
+            (points, widths, path.points.iter().map(|point| point.kind).collect())
+        };
+        layer.iter().flat_map(|layer| &layer.paths.paths).map(line).collect()
     };
     let lines: Vec<Vec<Line>> = filled.layers.iter().map(lines).collect();
     let curves: Vec<Vec<LayerCurve>> = lines.iter().map(|lines| lines.iter().map(curve).collect()).collect();
