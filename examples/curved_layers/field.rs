@@ -20,9 +20,8 @@ use std::time::{Duration, Instant};
 /// What cells the part gets, and how their order is found.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldOptions {
-    /// None for cells as high as a layer, but no more than `max_cells`.
+    /// None for cells that follow from the layer height.
     pub resolution: Option<Resolution>,
-    pub max_cells: u64,
     /// Depth inside the hull from which a cell counts as shadowed, in cells.
     pub eps: f64,
     /// Whether a cell at exactly that depth does not count.
@@ -36,12 +35,29 @@ pub struct FieldOptions {
     pub height_mm: Option<f64>,
 }
 
-impl FieldOptions {
-    /// Cells as high as a layer. The part touches about as many as its volume holds and half of its surface; where that is more than it
-    /// may have, so many.
-    fn cells(&self, height_mm: f64, part: &Part) -> Resolution {
-        let cells = part.mesh.volume() / height_mm.powi(3) + part.mesh.area() / (2.0 * height_mm.powi(2));
-        if cells <= self.max_cells as f64 { Resolution::Cell(height_mm) } else { Resolution::Count(self.max_cells) }
+/// Cells that a part gets unless the user says. With more of them layers wait for each other at more places: a hollow bunny of 92 mm has
+/// eight times the curves with a million (docs/decisions.md). With less thin walls have no cells of their own.
+const CELLS: u64 = 100_000;
+
+/// Large parts get more, so that cells are no higher than this many layers: contours take layers down to a fifth of a cell.
+const MAX_LAYERS_OF_CELL: f64 = 4.0;
+
+/// But never more than this: some seconds of growing, and 3 GB.
+const MAX_CELLS: u64 = 1_000_000;
+
+/// The cells of a part with layers of a printer: as high as a layer, or higher where they would be too many.
+fn cells_for(height_mm: f64, part: &Part) -> Resolution {
+    // The part touches about as many as its volume holds and half of its surface.
+    let count = |edge: f64| part.mesh.volume() / edge.powi(3) + part.mesh.area() / (2.0 * edge.powi(2));
+    let highest_mm = MAX_LAYERS_OF_CELL * height_mm;
+    if count(height_mm) <= CELLS as f64 {
+        Resolution::Cell(height_mm)
+    } else if count(highest_mm) <= CELLS as f64 {
+        Resolution::Count(CELLS)
+    } else if count(highest_mm) <= MAX_CELLS as f64 {
+        Resolution::Cell(highest_mm)
+    } else {
+        Resolution::Count(MAX_CELLS)
     }
 }
 
@@ -132,8 +148,7 @@ pub fn run(
         .try_for_each(|saved| saved.check_mesh(mesh_stamp(vertices, triangles)).map_err(|error| of_part(&error)))?;
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| of_part(&error))?;
-    let derived =
-        || options.height_mm.map_or(Resolution::Count(options.max_cells), |height_mm| options.cells(height_mm, part));
+    let derived = || options.height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part));
     let resolution = saved.as_ref().map(surfaces::resolution).or(options.resolution).unwrap_or_else(derived);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) =

@@ -53,9 +53,6 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use surfaces::{SurfaceOptions, SurfacesRun};
 
-/// Most cells that a part gets unless the user says: some seconds of growing, and 3 GB.
-const MAX_CELLS: u64 = 1_000_000;
-
 /// A print in curved layers, after Dai (2020), chapter 3: an audited order of cells, surfaces, paths, machine file, robot motion.
 ///
 /// Exit status: 0 done. 1 input or output cannot be used. 2 the arguments cannot be used, or not together. 3 done, but a check of ours
@@ -220,8 +217,7 @@ impl Args {
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(strategy.is_none(), nozzle);
-        let max_cells = MAX_CELLS;
-        FieldOptions { resolution, max_cells, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
+        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
     }
 
     /// Turns the part into its best pose.

@@ -154,8 +154,8 @@ impl MeshArgs {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cells and their order")]
 pub struct VoxelArgs {
-    /// Wanted number of cells; the nearest that can be reached is taken [default: as many as make a cell as high as a layer, but a
-    /// million at most]
+    /// Wanted number of cells; the nearest that can be reached is taken [default: as many as make a cell as high as a layer, but
+    /// 100,000 at most, and for large parts as many as make it four layers high]
     #[arg(long, value_name = "N", conflicts_with = "cell", value_parser = count, allow_negative_numbers = true)]
     pub voxels: Option<u64>,
     /// Edge of a cell in millimetres
