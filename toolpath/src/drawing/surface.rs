@@ -215,9 +215,9 @@ pub struct HeightField<F> {
     reach: f64,
 }
 
-/// Steps of a ray over a height field, and halvings of the step where it comes through.
+/// Steps of a ray over a height field, and halvings that find where it comes through to the last bit.
 const RAY_STEPS: usize = 2000;
-const RAY_HALVINGS: usize = 60;
+const RAY_HALVINGS: usize = 100;
 
 impl<F: Fn(f64, f64) -> Option<f64>> HeightField<F> {
     /// # Arguments
@@ -248,35 +248,54 @@ impl<F: Fn(f64, f64) -> Option<f64>> Surface for HeightField<F> {
     }
 
     fn hit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> Option<SurfacePoint> {
-        if direction.xy().norm() <= 0.0 {
-            return self.over(&from.xy());
-        }
-        // Until the ray is beyond the reach.
-        let end = (self.reach + from.xy().coords.norm()) / direction.xy().norm();
-        let above = |t: f64| {
-            let at = from + direction * t;
-            Some(at.z - self.height(at.x, at.y)?)
-        };
-        let step = end / RAY_STEPS as f64;
-        let mut before: Option<f64> = None;
-        for k in 0..=RAY_STEPS {
-            let now = above(k as f64 * step);
-            if let (Some(a), Some(b)) = (before, now)
-                && (a < 0.0) != (b < 0.0)
-            {
-                let (mut low, mut high) = ((k - 1) as f64 * step, k as f64 * step);
-                for _ in 0..RAY_HALVINGS {
-                    let middle = 0.5 * (low + high);
-                    if above(middle).is_some_and(|value| (value < 0.0) == (a < 0.0)) {
-                        low = middle
-                    } else {
-                        high = middle
-                    }
-                }
-                return self.over(&(from + direction * low).xy());
-            }
-            before = now;
-        }
-        None
+        first_hit(
+            self,
+            |at| Some(at.z - self.height(at.x, at.y)?),
+            [from, &Point3::from(*direction)],
+            self.reach,
+            RAY_STEPS,
+        )
     }
+}
+
+/// Where a ray first comes through a surface: looked for in steps until it is beyond the reach, then halved.
+///
+/// # Arguments
+/// * `above`: how far a point is above the surface; none beside it.
+/// * `ray`: where it begins, and its direction.
+/// * `reach`: how far from the axis it is followed, in millimetres.
+fn first_hit(
+    surface: &impl Surface,
+    above: impl Fn(&Point3<f64>) -> Option<f64>,
+    [from, direction]: [&Point3<f64>; 2],
+    reach: f64,
+    steps: usize,
+) -> Option<SurfacePoint> {
+    let direction = &direction.coords;
+    if direction.xy().norm() <= 0.0 {
+        return surface.over(&from.xy());
+    }
+    let end = (reach + from.xy().coords.norm()) / direction.xy().norm();
+    let at = |t: f64| from + direction * t;
+    let place = |k: usize| end * (k as f64 / steps as f64);
+    let mut before: Option<f64> = None;
+    for k in 0..=steps {
+        let now = above(&at(place(k)));
+        if let (Some(a), Some(b)) = (before, now)
+            && (a < 0.0) != (b < 0.0)
+        {
+            let (mut low, mut high) = (place(k - 1), place(k));
+            for _ in 0..RAY_HALVINGS {
+                let middle = 0.5 * (low + high);
+                if above(&at(middle)).is_some_and(|value| (value < 0.0) == (a < 0.0)) {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            return surface.over(&at(low).xy());
+        }
+        before = now;
+    }
+    None
 }

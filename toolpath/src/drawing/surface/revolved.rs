@@ -1,6 +1,6 @@
 //! Surfaces of revolution about z: the thesis' polynomial, and spheres.
 
-use super::{ProjectError, Surface, SurfacePoint};
+use super::{ProjectError, Surface, SurfacePoint, first_hit};
 use nalgebra::{Point2, Point3, UnitVector3, Vector3};
 
 /// The height of a surface of revolution over its radius.
@@ -57,9 +57,6 @@ impl Profile {
 /// Parts of the radius over which lengths along the meridian are kept; each is integrated by four Gauss points, so that lengths are
 /// right to rounding.
 const PARTS: usize = 512;
-
-/// Halvings that find a radius, or a ray's point, to the last bit.
-const HALVINGS: usize = 100;
 
 /// A surface of revolution about z, out to a radius.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,36 +141,12 @@ impl Surface for Revolved {
 
     /// The first crossing between 0 and the edge, looked for in steps of a 512th of the way to the edge.
     fn hit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> Option<SurfacePoint> {
-        if direction.xy().norm() <= 0.0 {
-            return self.over(&from.xy());
-        }
-        let above = |t: f64| {
-            let at = from + direction * t;
+        let above = |at: &Point3<f64>| {
             let radius = at.x.hypot(at.y);
             let height = self.profile.height(radius).filter(|_| radius <= self.max_radius * (1.0 + 1e-12))?;
             Some(at.z - height)
         };
-        let end = (self.max_radius + from.xy().coords.norm()) / direction.xy().norm();
-        let mut before: Option<f64> = None;
-        for k in 0..=PARTS {
-            let now = above(end * (k as f64 / PARTS as f64));
-            if let (Some(a), Some(b)) = (before, now)
-                && (a < 0.0) != (b < 0.0)
-            {
-                let (mut low, mut high) = (end * ((k - 1) as f64 / PARTS as f64), end * (k as f64 / PARTS as f64));
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (low + high);
-                    if above(middle).is_some_and(|value| (value < 0.0) == (a < 0.0)) {
-                        low = middle
-                    } else {
-                        high = middle
-                    }
-                }
-                return self.over(&(from + direction * low).xy());
-            }
-            before = now;
-        }
-        None
+        first_hit(self, above, [from, &Point3::from(*direction)], self.max_radius, PARTS)
     }
 
     fn along_meridian(&self, at: &Point2<f64>) -> Option<SurfacePoint> {
