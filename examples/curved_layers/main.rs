@@ -335,6 +335,8 @@ enum Extra {
     Apt,
     /// toolpath.csv: every move with every digit.
     Csv,
+    /// build.glb: part, layers and beads for viewers of glTF.
+    Gltf,
 }
 
 impl Extra {
@@ -342,7 +344,7 @@ impl Extra {
     fn stage(self) -> Stage {
         match self {
             Extra::FieldCsv => Stage::Field,
-            Extra::FieldVtk | Extra::LayersObj | Extra::LayersVtk => Stage::Surfaces,
+            Extra::FieldVtk | Extra::LayersObj | Extra::LayersVtk | Extra::Gltf => Stage::Surfaces,
             Extra::PathsObj => Stage::Paths,
             Extra::Apt | Extra::Csv => Stage::Gcode,
         }

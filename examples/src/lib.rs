@@ -19,6 +19,7 @@ pub mod shapes;
 pub mod spiral;
 pub mod summary;
 pub mod table;
+pub mod viewer;
 pub mod waypoints;
 
 pub use nalgebra;

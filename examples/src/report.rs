@@ -1,8 +1,9 @@
 //! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
 
-use crate::html::escaped;
+use crate::html::{base64, escaped};
 use crate::plot::Plot;
 use crate::table::Table;
+use crate::viewer::{self, Model};
 use std::fmt::Write;
 
 /// A page, built from the top down. All text is escaped.
@@ -108,6 +109,11 @@ impl Report {
         self.push(&html)
     }
 
+    /// The build, to be turned and played.
+    pub fn viewer(&mut self, model: &Model) -> &mut Self {
+        self.push(&model.to_html())
+    }
+
     /// A plot with its legend and a line under it.
     pub fn plot(&mut self, caption: &str, plot: &Plot) -> &mut Self {
         let (svg, legend, caption) = (plot.to_svg(), plot.legend(), escaped(caption));
@@ -146,8 +152,9 @@ impl Report {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}{}</style>\n\
              </head>\n<body>\n<main>\n<h1>{title}</h1>\n{}</main>\n</body>\n</html>\n",
+            if self.body.contains("class=\"viewer\"") { viewer::STYLE } else { "" },
             self.body
         )
     }
@@ -203,32 +210,3 @@ details { margin: 1.5rem 0; }
 summary { cursor: pointer; font-weight: 600; }
 @media print { body { background: none; } figure { break-inside: avoid; } }
 ";
-
-/// RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let bits = (0..3).fold(0, |bits, i| bits << 8 | u32::from(chunk.get(i).copied().unwrap_or(0)));
-        for i in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize];
-            text.push(if i <= chunk.len() { char::from(digit) } else { '=' });
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_agrees_with_the_test_vectors_of_rfc_4648() {
-        let vectors =
-            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
-        for (bytes, text) in vectors {
-            assert_eq!(base64(bytes.as_bytes()), text);
-        }
-        assert_eq!(base64(&[0xff, 0xfe, 0xfb]), "//77");
-    }
-}

@@ -2,6 +2,7 @@
 //!
 //! One module a stage, each with its products, its figures (`summary`, `rows`) and its chapter of the report.
 
+mod build;
 mod field;
 mod machine;
 pub mod motion;
@@ -12,7 +13,7 @@ mod programs;
 mod surfaces;
 
 use crate::motion::{Motion, of_run};
-use crate::{Job, Posed, Results, Stage, failure, ranges};
+use crate::{Extra, Job, Posed, Results, Stage, failure, ranges};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Severity;
 use curvlay_examples::orienting::COMMENT;
@@ -20,6 +21,7 @@ use curvlay_examples::output::{OutputFolder, SUMMARY};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_examples::viewer::Model;
 use curvlay_toolpath::gcode::Written;
 use curvlay_toolpath::surface::FilledLayer;
 use programs::Programs;
@@ -33,7 +35,7 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 26] = [
+const NAMES: [&str; 27] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
@@ -50,6 +52,7 @@ const NAMES: [&str; 26] = [
     "toolpath-bc.gcode",
     "toolpath.apt",
     "toolpath.csv",
+    "build.glb",
     "gouging.csv",
     "left_out.csv",
     "turns.csv",
@@ -91,7 +94,9 @@ pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failu
     let tables = tables(job, results);
     let is_last = stage == job.args.stage;
     if is_last {
-        job.folder.write("report.html", report(job, results, &tables)?.to_html())?;
+        let build = build::model(job, results);
+        job.folder.write("report.html", report(job, results, &tables, &build)?.to_html())?;
+        job.folder.write_list("build.glb", job.args.also.contains(&Extra::Gltf), |out| build.write_glb(out))?;
     }
     // The summary comes last: what it tells of is there.
     summary(stage, job, results)?.write(job.folder)?;
@@ -214,11 +219,12 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
 }
 
 /// What is wrong comes first.
-fn report(job: &Job, results: &Results, tables: &[Table; 5]) -> Result<Report, Failure> {
+fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> Result<Report, Failure> {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
     let mut report = Report::new(&format!("Curved layers: {}", job.part.name));
     findings.report(&mut report);
     report.table("", &people::table(job, results));
+    report.viewer(build);
     field::report(field, &mut report)?;
     if let Some(surfaces) = surfaces {
         surfaces::report(field, surfaces, &mut report);

@@ -12,8 +12,8 @@ use curvlay_toolpath::surface::{SurfaceDistance, SurfaceMesh};
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
-/// Pictures of the part while it is built.
-const FRAMES: usize = 20;
+/// Pictures of the part while it is built, for where the viewer does not run.
+const FRAMES: usize = 5;
 
 /// Pixels of each of them.
 const FRAME: [u32; 2] = [520, 480];
@@ -39,7 +39,7 @@ fn from_the_front() -> Camera {
     Camera::from_direction(Vector3::new(0.6, -1.0, 0.45))
 }
 
-/// The part when a twentieth, two twentieths, ... of its surfaces are there.
+/// The part when a fifth, two fifths, ... of its surfaces are there.
 pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
     let layers = run.sheets.len();
     (1..=FRAMES)

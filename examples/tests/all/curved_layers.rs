@@ -126,7 +126,7 @@ fn every_strategy_writes_the_same_kind_of_results() {
             summary["missed_cells"].as_u64().unwrap()
         );
         let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
-        assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 20 + 3 + 1);
+        assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 5 + 3 + 1);
     }
 }
 
@@ -268,7 +268,7 @@ fn a_curve_fills_each_layer() {
     let count = |start: &str| lines.lines().filter(|line| line.starts_with(start)).count();
     assert_eq!((count("g layer_"), count("l ")), (4, 4));
     let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
-    assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 20 + 3 + 1 + 3 + 1);
+    assert_eq!(report.matches("data:image/png;base64,").count(), 4 + 5 + 3 + 1 + 3 + 1);
     assert!(report.contains("away from the closest point") && report.contains("hop counts grey"));
 
     // The machine file holds what the figures say, and can be read back.

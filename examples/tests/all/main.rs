@@ -20,4 +20,5 @@ mod reach;
 mod render;
 mod shapes;
 mod stewart_table;
+mod viewer;
 mod volume_decomposition;

@@ -1,0 +1,199 @@
+//! The build as the viewer of the report takes it: part, layers, what the nozzle does, findings with their places, the robot.
+
+use crate::field::FieldRun;
+use crate::machine::MachineRun;
+use crate::motion::{MotionRun, of_run};
+use crate::surfaces::SurfacesRun;
+use crate::{Job, Results};
+use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Nozzle, Robot, Stance, Step};
+use curvlay_kinematics::workcell::{Held, NozzleModel, Workcell};
+use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet};
+use curvlay_toolpath::surface::{BeadKind, MoveKind, ToolPath};
+use curvlay_trajectory::print::LegKind;
+use nalgebra::{Point3, Vector3};
+
+/// Kinds of beads, and their names in the viewer.
+const KINDS: [(BeadKind, &str); 6] = [
+    (BeadKind::Wall, "wall"),
+    (BeadKind::Solid, "solid"),
+    (BeadKind::Skin, "skin"),
+    (BeadKind::Bridge, "bridge"),
+    (BeadKind::Infill, "infill"),
+    (BeadKind::Support, "support"),
+];
+
+/// Most moments at which the robot is shown; between them it goes evenly.
+const STANCES: usize = 12_000;
+
+/// Colours of findings: red for what fails most prints, then orange, violet, blue, grey.
+const RED: [u8; 3] = [216, 40, 40];
+const ORANGE: [u8; 3] = [240, 140, 20];
+const VIOLET: [u8; 3] = [150, 60, 200];
+const BLUE: [u8; 3] = [40, 110, 230];
+const PINK: [u8; 3] = [232, 0, 150];
+
+/// The build as far as it has come.
+pub fn model(job: &Job, results: &Results) -> Model {
+    let Results { field, surfaces, machine, motion, .. } = results;
+    let grid = &field.solid.grid;
+    let shift = field.solid.shift;
+    let part = Mesh {
+        vertices: job.part.mesh.vertices.iter().map(|vertex| vertex + shift).collect(),
+        triangles: job.part.mesh.triangles.clone(),
+    };
+    let corner = |c: &[i32; 2]| {
+        let [x, y] = [0, 1].map(|axis| grid.origin()[axis] + f64::from(c[axis]) / 2.0 * grid.cell_mm());
+        Point3::new(x, y, 0.0)
+    };
+    let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
+        job.setup.cell.equipment().model().nozzle;
+    let mut model = Model {
+        name: job.part.name.clone(),
+        part,
+        plate: field.platform.corners().iter().map(corner).collect(),
+        layers: surfaces.iter().flat_map(|run| run.sheets.iter().map(mesh)).collect(),
+        ends: surfaces.iter().flat_map(ends).collect(),
+        kinds: KINDS.map(|(_, name)| name.to_owned()).to_vec(),
+        marks: missed(field).into_iter().collect(),
+        nozzle: Some(Nozzle {
+            tip: tip_flat_mm,
+            half_angle_deg: cone_half_angle_deg,
+            cone: cone_height_mm,
+            block: block_diameter_mm,
+        }),
+        density_g_cm3: job.args.settings.material_density_g_cm3,
+        ..Model::default()
+    };
+    if let Some(machine) = machine {
+        model.marks.extend(found(machine));
+        model.steps = steps(machine);
+        if let Some(motion) = motion {
+            // What the robot does, not what it was asked to do.
+            (model.steps, model.robot) = of_run!(motion, run => moved(run, &machine.resolved.paths));
+        }
+    }
+    model.marks.retain(|marks| !marks.places.is_empty());
+    model
+}
+
+fn mesh(sheet: &TrimmedSheet) -> Mesh {
+    Mesh { vertices: sheet.vertices.clone(), triangles: sheet.triangles.clone() }
+}
+
+/// Where the surfaces end inside the part.
+fn ends(run: &SurfacesRun) -> Vec<(u32, [Point3<f64>; 2])> {
+    let of_sheet = |(layer, sheet): (u32, &'_ TrimmedSheet)| -> Vec<(u32, [Point3<f64>; 2])> {
+        let inside = sheet.boundary.iter().filter(|edge| edge.kind == BoundaryKind::Border);
+        inside.map(|edge| (layer, edge.ends.map(|end| sheet.vertices[end as usize]))).collect()
+    };
+    (0..).zip(run.sheets.iter()).flat_map(of_sheet).collect()
+}
+
+/// Cells that are not built.
+fn missed(field: &FieldRun) -> Option<Marks> {
+    let grid = &field.solid.grid;
+    let places =
+        field.growth.missed.iter().map(|missed| Mark { at: grid.centre(grid.position(missed.cell)), path: None });
+    Some(Marks { what: "cells that are not built".to_owned(), colour: PINK, places: places.collect() })
+}
+
+/// What the checks of the paths found.
+fn found(run: &MachineRun) -> [Marks; 5] {
+    let marks = |what: &str, colour, places: Vec<Mark>| Marks { what: what.to_owned(), colour, places };
+    let at = |path: usize, at| Mark { at, path: Some(path as u32) };
+    let tip = |path: usize, waypoint: usize| run.resolved.paths[path].waypoints[waypoint].tip;
+    let gouging = run.resolved.left.iter().map(|gouge| at(gouge.path, tip(gouge.path, gouge.waypoint)));
+    let left_out = run.resolved.left_out.iter().map(|piece| Mark { at: piece.tip, path: None });
+    let unsupported = run.support.unsupported.iter().map(|piece| at(piece.path, piece.tip));
+    let blocked = run.travels.blocked.iter().map(|travel| at(travel.path, travel.tip));
+    let sharp = run.resolved.sharp.iter().map(|turn| at(turn.path, tip(turn.path, turn.waypoint)));
+    [
+        marks("the nozzle is in what is built", RED, gouging.collect()),
+        marks("travels run into what is built", RED, blocked.collect()),
+        marks("paths left out", VIOLET, left_out.collect()),
+        marks("beads on nothing", ORANGE, unsupported.collect()),
+        marks("sharp turns of the nozzle", BLUE, sharp.collect()),
+    ]
+}
+
+fn kind(bead: BeadKind) -> u8 {
+    let at = KINDS.iter().position(|(kind, _)| *kind == bead);
+    at.map_or(Step::TRAVEL, |at| at as u8)
+}
+
+/// What the machine file says.
+fn steps(run: &MachineRun) -> Vec<Step> {
+    let paths = &run.resolved.paths;
+    let step = |step: &curvlay_toolpath::surface::Move| {
+        let path = paths.get(step.path)?;
+        let waypoint = path.waypoints.get(step.waypoint)?;
+        let kind = if step.kind == MoveKind::Print { kind(step.bead.unwrap_or_default()) } else { Step::TRAVEL };
+        let (tip, direction, seconds) = (step.tip, *step.direction, step.seconds);
+        let (width, height, layer) = (waypoint.width, waypoint.height, path.layer);
+        Some(Step { tip, direction, width, height, kind, layer, path: step.path as u32, seconds })
+    };
+    run.deposition.moves.iter().filter_map(step).collect()
+}
+
+/// What the robot does, from knot to knot, and how it stands.
+fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
+    run: &MotionRun<N, F, W>,
+    paths: &[ToolPath],
+) -> (Vec<Step>, Option<Robot>) {
+    let plan = &run.plan;
+    let part_frame = run.frame_part.inverse();
+    let above_block = Point3::new(0.0, 0.0, run.cell.equipment().model().nozzle.block_top_mm);
+    let legs = || plan.legs(0..plan.runs.len());
+    let knots: usize = legs().map(|leg| leg.knots().len()).sum();
+    let stride = knots.div_ceil(STANCES).max(1);
+    let (mut steps, mut stances) = (Vec::with_capacity(knots), Vec::new());
+    let (mut start, mut number) = (0.0, 0);
+    for leg in legs() {
+        let (layer, path) = (leg.run.layer, leg.run.path);
+        let waypoints = paths.get(path).map_or(&[][..], |path| &path.waypoints);
+        let prints = leg.kind == LegKind::Print;
+        let mut passes = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
+        let (mut last, mut before) = (0, 0.0);
+        for (knot, (time, joints)) in leg.knots().iter().enumerate() {
+            while let Some((_, waypoint)) = passes.next_if(|(passed, _)| prints && *passed <= knot) {
+                last = waypoint;
+            }
+            let of_path = waypoints.get(last);
+            let (width, height) = of_path.map_or((0.0, 0.0), |waypoint| (waypoint.width, waypoint.height));
+            // From rest it starts where the last one ended.
+            let lays = prints && knot > 0;
+            let bead = of_path.map_or(Step::TRAVEL, |waypoint| kind(waypoint.kind));
+            if let Some(pose) = run.cell.nozzle_on_part(joints) {
+                let pose = part_frame * pose;
+                let (tip, direction) = (pose * Point3::origin(), pose * Vector3::z());
+                let kind = if lays { bead } else { Step::TRAVEL };
+                steps.push(Step {
+                    tip,
+                    direction,
+                    width,
+                    height,
+                    kind,
+                    layer,
+                    path: path as u32,
+                    seconds: time - before,
+                });
+                before = *time;
+            }
+            if number % stride == 0
+                && let Some(stance) = run.cell.stance(joints)
+            {
+                let held = match run.cell.equipment().model().held {
+                    Held::Nozzle => stance.nozzle * above_block,
+                    Held::Part => stance.part * Point3::origin(),
+                };
+                let arm = stance.arm.iter().map(|frame| Point3::from(frame.translation.vector)).chain([held]).collect();
+                let part = stance.part * run.frame_part;
+                stances.push(Stance { seconds: start + time, joints: joints.to_vec(), arm, part });
+            }
+            number += 1;
+        }
+        start += leg.duration();
+    }
+    let speeds = run.cell.limits().velocity.to_vec();
+    (steps, Some(Robot { name: run.cell.equipment().name().to_owned(), speeds, stances }))
+}

@@ -1,0 +1,349 @@
+//! What is shown, and how it is packed.
+
+use super::columns::Columns;
+use super::simplify::clustered;
+use crate::render::ramp;
+use nalgebra::{Isometry3, Point3, Vector3};
+use serde_json::{Value, json};
+
+/// Triangles of the part from which on it is simplified.
+const PART_TRIANGLES: usize = 60_000;
+/// Triangles of all layers together from which on they are.
+const LAYER_TRIANGLES: usize = 250_000;
+/// Cubes along the longest edge, for each.
+const PART_CUBES: f64 = 160.0;
+const LAYER_CUBES: f64 = 110.0;
+
+/// Parts of a second in which time is counted.
+const TICKS: f64 = 1000.0;
+/// Steps between the colours of the ramp.
+const RAMP: u32 = 32;
+
+/// Parts of the largest width and height.
+const SIZES: f64 = 255.0;
+
+/// The build, in millimetres, in the frame of the part with the plate as the plane z = 0.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// What it is.
+    pub name: String,
+    /// The part as it was given.
+    pub part: Mesh,
+    /// Corners of the plate, around it.
+    pub plate: Vec<Point3<f64>>,
+    /// The surfaces of the layers.
+    pub layers: Vec<Mesh>,
+    /// Lines at which surfaces end inside the part, each with its layer, from 0.
+    pub ends: Vec<(u32, [Point3<f64>; 2])>,
+    /// Names of the kinds of beads; [`Step::kind`] counts them.
+    pub kinds: Vec<String>,
+    /// All that the nozzle does, one after the other.
+    pub steps: Vec<Step>,
+    /// Findings that have places.
+    pub marks: Vec<Marks>,
+    /// The shape of the nozzle.
+    pub nozzle: Option<Nozzle>,
+    /// The robot that moves it, or the part.
+    pub robot: Option<Robot>,
+    /// Density of the material in grams per cubic centimetre, for masses.
+    pub density_g_cm3: Option<f64>,
+}
+
+/// Triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Corners.
+    pub vertices: Vec<Point3<f64>>,
+    /// Three corners each.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A straight step of the nozzle, from where the step before ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Where the tip is at its end.
+    pub tip: Point3<f64>,
+    /// How the nozzle stands at its end, away from the part.
+    pub direction: Vector3<f64>,
+    /// Width of the bead.
+    pub width: f64,
+    /// Height of the bead.
+    pub height: f64,
+    /// The kind of bead, from 0, or [`Step::TRAVEL`].
+    pub kind: u8,
+    /// The layer, from 0.
+    pub layer: u32,
+    /// The path, from 0, in the order in which they are printed.
+    pub path: u32,
+    /// How long it takes.
+    pub seconds: f64,
+}
+
+impl Step {
+    /// The kind of a step that lays nothing.
+    pub const TRAVEL: u8 = 255;
+}
+
+/// A finding in plain words, and its places.
+#[derive(Clone, Debug, Default)]
+pub struct Marks {
+    /// What is wrong.
+    pub what: String,
+    /// Red, green, blue.
+    pub colour: [u8; 3],
+    /// Where.
+    pub places: Vec<Mark>,
+}
+
+/// A place of a finding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Where.
+    pub at: Point3<f64>,
+    /// The layer, from 0, and the path there, if it is on one.
+    pub path: Option<u32>,
+}
+
+/// The nozzle: a flat tip, a cone, a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nozzle {
+    /// Diameter of the tip.
+    pub tip: f64,
+    /// Half the angle of the cone, in degrees.
+    pub half_angle_deg: f64,
+    /// Height of the cone.
+    pub cone: f64,
+    /// Diameter of the block above it.
+    pub block: f64,
+}
+
+/// A robot, as joints that are joined by bones, over time.
+#[derive(Clone, Debug, Default)]
+pub struct Robot {
+    /// What it is.
+    pub name: String,
+    /// Largest speed of each joint, in radians a second.
+    pub speeds: Vec<f64>,
+    /// How it stands, from time to time.
+    pub stances: Vec<Stance>,
+}
+
+/// A robot at a time, in the frame of its base.
+#[derive(Clone, Debug)]
+pub struct Stance {
+    /// Seconds since the first step began.
+    pub seconds: f64,
+    /// Joint angles in radians.
+    pub joints: Vec<f64>,
+    /// From joint to joint.
+    pub arm: Vec<Point3<f64>>,
+    /// The frame of the part.
+    pub part: Isometry3<f64>,
+}
+
+impl Model {
+    /// The figures, and the columns deflated.
+    pub(super) fn pack(&self) -> (Value, Vec<u8>) {
+        let [low, high] = self.bounds();
+        let edge = (high - low).max().max(1e-6);
+        let step = edge / 65535.0;
+        let place =
+            |point: &Point3<f64>, axis: usize| ((point[axis] - low[axis]) / step).round().clamp(0.0, 65535.0) as u32;
+        let mut columns = Columns::default();
+        let points = |columns: &mut Columns, name: &str, points: &mut dyn Iterator<Item = Point3<f64>>| {
+            let points: Vec<Point3<f64>> = points.collect();
+            for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+                columns.add::<2>(&format!("{name}.{letter}"), points.iter().map(|point| place(point, axis)));
+            }
+        };
+        points(&mut columns, "step", &mut self.steps.iter().map(|step| step.tip));
+        let [width, height] =
+            [|s: &Step| s.width, |s: &Step| s.height].map(|of| self.steps.iter().map(of).fold(1e-9, f64::max));
+        let octahedral: Vec<[u32; 2]> = self.steps.iter().map(|step| octahedral(&step.direction)).collect();
+        columns.add::<1>("step.u", octahedral.iter().map(|uv| uv[0]));
+        columns.add::<1>("step.v", octahedral.iter().map(|uv| uv[1]));
+        columns.add::<1>("step.w", self.steps.iter().map(|step| (step.width / width * SIZES).round() as u32));
+        columns.add::<1>("step.h", self.steps.iter().map(|step| (step.height / height * SIZES).round() as u32));
+        columns.add::<1>("step.kind", self.steps.iter().map(|step| u32::from(step.kind)));
+        // Rounded as sums, so that nothing adds up.
+        let ticks = self.steps.iter().scan(0.0, |now, step| {
+            *now += step.seconds;
+            Some((*now * TICKS).round() as u32)
+        });
+        columns.add::<4>("step.t", ticks);
+        columns.add::<4>("step.layer", self.steps.iter().map(|step| step.layer));
+        columns.add::<4>("step.path", self.steps.iter().map(|step| step.path));
+        let part = if self.part.triangles.len() > PART_TRIANGLES {
+            &clustered(&self.part, edge / PART_CUBES)
+        } else {
+            &self.part
+        };
+        points(&mut columns, "part", &mut part.vertices.iter().copied());
+        columns.add::<4>("part.corner", part.triangles.iter().flatten().copied());
+        let many = self.layers.iter().map(|layer| layer.triangles.len()).sum::<usize>() > LAYER_TRIANGLES;
+        let fewer = |layer: &Mesh| if many { clustered(layer, edge / LAYER_CUBES) } else { layer.clone() };
+        let layers: Vec<Mesh> = self.layers.iter().map(fewer).collect();
+        points(&mut columns, "sheet", &mut layers.iter().flat_map(|layer| layer.vertices.iter().copied()));
+        let firsts: Vec<u32> = starts(layers.iter().map(|layer| layer.vertices.len()));
+        let corners = layers
+            .iter()
+            .zip(&firsts)
+            .flat_map(|(layer, first)| layer.triangles.iter().flatten().map(move |c| c + first));
+        columns.add::<4>("sheet.corner", corners);
+        columns.add::<4>("sheet.first", starts(layers.iter().map(|layer| 3 * layer.triangles.len())).into_iter());
+        points(&mut columns, "end", &mut self.ends.iter().flat_map(|(_, line)| *line));
+        columns.add::<4>("end.layer", self.ends.iter().map(|(layer, _)| *layer));
+        let places = || self.marks.iter().flat_map(|marks| &marks.places);
+        points(&mut columns, "mark", &mut places().map(|place| place.at));
+        columns.add::<4>("mark.path", places().map(|place| place.path.unwrap_or(u32::MAX)));
+        let robot = self.robot.as_ref().map(|robot| robot.pack(&mut columns));
+        let nozzle = self.nozzle.map(|nozzle| [nozzle.tip, nozzle.half_angle_deg, nozzle.cone, nozzle.block]);
+        let (names, deflated) = columns.finish();
+        let header = json!({
+            "name": self.name,
+            "low": [low.x, low.y, low.z],
+            "high": [high.x, high.y, high.z],
+            "unit": step,
+            "width": width / SIZES,
+            "height": height / SIZES,
+            "tick": 1.0 / TICKS,
+            "steps": self.steps.len(),
+            "layers": self.steps.iter().map(|step| step.layer as usize + 1).max().unwrap_or(0).max(self.layers.len()),
+            "kinds": self.kinds,
+            "marks": self.marks.iter().map(|marks| json!([marks.what, marks.colour, marks.places.len()])).collect::<Vec<_>>(),
+            "plate": self.plate.iter().map(|corner| [corner.x, corner.y, corner.z]).collect::<Vec<_>>(),
+            "nozzle": nozzle,
+            "robot": robot,
+            "density": self.density_g_cm3,
+            "ramp": (0..=RAMP).map(|at| ramp(f64::from(at) / f64::from(RAMP))).collect::<Vec<_>>(),
+            "columns": names,
+        });
+        (header, deflated)
+    }
+
+    /// The box around all that has a place, but for the plate and the robot.
+    fn bounds(&self) -> [Point3<f64>; 2] {
+        let meshes = std::iter::once(&self.part).chain(&self.layers).flat_map(|mesh| &mesh.vertices);
+        let marks = self.marks.iter().flat_map(|marks| &marks.places).map(|place| place.at);
+        let all = meshes.copied().chain(self.steps.iter().map(|step| step.tip)).chain(marks);
+        let all = all.chain(self.ends.iter().flat_map(|(_, line)| *line));
+        let bounds = all.fold(None, |bounds: Option<[Point3<f64>; 2]>, point| {
+            let [low, high] = bounds.unwrap_or([point; 2]);
+            Some([low.inf(&point), high.sup(&point)])
+        });
+        bounds.unwrap_or_default()
+    }
+}
+
+impl Robot {
+    /// Adds its columns; places in the frame of the base are written in hundredths of a millimetre, turns as quaternions in 30000ths.
+    fn pack(&self, columns: &mut Columns) -> Value {
+        let hundredths = |mm: f64| ((mm * 100.0).round() as i32) as u32;
+        let parts = |value: f64| ((value * 30000.0).round() as i32) as u32;
+        let stances = || self.stances.iter();
+        columns.add::<4>("robot.t", stances().map(|stance| (stance.seconds * TICKS).round() as u32));
+        let (bones, joints) = self.stances.first().map_or((0, 0), |stance| (stance.arm.len(), stance.joints.len()));
+        for joint in 0..joints {
+            columns.add::<4>(&format!("robot.q{joint}"), stances().map(move |stance| parts(stance.joints[joint])));
+        }
+        for bone in 0..bones {
+            for axis in 0..3 {
+                columns.add::<4>(
+                    &format!("robot.a{bone}.{axis}"),
+                    stances().map(move |stance| hundredths(stance.arm[bone][axis])),
+                );
+            }
+        }
+        for axis in 0..3 {
+            columns.add::<4>(
+                &format!("robot.p{axis}"),
+                stances().map(move |stance| hundredths(stance.part.translation.vector[axis])),
+            );
+        }
+        for axis in 0..4 {
+            columns.add::<4>(
+                &format!("robot.r{axis}"),
+                stances().map(move |stance| parts(stance.part.rotation.coords[axis])),
+            );
+        }
+        json!({ "name": self.name, "speeds": self.speeds, "joints": joints, "bones": bones, "stances": self.stances.len() })
+    }
+}
+
+/// Where each of these begins when they are written one after the other, and where the last ends.
+fn starts(lengths: impl Iterator<Item = usize>) -> Vec<u32> {
+    let mut starts = vec![0];
+    for length in lengths {
+        starts.push(starts[starts.len() - 1] + length as u32);
+    }
+    starts
+}
+
+/// A direction as two numbers from 0 to 254: the octahedral map (Z. Cigolle et al., "A survey of efficient representations for independent
+/// unit vectors", 2014). No direction is more than a degree off.
+fn octahedral(direction: &Vector3<f64>) -> [u32; 2] {
+    let sum = direction.abs().sum();
+    if !(sum > 0.0 && sum.is_finite()) {
+        return [127; 2];
+    }
+    let [x, y] = [direction.x / sum, direction.y / sum];
+    let sign = |c: f64| if c < 0.0 { -1.0 } else { 1.0 };
+    let [u, v] = if direction.z < 0.0 { [(1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)] } else { [x, y] };
+    [u, v].map(|c| (c * 127.0 + 127.0).round() as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What the script does.
+    fn unfolded([u, v]: [u32; 2]) -> Vector3<f64> {
+        let [u, v] = [u, v].map(|c| f64::from(c) / 127.0 - 1.0);
+        let z = 1.0 - u.abs() - v.abs();
+        let fold = (-z).max(0.0);
+        let back = |c: f64| if c < 0.0 { c + fold } else { c - fold };
+        Vector3::new(back(u), back(v), z).normalize()
+    }
+
+    proptest! {
+        #[test]
+        fn directions_come_back_to_a_degree(x in -1.0..1.0f64, y in -1.0..1.0f64, z in -1.0..1.0f64) {
+            let direction = Vector3::new(x, y, z);
+            prop_assume!(direction.norm() > 1e-3);
+            prop_assert!(unfolded(octahedral(&direction)).angle(&direction).to_degrees() < 1.0);
+        }
+    }
+
+    #[test]
+    fn an_empty_model_and_no_direction_are_packed() {
+        let (header, _) = Model::default().pack();
+        assert_eq!((&header["layers"], &header["steps"]), (&json!(0), &json!(0)));
+        assert_eq!(octahedral(&Vector3::zeros()), [127; 2]);
+    }
+
+    #[test]
+    fn a_million_steps_take_less_than_15_megabytes_of_a_page() {
+        // A bead along a spiral on a dome, whose steps are as long as those of a print.
+        let at = |i: usize| {
+            let turn = (i as f64 * 0.5).sqrt() * 0.4;
+            let radius = 0.03 * turn;
+            let tip = Point3::new(radius * turn.cos(), radius * turn.sin(), 30.0 - 0.01 * radius * radius);
+            let direction = Vector3::new(0.02 * tip.x, 0.02 * tip.y, 1.0).normalize();
+            let width = 0.5 + 0.05 * (turn * 3.0).sin();
+            Step {
+                tip,
+                direction,
+                width,
+                height: 0.3,
+                kind: 1,
+                layer: (i / 10_000) as u32,
+                path: (i / 1000) as u32,
+                seconds: 0.02 + 1e-3 * turn.sin(),
+            }
+        };
+        let model = Model { steps: (0..1_000_000).map(at).collect(), ..Model::default() };
+        let (_, deflated) = model.pack();
+        assert!(deflated.len() * 4 / 3 < 15_000_000, "{}", deflated.len());
+    }
+}
