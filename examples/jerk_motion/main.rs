@@ -25,11 +25,14 @@ use collisions::{Amount, Study};
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args, warn};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Up;
+use curvlay_examples::motion::shown::followed;
 use curvlay_examples::motion::{OnCell, STEP_S, Studied, centred, dissertation_cells, near_samples};
 use curvlay_examples::output::OutputFolder;
+use curvlay_examples::viewer::Model;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
 use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
 use curvlay_trajectory::{LadderSearch, PathOptions, PathSegment, TimedPath, Timing, timed_path};
+use outputs::smoothest;
 use path::Path6;
 use planning::{Finer, METHODS, Plan, Planned, plan};
 use std::path::PathBuf;
@@ -108,6 +111,8 @@ pub struct Run<const N: usize> {
     pub notes: Vec<String>,
     /// Degrees of noise, and the motions there.
     pub noisy: Vec<(u32, Vec<Planned<N>>)>,
+    /// The smoothest motion, to be played.
+    pub shown: Option<Model>,
 }
 
 /// All that came out.
@@ -179,7 +184,7 @@ fn study_collisions(
     let placed = centred(&all);
     let origin = all[0].0 - placed[0].position;
     let robot = OnCell::new(cell.clone(), placed);
-    let trajectories = outputs::smoothest(run).map_or(&[][..], |planned| &planned.trajectories);
+    let trajectories = smoothest(&run.planned).map_or(&[][..], |planned| &planned.trajectories);
     let part = args.part.as_deref().map(|file| (file, args.up));
     let amount = Amount { training: args.training_count as usize, verification: args.sample_count as usize };
     let times: Vec<&[f64]> = timed.segments.iter().map(|piece| &piece.times[..]).collect();
@@ -249,5 +254,6 @@ where
         let (planned, _) = plan(&parts, &times, &Plan { methods, grid, finer, makers_speeds: true }, bars)?;
         noisy.push((degrees, planned));
     }
-    Ok(Run { robot, planned, notes, noisy })
+    let shown = smoothest(&planned).map(|planned| followed(cell, &planned.trajectories));
+    Ok(Run { robot, planned, notes, noisy, shown })
 }

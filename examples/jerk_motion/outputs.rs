@@ -115,12 +115,12 @@ pub fn write(args: &Args, results: &Results, folder: &OutputFolder, time: Durati
 }
 
 /// The motion to run: the last but the grid and the one that may pass its bounds.
-pub fn smoothest<const N: usize>(run: &Run<N>) -> Option<&Planned<N>> {
-    run.planned.iter().rfind(|planned| planned.method != "grid" && planned.method != FREED)
+pub fn smoothest<const N: usize>(planned: &[Planned<N>]) -> Option<&Planned<N>> {
+    planned.iter().rfind(|planned| planned.method != "grid" && planned.method != FREED)
 }
 
 fn write_run<const N: usize>(run: &Run<N>, folder: &OutputFolder) -> Result<(), Failure> {
-    if let Some(planned) = smoothest(run) {
+    if let Some(planned) = smoothest(&run.planned) {
         folder.write_with(&format!("{}_trajectory.csv", run.robot), |out| knots(&planned.trajectories, out))?;
     }
     Ok(())
@@ -358,7 +358,7 @@ fn report_study(study: &Study, report: &mut Report) {
 }
 
 fn pictures<const N: usize>(run: &Run<N>, report: &mut Report) {
-    let (Some(before), Some(after)) = (run.planned.first(), smoothest(run)) else { return };
+    let (Some(before), Some(after)) = (run.planned.first(), smoothest(&run.planned)) else { return };
     let (before_figures, after_figures) = (&before.figures, &after.figures);
     report.heading(&format!("{}: {} in grey, {} in orange", run.robot, before.method, after.method));
     let mut joints = Table::new(["joint", "max jerk before", "max jerk after"]);
@@ -366,6 +366,7 @@ fn pictures<const N: usize>(run: &Run<N>, report: &mut Report) {
         joints.row([(joint + 1).to_string(), format!("{was:.3}"), format!("{is:.3}")]);
     }
     report.table("rad/s^3", &joints);
+    run.shown.iter().for_each(|model| _ = report.viewer(model));
     let draw = |curve| draw(&before.trajectories, &after.trajectories, curve);
     report.picture("joint angles over time, rad", &draw(Curve::Angle));
     report.picture("jerk over time, rad/s^3", &draw(Curve::Jerk));

@@ -1,7 +1,7 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, `reach.csv` and `report.html`.
 
 use super::Args;
-use super::drawing::picture;
+use super::drawing::{build, picture};
 use super::reaching::{Reached, failed_checks, is_in_box};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
@@ -115,6 +115,7 @@ fn report(args: &Args, reached: &[Reached]) -> Report {
         let above = picture(arm, Vector3::new(0.0, -0.25, 1.0), args.box_mm);
         report
             .heading(arm.name.title())
+            .viewer(&build(arm, args.box_mm))
             .pictures(&[("from the front, cut at the nozzle", &front), ("from above, cut at the nozzle", &above)]);
     }
     report

@@ -2,6 +2,7 @@
 
 mod printing;
 pub mod programs;
+pub mod shown;
 
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
 

@@ -1,16 +1,22 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, `legs.csv` and `report.html`.
 
 use super::Args;
-use super::table::{Printed, machine};
+use super::table::{Pose, Printed, machine};
 use curvlay_examples::args::Failure;
+use curvlay_examples::motion::shown;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, INK, MISSED, Rgb, Scene, ramp};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_examples::viewer::{Mark, Marks, Model, Robot, Stance, Step};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
 use std::io::{self, Write};
 use std::time::Duration;
+
+/// The viewer plays the layer at this speed, and draws its path so wide and high.
+const SHOWN_MM_S: f64 = 20.0;
+const LINE_MM: f64 = 0.8;
 
 /// Pixels of each picture.
 const PICTURE: [u32; 2] = [620, 560];
@@ -102,9 +108,44 @@ fn report(args: &Args, printed: &Printed) -> Report {
         let toward = Vector3::new(0.55, -1.0, 0.45);
         let (begin, end) =
             (picture(printed, &first.base_platform, toward), picture(printed, &last.base_platform, toward));
+        report.viewer(&build(printed));
         report.pictures(&[("at the first waypoint", &begin), ("at the last waypoint", &end)]);
     }
     report
+}
+
+/// The layer as it is printed, and the machine under it.
+fn build(printed: &Printed) -> Model {
+    let model = machine();
+    let base = model.base.map(Point3::from);
+    let mut before = printed.poses.first().map_or(Point3::origin(), |pose| pose.waypoint.position);
+    let (mut steps, mut stances, mut seconds) = (Vec::new(), Vec::new(), 0.0);
+    let stride = shown::stride(printed.poses.len());
+    for (number, Pose { waypoint, base_platform, .. }) in printed.poses.iter().enumerate() {
+        let (tip, direction) = (waypoint.position, *waypoint.axis);
+        let took = (tip - before).norm() / SHOWN_MM_S;
+        let kind = if number == 0 { Step::TRAVEL } else { 0 };
+        steps.push(Step { tip, direction, width: LINE_MM, height: LINE_MM, kind, layer: 0, path: 0, seconds: took });
+        (before, seconds) = (tip, seconds + took);
+        if number % stride == 0 {
+            let platform = model.platform.map(|joint| base_platform * Point3::from(joint));
+            let ring = |joints: [Point3<f64>; 6]| (0..6).map(move |k| [joints[k], joints[(k + 1) % 6]]);
+            let legs = (0..6).map(|k| [base[k], platform[k]]);
+            let bones = ring(base).chain(ring(platform)).chain(legs).collect();
+            stances.push(Stance { seconds, joints: Vec::new(), bones, part: *base_platform });
+        }
+    }
+    let unreached = printed.poses.iter().filter(|pose| pose.fault.is_some());
+    let places = unreached.map(|pose| Mark { at: pose.waypoint.position, path: None }).collect();
+    let marks = Marks { what: "waypoints out of reach".to_owned(), colour: MISSED, places };
+    Model {
+        name: "a layer on a Stewart platform".to_owned(),
+        kinds: vec!["path".to_owned()],
+        steps,
+        marks: vec![marks].into_iter().filter(|marks| !marks.places.is_empty()).collect(),
+        robot: Some(Robot { name: "Stewart platform".to_owned(), speeds: Vec::new(), stances, is_shown: true }),
+        ..Model::default()
+    }
 }
 
 /// The machine at a pose, with the layer on it.

@@ -5,8 +5,9 @@ use crate::machine::MachineRun;
 use crate::motion::{MotionRun, of_run};
 use crate::surfaces::SurfacesRun;
 use crate::{Job, Results};
-use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Nozzle, Robot, Stance, Step};
-use curvlay_kinematics::workcell::{Held, NozzleModel, Workcell};
+use curvlay_examples::motion::shown;
+use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Robot, Step};
+use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet};
 use curvlay_toolpath::surface::{BeadKind, MoveKind, ToolPath};
 use curvlay_trajectory::print::LegKind;
@@ -21,9 +22,6 @@ const KINDS: [(BeadKind, &str); 6] = [
     (BeadKind::Infill, "infill"),
     (BeadKind::Support, "support"),
 ];
-
-/// Most moments at which the robot is shown; between them it goes evenly.
-const STANCES: usize = 12_000;
 
 /// Colours of findings: red for what fails most prints, then orange, violet, blue, grey.
 const RED: [u8; 3] = [216, 40, 40];
@@ -45,8 +43,6 @@ pub fn model(job: &Job, results: &Results) -> Model {
         let [x, y] = [0, 1].map(|axis| grid.origin()[axis] + f64::from(c[axis]) / 2.0 * grid.cell_mm());
         Point3::new(x, y, 0.0)
     };
-    let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
-        job.setup.cell.equipment().model().nozzle;
     let mut model = Model {
         name: job.part.name.clone(),
         part,
@@ -55,12 +51,7 @@ pub fn model(job: &Job, results: &Results) -> Model {
         ends: surfaces.iter().flat_map(ends).collect(),
         kinds: KINDS.map(|(_, name)| name.to_owned()).to_vec(),
         marks: missed(field).into_iter().collect(),
-        nozzle: Some(Nozzle {
-            tip: tip_flat_mm,
-            half_angle_deg: cone_half_angle_deg,
-            cone: cone_height_mm,
-            block: block_diameter_mm,
-        }),
+        nozzle: Some(shown::nozzle(&job.setup.cell.equipment().model().nozzle)),
         density_g_cm3: job.args.settings.material_density_g_cm3,
         ..Model::default()
     };
@@ -142,10 +133,9 @@ fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> (Vec<Step>, Option<Robot>) {
     let plan = &run.plan;
     let part_frame = run.frame_part.inverse();
-    let above_block = Point3::new(0.0, 0.0, run.cell.equipment().model().nozzle.block_top_mm);
     let legs = || plan.legs(0..plan.runs.len());
     let knots: usize = legs().map(|leg| leg.knots().len()).sum();
-    let stride = knots.div_ceil(STANCES).max(1);
+    let stride = shown::stride(knots);
     let (mut steps, mut stances) = (Vec::with_capacity(knots), Vec::new());
     let (mut start, mut number) = (0.0, 0);
     for leg in legs() {
@@ -179,21 +169,12 @@ fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
                 });
                 before = *time;
             }
-            if number % stride == 0
-                && let Some(stance) = run.cell.stance(joints)
-            {
-                let held = match run.cell.equipment().model().held {
-                    Held::Nozzle => stance.nozzle * above_block,
-                    Held::Part => stance.part * Point3::origin(),
-                };
-                let arm = stance.arm.iter().map(|frame| Point3::from(frame.translation.vector)).chain([held]).collect();
-                let part = stance.part * run.frame_part;
-                stances.push(Stance { seconds: start + time, joints: joints.to_vec(), arm, part });
+            if number % stride == 0 {
+                stances.extend(shown::stance(&run.cell, joints, &run.frame_part, start + time));
             }
             number += 1;
         }
         start += leg.duration();
     }
-    let speeds = run.cell.limits().velocity.to_vec();
-    (steps, Some(Robot { name: run.cell.equipment().name().to_owned(), speeds, stances }))
+    (steps, Some(shown::robot(&run.cell, stances)))
 }

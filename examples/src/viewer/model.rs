@@ -117,13 +117,15 @@ pub struct Nozzle {
     pub block: f64,
 }
 
-/// A robot, as joints that are joined by bones, over time.
+/// A robot, as bones between its joints, over time.
 #[derive(Clone, Debug, Default)]
 pub struct Robot {
     /// What it is.
     pub name: String,
     /// Largest speed of each joint, in radians a second.
     pub speeds: Vec<f64>,
+    /// Whether it is shown before anybody asks for it.
+    pub is_shown: bool,
     /// How it stands, from time to time.
     pub stances: Vec<Stance>,
 }
@@ -136,7 +138,7 @@ pub struct Stance {
     /// Joint angles in radians.
     pub joints: Vec<f64>,
     /// From joint to joint.
-    pub arm: Vec<Point3<f64>>,
+    pub bones: Vec<[Point3<f64>; 2]>,
     /// The frame of the part.
     pub part: Isometry3<f64>,
 }
@@ -242,17 +244,13 @@ impl Robot {
         let parts = |value: f64| ((value * 30000.0).round() as i32) as u32;
         let stances = || self.stances.iter();
         columns.add::<4>("robot.t", stances().map(|stance| (stance.seconds * TICKS).round() as u32));
-        let (bones, joints) = self.stances.first().map_or((0, 0), |stance| (stance.arm.len(), stance.joints.len()));
+        let (bones, joints) = self.stances.first().map_or((0, 0), |stance| (stance.bones.len(), stance.joints.len()));
         for joint in 0..joints {
             columns.add::<4>(&format!("robot.q{joint}"), stances().map(move |stance| parts(stance.joints[joint])));
         }
-        for bone in 0..bones {
-            for axis in 0..3 {
-                columns.add::<4>(
-                    &format!("robot.a{bone}.{axis}"),
-                    stances().map(move |stance| hundredths(stance.arm[bone][axis])),
-                );
-            }
+        for (bone, end, axis) in (0..bones).flat_map(|bone| (0..6).map(move |k| (bone, k / 3, k % 3))) {
+            let name = format!("robot.a{bone}.{end}.{axis}");
+            columns.add::<4>(&name, stances().map(move |stance| hundredths(stance.bones[bone][end][axis])));
         }
         for axis in 0..3 {
             columns.add::<4>(
@@ -266,7 +264,7 @@ impl Robot {
                 stances().map(move |stance| parts(stance.part.rotation.coords[axis])),
             );
         }
-        json!({ "name": self.name, "speeds": self.speeds, "joints": joints, "bones": bones, "stances": self.stances.len() })
+        json!({ "name": self.name, "shown": self.is_shown, "speeds": self.speeds, "joints": joints, "bones": bones, "stances": self.stances.len() })
     }
 }
 

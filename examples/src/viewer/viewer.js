@@ -248,6 +248,9 @@ function start(columns) {
     });
   }
 
+  // Bones are a fourteenth of the longest one thick.
+  const thick = robot && robot.stances ? 0.035 * Math.max(...robotAt(0).arm.map(([a, b]) => Math.hypot(...sub(a, b)))) : 0;
+
   // ---- state
   const extent = Math.hypot(...sub(header.high, header.low)) || 1, middle = add(header.low, sub(header.high, header.low), 0.5);
   const camera = { yaw: -0.9, pitch: 0.5, far: 2.1 * extent, target: middle };
@@ -284,6 +287,7 @@ function start(columns) {
     const colour = COLOURS[state.colour], bytes = new Uint8Array(Math.max(count, 1)), texels = new Uint8Array(4 * 256), legend = find('legend');
     const texel = (at, c) => texels.set([...c.map(Math.round), 255], 4 * at);
     legend.textContent = '';
+    if (!count) return touch();
     if (colour.of) {
       const numbers = new Float32Array(count), sample = [];
       for (let i = 0; i < count; i++) if (lays(i)) { numbers[i] = colour.of(i); if (i % (1 + (count >> 14)) === 0) sample.push(numbers[i]); }
@@ -317,11 +321,11 @@ function start(columns) {
 
   // ---- time
   // How many of the sorted numbers are at most `value`.
-  const upTo = (numbers, value) => {
+  function upTo(numbers, value) {
     let low = 0, high = numbers.length;
     while (low < high) { const at = low + high >> 1; if (numbers[at] <= value) low = at + 1; else high = at; }
     return low;
-  };
+  }
   const spanOf = layer => last[layer] < 0 ? [0, 0] : [first[layer] ? T[first[layer] - 1] * tick : 0, T[last[layer]] * tick];
   const doneAt = seconds => upTo(T, seconds / tick + 0.5);
   function stanceAt(ticks) {
@@ -334,7 +338,7 @@ function start(columns) {
   }
   function robotAt(seconds) {
     const at = stanceAt(seconds / tick), of = (name, scale) => robotValue(at, name, scale);
-    const arm = Array.from({ length: robot.bones }, (_, bone) => [0, 1, 2].map(axis => of(`a${bone}.${axis}`, 100)));
+    const arm = Array.from({ length: robot.bones }, (_, bone) => [0, 1].map(end => [0, 1, 2].map(axis => of(`a${bone}.${end}.${axis}`, 100))));
     const turn = [0, 1, 2, 3].map(axis => of('r' + axis, 30000)), size = Math.hypot(...turn) || 1;
     return { arm, part: turned(turn.map(c => c / size), [0, 1, 2].map(axis => of('p' + axis, 100))) };
   }
@@ -422,16 +426,17 @@ function start(columns) {
       const [at, up] = nozzleAt(state.now);
       drawMesh(nozzle, times(part, frame(at, up)), [0.72, 0.55, 0.25, 1]);
     }
-    if (stance) stance.arm.slice(1).forEach((to, i) => {
-      const bone = sub(to, stance.arm[i]), long = Math.hypot(...bone);
-      if (long > 1e-3) drawMesh(cylinder, frame(stance.arm[i], unit(bone), Math.max(18, 45 - 5 * i), long), dark ? [0.55, 0.6, 0.68, 1] : [0.45, 0.5, 0.58, 1]);
+    if (stance) stance.arm.forEach(([from, to]) => {
+      const bone = sub(to, from), long = Math.hypot(...bone);
+      if (long > 1e-3) drawMesh(cylinder, frame(from, unit(bone), thick, long), dark ? [0.55, 0.6, 0.68, 1] : [0.45, 0.5, 0.58, 1]);
     });
     if (shown.ends) {
       columns['end.layer'].forEach((layer, i) => {
         if (layer >= state.low && layer <= state.high) drawMesh(ends, part, [0.85, 0.2, 0.15, 1], gl.LINES, 2 * i, 2, 1);
       });
     }
-    gl.disable(gl.DEPTH_TEST);
+    // Findings show through; where there is nothing else they are what is shown.
+    if (count) gl.disable(gl.DEPTH_TEST);
     let from = 0;
     header.marks.forEach(([, colour, many], at) => {
       if (shown['mark' + at]) drawMesh(marks, part, [...colour.map(c => c / 255), 0.9], gl.POINTS, from, many, 2, 7 * devicePixelRatio * scale);
@@ -528,7 +533,7 @@ function start(columns) {
     camera.far = 2.1 * extent;
     camera.target = middle;
     if (robot && shown.robot) {
-      const { arm, part } = robotAt(state.now), around = [...arm, moved(part, middle)];
+      const { arm, part } = robotAt(state.now), around = [...arm.flat(), moved(part, middle)];
       const [least, most] = [Math.min, Math.max].map(of => [0, 1, 2].map(axis => of(...around.map(p => p[axis]))));
       camera.target = add(least, sub(most, least), 0.5);
       camera.far = 2.2 * Math.max(Math.hypot(...sub(most, least)), extent);
@@ -563,13 +568,13 @@ function start(columns) {
     if (nozzle) toggle(list, 'nozzle', 'nozzle', true);
   }
   if (ends.count) toggle(list, 'ends', 'where surfaces end inside', false);
-  if (robot) toggle(list, 'robot', robot.name, false);
+  if (robot) toggle(list, 'robot', robot.name, robot.shown);
   let from = 0;
   header.marks.forEach(([what, colour, many], at) => {
     const begin = from, finds = find('finds');
     from += many;
     finds.hidden = false;
-    const label = toggle(finds, 'mark' + at, `${what} (${many})`, many <= 2000, `rgb(${colour})`);
+    const label = toggle(finds, 'mark' + at, `${what} (${many})`, many <= 2000 || !count, `rgb(${colour})`);
     let current = -1;
     for (const [text, step] of [['‹', -1], ['›', 1]]) {
       const button = make(label, 'button');
@@ -605,7 +610,10 @@ function start(columns) {
   }
   colourInput.value = state.colour;
   colourInput.onchange = () => { state.colour = colourInput.value; paint(); };
-  find('sums').textContent = count ? [`${clock(total)} in all`, `${metres.toFixed(1)} m of bead`, `${volume.toFixed(2)} cm3`,
+  lowInput.parentNode.hidden = highInput.parentNode.hidden = layers < 2;
+  find('time').hidden = layers < 2 && !count;
+  find('row').hidden = !count;
+  find('sums').textContent = count ? [`${clock(total)} in all`, `${metres.toFixed(1)} m`, ...(layers > 1 ? [`${volume.toFixed(2)} cm3`] : []),
     ...(header.density ? [`${(volume * header.density).toFixed(1)} g`] : []), `${ofPath.size} starts`].join(' · ') : `${layers} layers`;
 
   // ---- pointers, wheel, keys
@@ -662,7 +670,7 @@ function start(columns) {
       bar.onclick = () => toLayer(layer);
     });
   }
-  const joints = robot && robot.stances > 1 ? chart('speed of each joint; the top line is its limit') : null;
+  const joints = robot && robot.joints && robot.stances > 1 ? chart('speed of each joint; the top line is its limit') : null;
   function plotJoints() {
     if (!joints) return;
     const [from, to] = spanOf(state.high), times = columns['robot.t'], a = Math.max(upTo(times, from / tick) - 1, 0), b = Math.min(upTo(times, to / tick), times.length - 1);

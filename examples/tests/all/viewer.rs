@@ -38,7 +38,10 @@ fn model() -> Model {
     let stance = |seconds: f64| Stance {
         seconds,
         joints: vec![0.1 * seconds, -0.2 * seconds],
-        arm: vec![Point3::origin(), Point3::new(0.0, 0.0, 200.0), Point3::new(150.0, 0.0, 200.0 + seconds)],
+        bones: vec![
+            [Point3::origin(), Point3::new(0.0, 0.0, 200.0)],
+            [Point3::new(0.0, 0.0, 200.0), Point3::new(150.0, 0.0, 200.0 + seconds)],
+        ],
         part: Isometry3::translation(150.0, 0.0, 210.0 + seconds),
     };
     Model {
@@ -57,6 +60,7 @@ fn model() -> Model {
         robot: Some(Robot {
             name: "two joints".to_owned(),
             speeds: vec![1.0, 1.0],
+            is_shown: false,
             stances: (0..40).map(|at| stance(f64::from(at))).collect(),
         }),
         steps,
