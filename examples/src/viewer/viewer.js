@@ -74,31 +74,34 @@ function program(vertex, fragment) {
   }
   return { made, places };
 }
-// A bead is a strip that faces the eye: as wide as an elliptic cylinder looks from there, shaded as one.
+// A bead is two triangles that face the eye: as wide as an elliptic cylinder looks from there, shaded as one. Steps come from a texture.
 const TUBE = `
-  layout(location = 0) in vec3 from; layout(location = 1) in vec3 to; layout(location = 2) in vec2 folded;
-  layout(location = 3) in vec2 size; layout(location = 4) in float kind; layout(location = 5) in float layer;
-  layout(location = 6) in float value;
-  uniform mat4 part, view; uniform vec3 low, eye; uniform float unit, travelWidth; uniform vec2 sizes, layers; uniform int shown, base;
+  uniform highp usampler2D steps; uniform mat4 part, view; uniform vec3 low, eye; uniform float unit, travelWidth;
+  uniform vec2 sizes; uniform ivec2 layers; uniform int shown, base;
   out vec3 across, toward; out float side, tint; flat out int id;
+  uvec4 step_(int at) { return texelFetch(steps, ivec2(at & 2047, at >> 11), 0); }
+  vec3 place(uvec4 s) { return (part * vec4(low + vec3(s.x & 65535u, s.x >> 16, s.y & 65535u) * unit, 1)).xyz; }
   void main() {
-    bool travels = kind > 254.5;
-    int bit = travels ? 15 : int(kind + 0.5);
-    if (layer < layers.x - 0.5 || layer > layers.y + 0.5 || (shown >> bit & 1) == 0) { gl_Position = vec4(2, 2, 2, 1); return; }
-    vec2 f = folded / 127.0 - 1.0;
+    int segment = gl_VertexID / 6 + base, corner = gl_VertexID % 6;
+    corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
+    uvec4 s = step_(segment + 1);
+    int kind = int(s.w & 255u), layer = int(s.y >> 16);
+    bool travels = kind == 255;
+    if (layer < layers.x || layer > layers.y || (shown >> min(kind, 15) & 1) == 0) { gl_Position = vec4(2, 2, 2, 1); return; }
+    vec2 f = vec2(s.z & 255u, s.z >> 8 & 255u) / 127.0 - 1.0;
     vec3 up = vec3(f, 1.0 - abs(f.x) - abs(f.y));
     float fold = max(-up.z, 0.0);
     up.xy += vec2(up.x < 0.0 ? fold : -fold, up.y < 0.0 ? fold : -fold);
     up = mat3(part) * normalize(up);
-    vec2 half2 = travels ? vec2(travelWidth) : 0.5 * size * sizes;
-    vec3 a = (part * vec4(low + from * unit, 1)).xyz, b = (part * vec4(low + to * unit, 1)).xyz;
+    vec2 half2 = travels ? vec2(travelWidth) : 0.5 * vec2(s.z >> 16 & 255u, s.z >> 24) * sizes;
+    vec3 a = place(step_(segment)), b = place(s);
     vec3 axis = b - a;
     float longs = length(axis);
     axis = longs > 1e-6 ? axis / longs : vec3(1, 0, 0);
     // The tip runs on top of the bead.
     vec3 sink = travels ? vec3(0) : up * half2.y;
-    float along = float(gl_VertexID >> 1);
-    side = float(gl_VertexID & 1) * 2.0 - 1.0;
+    float along = float(corner >> 1);
+    side = float(corner & 1) * 2.0 - 1.0;
     vec3 p = mix(a, b, along) - sink;
     vec3 sight = normalize(eye - p), flank = cross(axis, up);
     flank = length(flank) > 1e-4 ? normalize(flank) : vec3(0, 1, 0);
@@ -109,7 +112,7 @@ const TUBE = `
     toward *= dot(toward, sight) < 0.0 ? -1.0 : 1.0;
     float r = length(vec2(dot(across, flank), dot(across, rise)) * half2);
     p += across * (side * r) + axis * ((along * 2.0 - 1.0) * r * 0.35);
-    tint = value; id = gl_InstanceID + base + 1;
+    tint = float(s.w >> 8 & 255u); id = segment + 1;
     gl_Position = view * vec4(p, 1);
   }`;
 const LIGHT = `
@@ -205,12 +208,12 @@ function start(columns) {
   const total = count ? T[count - 1] * tick : 0;
 
   // ---- buffers
-  const STRIDE = 16, records = new ArrayBuffer(STRIDE * Math.max(count, 1)), words = new Uint16Array(records), octets = new Uint8Array(records);
+  // A texel of four words for each step: x, y, z, layer; direction, width, height; kind, colour.
+  const ROW = 2048, rows = Math.max(1, Math.ceil(count / ROW)), octets = new Uint8Array(16 * ROW * rows), words = new Uint16Array(octets.buffer);
   for (let i = 0; i < count; i++) {
-    words[8 * i] = X[i]; words[8 * i + 1] = Y[i]; words[8 * i + 2] = Z[i]; words[8 * i + 3] = L[i];
-    octets.set([U[i], V[i], W[i], H[i], K[i]], STRIDE * i + 8);
+    words.set([X[i], Y[i], Z[i], L[i]], 8 * i);
+    octets.set([U[i], V[i], W[i], H[i], K[i]], 16 * i + 8);
   }
-  const steps = buffer(octets), values = buffer(new Uint8Array(Math.max(count, 1)));
   const parts = mesh(woven(columns, 'part'), columns['part.corner']);
   const sheets = mesh(woven(columns, 'sheet'), columns['sheet.corner']);
   const ends = mesh(woven(columns, 'end'));
@@ -221,9 +224,13 @@ function start(columns) {
     const wide = d / 2 + cone * Math.tan(half * Math.PI / 180);
     return revolved([[0, 0], [d / 2, 0], [wide, cone], [Math.max(block / 2, wide), cone], [Math.max(block / 2, wide), cone + 15], [0, cone + 15]]);
   })(header.nozzle);
-  const palette = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, palette);
-  for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, name, value);
+  const [palette, steps] = [0, 1].map(unit => {
+    const made = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    return gl.TEXTURE0 + unit;
+  });
   const pickBuffer = gl.createFramebuffer(), pickColour = gl.createRenderbuffer(), pickDepth = gl.createRenderbuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, pickBuffer);
   for (const [render, format, place] of [[pickColour, gl.RGBA8, gl.COLOR_ATTACHMENT0], [pickDepth, gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]]) {
@@ -232,21 +239,7 @@ function start(columns) {
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, render);
   }
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  // The attributes of segments from a step on: each ends where the next begins.
-  const tubes = gl.createVertexArray();
-  function point(from) {
-    gl.bindVertexArray(tubes);
-    gl.bindBuffer(gl.ARRAY_BUFFER, steps);
-    const at = STRIDE * from, next = at + STRIDE;
-    const { UNSIGNED_BYTE: byte, UNSIGNED_SHORT: short } = gl;
-    const fields = [[3, short, at], [3, short, next], [2, byte, next + 8], [2, byte, next + 10], [1, byte, next + 12], [1, short, next + 6], [1, byte, from + 1]];
-    fields.forEach(([size, kind, offset], place) => {
-      if (place === 6) gl.bindBuffer(gl.ARRAY_BUFFER, values);
-      gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, size, kind, false, place === 6 ? 1 : STRIDE, offset);
-      gl.vertexAttribDivisor(place, 1);
-    });
-  }
+  const bare = gl.createVertexArray();
 
   // Bones are a fourteenth of the longest one thick.
   const thick = robot && robot.stances ? 0.035 * Math.max(...robotAt(0).arm.map(([a, b]) => Math.hypot(...sub(a, b)))) : 0;
@@ -284,7 +277,7 @@ function start(columns) {
   };
   if (robot) for (let joint = 0; joint < robot.joints; joint++) COLOURS['joint' + joint] = { name: 'joint ' + (joint + 1), unit: ' deg', of: jointAt(joint) };
   function paint() {
-    const colour = COLOURS[state.colour], bytes = new Uint8Array(Math.max(count, 1)), texels = new Uint8Array(4 * 256), legend = find('legend');
+    const colour = COLOURS[state.colour], paintStep = (i, at) => { octets[16 * i + 13] = at; }, texels = new Uint8Array(4 * 256), legend = find('legend');
     const texel = (at, c) => texels.set([...c.map(Math.round), 255], 4 * at);
     legend.textContent = '';
     if (!count) return touch();
@@ -295,14 +288,14 @@ function start(columns) {
       // A few outliers do not take the colours from all others.
       const cut = Math.floor(sample.length * (['layer', 'time'].includes(state.colour) ? 0 : 0.01));
       const least = sample.length ? sample[cut] : 0, most = sample.length ? sample[sample.length - 1 - cut] : 1;
-      for (let i = 0; i < count; i++) bytes[i] = lays(i) ? 254 * Math.min(Math.max((numbers[i] - least) / (most - least || 1), 0), 1) : 255;
+      for (let i = 0; i < count; i++) paintStep(i, lays(i) ? 254 * Math.min(Math.max((numbers[i] - least) / (most - least || 1), 0), 1) : 255);
       for (let at = 0; at < 255; at++) texel(at, ramp(at / 254));
       const bar = make(legend, 'b'), ends = make(legend, 'span');
       bar.style.background = `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map(t => `rgb(${ramp(t).map(Math.round)})`)})`;
       for (const value of [least, most]) make(ends, 'span').textContent = Number(value.toPrecision(3)) + colour.unit;
       legend.append(colour.name);
     } else {
-      for (let i = 0; i < count; i++) bytes[i] = K[i];
+      for (let i = 0; i < count; i++) paintStep(i, K[i]);
       KINDS.forEach((hex, at) => texel(at, rgb(hex)));
       header.kinds.forEach((kind, at) => {
         if (!used.has(at)) return;
@@ -311,10 +304,10 @@ function start(columns) {
       });
     }
     texel(255, [150, 155, 165]);
-    gl.bindBuffer(gl.ARRAY_BUFFER, values);
-    gl.bufferData(gl.ARRAY_BUFFER, bytes, gl.STATIC_DRAW);
-    gl.bindTexture(gl.TEXTURE_2D, palette);
+    gl.activeTexture(palette);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
+    gl.activeTexture(steps);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32UI, ROW, rows, 0, gl.RGBA_INTEGER, gl.UNSIGNED_INT, new Uint32Array(octets.buffer));
     touch();
   }
   const used = new Set(K);
@@ -392,14 +385,14 @@ function start(columns) {
     gl.uniform3fv(places.low, low);
     gl.uniform1f(places.unit, header.unit);
     gl.uniform2f(places.sizes, header.width, header.height);
-    gl.uniform2f(places.layers, state.low, state.high);
+    gl.uniform2i(places.layers, state.low, state.high);
+    gl.uniform1i(places.steps, 1);
     gl.uniform1f(places.travelWidth, 0.0006 * camera.far);
     gl.uniform1i(places.shown, mask);
     gl.uniform1i(places.base, from);
     gl.uniform1i(places.picking, picking ? 1 : 0);
-    gl.bindTexture(gl.TEXTURE_2D, palette);
-    point(from);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, many);
+    gl.bindVertexArray(bare);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * many);
   }
   const layerTone = layer => [...ramp(layers > 1 ? layer / (layers - 1) : 0).map(c => c / 255 * (layer % 2 ? 0.88 : 1)), 1];
   let scale = 1, settled = 0;
