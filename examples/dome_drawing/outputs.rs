@@ -24,7 +24,7 @@ pub fn is_ours(name: &str) -> bool {
         (!number.is_empty() && number.chars().all(|c| c.is_ascii_digit())).then_some(())
     };
     ["strokes.csv", "report.html"].contains(&name)
-        || name == format!("{NAME}.mod")
+        || ["", "_link", "_move"].iter().any(|part| name == format!("{NAME}{part}.mod"))
         || part().is_some()
         || pictures::NAMES.iter().any(|picture| name == format!("{picture}.png"))
 }

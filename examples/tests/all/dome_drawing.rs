@@ -3,7 +3,7 @@
 // `main` and what it prints are of no use here.
 #[allow(dead_code)]
 #[path = "../../dome_drawing/main.rs"]
-mod example;
+pub(crate) mod example;
 
 use crate::common;
 use crate::common::summary;
@@ -23,7 +23,7 @@ fn place(name: &str) -> PathBuf {
 }
 
 /// Runs the example in a folder of its own.
-fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
+pub(crate) fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
     let folder = common::folder("dome_drawing", name);
     let (_, _, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder)
         .map_err(|failure| failure.message().to_owned())?;
