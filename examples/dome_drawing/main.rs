@@ -15,7 +15,7 @@ mod outputs;
 mod pictures;
 mod plan;
 mod robot;
-mod stream;
+pub mod stream;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, from_zero, run_with_args};
@@ -32,13 +32,16 @@ use std::time::Instant;
 #[command(version, name = "dome_drawing")]
 pub struct Args {
     /// DXF file with the design
-    #[arg(long, value_name = "FILE", conflicts_with = "svg")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["svg", "load"])]
     dxf: Option<PathBuf>,
     /// SVG file with the design
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "load")]
     svg: Option<PathBuf>,
+    /// File with the design as an earlier run saved it, `design.drawing`
+    #[arg(long, value_name = "FILE")]
+    load: Option<PathBuf>,
     /// The design made in code, without a file
-    #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg"])]
+    #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg", "load"])]
     design: Design,
     /// Layers to print, as often as there are some [default: all]
     #[arg(long, value_name = "NAME")]
@@ -139,6 +142,10 @@ pub enum ProjectionKind {
     Point,
     /// With the lengths of the meridians.
     Meridian,
+    /// Onto a mesh that is unrolled with its lengths, as far as that is possible.
+    Rigid,
+    /// Onto a mesh that is unrolled with its angles.
+    Conformal,
 }
 
 fn step(text: &str) -> Result<f64, String> {

@@ -418,7 +418,7 @@ fn frames_are_sent_again_when_no_reply_comes() {
     assert_eq!(numbers(&written(&mut sender, 230)), [0, 3, 4]);
     assert_eq!(
         sender.progress(),
-        LinkProgress { numbered: 4, taken: 2, done: 1, resent: 2, hold_obeyed: true, over: false }
+        LinkProgress { numbered: 4, taken: 2, done: 1, resent: 2, hold: false, hold_obeyed: true, over: false }
     );
     // A pause: nothing but the state, again until it is obeyed.
     sender.set_hold(true);

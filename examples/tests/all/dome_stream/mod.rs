@@ -102,13 +102,11 @@ fn a_print_can_be_paused_and_raised() {
                 send.send(Command::Pause).unwrap();
                 step = 1;
             }
-            // The pause is read before the next frame: one reply later it is on its way.
-            1 => step = 2,
-            2 if progress.hold_obeyed => {
+            1 if progress.hold && progress.hold_obeyed => {
                 send.send(Command::HeightMm(0.25)).unwrap();
                 send.send(Command::Resume).unwrap();
                 numbered_when_raised = progress.numbered;
-                step = 3;
+                step = 2;
             }
             _ => {}
         };

@@ -38,6 +38,8 @@ pub struct LinkProgress {
     pub done: u32,
     /// Frames of messages sent more than once.
     pub resent: u64,
+    /// Whether the robot is to pause.
+    pub hold: bool,
     /// Whether the controller has obeyed the last pause or go-on.
     pub hold_obeyed: bool,
     /// Whether all is done.
@@ -268,6 +270,7 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
             taken: self.taken,
             done: self.done,
             resent: self.resent,
+            hold: self.hold,
             hold_obeyed: self.obeyed == self.version,
             over: self.ended && self.queue.is_empty(),
         }
