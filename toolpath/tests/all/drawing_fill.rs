@@ -442,7 +442,7 @@ fn clusters_of_open_strokes_are_thinned() {
                 (0..=3000).map(|k| stroke.points[0] + (stroke.points[1] - stroke.points[0]) * (f64::from(k) / 3000.0));
             samples.map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min)
         };
-        strokes.iter().filter(|stroke| along(stroke) < 0.7 * stroke.width).count()
+        strokes.iter().filter(|stroke| along(stroke) < 0.45 * stroke.width).count()
     };
     let mut thinned = stems.clone();
     let found = thin_clusters(&mut thinned, 2);

@@ -195,7 +195,7 @@ fn commands_are_read_from_lines() {
 #[test]
 fn the_extruder_reaches_its_speed() {
     let mut extruder = Extruder::default();
-    ["FORWARDS", "RPM,4", "START"].map(|line| extruder.line(line));
+    ["FORWARDS", "RPM,4", "START"].iter().for_each(|line| extruder.line(line));
     let mut fastest = 0f64;
     for _ in 0..300 {
         extruder.run(1.0);

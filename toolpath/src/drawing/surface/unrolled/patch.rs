@@ -34,10 +34,13 @@ pub fn upper_patch(
     let up = if cross(pole).z < 0.0 { -1.0 } else { 1.0 };
     let near = |t: usize| corners(t).iter().all(|v| v.x.hypot(v.y) <= reach);
     let is_in = |t: usize| t == pole || (cross(t).z * up > 0.0 && near(t));
-    let mut edges: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-    for t in (0..triangles.len()).filter(|&t| is_in(t)) {
+    let sides = |t: usize| {
         let [a, b, c] = triangles[t];
-        for [from, to] in [[a, b], [b, c], [c, a]] {
+        [[a, b], [b, c], [c, a]]
+    };
+    let mut edges: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+    for t in 0..triangles.len() {
+        for [from, to] in sides(t) {
             edges.entry([from.min(to), from.max(to)]).or_default().push(t);
         }
     }
@@ -46,21 +49,20 @@ pub fn upper_patch(
     chosen[pole] = true;
     let mut rim_edges = Vec::new();
     while let Some(t) = waiting.pop() {
-        let [a, b, c] = triangles[t];
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            let beside = &edges[&[from.min(to), from.max(to)]];
-            match *beside.as_slice() {
-                [_] => rim_edges.push(from),
-                [one, two] => {
-                    let other = if one == t { two } else { one };
-                    let [a, b, c] = triangles[other];
-                    if [[a, b], [b, c], [c, a]].contains(&[from, to]) {
-                        return Err(UnrollError::Winding { triangle: other });
-                    }
-                    if !std::mem::replace(&mut chosen[other], true) {
-                        waiting.push(other);
-                    }
+        for [from, to] in sides(t) {
+            let all = &edges[&[from.min(to), from.max(to)]];
+            // A neighbour that is wound the other way round would seem to look down.
+            if let [one, two] = *all.as_slice() {
+                let other = if one == t { two } else { one };
+                if sides(other).contains(&[from, to]) {
+                    return Err(UnrollError::Winding { triangle: other });
                 }
+            }
+            let beside: Vec<usize> = all.iter().copied().filter(|&other| other != t && is_in(other)).collect();
+            match *beside.as_slice() {
+                [] => rim_edges.push(from),
+                [other] if !std::mem::replace(&mut chosen[other], true) => waiting.push(other),
+                [_] => {}
                 _ => return Err(UnrollError::Edge { vertices: [from, to] }),
             }
         }
