@@ -7,13 +7,15 @@
 //! cargo run --release --example dome_drawing -- --dxf rosette-leaves.dxf
 //! cargo run --release --example dome_drawing -- --svg flower.svg --diameter 250 --fill lines --angle 90
 //! ```
-//! Without a file it prints a design made in code. `--help` lists the options.
+//! Without a file it prints a design made in code. `--help` lists the options. With `--stream` it sends the program to the robot's
+//! controller while it prints, point by point.
 
 mod design;
 mod outputs;
 mod pictures;
 mod plan;
 mod robot;
+pub mod stream;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, from_zero, run_with_args};
@@ -30,13 +32,16 @@ use std::time::Instant;
 #[command(version, name = "dome_drawing")]
 pub struct Args {
     /// DXF file with the design
-    #[arg(long, value_name = "FILE", conflicts_with = "svg")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["svg", "load"])]
     dxf: Option<PathBuf>,
     /// SVG file with the design
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "load")]
     svg: Option<PathBuf>,
+    /// File with the design as an earlier run saved it, `design.drawing`
+    #[arg(long, value_name = "FILE")]
+    load: Option<PathBuf>,
     /// The design made in code, without a file
-    #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg"])]
+    #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg", "load"])]
     design: Design,
     /// Layers to print, as often as there are some [default: all]
     #[arg(long, value_name = "NAME")]
@@ -89,6 +94,16 @@ pub struct Args {
     /// Added to the height of the nozzle over the surface, in millimetres
     #[arg(long = "nozzle-height", value_name = "MM", default_value_t = 0.0, value_parser = height, allow_negative_numbers = true)]
     nozzle_height_mm: f64,
+    /// Streams the program, once it is checked, to a controller that runs `drawing_link.mod` and `drawing_move.mod`; lines on
+    /// the standard input are `pause`, `resume`, and `height MM`
+    #[arg(long = "stream", value_name = "HOST:PORT")]
+    stream: Option<String>,
+    /// Places of the controller's queue
+    #[arg(long = "queue", value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
+    queue: u32,
+    /// A stream turns the extruder backwards for so many milliseconds at the end of each stroke
+    #[arg(long = "pulse-reverse", value_name = "MS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=60_000))]
+    pulse_reverse_ms: u32,
     /// Most moves of a RAPID module
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(1..))]
     moves_per_module: u32,
@@ -127,6 +142,10 @@ pub enum ProjectionKind {
     Point,
     /// With the lengths of the meridians.
     Meridian,
+    /// Onto a mesh that is unrolled with its lengths, as far as that is possible.
+    Rigid,
+    /// Onto a mesh that is unrolled with its angles.
+    Conformal,
 }
 
 fn step(text: &str) -> Result<f64, String> {
@@ -164,6 +183,12 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Planned,
     bars.update("write", 0, 1);
     folder.clear(outputs::is_ours)?;
     let outcome = outputs::write(args, &planned, &printed, folder)?;
+    if let Some(address) = &args.stream {
+        if outcome != Outcome::Done {
+            return Err(Failure::new("the program is not streamed, for it has faults".to_owned()));
+        }
+        robot::stream(args, address, &printed, &stream::commands_of_stdin(), bars)?;
+    }
     bars.finish();
     Ok((planned, printed, outcome))
 }

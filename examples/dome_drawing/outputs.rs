@@ -9,7 +9,7 @@ use curvlay_examples::output::{OutputError, OutputFolder};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
-use curvlay_toolpath::drawing::StrokeKind;
+use curvlay_toolpath::drawing::{StrokeKind, save_drawing, write_dxf};
 use std::io::{self, Write};
 
 /// Share of the design that beads may leave open, and share that they may cover twice, without a finding; what the filled design of the
@@ -23,8 +23,8 @@ pub fn is_ours(name: &str) -> bool {
         let number = name.strip_prefix(NAME)?.strip_prefix('_')?.strip_suffix(".mod")?;
         (!number.is_empty() && number.chars().all(|c| c.is_ascii_digit())).then_some(())
     };
-    ["strokes.csv", "report.html"].contains(&name)
-        || name == format!("{NAME}.mod")
+    ["strokes.csv", "report.html", "design.drawing", "design.dxf"].contains(&name)
+        || ["", "_link", "_move"].iter().any(|part| name == format!("{NAME}{part}.mod"))
         || part().is_some()
         || pictures::NAMES.iter().any(|picture| name == format!("{picture}.png"))
 }
@@ -35,6 +35,8 @@ pub fn write(args: &Args, planned: &Planned, printed: &Printed, folder: &OutputF
     for (name, bytes) in &printed.program.files {
         folder.write(name, bytes)?;
     }
+    folder.write_with("design.drawing", |mut out| save_drawing(&mut out, &planned.drawing))?;
+    folder.write_with("design.dxf", |mut out| write_dxf(&mut out, &planned.drawing))?;
     folder.write_with("strokes.csv", |out| write_strokes(planned, out))?;
     let drawn = pictures::draw(planned);
     for (name, png) in pictures::NAMES.iter().zip(&drawn) {
@@ -203,6 +205,7 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("splits", print.splits)?
         .set("stops_scan_lines", planned.stops_scan_lines * args.layers as usize)?
         .set("on_printed", planned.on_printed)?
+        .set("thinned_mm", planned.thinned_mm)?
         .set("min_width_mm", least)?
         .set("max_width_mm", most)?
         .set("covered_fraction", planned.coverage.covered)?

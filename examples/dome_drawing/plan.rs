@@ -7,8 +7,9 @@ use curvlay_examples::mesh::read_mesh;
 use curvlay_kinematics::nalgebra::{Point2, Point3, Vector3};
 use curvlay_toolpath::drawing::{
     Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, MeshSurface,
-    Overlaps, Profile, Projection, Revolved, Stroke, Surface, SurfacePoint, centre_of, coverage, distortion, fill,
-    join, order, place, project, raised, read_dxf, read_svg, remove_overlaps, signed_area, start_strokes, union_area,
+    Overlaps, Profile, Projection, Revolved, Stroke, Surface, SurfacePoint, UnrollKind, UnrollOptions, UnrolledMesh,
+    centre_of, coverage, distortion, fill, join, load_drawing, order, place, project, raised, read_dxf, read_svg,
+    remove_overlaps, signed_area, start_strokes, thin_clusters, union_area,
 };
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -20,10 +21,14 @@ const SPHERE_MM: f64 = 200.0;
 /// Distances over which distortion is sampled, in points of the design.
 const DISTORTION_SAMPLES: usize = 5000;
 
+/// Open contours are left out where so many beads are: two lines may cross.
+const MAX_BEADS: usize = 2;
+
 /// What carries the design.
 pub enum Carrier {
     Revolved(Revolved),
     Mesh(MeshSurface),
+    Unrolled(Box<UnrolledMesh>),
 }
 
 impl Surface for Carrier {
@@ -31,6 +36,7 @@ impl Surface for Carrier {
         match self {
             Carrier::Revolved(surface) => surface.hit(from, direction),
             Carrier::Mesh(surface) => surface.hit(from, direction),
+            Carrier::Unrolled(surface) => surface.hit(from, direction),
         }
     }
 
@@ -38,6 +44,7 @@ impl Surface for Carrier {
         match self {
             Carrier::Revolved(surface) => surface.over(at),
             Carrier::Mesh(surface) => surface.over(at),
+            Carrier::Unrolled(surface) => surface.over(at),
         }
     }
 
@@ -45,11 +52,24 @@ impl Surface for Carrier {
         match self {
             Carrier::Revolved(surface) => surface.along_meridian(at),
             Carrier::Mesh(surface) => surface.along_meridian(at),
+            Carrier::Unrolled(surface) => surface.along_meridian(at),
         }
     }
 
     fn has_meridians(&self) -> bool {
         matches!(self, Carrier::Revolved(_))
+    }
+
+    fn unrolled(&self, at: &Point2<f64>) -> Option<SurfacePoint> {
+        match self {
+            Carrier::Revolved(surface) => surface.unrolled(at),
+            Carrier::Mesh(surface) => surface.unrolled(at),
+            Carrier::Unrolled(surface) => surface.unrolled(at),
+        }
+    }
+
+    fn is_unrolled(&self) -> bool {
+        !matches!(self, Carrier::Mesh(_))
     }
 }
 
@@ -78,6 +98,7 @@ pub struct Planned {
     pub overlaps: Overlaps,
     pub filled: Filled,
     pub on_printed: usize,
+    pub thinned_mm: f64,
     pub carrier: Carrier,
     pub projection: Projection,
     pub strokes: Vec<OnSurface>,
@@ -112,6 +133,10 @@ fn read(args: &Args) -> Result<(String, Drawing), Failure> {
         let bytes = fs::read(path).map_err(|error| fault(path, error))?;
         return Ok((name(path), read_svg(&bytes).map_err(|error| fault(path, error))?));
     }
+    if let Some(path) = &args.load {
+        let file = File::open(path).map_err(|error| fault(path, error))?;
+        return Ok((name(path), load_drawing(BufReader::new(file)).map_err(|error| fault(path, error))?));
+    }
     Ok((typed_name(args.design), design::drawing(args.design)))
 }
 
@@ -128,11 +153,25 @@ fn carrier(args: &Args) -> Result<Carrier, Failure> {
             let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
             let shift = Vector3::new(-0.5 * (low.x + high.x), -0.5 * (low.y + high.y), 149.6 - high.z);
             let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
-            return Ok(Carrier::Mesh(
-                MeshSurface::new(&vertices, &mesh.triangles).map_err(|error| fault(path, error))?,
-            ));
+            let kind = match args.projection {
+                ProjectionKind::Rigid => UnrollKind::Rigid,
+                ProjectionKind::Conformal => UnrollKind::Conformal,
+                _ => {
+                    let mesh = MeshSurface::new(&vertices, &mesh.triangles).map_err(|error| fault(path, error))?;
+                    return Ok(Carrier::Mesh(mesh));
+                }
+            };
+            let options = UnrollOptions { kind, reach: radius, ..UnrollOptions::default() };
+            let unrolled = UnrolledMesh::new(&vertices, &mesh.triangles, options);
+            return Ok(Carrier::Unrolled(Box::new(unrolled.map_err(|error| fault(path, error))?)));
         }
     };
+    if matches!(args.projection, ProjectionKind::Rigid | ProjectionKind::Conformal) {
+        return Err(Failure::of_arguments(format!(
+            "--projection rigid and conformal are for meshes; for the {} take meridian",
+            args.surface
+        )));
+    }
     let revolved = Revolved::new(profile, radius).map_err(|_| {
         Failure::of_arguments(format!(
             "the {} has no surface out to a diameter of {} mm",
@@ -160,12 +199,19 @@ pub fn fill_options(args: &Args) -> FillOptions {
     }
 }
 
+/// Whether a layer is to be printed.
+fn wanted(args: &Args, layer: &str) -> bool {
+    args.layer.is_empty() || args.layer.iter().any(|name| name == layer)
+}
+
+/// Areas are those of curves flattened to this, in millimetres: chords of the tolerance of the print would take 1e-3 from small circles.
+const AREA_TOLERANCE_MM: f64 = 1e-4;
+
 /// All stages up to strokes on the surface.
 pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     bars.update("read", 0, 5);
     let (name, drawing) = read(args)?;
     let carrier = carrier(args)?;
-    let wanted = |layer: &str| args.layer.is_empty() || args.layer.iter().any(|name| name == layer);
     let here = |error: &dyn std::fmt::Display| Failure::new(format!("{name}: {error}"));
     if let Some(missing) = args.layer.iter().find(|name| !drawing.layers().iter().any(|(layer, _)| layer == *name)) {
         let layers: Vec<String> = drawing.layers().into_iter().map(|(layer, _)| layer).collect();
@@ -174,7 +220,7 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     if drawing.entities.is_empty() {
         return Err(here(&"there is nothing in it that can be drawn"));
     }
-    let pieces = drawing.contours(wanted, Flatten::default()).map_err(|error| here(&error))?;
+    let pieces = drawing.contours(|layer| wanted(args, layer), Flatten::default()).map_err(|error| here(&error))?;
 
     bars.update("join", 1, 5);
     let joined = join(&pieces, args.join_mm).map_err(|error| here(&error))?;
@@ -189,13 +235,12 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     };
     let pieces: Vec<Contour> = pieces.iter().map(moved).collect();
     order(&mut contours);
-    let area_sum_mm2 =
-        contours.iter().filter(|contour| contour.closed).map(|contour| signed_area(&contour.points).abs()).sum();
 
     bars.update("fill", 2, 5);
     let overlaps =
         remove_overlaps(&contours, args.min_area_mm2, if args.min_area_mm2 > 0.0 { args.bead_mm } else { 0.0 });
     let mut filled = fill(&overlaps.regions, &overlaps.open, &fill_options(args)).map_err(|error| here(&error))?;
+    let thinned_mm = thin_clusters(&mut filled.strokes, MAX_BEADS).removed_mm;
     let on_printed = start_strokes(&mut filled.strokes);
 
     bars.update("project", 3, 5);
@@ -203,6 +248,7 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
         ProjectionKind::Vertical => Projection::Vertical,
         ProjectionKind::Point => Projection::FromPoint { height: -149.6 },
         ProjectionKind::Meridian => Projection::Meridian,
+        ProjectionKind::Rigid | ProjectionKind::Conformal => Projection::Unrolled,
     };
     let mut strokes = Vec::new();
     for (number, stroke) in filled.strokes.iter().enumerate() {
@@ -230,11 +276,12 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
         duplicates: joined.duplicates,
         zero_length: joined.zero_length,
         scale,
-        area_sum_mm2,
+        area_sum_mm2: 0.0,
         area_union_mm2: 0.0,
         overlaps,
         filled,
         on_printed,
+        thinned_mm,
         carrier,
         projection,
         strokes,
@@ -248,7 +295,12 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
 /// Figures that the program does not need.
 pub fn measure(args: &Args, planned: &mut Planned, bars: &Bars) -> Result<(), Failure> {
     bars.update("measure", 4, 5);
-    planned.area_union_mm2 = union_area(&planned.contours);
+    let fine = planned.drawing.contours(|layer| wanted(args, layer), Flatten::Tolerance(AREA_TOLERANCE_MM))?;
+    let fine = join(&fine, args.join_mm)?.contours;
+    let square = planned.scale * planned.scale;
+    let closed = fine.iter().filter(|contour| contour.closed);
+    planned.area_sum_mm2 = square * closed.map(|contour| signed_area(&contour.points).abs()).sum::<f64>();
+    planned.area_union_mm2 = square * union_area(&fine);
     planned.coverage = coverage(&planned.overlaps.regions, &planned.filled.strokes)?;
     let scan = FillOptions { fill: Fill::Lines, zigzag: false, ..fill_options(args) };
     planned.stops_scan_lines = fill(&planned.overlaps.regions, &planned.overlaps.open, &scan)?.stops();

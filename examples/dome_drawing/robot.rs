@@ -1,10 +1,14 @@
 //! The robot: an IRB 120 that holds the platform under a nozzle. Its program, and the checks of it.
 
-use super::Args;
 use super::plan::Planned;
+use super::stream::Command;
+use super::{Args, stream};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_kinematics::nalgebra::{Isometry3, Point2, Point3};
+use curvlay_kinematics::program::link::{
+    LinkMessage, LinkOptions, LinkProgress, LinkRapidOptions, LinkTranslator, MAX_NUMBER, write_link_rapid,
+};
 use curvlay_kinematics::program::{
     DomeOptions, DomePrint, DomeRig, DomeStroke, Goal, Move, ProgramLimits, RapidOptions, RapidWritten, Step,
     print_on_dome, read_rapid, write_rapid,
@@ -17,7 +21,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::rc::Rc;
-use std::time::Duration;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// The name of the program.
 pub const NAME: &str = "drawing";
@@ -133,8 +138,46 @@ pub fn program(args: &Args, planned: &Planned, bars: &Bars) -> Result<Program, F
         files.push((name.to_owned(), file.clone()));
         Ok(file)
     })?;
+    let link = LinkRapidOptions {
+        name: NAME.to_owned(),
+        queue: args.queue,
+        home: home(&arm, &print, &options),
+        ..LinkRapidOptions::default()
+    };
+    write_link_rapid(&link, |name| {
+        let file = Shared::default();
+        files.push((name.to_owned(), file.clone()));
+        Ok(file)
+    })?;
     let files = files.into_iter().map(|(name, file)| (name, file.0.take())).collect();
     Ok(Program { print, files, written })
+}
+
+/// The home position of a stream: the pole below the nozzle, as far as between strokes.
+fn home(arm: &Arm, print: &DomePrint, options: &DomeOptions) -> [f64; 6] {
+    let mut pose = arm.forward(&print.home);
+    pose.translation.z -= options.hop_mm;
+    arm.continuing(&pose, &print.home).unwrap_or(print.home)
+}
+
+/// Streams the program: all its steps, then home.
+pub fn stream(
+    args: &Args,
+    address: &str,
+    printed: &Printed,
+    commands: &Receiver<Command>,
+    bars: &Bars,
+) -> Result<LinkProgress, Failure> {
+    let options = options(args);
+    let messages = || LinkTranslator::new(printed.program.print.steps(&options), args.pulse_reverse_ms);
+    let total = messages().count() as u64 + 1;
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
+    // Another number for each job, unless two begin within a second.
+    let job = (seconds % u64::from(MAX_NUMBER)) as u32 + 1;
+    let link = LinkOptions { job, queue: args.queue, ..LinkOptions::default() };
+    let messages = messages().chain([Ok(LinkMessage::Home)]);
+    let told = |progress: &LinkProgress| bars.update("stream", u64::from(progress.done), total);
+    stream::stream(address, messages, link, commands, told).map_err(|error| Failure::new(format!("--stream: {error}")))
 }
 
 /// The scene: the arm, the platform in its hand, and the nozzle.

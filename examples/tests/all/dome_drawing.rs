@@ -3,7 +3,7 @@
 // `main` and what it prints are of no use here.
 #[allow(dead_code)]
 #[path = "../../dome_drawing/main.rs"]
-mod example;
+pub(crate) mod example;
 
 use crate::common;
 use crate::common::summary;
@@ -23,7 +23,7 @@ fn place(name: &str) -> PathBuf {
 }
 
 /// Runs the example in a folder of its own.
-fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
+pub(crate) fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
     let folder = common::folder("dome_drawing", name);
     let (_, _, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder)
         .map_err(|failure| failure.message().to_owned())?;
@@ -108,6 +108,63 @@ fn an_svg_is_printed_in_layers_on_a_sphere() {
     assert_eq!(common::summary(&path)["stops"], 1);
 }
 
+/// What a run saved is loaded: the same drawing, the same figures. As DXF, the same areas.
+#[test]
+fn a_saved_design_is_printed_again() {
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60">
+        <circle id="a" cx="20" cy="20" r="15"/><path id="b" d="M 30 30 C 60 20 50 80 40 50 Z"/></svg>"#;
+    let svg = file("saved.svg", svg);
+    let run = |name: &str, words: &[&str]| {
+        let words: Vec<&str> = words.iter().chain(&["--fill", "none", "--step", "5"]).copied().collect();
+        run(name, &words).unwrap().0
+    };
+    let first = run("saved_svg", &["--svg", &svg]);
+    let loaded = run("saved_load", &["--load", first.join("design.drawing").to_str().unwrap()]);
+    let dxf = run("saved_dxf", &["--dxf", first.join("design.dxf").to_str().unwrap()]);
+    let text = |path: &Path, name: &str| fs::read_to_string(path.join(name)).unwrap();
+    assert_eq!(text(&first, "design.drawing"), text(&loaded, "design.drawing"));
+    assert_eq!(text(&first, "strokes.csv"), text(&loaded, "strokes.csv"));
+    for key in ["area_sum_mm2", "area_union_mm2"] {
+        let [a, b, c] = [&first, &loaded, &dxf].map(|path| summary(path)[key].as_f64().unwrap());
+        assert!(a.to_bits() == b.to_bits() && (a - c).abs() < 1e-6 * a, "{key}");
+    }
+    // The circle is one of four cubic pieces, which are too large by less than 3e-4.
+    let sum = summary(&first)["area_sum_mm2"].as_f64().unwrap();
+    assert!(sum > 225.0 * std::f64::consts::PI);
+}
+
+/// A cone as a mesh is unrolled exactly; a dome is not, and says to take the meridian.
+#[test]
+fn a_mesh_is_unrolled() {
+    let n = 48u32;
+    let mut obj = "v 0 0 0\n".to_owned();
+    let mut faces = String::new();
+    for ring in 1..=12u32 {
+        for k in 0..n {
+            let (r, a) = (11.0 * f64::from(ring), std::f64::consts::TAU * f64::from(k) / f64::from(n));
+            obj += &format!("v {} {} {}\n", r * a.cos(), r * a.sin(), -0.25 * r);
+            let at = |ring: u32, k: u32| 2 + (ring - 1) * n + k % n;
+            let (a, b, c, d) = (at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1));
+            faces += &if ring == 1 { format!("f 1 {a} {b}\n") } else { String::new() };
+            faces += &if ring < 12 { format!("f {a} {c} {d}\nf {a} {d} {b}\n") } else { String::new() };
+        }
+    }
+    let mesh = file("cone.obj", &(obj + &faces));
+    let words = ["--surface", mesh.as_str(), "--fill", "none", "--diameter", "200", "--step", "5", "--projection"];
+    let figure = |name: &str, kind: &str| {
+        let words: Vec<&str> = words.iter().chain(&[kind]).copied().collect();
+        let (path, _) = run(name, &words).unwrap();
+        let summary = summary(&path);
+        ["mean_distortion", "largest_distortion"].map(|key| summary[key].as_f64().unwrap())
+    };
+    let (vertical, rigid) = (figure("cone_vertical", "vertical"), figure("cone_rigid", "rigid"));
+    // The slope of 1/4 stretches meridians by 3.1 %. The tip is a point of curvature: around it something is left.
+    assert!((vertical[0] - (1.0f64 + 0.0625).sqrt() + 1.0).abs() < 2e-3, "{vertical:?}");
+    assert!(rigid[0] < vertical[0], "{rigid:?} {vertical:?}");
+    let error = run("dome_rigid", &["--projection", "conformal"]).unwrap_err();
+    assert!(error.contains("take meridian"), "{error}");
+}
+
 #[test]
 fn bad_files_are_told() {
     let entities = |text: &str| {
@@ -133,6 +190,12 @@ fn bad_files_are_told() {
         assert!(error.contains(told) && error.contains(name) && !error.contains('\n'), "{name}: {error}");
         assert!(!place(&format!("bad_{name}")).exists(), "{name}");
     }
+    let path = file("cut.drawing", "curvlay-drawing 1\nentity 1 open\n");
+    let error = run("bad_load", &["--load", &path]).unwrap_err();
+    assert!(error.contains("cut.drawing: line 2: the file ends before `end`"), "{error}");
+    let path = file("twice.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 3 0 0\nf 1 2 3\nf 1 3 4\nf 2 3 5\n");
+    let error = run("bad_unrolled", &["--surface", &path, "--projection", "rigid"]).unwrap_err();
+    assert!(error.contains("triangle 2 is wound the other way round"), "{error}");
     let path = file("layers.dxf", &entities(line));
     let error = run("bad_layer", &["--dxf", &path, "--layer", "B"]).unwrap_err();
     assert!(error.contains("no entity is on layer `B`; layers with entities: A"), "{error}");

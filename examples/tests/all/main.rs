@@ -8,6 +8,7 @@ mod clock;
 mod common;
 mod curved_layers;
 mod dome_drawing;
+mod dome_stream;
 mod jerk_motion;
 mod mesh;
 mod mesh_to_gcode;

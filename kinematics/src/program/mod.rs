@@ -21,7 +21,7 @@
 //!
 //! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget; [`print_on_dome`] makes the steps of a print on
 //! one, and [`choose_turns`] keeps an axis within its turns. [`ExtruderCommand`] is a line of his extruder's serial
-//! protocol.
+//! protocol; [`link`] streams a program to a controller while it runs.
 //!
 //! Extruder signals: a controller hands out a signal when it reads it, and past a blended corner it reads ahead of the
 //! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there. A change between two
@@ -36,6 +36,7 @@ mod dome_print;
 mod external;
 mod extruder;
 mod knot;
+pub mod link;
 mod merge;
 mod names;
 mod prints;

@@ -9,6 +9,7 @@ mod dome_print;
 mod extremes;
 mod growing_scene;
 mod limits;
+mod link;
 mod part_place;
 mod placement;
 mod program;

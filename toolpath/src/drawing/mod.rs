@@ -6,18 +6,21 @@
 //! | step | section | here |
 //! |---|---|---|
 //! | file to entities | 4.5, 4.6 | [`read_dxf`], `read_svg`: a [`Drawing`] |
+//! | entities to file | 4.3, 4.12 | [`write_dxf`], [`save_drawing`] and [`load_drawing`] |
 //! | entities to contours | 4.7 | [`Drawing::contours`], [`join`] |
 //! | centre, scale, order | 4.8, 5.2.2 | [`centre_of`], [`place`], [`order`] |
 //! | overlaps removed | 4.9 | [`remove_overlaps`]: [`Region`]s and open pieces |
 //! | fill | 4.10 | [`fill`]: [`Stroke`]s |
+//! | clusters thinned | 4.17.2 | [`thin_clusters`] |
 //! | where a stroke begins | 4.13, 5.2.3 | [`start_strokes`] |
-//! | onto the surface | 4.11 | [`Surface`], [`Projection`] |
+//! | onto the surface | 4.11 | [`Surface`], [`Projection`]; [`UnrolledMesh`] for least distortion |
 //!
 //! Symbols: the thesis' `Point2D` is a `Point2` in millimetres, `Point3D` a [`SurfacePoint`].
 //!
 //! Everything here is in millimetres, counter-clockwise is positive, and the same input gives the same output.
 
 mod arrange;
+mod cluster;
 mod coverage;
 mod curve;
 #[expect(clippy::module_inception, reason = "it holds the type `Drawing`")]
@@ -28,25 +31,28 @@ mod flatten;
 mod join;
 mod overlap;
 mod polygon;
+mod save;
 mod starts;
 mod surface;
 #[cfg(feature = "svg")]
 mod svg;
 
 pub use arrange::{ArrangeError, Centre, centre_of, order, place};
+pub use cluster::{Thinned, thin_clusters};
 pub use coverage::{Coverage, CoverageError, coverage};
 pub use curve::Curve;
 pub use drawing::{Drawing, Entity};
-pub use dxf::{DxfError, read_dxf};
+pub use dxf::{DxfError, read_dxf, write_dxf};
 pub use fill::{ContourAt, Fill, FillError, FillOptions, Filled, Stroke, StrokeKind, fill};
 pub use flatten::{CurveFault, Flatten, FlattenError, MAX_COORDINATE_MM, MAX_POINTS};
 pub use join::{Contour, JoinError, Joined, join};
 pub use overlap::{Overlaps, Region, remove_overlaps, union_area};
 pub use polygon::signed_area;
+pub use save::{LoadError, load_drawing, save_drawing};
 pub use starts::start_strokes;
 pub use surface::{
     Distortion, HeightField, MeshSurface, MeshSurfaceError, Profile, ProjectError, Projection, Revolved, Surface,
-    SurfacePoint, distortion, project, raised,
+    SurfacePoint, UnrollError, UnrollKind, UnrollOptions, UnrolledMesh, distortion, project, raised,
 };
 #[cfg(feature = "svg")]
 pub use svg::{SvgError, read_svg};

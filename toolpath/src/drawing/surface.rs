@@ -7,9 +7,11 @@
 
 mod mesh;
 mod revolved;
+mod unrolled;
 
 pub use mesh::{MeshSurface, MeshSurfaceError};
 pub use revolved::{Profile, Revolved};
+pub use unrolled::{UnrollError, UnrollKind, UnrollOptions, UnrolledMesh};
 
 use nalgebra::{Matrix2, Point2, Point3, UnitVector3, Vector3};
 
@@ -35,6 +37,8 @@ pub enum Projection {
     },
     /// Lengths along meridians are those of the drawing; for surfaces of revolution.
     Meridian,
+    /// With the least distortion: along the meridian on surfaces of revolution, by its map on an [`UnrolledMesh`].
+    Unrolled,
 }
 
 /// What carries a drawing.
@@ -55,6 +59,16 @@ pub trait Surface {
     fn has_meridians(&self) -> bool {
         false
     }
+
+    /// The point for a point of the plane into which the surface is unrolled; by default along the meridian.
+    fn unrolled(&self, at: &Point2<f64>) -> Option<SurfacePoint> {
+        self.along_meridian(at)
+    }
+
+    /// Whether the surface is unrolled.
+    fn is_unrolled(&self) -> bool {
+        self.has_meridians()
+    }
 }
 
 /// Why a drawing does not come onto a surface.
@@ -74,6 +88,9 @@ pub enum ProjectError {
     /// The surface has no meridians.
     #[error("only a surface of revolution has meridians")]
     NoMeridians,
+    /// The surface is not unrolled.
+    #[error("the surface is not unrolled")]
+    NotUnrolled,
     /// A step or height that cannot be used.
     #[error("the option `{what}` is {value}; it must be above 0 and finite")]
     Option {
@@ -94,6 +111,7 @@ impl Projection {
                 surface.hit(&from, &(Point3::new(at.x, at.y, 0.0) - from))
             }
             Projection::Meridian => surface.along_meridian(at),
+            Projection::Unrolled => surface.unrolled(at),
         }
     }
 }
@@ -131,6 +149,9 @@ pub fn project(
     }
     if projection == Projection::Meridian && !surface.has_meridians() {
         return Err(ProjectError::NoMeridians);
+    }
+    if projection == Projection::Unrolled && !surface.is_unrolled() {
+        return Err(ProjectError::NotUnrolled);
     }
     let mut out: Vec<SurfacePoint> = Vec::with_capacity(line.len());
     let mut put = |at: Point2<f64>| {

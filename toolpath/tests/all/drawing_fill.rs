@@ -426,3 +426,52 @@ fn what_is_covered_twice_is_counted() {
     assert_eq!(coverage(&[region], &[bad]), Err(CoverageError::NotFinite));
     assert_eq!(coverage(&[], &[]).unwrap(), Coverage::default());
 }
+
+/// Where the stems of a flower meet, only the first ones go through.
+#[test]
+fn clusters_of_open_strokes_are_thinned() {
+    let stem = |k: u32, width: f64| {
+        let a = std::f64::consts::TAU * f64::from(k) / 12.0;
+        let end = Point2::new(60.0 * a.cos(), 60.0 * a.sin());
+        Stroke { points: vec![Point2::origin(), end], closed: false, width, kind: StrokeKind::Open, source: k as usize }
+    };
+    let stems: Vec<Stroke> = (0..12).map(|k| stem(k, 3.0)).collect();
+    let beads = |strokes: &[Stroke], at: Point2<f64>| {
+        let along = |stroke: &Stroke| {
+            let samples =
+                (0..=3000).map(|k| stroke.points[0] + (stroke.points[1] - stroke.points[0]) * (f64::from(k) / 3000.0));
+            samples.map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min)
+        };
+        strokes.iter().filter(|stroke| along(stroke) < 0.45 * stroke.width).count()
+    };
+    let mut thinned = stems.clone();
+    let found = thin_clusters(&mut thinned, 2);
+    assert_eq!((thinned.len(), found.strokes), (12, 10));
+    assert_eq!((beads(&stems, Point2::origin()), beads(&thinned, Point2::origin())), (12, 2));
+    let lengths = |strokes: &[Stroke]| strokes.iter().map(Stroke::length).sum::<f64>();
+    assert!((lengths(&stems) - lengths(&thinned) - found.removed_mm).abs() < 1e-9);
+    // What is left ends where the stem leaves the beads of two others, and no sooner: within a third of a width.
+    for (k, stroke) in thinned.iter().enumerate().skip(2) {
+        assert!((stroke.points[1] - stems[k].points[1]).norm() < 1e-12, "the far end stays");
+        let at = stroke.points[0];
+        let near = (0..12usize).filter(|&other| other != k && other < k).filter(|&other| {
+            let axis = (stems[other].points[1] - Point2::origin()).normalize();
+            let begin = (thinned[other].points[0] - Point2::origin()).norm();
+            let along = at.coords.dot(&axis).clamp(begin, 60.0);
+            (at.coords - axis * along).norm() <= 1.5 - 0.3
+        });
+        assert!(near.count() < 2, "{k}");
+    }
+    // Two lines may cross; a closed stroke and fill are left alone; a bead that is all within others goes.
+    let mut crossing = vec![stem(0, 3.0), stem(3, 3.0)];
+    assert_eq!(thin_clusters(&mut crossing, 2), Thinned::default());
+    assert_eq!(crossing, [stem(0, 3.0), stem(3, 3.0)]);
+    let fill = Stroke { kind: StrokeKind::Fill, ..stem(0, 3.0) };
+    let mut same = vec![fill.clone(), fill.clone(), fill, stem(0, 3.0)];
+    let found = thin_clusters(&mut same, 2);
+    assert!(same.len() == 3 && (found.removed_mm - 60.0).abs() < 1e-9);
+    let empty = Stroke { points: vec![], ..stem(0, 3.0) };
+    let mut odd = vec![empty.clone(), stem(1, 3.0)];
+    assert_eq!((thin_clusters(&mut odd, 0), odd.len()), (Thinned::default(), 2));
+    assert_eq!(odd[0], empty);
+}

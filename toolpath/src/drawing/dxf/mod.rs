@@ -9,6 +9,9 @@
 mod blocks;
 mod entities;
 mod pairs;
+mod write;
+
+pub use write::write_dxf;
 
 use super::drawing::Drawing;
 use blocks::Contents;

@@ -109,6 +109,25 @@ impl MeshSurface {
         [cell(at.x - self.low.x, 0), cell(at.y - self.low.y, 1)]
     }
 
+    /// The uppermost triangle over a point of the plane, and the weights of its corners there.
+    pub(super) fn locate(&self, at: &Point2<f64>) -> Option<(usize, [f64; 3])> {
+        if !(at.x.is_finite() && at.y.is_finite()) {
+            return None;
+        }
+        let [x, y] = self.clamped(at);
+        let from = Point3::new(at.x, at.y, 0.0);
+        let down = -Vector3::z();
+        let hits = self.cells[x + self.size[0] * y].iter();
+        let hits = hits.filter_map(|&t| Some((t as usize, self.through(t as usize, &from, &down)?)));
+        let (triangle, (_, weights)) = hits.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)))?;
+        Some((triangle, weights))
+    }
+
+    /// The point of a triangle with these weights of its corners.
+    pub(super) fn weighted(&self, triangle: usize, weights: [f64; 3]) -> Option<SurfacePoint> {
+        self.at(self.triangles[triangle], weights)
+    }
+
     /// The point with these weights of the corners.
     fn at(&self, corners: [usize; 3], weights: [f64; 3]) -> Option<SurfacePoint> {
         let sum =
@@ -142,16 +161,8 @@ impl MeshSurface {
 impl Surface for MeshSurface {
     /// The uppermost point.
     fn over(&self, at: &Point2<f64>) -> Option<SurfacePoint> {
-        if !(at.x.is_finite() && at.y.is_finite()) {
-            return None;
-        }
-        let [x, y] = self.clamped(at);
-        let from = Point3::new(at.x, at.y, 0.0);
-        let down = -Vector3::z();
-        let hits = self.cells[x + self.size[0] * y].iter();
-        let hits = hits.filter_map(|&t| Some((t as usize, self.through(t as usize, &from, &down)?)));
-        let (triangle, (_, weights)) = hits.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)))?;
-        self.at(self.triangles[triangle], weights)
+        let (triangle, weights) = self.locate(at)?;
+        self.weighted(triangle, weights)
     }
 
     /// Asks every triangle.
