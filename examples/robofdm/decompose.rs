@@ -1,6 +1,6 @@
 //! From the mesh to audited parts.
 
-use super::{Args, Base};
+use super::{Args, Avoid, Base, Method, print};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, percent};
@@ -10,8 +10,8 @@ use curvlay_examples::shapes;
 use curvlay_layers::Progress;
 use curvlay_layers::planar::Solid;
 use curvlay_layers::planar::robofdm::{
-    AuditOptions, AuditedPart, Decomposition, PartsAudit, Root, SegmentOptions, SequenceOptions, TuningOptions,
-    audit_parts, plan_sequence, segment, tune,
+    AuditOptions, AuditedPart, BeamOptions, Decomposition, Head, PartsAudit, Root, SegmentOptions, SequenceOptions,
+    TuningOptions, audit_parts, beam_search, plan_sequence, segment, tune,
 };
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,8 @@ pub struct Divided {
     pub mesh: Mesh,
     pub solid: Solid,
     pub segments: usize,
+    /// What must meet nothing that stands, if that is what counts.
+    pub head: Option<Head>,
     pub parts: Decomposition,
     pub audit: PartsAudit,
     pub decompose_time: Duration,
@@ -53,19 +55,27 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright)?;
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
     let show = |at: Progress| bars.show(at.stage, at.done, at.total);
-    let options = TuningOptions { max_angle, max_parts: usize::from(args.max_parts), ..TuningOptions::default() };
-    let parts = tune(&solid, &sequence, &options, &show)?;
+    let head = if args.avoid == Avoid::Head { Some(print::head(args, &solid)?) } else { None };
+    let tuning = TuningOptions { max_angle, max_parts: usize::from(args.max_parts), head, ..TuningOptions::default() };
+    let parts = match args.method {
+        Method::Robofdm => tune(&solid, &sequence, &tuning, &show)?,
+        Method::Beam => {
+            let options = BeamOptions { tuning, width: usize::from(args.width), ..BeamOptions::default() };
+            beam_search(&solid, Some(&sequence), &options, &show)?
+        }
+    };
     let decompose_time = start.elapsed();
 
     let start = Instant::now();
     let audited: Vec<AuditedPart> = parts.parts.iter().map(|part| part.audited()).collect();
-    let options = AuditOptions { max_angle, ..AuditOptions::default() };
+    let options = AuditOptions { max_angle, head, ..AuditOptions::default() };
     let audit = audit_parts(&solid, &audited, &options, &show)?;
     Ok(Divided {
         name,
         mesh,
         solid,
         segments: segmentation.parts,
+        head,
         parts,
         audit,
         decompose_time,
@@ -102,7 +112,12 @@ impl Divided {
             findings.add(Severity::Told, "risky area is left", amount, "parts.csv");
         }
         if self.parts.parts.len() >= usize::from(args.max_parts) {
-            findings.add(Severity::Told, "there are as many parts as may be", args.max_parts.to_string(), "--max-parts");
+            findings.add(
+                Severity::Told,
+                "there are as many parts as may be",
+                args.max_parts.to_string(),
+                "--max-parts",
+            );
         }
         let audit = &self.audit;
         if audit.volume_error.abs() > AuditOptions::default().max_volume_error {
@@ -112,7 +127,11 @@ impl Divided {
             let amount = audit.misplaced_points.to_string();
             findings.add(Severity::Failed, "points are in no part, or in several", amount, "");
         }
-        for &part in &audit.looking_down {
+        for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
+            let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);
+            findings.add(Severity::Failed, "the head is in what stands", amount, format!("part {}", part + 1));
+        }
+        for &part in audit.looking_down.iter().filter(|_| self.head.is_none()) {
             findings.add(Severity::Failed, "a base plane looks down", "", format!("part {}", part + 1));
         }
         let area: f64 = audit.layer_mm2.iter().sum();

@@ -43,6 +43,15 @@ pub struct Args {
     /// Which way the part stands
     #[arg(long, value_name = "NAME", default_value = "up")]
     base: Base,
+    /// How the parts are found
+    #[arg(long, value_name = "NAME", default_value = "robofdm")]
+    method: Method,
+    /// What keeps the head out of what stands
+    #[arg(long, value_name = "NAME", default_value = "head")]
+    avoid: Avoid,
+    /// Partial results that the beam search keeps
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
+    width: u16,
     /// Angle from upright by which a side may lean out without support, in degrees
     #[arg(long = "angle", value_name = "DEG", default_value_t = 45.0, value_parser = acute, allow_negative_numbers = true)]
     angle_deg: f64,
@@ -97,6 +106,24 @@ pub enum Base {
     Best,
 }
 
+/// How the parts are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Segments by skeleton and thickness, their sequence, planes that are tuned.
+    Robofdm,
+    /// A beam search over cutting planes, after Wu et al. (2020), from these segments and from the solid in one piece.
+    Beam,
+}
+
+/// What keeps the head out of what stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Avoid {
+    /// Base planes look up: constraint II of the dissertation.
+    Planes,
+    /// The head of the workcell, as cone and block, meets nothing that stands.
+    Head,
+}
+
 /// How layers are filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PatternName {
@@ -122,7 +149,9 @@ impl Args {
 pub struct Made {
     /// How many there are in turn.
     pub filaments: u32,
+    /// The parts.
     pub divided: Divided,
+    /// How they are printed.
     pub printed: Option<Printed>,
 }
 

@@ -188,6 +188,8 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("mesh", divided.name.as_str())?
         .set("stage", typed_name(args.stage))?
         .set("base", typed_name(args.base))?
+        .set("method", typed_name(args.method))?
+        .set("avoid", typed_name(args.avoid))?
         .set("angle_deg", args.angle_deg)?
         .set("layer_height_mm", args.layer_height)?
         .set("bead_mm", args.bead_mm())?
@@ -205,6 +207,7 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("audit_ok", divided.audit.is_ok)?
         .set_seconds("audit_s", divided.audit_time)?
         .set("volume_error", divided.audit.volume_error)?
+        .set("head_contacts", divided.audit.head_contacts.iter().sum::<usize>())?
         .set("misplaced_points", divided.audit.misplaced_points)?
         .set("unsupported_mm2", divided.unsupported_mm2())?;
     if let Some(printed) = &made.printed {

@@ -14,7 +14,8 @@ use curvlay_kinematics::workcell::{
     AnyWorkcell, GrowingOptions, GrowingScene, Held, PartCells, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{PlateOptions, ReachOptions, fullest_box, place_on_plate, reachable_points};
-use curvlay_layers::planar::{FlatLayers, cells_by_flat_layer, flat_layers};
+use curvlay_layers::planar::robofdm::Head;
+use curvlay_layers::planar::{FlatLayers, Solid, cells_by_flat_layer, flat_layers};
 use curvlay_toolpath::surface::{
     self, Contacts, FilledLayers, GougingOptions, LayerSurface, PathOptions, Pattern, PrintPlan, fill_layers,
 };
@@ -132,9 +133,8 @@ pub fn print(args: &Args, divided: &Divided, bars: &Bars) -> Result<Printed, Fai
     let layers: Vec<FlatLayers> =
         parts.map(|part| flat_layers(&part.solid, &part.direction, args.layer_height)).collect::<Result<_, _>>()?;
     let all = || layers.iter().flat_map(|part| part.layers.iter().map(|layer| (layer, part.direction)));
-    let surfaces: Vec<LayerSurface> = all()
-        .map(|(layer, _)| (&layer.vertices[..], &layer.triangles[..], &layer.thickness[..]).into())
-        .collect();
+    let surfaces: Vec<LayerSurface> =
+        all().map(|(layer, _)| (&layer.vertices[..], &layer.triangles[..], &layer.thickness[..]).into()).collect();
     let directions: Vec<UnitVector3<f64>> = all().map(|(_, direction)| Unit::new_normalize(direction)).collect();
     let pattern = match args.pattern {
         PatternName::Spiral => Pattern::Spirals,
@@ -162,15 +162,39 @@ pub fn print(args: &Args, divided: &Divided, bars: &Bars) -> Result<Printed, Fai
     Ok(Printed { layers, filled, plan, moved })
 }
 
-/// The workcell; its nozzle where the arm reaches most, if that was asked for (section 2.3.1 of the dissertation).
-fn cell(args: &Args, divided: &Divided) -> Result<AnyWorkcell, Failure> {
+/// Diameter of a plate for a part.
+fn plate_mm(solid: &Solid) -> f64 {
+    let [low, high] = solid.bounds();
+    let edges = high - low;
+    PLATE_MM.max(edges.x.hypot(edges.y) + RIM_MM)
+}
+
+/// The head of the workcell and its plate, as the search for parts takes them.
+pub fn head(args: &Args, solid: &Solid) -> Result<Head, Failure> {
+    let cell = AnyWorkcell::new(model(args)?)?;
+    let nozzle = nozzle_of(cell.equipment())?;
+    Ok(Head {
+        tip_radius: nozzle.tip_radius(),
+        cone_half_angle: cell.equipment().model().nozzle.cone_half_angle_deg.to_radians(),
+        cone_height: nozzle.cone_height(),
+        block_radius: nozzle.block_radius(),
+        platform_radius: cell.equipment().plate_diameter_mm(plate_mm(solid)) / 2.0,
+        layer: args.layer_height,
+        ..Head::default()
+    })
+}
+
+fn model(args: &Args) -> Result<WorkcellModel, Failure> {
     let text = match &args.workcell {
-        Some(file) => {
-            fs::read_to_string(file).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?
-        }
+        Some(file) => fs::read_to_string(file).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?,
         None => UR3_CELL.to_owned(),
     };
-    let mut model = WorkcellModel::from_json(text.as_bytes())?;
+    Ok(WorkcellModel::from_json(text.as_bytes())?)
+}
+
+/// The workcell; its nozzle where the arm reaches most, if that was asked for (section 2.3.1 of the dissertation).
+fn cell(args: &Args, divided: &Divided) -> Result<AnyWorkcell, Failure> {
+    let mut model = model(args)?;
     if args.place_nozzle {
         if model.held != Held::Part {
             return Err(Failure::of_arguments("--place-nozzle: the arm of the workcell does not hold the part"));
@@ -209,18 +233,14 @@ impl Work<'_> {
     ) -> Result<Moved, Failure> {
         let Work { args, divided, plan, contacts, bars, .. } = *self;
         let takes_stream = programs::takes_stream(cell.equipment()).map_err(Failure::new)?;
-        let [low, high] = divided.solid.bounds();
-        let edges = high - low;
-        let plate_mm = PLATE_MM.max(edges.x.hypot(edges.y) + RIM_MM);
-
+        let plate_mm = plate_mm(&divided.solid);
         let place = PlateOptions {
             stop_margin: options.stop_margin,
             rim_mm: args.bead_mm(),
             ..PlateOptions::new(options.samples)
         };
         let all = plan.resolved.paths.iter().flat_map(waypoints);
-        let all: Vec<_> =
-            all.map(|at| curvlay_kinematics::Waypoint { position: at.position, axis: at.axis }).collect();
+        let all: Vec<_> = all.map(|at| curvlay_kinematics::Waypoint { position: at.position, axis: at.axis }).collect();
         let progress = |p: curvlay_kinematics::Progress| bars.show(p.stage, p.done, p.total);
         let frame_part = place_on_plate(cell, &all, plate_mm, &place, &progress)?;
 

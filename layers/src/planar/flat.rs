@@ -39,7 +39,9 @@ pub struct FlatLayer {
 #[non_exhaustive]
 pub enum FlatError {
     /// The height is not a positive number, or there would be more than [`MAX_LAYERS`] layers.
-    #[error("layers of {height_mm} mm on a part of {part_mm} mm: the height must be positive, with at most {MAX_LAYERS} layers")]
+    #[error(
+        "layers of {height_mm} mm on a part of {part_mm} mm: the height must be positive, with at most {MAX_LAYERS} layers"
+    )]
     Height {
         /// The height that was asked for.
         height_mm: f64,
@@ -99,8 +101,7 @@ pub fn flat_layers(part: &Solid, direction: &Vector3<f64>, height_mm: f64) -> Re
     }
     let count = (part_mm / height_mm).round().max(1.0) as usize;
     let height = part_mm / count as f64;
-    let lowest =
-        CutPlane::through(&Point3::from(direction * low), &direction).map_err(|_| FlatError::Direction)?;
+    let lowest = CutPlane::through(&Point3::from(direction * low), &direction).map_err(|_| FlatError::Direction)?;
     let frame = PlaneFrame::of(&lowest);
     let layer = |k: usize| {
         let up = (k as f64 + 0.5) * height;

@@ -64,7 +64,9 @@ pub(super) fn promising(
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     let surface = Surface::new(walls);
     let mut planes = Vec::new();
-    for normal in sphere(2 * options.normals).take(options.normals).map(|n| turn * n) {
+    // Constraint II: those that look up.
+    let tried = if options.head.is_some() { 2 * options.normals } else { options.normals };
+    for normal in sphere(2 * options.normals).take(tried).map(|n| turn * n) {
         // Its section would be risky itself.
         if normal.dot(&judge.direction) >= judge.limit {
             let upward = Judge { direction: normal, floor: f64::NEG_INFINITY, ..judge.clone() };

@@ -3,11 +3,11 @@
 //! Perturbation, merging and cutting of section 2.4.3 of the dissertation, each of which keeps the constraints of [`super::tune`].
 
 use super::error::RoboFdmError;
-use super::head::Head;
 use super::promise::{Judge, promising};
+use super::sequence::BuildSequence;
 use super::tuning::{PrintedPart, TuningOptions};
 use crate::planar::solid::Wall;
-use crate::planar::{CutPlane, Partition};
+use crate::planar::{CutPlane, Partition, Solid};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,37 +25,98 @@ impl Random {
 }
 
 /// Planes through a cell and what they promise to save. A cell that is cut has another number.
-type Promises = BTreeMap<u32, Vec<(f64, CutPlane)>>;
+pub(super) type Promises = BTreeMap<u32, Vec<(f64, CutPlane)>>;
 
 #[derive(Clone, Debug)]
-struct Node {
-    cell: u32,
-    direction: Vector3<f64>,
-    base: Option<CutPlane>,
+pub(super) struct Node {
+    pub(super) cell: u32,
+    pub(super) direction: Vector3<f64>,
+    pub(super) base: Option<CutPlane>,
 }
 
 /// The parts in the order in which they are printed.
 #[derive(Clone)]
-struct State {
-    partition: Partition,
-    nodes: Vec<Node>,
+pub(super) struct State {
+    pub(super) partition: Partition,
+    pub(super) nodes: Vec<Node>,
+    pub(super) options: TuningOptions,
     up: Vector3<f64>,
-    options: TuningOptions,
     diagonal: f64,
     volume: f64,
+    /// The platform, where a head has to pass it.
+    platform: Vec<[Point3<f64>; 3]>,
 }
 
+/// Planes of the fine decomposition that are tried on the solid, the most promising first.
+const TRIALS: usize = 60;
+
+/// Pieces smaller than this share of the solid stay with the rest.
+const LEAST_PIECE: f64 = 1e-4;
+
 impl State {
-    fn walls(&self, node: usize) -> Vec<Wall> {
+    /// The whole solid, printed along a direction.
+    pub(super) fn whole(solid: &Solid, up: Vector3<f64>, options: &TuningOptions) -> Self {
+        let [low, high] = solid.bounds();
+        let middle = low + (high - low) / 2.0;
+        let foot = middle + up * (solid.extent(&up)[0] - middle.coords.dot(&up));
+        State {
+            partition: Partition::new(solid),
+            nodes: vec![Node { cell: 0, direction: up, base: None }],
+            up,
+            options: *options,
+            diagonal: (high - low).norm(),
+            volume: solid.volume(),
+            platform: options.head.map_or(Vec::new(), |head| head.platform(&foot, &up)),
+        }
+    }
+
+    /// Cuts the whole solid along the perturbed planes of a sequence.
+    pub(super) fn follow(
+        &mut self,
+        sequence: &BuildSequence,
+        tell: &dyn Fn(usize, usize) -> Result<(), RoboFdmError>,
+    ) -> Result<(), RoboFdmError> {
+        let mut random = Random(0x0b0e);
+        // Which node holds each part of the sequence.
+        let mut node_of: Vec<(u32, usize)> = sequence.parts.first().map(|root| (root.part, 0)).into_iter().collect();
+        for (done, part) in sequence.parts.iter().enumerate().skip(1) {
+            tell(done, sequence.parts.len())?;
+            let holder = |p: u32| node_of.iter().find(|(known, _)| *known == p).map_or(0, |&(_, node)| node);
+            let parent = part.parent.map_or(0, holder);
+            let made = part.base.is_some_and(|base| self.perturbed(parent, &base, &part.direction, &mut random));
+            node_of.push((part.part, if made { self.nodes.len() - 1 } else { parent }));
+        }
+        Ok(())
+    }
+
+    /// Whether the head, if there is one to look at, passes all that stands when a part is printed.
+    pub(super) fn passes(&self, node: usize) -> bool {
+        let Some(head) = self.options.head else { return true };
+        let walls = self.walls(node);
+        let earlier: Vec<Wall> = (0..node).flat_map(|node| self.walls(node)).collect();
+        let standing = earlier.iter().map(|wall| &wall.places).chain(&self.platform);
+        !head.meets(&self.nodes[node].direction, walls.iter().map(|wall| &wall.places), standing)
+    }
+
+    pub(super) fn walls(&self, node: usize) -> Vec<Wall> {
         self.partition.walls(self.nodes[node].cell)
     }
 
-    fn risky(&self) -> f64 {
+    pub(super) fn risky(&self) -> f64 {
         (0..self.nodes.len()).map(|node| self.risky_of(node)).sum()
     }
 
+    /// Area of all seams.
+    pub(super) fn seam(&self) -> f64 {
+        let of = |node: usize| {
+            let walls = self.walls(node);
+            self.judge(node, &walls).seam(&walls)
+        };
+        (0..self.nodes.len()).map(of).sum()
+    }
+
     /// Risky area of all parts, and what their seams cost.
-    fn cost(&self) -> f64 {
+    pub(super) fn cost(&self) -> f64 {
         let of = |node: usize| {
             let walls = self.walls(node);
             let judge = self.judge(node, &walls);
@@ -65,12 +126,12 @@ impl State {
     }
 
     /// Risky area of a part: of its surface while it is printed.
-    fn risky_of(&self, node: usize) -> f64 {
+    pub(super) fn risky_of(&self, node: usize) -> f64 {
         let walls = self.walls(node);
         self.judge(node, &walls).risky(&walls)
     }
 
-    fn judge(&self, node: usize, walls: &[Wall]) -> Judge {
+    pub(super) fn judge(&self, node: usize, walls: &[Wall]) -> Judge {
         let Node { direction, base, .. } = self.nodes[node];
         let lowest =
             || walls.iter().flat_map(|w| w.places).map(|p| p.coords.dot(&direction)).fold(f64::INFINITY, f64::min);
@@ -141,7 +202,8 @@ impl State {
             );
             let place = base + normal * (by * self.options.max_offset * self.diagonal);
             let Ok(plane) = CutPlane::through(&place, &(turn * normal)) else { continue };
-            let allowed = plane.normal().dot(&self.up) > 0.0 && Self::spares_sections(&walls, &plane);
+            let looks_up = self.options.head.is_some() || plane.normal().dot(&self.up) > 0.0;
+            let allowed = looks_up && Self::spares_sections(&walls, &plane);
             // The first one also says how large the section is.
             if !allowed && trial > 0 {
                 continue;
@@ -152,7 +214,8 @@ impl State {
                 largest = section * self.options.max_section;
             }
             let risky = next.risky_of(node) + next.risky_of(next.nodes.len() - 1);
-            if allowed && section <= largest && best.as_ref().is_none_or(|(least, _)| risky < *least) {
+            let better = best.as_ref().is_none_or(|(least, _)| risky < *least);
+            if allowed && section <= largest && better && next.passes(next.nodes.len() - 1) {
                 best = Some((risky, next));
             }
         }
@@ -160,7 +223,7 @@ impl State {
     }
 
     /// Merges parts with earlier ones as long as nothing gets worse.
-    fn merge(&mut self) {
+    pub(super) fn merge(&mut self) {
         loop {
             let mut best: Option<(f64, State)> = None;
             let risky = self.risky();
@@ -172,8 +235,12 @@ impl State {
                 next.partition.merge(next.nodes[earlier].cell, next.nodes[later].cell);
                 next.nodes.remove(later);
                 let merged = next.risky();
-                let enough = merged <= risky * (1.0 + 1e-12) && next.partition.part(next.nodes[earlier].cell).is_ok();
-                if enough && best.as_ref().is_none_or(|(least, _)| merged < *least) {
+                // The earlier part grows, and more of it stands when those behind it are printed.
+                let enough = merged <= risky * (1.0 + 1e-12)
+                    && best.as_ref().is_none_or(|(least, _)| merged < *least)
+                    && next.partition.part(next.nodes[earlier].cell).is_ok()
+                    && (earlier..next.nodes.len()).all(|node| next.passes(node));
+                if enough {
                     best = Some((merged, next));
                 }
             }
@@ -191,8 +258,8 @@ impl State {
         (0..node).filter(touches).collect()
     }
 
-    /// Cuts one of the riskiest parts by the best plane. Whether that gained enough.
-    fn cut_finely(&mut self, known: &mut Promises, least: f64) -> bool {
+    /// Planes through the riskiest parts by what each promises to save, the most first; none that promise less than `least`.
+    pub(super) fn planes(&self, known: &mut Promises, least: f64) -> Vec<(f64, usize, CutPlane)> {
         let mut riskiest: Vec<(f64, usize)> = (0..self.nodes.len()).map(|node| (self.risky_of(node), node)).collect();
         riskiest.sort_by(|a, b| b.0.total_cmp(&a.0));
         riskiest.truncate(self.options.candidates);
@@ -205,6 +272,12 @@ impl State {
             planes.extend(promises.iter().filter(|(gain, _)| *gain >= least).map(|&(gain, plane)| (gain, node, plane)));
         }
         planes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        planes
+    }
+
+    /// Cuts one of the riskiest parts by the best plane. Whether that gained enough.
+    pub(super) fn cut_finely(&mut self, known: &mut Promises, least: f64) -> bool {
+        let planes = self.planes(known, least);
         let before = self.cost();
         let mut best: Option<(f64, State)> = None;
         for (gain, node, plane) in planes.into_iter().take(TRIALS) {
@@ -225,7 +298,7 @@ impl State {
 
     /// Cuts a part by a plane where that pays. What is above becomes parts of their own, printed right after it along the plane's
     /// normal. Whether what is below stands, and something was cut off.
-    fn split(&mut self, node: usize, plane: &CutPlane) -> bool {
+    pub(super) fn split(&mut self, node: usize, plane: &CutPlane) -> bool {
         let cell = self.nodes[node].cell;
         let judge = self.judge(node, &self.walls(node));
         let upward = Judge { direction: plane.normal(), floor: f64::NEG_INFINITY, ..judge.clone() };
@@ -263,14 +336,16 @@ impl State {
         self.nodes[node].cell = below;
         let new = above.into_iter().map(|cell| Node { cell, direction: plane.normal(), base: Some(*plane) });
         let new: Vec<Node> = new.collect();
+        let count = new.len();
         let made = !new.is_empty() && self.partition.volume(below) >= LEAST_PIECE * self.volume;
         let sound =
             made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
         self.nodes.splice(node + 1..node + 1, new);
-        sound
+        // What is below is printed among less than before, what comes later among as much.
+        sound && (node + 1..=node + count).all(|new| self.passes(new))
     }
 
-    fn printed(&self) -> Result<Vec<PrintedPart>, RoboFdmError> {
+    pub(super) fn printed(&self) -> Result<Vec<PrintedPart>, RoboFdmError> {
         let part = |node: usize| {
             let Node { cell, direction, base } = self.nodes[node];
             let walls = self.walls(node);

@@ -2,7 +2,7 @@
 //!
 //! Dissertation, section 2.4.3. Each plane is tried at random places near its own (*plane perturbation*); parts whose union is no worse are
 //! one (*region merging*); the riskiest parts are cut again, by the best of many planes (*fine decomposition*, Eq. 2.2).
-//! Constraint I: no two base sections intersect. Constraint II: all base planes look up. Planes that break one are not used.
+//! Constraint I: no two base sections intersect. Constraint II: all base planes look up; with [`TuningOptions::head`] instead: the head meets nothing that stands. Planes that break one are not used.
 //!
 //! Departures. A plane cuts only the section that it was made for, and not what it meets elsewhere. A section towards a later part is a
 //! surface while its own part is printed, so it is risky if it looks down. A cut is tried on the solid before it is taken, so that pieces
@@ -10,13 +10,12 @@
 
 use super::audit::AuditedPart;
 use super::error::RoboFdmError;
-use super::promise::{Judge, promising};
+use super::head::Head;
 use super::sequence::BuildSequence;
+use super::state::{Promises, State};
 use crate::Progress;
-use crate::planar::solid::Wall;
-use crate::planar::{CutPlane, Partition, Solid};
-use nalgebra::{Point3, UnitQuaternion, Vector3};
-use std::collections::{BTreeMap, BTreeSet};
+use crate::planar::{CutPlane, Solid};
+use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
 /// How parts are tuned.
@@ -52,6 +51,9 @@ pub struct TuningOptions {
     pub max_parts: usize,
     /// Share of the risky area of the whole solid, printed along the root's direction, at which the work is done. Default 0.01.
     pub goal: f64,
+    /// The head of the printer, which must meet nothing that stands when a part is printed; it takes the place of constraint II. Default
+    /// `None`: constraint II, all base planes look up.
+    pub head: Option<Head>,
 }
 
 impl Default for TuningOptions {
@@ -71,6 +73,7 @@ impl Default for TuningOptions {
             seam_cost: 0.0,
             max_parts: 40,
             goal: 0.01,
+            head: None,
         }
     }
 }
@@ -124,13 +127,7 @@ impl Decomposition {
 }
 
 /// A cut is not worth its seam unless it saves this share of the first risky area.
-const LEAST_GAIN: f64 = 5e-4;
-
-/// Planes of the fine decomposition that are tried on the solid, the most promising first.
-const TRIALS: usize = 60;
-
-/// Pieces smaller than this share of the solid stay with the rest.
-const LEAST_PIECE: f64 = 1e-4;
+pub(super) const LEAST_GAIN: f64 = 5e-4;
 
 /// Cuts a solid along a sequence of planes and tunes the parts.
 ///
@@ -171,31 +168,14 @@ pub fn tune(
 ) -> Result<Decomposition, RoboFdmError> {
     options.check()?;
     let Some(root) = sequence.parts.first() else { return Err(RoboFdmError::Empty) };
-    let [low, high] = solid.bounds();
-    let mut state = State {
-        partition: Partition::new(solid),
-        nodes: vec![Node { cell: 0, direction: root.direction, base: None }],
-        up: root.direction,
-        options: *options,
-        diagonal: (high - low).norm(),
-        volume: solid.volume(),
-    };
+    let mut state = State::whole(solid, root.direction, options);
     let before = state.risky();
     let tell =
         |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
         };
-    let mut random = Random(0x0b0e);
-    // Which node holds each part of the sequence.
-    let mut node_of: Vec<(u32, usize)> = vec![(root.part, 0)];
-    for (done, part) in sequence.parts.iter().enumerate().skip(1) {
-        tell("planes", done, sequence.parts.len())?;
-        let holder = |p: u32| node_of.iter().find(|(known, _)| *known == p).map_or(0, |&(_, node)| node);
-        let parent = part.parent.map_or(0, holder);
-        let made = part.base.is_some_and(|base| state.perturbed(parent, &base, &part.direction, &mut random));
-        node_of.push((part.part, if made { state.nodes.len() - 1 } else { parent }));
-    }
+    state.follow(sequence, &|done, total| tell("planes", done, total))?;
     let mut after = [state.risky(); 3];
     tell("merging", 0, 1)?;
     state.merge();
@@ -221,7 +201,8 @@ pub fn tune(
 }
 
 impl TuningOptions {
-    fn check(&self) -> Result<(), RoboFdmError> {
+    pub(super) fn check(&self) -> Result<(), RoboFdmError> {
+        self.head.map_or(Ok(()), |head| head.check())?;
         let named = [
             ("max_angle", self.max_angle, 1e-6, std::f64::consts::FRAC_PI_2 - 1e-6),
             ("platform", self.platform, 0.0, 1e9),
