@@ -18,9 +18,10 @@ use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, warn};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::Findings;
+use curvlay_examples::motion::Printed;
+use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::output::OutputFolder;
 use decompose::Divided;
-use print::Printed;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -76,6 +77,9 @@ pub struct Args {
     /// Edge of the cells by which the robot sees the part, in millimetres [default: some 20,000 cells]
     #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     cell_mm: Option<f64>,
+    /// Direction of the load on the finished part, x,y,z: the angle of each seam to it is written
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    load: Option<Vector3<f64>>,
     /// Filaments that the parts take in turn
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
     filaments: u32,
@@ -139,6 +143,16 @@ fn acute(text: &str) -> Result<f64, String> {
     above_zero(text).and_then(|deg| if deg < 90.0 { Ok(deg) } else { Err("must be below 90".to_owned()) })
 }
 
+fn direction(text: &str) -> Result<Vector3<f64>, String> {
+    let numbers: Vec<f64> = text.split(',').map(|number| number.trim().parse().unwrap_or(f64::NAN)).collect();
+    match numbers[..] {
+        [x, y, z] if Vector3::new(x, y, z).norm() > 0.0 && Vector3::new(x, y, z).norm().is_finite() => {
+            Ok(Vector3::new(x, y, z))
+        }
+        _ => Err("must be three numbers, not all 0".to_owned()),
+    }
+}
+
 impl Args {
     fn bead_mm(&self) -> f64 {
         self.bead.unwrap_or(1.5 * self.layer_height)
@@ -149,10 +163,26 @@ impl Args {
 pub struct Made {
     /// How many there are in turn.
     pub filaments: u32,
+    /// Direction of the load.
+    pub load: Option<Vector3<f64>>,
     /// The parts.
     pub divided: Divided,
     /// How they are printed.
     pub printed: Option<Printed>,
+}
+
+impl Made {
+    /// The least angle between the load and the normal of a seam of a part, in radians.
+    pub fn load_angle(&self, part: usize) -> Option<f64> {
+        let load = self.load?;
+        let angles = self.divided.parts.parts[part].seams.iter().filter_map(|seam| seam.load_angle(&load));
+        angles.reduce(f64::min)
+    }
+
+    /// That of all seams.
+    pub fn least_load_angle(&self) -> Option<f64> {
+        (0..self.divided.parts.parts.len()).filter_map(|part| self.load_angle(part)).reduce(f64::min)
+    }
 }
 
 fn main() -> ExitCode {
@@ -172,7 +202,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Ou
     divided.warnings.iter().for_each(warn);
     let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };
     bars.finish();
-    let made = Made { filaments: args.filaments, divided, printed };
+    let made = Made { filaments: args.filaments, load: args.load, divided, printed };
     let mut findings = Findings::default();
     made.divided.find(args, &mut findings);
     if let Some(printed) = &made.printed {

@@ -1,10 +1,10 @@
 //! What the example leaves behind: the tables on stdout, meshes of the parts, `parts.csv`, lists of what is left out and of faults,
 //! programs, pictures, `report.html` and `summary.json`.
 
-use super::print::{Moved, Printed};
 use super::{Args, Base, Made, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::{Findings, percent};
+use curvlay_examples::motion::{Moved, Printed};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -84,7 +84,10 @@ fn write_stl(solid: &Solid, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn write_parts(made: &Made, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "part,dx,dy,dz,base_mm,on,volume_mm3,risky_mm2,seam_mm2,unsupported_mm2,layers,layer_mm,filament")?;
+    writeln!(
+        out,
+        "part,dx,dy,dz,base_mm,on,volume_mm3,risky_mm2,seam_mm2,unsupported_mm2,layers,layer_mm,filament,load_angle_deg"
+    )?;
     let divided = &made.divided;
     for (k, part) in divided.parts.parts.iter().enumerate() {
         let d = part.direction;
@@ -100,7 +103,11 @@ fn write_parts(made: &Made, out: &mut dyn Write) -> io::Result<()> {
             }
             None => write!(out, ",,")?,
         }
-        writeln!(out, ",{}", k as u32 % made.filaments + 1)?;
+        write!(out, ",{}", k as u32 % made.filaments + 1)?;
+        match made.load_angle(k) {
+            Some(angle) => writeln!(out, ",{:.4}", angle.to_degrees())?,
+            None => writeln!(out, ",")?,
+        }
     }
     Ok(())
 }
@@ -210,16 +217,18 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("head_contacts", divided.audit.head_contacts.iter().sum::<usize>())?
         .set("misplaced_points", divided.audit.misplaced_points)?
         .set("unsupported_mm2", divided.unsupported_mm2())?;
+    if let Some(angle) = made.least_load_angle() {
+        summary.set("load_angle_deg", angle.to_degrees())?;
+    }
     if let Some(printed) = &made.printed {
         let resolved = &printed.plan.resolved;
-        let left_out: f64 = resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).sum();
         summary
             .set("layers", printed.layer_count())?
             .set("paths", resolved.paths.len())?
             .set("path_mm", printed.path_mm())?
             .set("covered_fraction", printed.filled.totals().covered_fraction)?
             .set("tilted_waypoints", resolved.tilted)?
-            .set("left_out_mm", left_out)?
+            .set("left_out_mm", printed.left_out_mm())?
             .set("blocked_travels", printed.plan.travels.blocked.len())?
             .set("feed_min", printed.plan.deposition.total_s / 60.0)?;
         if let Some(moved) = &printed.moved {

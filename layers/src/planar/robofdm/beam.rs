@@ -14,7 +14,7 @@
 
 use super::error::RoboFdmError;
 use super::sequence::BuildSequence;
-use super::state::{Promises, State};
+use super::state::{Promises, Split, State, are_near};
 use super::tuning::{Decomposition, LEAST_GAIN, TuningOptions};
 use crate::Progress;
 use crate::planar::{CutPlane, Solid};
@@ -79,12 +79,7 @@ impl Member {
         let mut children: Vec<Member> = Vec::new();
         for (_, node, plane) in planes {
             let spacing = self.state.options.spacing;
-            let is_near = |(other, known): &(usize, CutPlane)| {
-                *other == node
-                    && known.normal().dot(&plane.normal()) > NEAR
-                    && (known.offset() - plane.offset()).abs() < NEAR_SPACINGS * spacing
-            };
-            if tried.iter().any(is_near) {
+            if tried.iter().any(|(other, known)| *other == node && are_near(known, &plane, spacing)) {
                 continue;
             }
             if tried.len() >= TRIALS * branches || children.len() >= branches {
@@ -92,7 +87,7 @@ impl Member {
             }
             tried.push((node, plane));
             let mut next = self.state.clone();
-            if next.split(node, &plane) {
+            if next.split(node, &plane) == Split::Made {
                 let child = Member::of(next, self.known.clone());
                 if self.risky - child.risky >= least {
                     children.push(child);
@@ -102,10 +97,6 @@ impl Member {
         children
     }
 }
-
-/// Planes whose normals have at least this cosine (15 degrees), and which are no farther apart than so many spacings, lead to about the same.
-const NEAR: f64 = 0.966;
-const NEAR_SPACINGS: f64 = 2.0;
 
 /// Cuts that are tried for each that is wanted.
 const TRIALS: usize = 3;

@@ -82,6 +82,32 @@ impl Head {
         }
     }
 
+    /// Whether the head, its tip a layer over a place, is in the platform, by the lowest point of each of its edges: what that misses
+    /// [`Head::meets`] finds.
+    pub(super) fn is_in_platform(
+        &self,
+        place: &Point3<f64>,
+        direction: &Vector3<f64>,
+        middle: &Point3<f64>,
+        up: &Vector3<f64>,
+    ) -> bool {
+        if self.platform_radius <= 0.0 {
+            return false;
+        }
+        let rise = direction.dot(up);
+        // The lowest point of a circle around the axis lies this way from its middle.
+        let across = (direction * rise - up).try_normalize(1e-9).unwrap_or_default();
+        let tip = place + direction * self.layer;
+        // The block has no end; so far up a head that looks down is below everything.
+        let far = 2.0 * (self.platform_radius + (tip - middle).norm());
+        let edges = [0.0, self.cone_height, self.cone_height + 1e-9, far];
+        edges.into_iter().any(|height| {
+            let lowest = tip + direction * height + across * self.radius(height) - middle;
+            let up_there = lowest.dot(up);
+            up_there < 0.0 && (lowest - up * up_there).norm() < self.platform_radius
+        })
+    }
+
     /// The platform as triangles, around a point on it.
     pub(super) fn platform(&self, middle: &Point3<f64>, up: &Vector3<f64>) -> Vec<[Point3<f64>; 3]> {
         if self.platform_radius <= 0.0 {
@@ -215,4 +241,85 @@ fn clipped(polygon: &[Vector3<f64>], axis: usize, low: f64, high: f64) -> Vec<Ve
         kept
     };
     half(&half(polygon, low, 1.0), high, -1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles with corners at random in a box.
+    fn random(seed: &mut u64, count: usize, low: [f64; 3], size: f64) -> Vec<[Point3<f64>; 3]> {
+        let mut next = || {
+            *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*seed >> 40) as f64 / (1u64 << 24) as f64
+        };
+        let mut point = || Point3::new(low[0] + size * next(), low[1] + size * next(), low[2] + size * next());
+        (0..count).map(|_| [point(), point(), point()]).collect()
+    }
+
+    fn sampled(triangles: &[[Point3<f64>; 3]], direction: &Vector3<f64>) -> Vec<(Vector3<f64>, f64)> {
+        let mut points = Vec::new();
+        for [a, b, c] in triangles {
+            for i in 0..=20 {
+                for j in 0..=20 - i {
+                    let p = (a + (b - a) * (f64::from(i) / 20.0) + (c - a) * (f64::from(j) / 20.0)).coords;
+                    let height = p.dot(direction);
+                    points.push((p - direction * height, height));
+                }
+            }
+        }
+        points
+    }
+
+    /// Whether some sampled tip has the head, wider by `more`, in some sampled point.
+    fn slow(
+        head: &Head,
+        direction: &Vector3<f64>,
+        part: &[[Point3<f64>; 3]],
+        standing: &[[Point3<f64>; 3]],
+        more: f64,
+    ) -> bool {
+        let (part, standing) = (sampled(part, direction), sampled(standing, direction));
+        part.iter().any(|(p, tip)| {
+            standing.iter().any(|(q, height)| {
+                let over = height - tip - head.layer + more;
+                over > 0.0 && (p - q).norm() <= head.radius(over) + more
+            })
+        })
+    }
+
+    #[test]
+    fn it_is_never_too_small_and_too_large_by_little() {
+        let head = Head { cone_height: 3.0, block_radius: 5.0, pixel: 0.5, ..Head::default() };
+        let (mut seed, mut seen) = (1u64, [0; 2]);
+        for round in 0..60 {
+            let part = random(&mut seed, 4, [0.0, 0.0, 0.0], 6.0);
+            let gap = 4.0 + f64::from(round % 6) * 2.0;
+            let standing = random(&mut seed, 6, [gap, 0.0, f64::from(round % 4) - 5.0], 8.0);
+            let direction = random(&mut seed, 1, [-0.5, -0.5, 0.2], 1.0)[0][0].coords.normalize();
+            let meets = head.meets(&direction, part.iter(), standing.iter());
+            seen[usize::from(meets)] += 1;
+            assert!(meets || !slow(&head, &direction, &part, &standing, 0.0), "round {round}: missed");
+            // Two pixels' diagonals, and what lies between samples.
+            assert!(!meets || slow(&head, &direction, &part, &standing, 2.5), "round {round}: invented");
+        }
+        assert!(seen[0] > 5 && seen[1] > 5, "{seen:?}");
+    }
+
+    #[test]
+    fn pixels_see_exact_heights() {
+        // A slope of 1 over a square of 4 pixels.
+        let mut map = Map::new([0.0, 0.0], 1.0, [3, 3], f64::NEG_INFINITY);
+        let [a, b, c] = [[0.0, 0.0, 0.0], [2.0, 0.0, 2.0], [0.0, 2.0, 0.0]].map(Vector3::from);
+        map.draw(&[a, b, c], |known, h| *known = known.max(h));
+        assert_eq!([map.heights[0], map.heights[1], map.heights[3]], [1.0, 2.0, 1.0]);
+        assert_eq!([map.heights[4], map.heights[8]], [1.0, f64::NEG_INFINITY]);
+    }
+
+    #[test]
+    fn a_part_without_faces_meets_nothing() {
+        let standing = [[Point3::origin(), Point3::new(1.0, 0.0, 9.0), Point3::new(0.0, 1.0, 9.0)]];
+        assert!(!Head::default().meets(&Vector3::z(), [].iter(), standing.iter()));
+        assert!(!Head::default().meets(&Vector3::z(), standing.iter(), [].iter()));
+    }
 }

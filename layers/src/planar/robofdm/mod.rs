@@ -36,4 +36,4 @@ pub use mixture::GaussianMixture;
 pub use segment::{MAX_CLUSTERS, SegmentOptions, Segmentation, segment};
 pub use sequence::{BuildSequence, PlannedPart, Root, SequenceOptions, plan_sequence};
 pub use skeleton::{CurveSkeleton, SkeletonOptions, curve_skeleton};
-pub use tuning::{Decomposition, PrintedPart, TuningOptions, tune};
+pub use tuning::{Decomposition, PrintedPart, Seam, TuningOptions, tune};

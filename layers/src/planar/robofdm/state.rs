@@ -3,9 +3,9 @@
 //! Perturbation, merging and cutting of section 2.4.3 of the dissertation, each of which keeps the constraints of [`super::tune`].
 
 use super::error::RoboFdmError;
-use super::promise::{Judge, promising};
+use super::promise::{Judge, area_vector, promising};
 use super::sequence::BuildSequence;
-use super::tuning::{PrintedPart, TuningOptions};
+use super::tuning::{PrintedPart, Seam, TuningOptions};
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Partition, Solid};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
@@ -41,10 +41,28 @@ pub(super) struct State {
     pub(super) nodes: Vec<Node>,
     pub(super) options: TuningOptions,
     up: Vector3<f64>,
+    /// The middle of the platform.
+    foot: Point3<f64>,
     diagonal: f64,
     volume: f64,
     /// The platform, where a head has to pass it.
     platform: Vec<[Point3<f64>; 3]>,
+}
+
+/// What came of a cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Split {
+    /// What is below stands, and something was cut off.
+    Made,
+    /// Nothing was cut off, or something would float or be no solid.
+    Unsound,
+    /// The head meets what stands.
+    Blocked,
+}
+
+/// Whether planes lead to about the same: normals less than 15 degrees apart, and less than two spacings between them.
+pub(super) fn are_near(a: &CutPlane, b: &CutPlane, spacing: f64) -> bool {
+    a.normal().dot(&b.normal()) > 0.966 && (a.offset() - b.offset()).abs() < 2.0 * spacing
 }
 
 /// Planes of the fine decomposition that are tried on the solid, the most promising first.
@@ -63,6 +81,7 @@ impl State {
             partition: Partition::new(solid),
             nodes: vec![Node { cell: 0, direction: up, base: None }],
             up,
+            foot,
             options: *options,
             diagonal: (high - low).norm(),
             volume: solid.volume(),
@@ -267,7 +286,7 @@ impl State {
         for (_, node) in riskiest.into_iter().filter(|(risky, _)| *risky >= least) {
             let promises = known.entry(self.nodes[node].cell).or_insert_with(|| {
                 let walls = self.walls(node);
-                promising(&walls, &self.judge(node, &walls), &self.up, &self.options)
+                promising(&walls, &self.judge(node, &walls), self.foot, &self.up, &self.options)
             });
             planes.extend(promises.iter().filter(|(gain, _)| *gain >= least).map(|&(gain, plane)| (gain, node, plane)));
         }
@@ -280,13 +299,24 @@ impl State {
         let planes = self.planes(known, least);
         let before = self.cost();
         let mut best: Option<(f64, State)> = None;
-        for (gain, node, plane) in planes.into_iter().take(TRIALS) {
+        let mut blocked: Vec<(usize, CutPlane)> = Vec::new();
+        let mut trials = 0;
+        for (gain, node, plane) in planes {
             // Those that follow promise less than what is there.
-            if best.as_ref().is_some_and(|(so_far, _)| *so_far >= gain) {
+            if trials == TRIALS || best.as_ref().is_some_and(|(so_far, _)| *so_far >= gain) {
                 break;
             }
+            // Where the head is in the way it is so a little farther on.
+            if blocked.iter().any(|(other, known)| *other == node && are_near(known, &plane, self.options.spacing)) {
+                continue;
+            }
+            trials += 1;
             let mut next = self.clone();
-            if next.split(node, &plane) {
+            let made = next.split(node, &plane);
+            if made == Split::Blocked {
+                blocked.push((node, plane));
+            }
+            if made == Split::Made {
                 let gain = before - next.cost();
                 if gain >= least && best.as_ref().is_none_or(|(so_far, _)| gain > *so_far) {
                     best = Some((gain, next));
@@ -297,15 +327,15 @@ impl State {
     }
 
     /// Cuts a part by a plane where that pays. What is above becomes parts of their own, printed right after it along the plane's
-    /// normal. Whether what is below stands, and something was cut off.
-    pub(super) fn split(&mut self, node: usize, plane: &CutPlane) -> bool {
+    /// normal.
+    pub(super) fn split(&mut self, node: usize, plane: &CutPlane) -> Split {
         let cell = self.nodes[node].cell;
         let judge = self.judge(node, &self.walls(node));
         let upward = Judge { direction: plane.normal(), floor: f64::NEG_INFINITY, ..judge.clone() };
         let cut = self.partition.cut(&[cell], plane);
         let stands = |piece: &u32| self.partition.walls(*piece).iter().any(|wall| judge.is_supported(wall));
         let (standing, floating): (Vec<u32>, Vec<u32>) = cut.below.iter().partition(|piece| stands(piece));
-        let Some((&below, others)) = standing.split_first() else { return false };
+        let Some((&below, others)) = standing.split_first() else { return Split::Unsound };
         let touched_below: BTreeSet<u32> =
             cut.below.iter().flat_map(|&piece| self.partition.walls(piece)).filter_map(|wall| wall.beyond).collect();
         let touched_below: BTreeSet<u32> = touched_below.into_iter().filter(|b| !cut.above.contains(b)).collect();
@@ -342,7 +372,11 @@ impl State {
             made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
         self.nodes.splice(node + 1..node + 1, new);
         // What is below is printed among less than before, what comes later among as much.
-        sound && (node + 1..=node + count).all(|new| self.passes(new))
+        match sound {
+            true if (node + 1..=node + count).all(|new| self.passes(new)) => Split::Made,
+            true => Split::Blocked,
+            false => Split::Unsound,
+        }
     }
 
     pub(super) fn printed(&self) -> Result<Vec<PrintedPart>, RoboFdmError> {
@@ -351,8 +385,18 @@ impl State {
             let walls = self.walls(node);
             let seam_mm2 = self.judge(node, &walls).seam(&walls);
             let on = self.touched(node);
+            let seam = |&on: &usize| {
+                let cell = self.nodes[on].cell;
+                let vectors = walls.iter().filter(|wall| wall.beyond == Some(cell)).map(|w| area_vector(&w.places));
+                let (area_mm2, sum) =
+                    vectors.fold((0.0, Vector3::zeros()), |(area, sum), vector| (area + vector.norm(), sum - vector));
+                // What is left of vectors that cancel has no direction.
+                let normal = sum.try_normalize(1e-9 * area_mm2).unwrap_or_default();
+                Seam { on, area_mm2, normal }
+            };
+            let seams = on.iter().map(seam).collect();
             let solid = self.partition.part(cell).map_err(|source| RoboFdmError::Part { part: node, source })?;
-            Ok(PrintedPart { solid, direction, base, risky_mm2: self.risky_of(node), seam_mm2, on })
+            Ok(PrintedPart { solid, direction, base, risky_mm2: self.risky_of(node), seam_mm2, on, seams })
         };
         (0..self.nodes.len()).map(part).collect()
     }

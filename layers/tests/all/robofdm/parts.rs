@@ -8,11 +8,11 @@ use curvlay_layers::planar::robofdm::{
 use curvlay_layers::planar::{CutPlane, Partition, Solid};
 use std::ops::ControlFlow;
 
-fn go(_: Progress) -> ControlFlow<()> {
+pub fn go(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-fn solid(shape: &Shape) -> Solid {
+pub fn solid(shape: &Shape) -> Solid {
     Solid::new(&shape.points, &shape.triangles).unwrap()
 }
 
@@ -24,7 +24,7 @@ fn decomposed(shape: &Shape, options: &TuningOptions) -> Result<Decomposition, R
     tune(&solid(shape), &sequence, options, &go)
 }
 
-fn tuning() -> TuningOptions {
+pub fn tuning() -> TuningOptions {
     TuningOptions { platform: 1.0, spacing: 2.0, ..TuningOptions::default() }
 }
 
@@ -56,6 +56,11 @@ fn the_arms_of_a_tee_become_parts_that_need_no_support() {
     assert!((cut - parts.risky_mm2()).abs() < 1e-6);
     for (at, part) in parts.parts.iter().enumerate().skip(1) {
         assert!(part.seam_mm2 > 0.0 && !part.on.is_empty() && part.on.iter().all(|&on| on < at));
+        assert_eq!(part.seams.iter().map(|seam| seam.on).collect::<Vec<_>>(), part.on);
+        assert!((part.seams.iter().map(|seam| seam.area_mm2).sum::<f64>() - part.seam_mm2).abs() < 1e-6);
+        // A cut has the normal of its plane.
+        let direct = part.seams.iter().filter(|seam| seam.load_angle(&part.direction).unwrap() < 1e-6);
+        assert!(direct.count() > 0 && part.seams.iter().all(|seam| seam.normal.dot(&part.direction) > -1e-6));
         assert!(part.direction.z > 0.0 && part.base.is_some_and(|base| base.normal() == part.direction));
     }
     let audit = audited(&shape, &parts);
@@ -99,7 +104,7 @@ fn without_cuts_there_is_one_part_whose_risk_is_that_of_the_solid() {
 }
 
 /// A box from the origin to a corner.
-fn block(x: f64, y: f64, z: f64) -> Solid {
+pub fn block(x: f64, y: f64, z: f64) -> Solid {
     let points: Vec<_> =
         (0..8).map(|i| Point3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z)).collect();
     let faces = [
