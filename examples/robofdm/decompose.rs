@@ -38,7 +38,9 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     let max_angle = args.angle_deg.to_radians();
     let options = SegmentOptions { clusters: args.parts.map(|parts| parts as usize), ..SegmentOptions::default() };
     let root = args.root.map_or(Root::Best, Root::Part);
-    let sequenced = SequenceOptions { max_angle, root, ..SequenceOptions::default() };
+    // What is in the first layer lies on the platform.
+    let platform = args.layer_height;
+    let sequenced = SequenceOptions { max_angle, root, platform, ..SequenceOptions::default() };
     bars.update("segments", 0, 1);
     let segmentation = segment(&mesh.vertices, &mesh.triangles, &options)?;
     let mut upright = SequenceOptions { direction: Some(Vector3::z()), ..sequenced };

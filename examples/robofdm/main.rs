@@ -15,7 +15,7 @@ mod outputs;
 mod print;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, warn};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share, warn};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::Findings;
 use curvlay_examples::motion::Printed;
@@ -59,6 +59,9 @@ pub struct Args {
     /// Most parts
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
     max_parts: u16,
+    /// The least share of the volume that is cut off as a part
+    #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
+    min_part: f64,
     /// Height of a layer in millimetres
     #[arg(long, value_name = "MM", default_value_t = 0.8, value_parser = above_zero, allow_negative_numbers = true)]
     layer_height: f64,

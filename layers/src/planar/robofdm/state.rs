@@ -68,9 +68,6 @@ pub(super) fn are_near(a: &CutPlane, b: &CutPlane, spacing: f64) -> bool {
 /// Planes of the fine decomposition that are tried on the solid, the most promising first.
 const TRIALS: usize = 60;
 
-/// Pieces smaller than this share of the solid stay with the rest.
-const LEAST_PIECE: f64 = 1e-4;
-
 impl State {
     /// The whole solid, printed along a direction.
     pub(super) fn whole(solid: &Solid, up: Vector3<f64>, options: &TuningOptions) -> Self {
@@ -353,7 +350,7 @@ impl State {
             let section: f64 = cut.below.iter().map(|&below| self.partition.shared_area(piece, below)).sum();
             spares
                 && walls.len() < all
-                && self.partition.volume(piece) >= LEAST_PIECE * self.volume
+                && self.partition.volume(piece) >= self.options.min_piece * self.volume
                 && judge.risky(&walls) > upward.risky(&walls) + self.options.seam_cost * section
         };
         let (above, kept): (Vec<u32>, Vec<u32>) = cut.above.iter().partition(pays);
@@ -367,7 +364,7 @@ impl State {
         let new = above.into_iter().map(|cell| Node { cell, direction: plane.normal(), base: Some(*plane) });
         let new: Vec<Node> = new.collect();
         let count = new.len();
-        let made = !new.is_empty() && self.partition.volume(below) >= LEAST_PIECE * self.volume;
+        let made = !new.is_empty() && self.partition.volume(below) >= self.options.min_piece * self.volume;
         let sound =
             made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
         self.nodes.splice(node + 1..node + 1, new);

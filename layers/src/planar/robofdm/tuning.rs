@@ -47,6 +47,8 @@ pub struct TuningOptions {
     pub keep_sections_apart: bool,
     /// A cut must save so much risky area for each area of its seam. Default 0: Eq. 2.2 as it stands.
     pub seam_cost: f64,
+    /// Pieces smaller than this share of the solid stay with the rest. Default 1e-4.
+    pub min_piece: f64,
     /// Most parts. Default 40.
     pub max_parts: usize,
     /// Share of the risky area of the whole solid, printed along the root's direction, at which the work is done. Default 0.01.
@@ -71,6 +73,7 @@ impl Default for TuningOptions {
             halvings: 3,
             keep_sections_apart: false,
             seam_cost: 0.0,
+            min_piece: 1e-4,
             max_parts: 40,
             goal: 0.01,
             head: None,
@@ -245,6 +248,7 @@ impl TuningOptions {
             ("normals", self.normals as f64, 1.0, 1e6),
             ("spacing", self.spacing, 1e-3, 1e9),
             ("seam_cost", self.seam_cost, 0.0, 1e9),
+            ("min_piece", self.min_piece, 0.0, 1.0),
             ("max_parts", self.max_parts as f64, 1.0, 1e6),
             ("goal", self.goal, 0.0, 1.0),
         ];

@@ -85,6 +85,9 @@ fn cuts_save_risky_area_and_parts_fit_whatever_is_left() {
         let audit = audited(&shape, &parts);
         assert_eq!((audit.misplaced_points, audit.looking_down.len()), (0, 0));
     }
+    // No part is smaller than may be.
+    let large = decomposed(&shape, &TuningOptions { min_piece: 0.05, perturbations: 0, ..tuning() }).unwrap();
+    assert!(large.parts.iter().all(|part| part.solid.volume() >= 0.05 * whole * (1.0 - 1e-9)));
     // The same twice.
     assert_eq!(decomposed(&shape, &tuning()), decomposed(&shape, &tuning()));
 }
@@ -182,6 +185,7 @@ fn bad_options_are_named_and_work_can_be_cancelled() {
     assert_eq!(name(TuningOptions { normals: 0, ..default }), "normals");
     assert_eq!(name(TuningOptions { spacing: 0.0, ..default }), "spacing");
     assert_eq!(name(TuningOptions { seam_cost: -1.0, ..default }), "seam_cost");
+    assert_eq!(name(TuningOptions { min_piece: -1.0, ..default }), "min_piece");
     assert_eq!(name(TuningOptions { max_parts: 0, ..default }), "max_parts");
     assert_eq!(name(TuningOptions { goal: 2.0, ..default }), "goal");
     assert_eq!(name(TuningOptions { max_offset: -1.0, ..default }), "max_offset");
