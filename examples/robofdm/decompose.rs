@@ -11,7 +11,7 @@ use curvlay_layers::Progress;
 use curvlay_layers::planar::Solid;
 use curvlay_layers::planar::robofdm::{
     AuditOptions, AuditedPart, BeamOptions, Decomposition, Head, PartsAudit, Root, SegmentOptions, SequenceOptions,
-    TuningOptions, audit_parts, beam_search, plan_sequence, segment, tune,
+    TuningOptions, audit_parts, beam_search, crossing_sections, plan_sequence, segment, tune,
 };
 use std::time::{Duration, Instant};
 
@@ -26,6 +26,8 @@ pub struct Divided {
     pub head: Option<Head>,
     pub parts: Decomposition,
     pub audit: PartsAudit,
+    /// Parts whose base sections cross.
+    pub crossing: Vec<[usize; 2]>,
     pub decompose_time: Duration,
     pub audit_time: Duration,
     pub warnings: Vec<String>,
@@ -78,6 +80,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         solid,
         segments: segmentation.parts,
         head,
+        crossing: crossing_sections(&parts.parts),
         parts,
         audit,
         decompose_time,
@@ -128,6 +131,9 @@ impl Divided {
         if audit.misplaced_points > 0 {
             let amount = audit.misplaced_points.to_string();
             findings.add(Severity::Failed, "points are in no part, or in several", amount, "");
+        }
+        for [a, b] in &self.crossing {
+            findings.add(Severity::Failed, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
         }
         for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
             let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);

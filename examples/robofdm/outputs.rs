@@ -215,6 +215,7 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set_seconds("audit_s", divided.audit_time)?
         .set("volume_error", divided.audit.volume_error)?
         .set("head_contacts", divided.audit.head_contacts.iter().sum::<usize>())?
+        .set("crossing_sections", divided.crossing.len())?
         .set("misplaced_points", divided.audit.misplaced_points)?
         .set("unsupported_mm2", divided.unsupported_mm2())?;
     if let Some(angle) = made.least_load_angle() {

@@ -2,8 +2,8 @@ use super::shapes::{Shape, cells, tee, to_segment};
 use curvlay_layers::Progress;
 use curvlay_layers::nalgebra::{Point3, Vector3};
 use curvlay_layers::planar::robofdm::{
-    AuditOptions, AuditedPart, Decomposition, PartsAudit, RoboFdmError, SegmentOptions, SequenceOptions, TuningOptions,
-    audit_parts, plan_sequence, segment, tune,
+    AuditOptions, AuditedPart, Decomposition, PartsAudit, PrintedPart, RoboFdmError, SegmentOptions, SequenceOptions,
+    TuningOptions, audit_parts, crossing_sections, plan_sequence, segment, tune,
 };
 use curvlay_layers::planar::{CutPlane, Partition, Solid};
 use std::ops::ControlFlow;
@@ -63,6 +63,7 @@ fn the_arms_of_a_tee_become_parts_that_need_no_support() {
         assert!(direct.count() > 0 && part.seams.iter().all(|seam| seam.normal.dot(&part.direction) > -1e-6));
         assert!(part.direction.z > 0.0 && part.base.is_some_and(|base| base.normal() == part.direction));
     }
+    assert!(crossing_sections(&parts.parts).is_empty());
     let audit = audited(&shape, &parts);
     assert!(audit.is_ok, "{audit:?}");
     assert!(audit.volume_error.abs() < 1e-12);
@@ -82,6 +83,8 @@ fn cuts_save_risky_area_and_parts_fit_whatever_is_left() {
         );
         let volume: f64 = parts.parts.iter().map(|part| part.solid.volume()).sum();
         assert!((volume / whole - 1.0).abs() < 1e-12);
+        // Constraint I, by its own check.
+        assert!(crossing_sections(&parts.parts).is_empty());
         let audit = audited(&shape, &parts);
         assert_eq!((audit.misplaced_points, audit.looking_down.len()), (0, 0));
     }
@@ -168,6 +171,35 @@ fn a_wedge_leans_out_as_far_as_the_angle_lets_it() {
     // Nineteen layers, each leaning out half a millimetre, of which the tangent is held.
     let free = 0.5 - 0.5 * 40f64.to_radians().tan() * 1.02;
     assert!((unsupported(40.0) - 19.0 * 10.0 * free).abs() < 0.5, "{}", unsupported(40.0));
+}
+
+#[test]
+fn sections_cross_inside_or_only_touch() {
+    let part = |solid: Solid, point: [f64; 3], normal: Vector3<f64>| PrintedPart {
+        solid,
+        direction: normal,
+        base: Some(CutPlane::through(&point.into(), &normal).unwrap()),
+        risky_mm2: 0.0,
+        seam_mm2: 0.0,
+        on: Vec::new(),
+        seams: Vec::new(),
+    };
+    let moved = |solid: &Solid, by: [f64; 3]| {
+        let points: Vec<_> = solid.vertices().iter().map(|p| p + Vector3::from(by)).collect();
+        Solid::new(&points, solid.triangles()).unwrap()
+    };
+    // A level section over 0..10 in x and y, at z = 5, and upright ones at x = 5.
+    let level = part(moved(&block(10.0, 10.0, 4.0), [0.0, 0.0, 5.0]), [0.0, 0.0, 5.0], Vector3::z());
+    let upright =
+        |z: f64, height: f64, y: f64| part(moved(&block(4.0, 3.0, height), [5.0, y, z]), [5.0, 0.0, 0.0], Vector3::x());
+    let crosses = |other: PrintedPart| crossing_sections(&[level.clone(), other]) == [[0, 1]];
+    assert!(crosses(upright(3.0, 4.0, 2.0)));
+    // From below up to it, from above down to it, and beside it.
+    assert!(!crosses(upright(1.0, 4.0, 2.0)) && !crosses(upright(5.0, 4.0, 2.0)) && !crosses(upright(3.0, 4.0, 11.0)));
+    // Across its edge.
+    assert!(crosses(upright(3.0, 4.0, 8.5)));
+    let platform = PrintedPart { base: None, ..level.clone() };
+    assert!(crossing_sections(&[platform, upright(3.0, 4.0, 2.0)]).is_empty());
 }
 
 #[test]
