@@ -60,7 +60,14 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
     let show = |at: Progress| bars.show(at.stage, at.done, at.total);
     let head = if args.avoid == Avoid::Head { Some(print::head(args, &mesh)?) } else { None };
-    let tuning = TuningOptions { max_angle, max_parts: usize::from(args.max_parts), head, ..TuningOptions::default() };
+    let tuning = TuningOptions {
+        max_angle,
+        platform,
+        max_parts: usize::from(args.max_parts),
+        min_piece: args.min_part,
+        head,
+        ..TuningOptions::default()
+    };
     let parts = match args.method {
         Method::Robofdm => tune(&solid, &sequence, &tuning, &show)?,
         Method::Beam => {

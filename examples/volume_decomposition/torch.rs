@@ -52,7 +52,9 @@ fn cell(args: &Args) -> Result<AnyWorkcell, Failure> {
     let shape = &mut model.nozzle;
     shape.tip_flat_mm = args.wire_mm;
     shape.cone_height_mm = args.stand_off_mm;
-    shape.cone_half_angle_deg = ((args.torch_mm - args.wire_mm).max(0.0) / 2.0).atan2(args.stand_off_mm).to_degrees();
+    // The cone ends where the mouth begins, but for rounding.
+    let step_mm = (1.0 - 1e-9) * (args.torch_mm - args.wire_mm).max(0.0) / 2.0;
+    shape.cone_half_angle_deg = step_mm.atan2(args.stand_off_mm).to_degrees();
     shape.block_diameter_mm = args.torch_mm;
     shape.block_top_mm = shape.block_top_mm.max(args.stand_off_mm + NECK_MM);
     Ok(AnyWorkcell::new(model)?)
