@@ -137,7 +137,7 @@ impl Printed {
 
     /// Length of what is left out, since the nozzle would be in what is built.
     pub fn left_out_mm(&self) -> f64 {
-        self.plan.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).sum()
+        self.plan.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).fold(0.0, |sum, mm| sum + mm)
     }
 
     /// Length of all tool paths.

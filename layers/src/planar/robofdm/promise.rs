@@ -25,13 +25,17 @@ pub(super) struct Judge {
 
 impl Judge {
     pub(super) fn risky(&self, walls: &[Wall]) -> f64 {
-        walls.iter().filter(|wall| self.is_risky(wall)).map(|wall| area_vector(&wall.places).norm()).sum()
+        walls
+            .iter()
+            .filter(|wall| self.is_risky(wall))
+            .map(|wall| area_vector(&wall.places).norm())
+            .fold(0.0, |sum, area| sum + area)
     }
 
     /// Area on earlier parts.
     pub(super) fn seam(&self, walls: &[Wall]) -> f64 {
         let is_seam = |wall: &&Wall| wall.beyond.is_some_and(|beyond| self.earlier.contains(&beyond));
-        walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).sum()
+        walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).fold(0.0, |sum, area| sum + area)
     }
 
     /// Eq. 2.1, but for what lies on earlier parts or on the platform.
