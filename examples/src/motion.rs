@@ -1,9 +1,11 @@
 //! Workcells as the planners of trajectories see them, and the two cells of the dissertation.
 
+mod parts;
 mod printing;
 pub mod programs;
 pub mod shown;
 
+pub use parts::{FlatPrint, Moved, Printed, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
 
 use curvlay_kinematics::JointLimits;

@@ -43,6 +43,37 @@ pub fn small_jug() -> Mesh {
     mesh
 }
 
+/// Edge of the lattice on which the branches are cut out, in mm: about 6,000 triangles.
+const BRANCHES_CELL: f64 = 1.6;
+
+/// A trunk on a flat foot with a ball on top and two branches, one nearly level, one upwards: no single direction prints it without
+/// support.
+///
+/// # Returns
+/// One watertight mesh of genus 0 in mm, 45 mm tall, its foot in the plane z = 0 around the z axis.
+pub fn branches() -> Mesh {
+    let low = Point3::new(-28.0, -14.0, -2.5 * BRANCHES_CELL);
+    let surface = polygonise(branches_distance, low, Point3::new(32.0, 14.0, 49.0), BRANCHES_CELL);
+    let mut surface = surface.unwrap_or_else(|error| unreachable!("the branches have a box: {error}"));
+    surface.relax(branches_distance, JUG_ROUNDS);
+    let ImplicitMesh { vertices, triangles } = surface;
+    let mut mesh = Mesh { vertices, triangles };
+    for vertex in mesh.vertices.iter_mut().filter(|vertex| vertex.z.abs() < ROUNDING) {
+        vertex.z = 0.0;
+    }
+    mesh
+}
+
+/// Below zero inside the branches; about the distance from their surface, in mm.
+fn branches_distance(p: Point3<f64>) -> f64 {
+    let trunk = cone(p, Point3::new(0.0, 0.0, -6.0), Point3::new(0.0, 0.0, 33.0), 10.0, 6.0);
+    let ball = (p - Point3::new(0.0, 0.0, 37.0)).norm() - 8.5;
+    let level = cone(p, Point3::new(0.0, 0.0, 17.0), Point3::new(25.0, 0.0, 22.0), 5.0, 4.5);
+    let upward = cone(p, Point3::new(0.0, 0.0, 16.0), Point3::new(-20.0, 4.0, 30.0), 4.5, 4.5);
+    let whole = blend(blend(blend(trunk, ball, 2.0), level, 2.0), upward, 2.0);
+    whole.max(-p.z)
+}
+
 /// Below zero inside the jug; about the distance from its surface, in mm.
 fn jug_distance(p: Point3<f64>) -> f64 {
     let belly = ellipsoid(p, Point3::new(0.0, 0.0, 36.0), Vector3::new(31.0, 31.0, 27.0));

@@ -11,6 +11,7 @@
 
 mod drawing;
 mod outputs;
+mod torch;
 mod volumes;
 
 use clap::{Parser, ValueEnum};
@@ -53,6 +54,15 @@ pub struct Args {
     /// Which way the part is printed first
     #[arg(long, value_name = "NAME", default_value = "up")]
     base: Base,
+    /// Plans tool paths and motion of the torch on an IRB 1200 over a table that tilts and turns, and writes RAPID: of the mesh, or of --shape
+    #[arg(long)]
+    rapid: bool,
+    /// Width of a bead of the torch in millimetres [default: twice the height of a layer]
+    #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    bead_mm: Option<f64>,
+    /// Diameter of the wire in millimetres
+    #[arg(long = "wire", value_name = "MM", default_value_t = 1.2, value_parser = above_zero, allow_negative_numbers = true)]
+    wire_mm: f64,
     /// The most parts
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
     max_parts: u16,
@@ -119,9 +129,14 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Divi
     for warning in divided.iter().flat_map(|divided| &divided.warnings) {
         warn(warning);
     }
+    let printed = if args.rapid { Some(torch::print(args, &divided, bars)?) } else { None };
+    bars.finish();
     let mut findings = Findings::default();
     divided.iter().for_each(|divided| divided.find(&mut findings));
-    outputs::write(args, &divided, &findings, folder, start)?;
+    if let Some(printed) = &printed {
+        printed.find(&mut findings);
+    }
+    outputs::write(args, (&divided, printed.as_ref()), &findings, folder, start)?;
     findings.say();
     Ok((divided, findings.outcome()))
 }

@@ -5,17 +5,19 @@ use super::volumes::Divided;
 use super::{Args, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Findings;
+use curvlay_examples::motion::Printed;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_layers::planar::{FeatureKind, Scenario, Separation, Solid};
+use curvlay_trajectory::print::FaultKind;
 use std::io::{self, Write};
 use std::time::Instant;
 
 pub fn write(
     args: &Args,
-    divided: &[Divided],
+    (divided, printed): (&[Divided], Option<&Printed>),
     findings: &Findings,
     folder: &OutputFolder,
     start: Instant,
@@ -30,9 +32,14 @@ pub fn write(
     folder.write_with("separations.csv", |out| write_separations(divided, out))?;
     let has_features = divided.iter().any(|of| !of.result.features.is_empty());
     folder.write_list("features.csv", has_features, |out| write_features(divided, out))?;
+    if let Some(moved) = printed.and_then(|printed| printed.moved.as_ref()) {
+        for (name, bytes) in &moved.files {
+            folder.write(name, bytes)?;
+        }
+    }
     folder.write("report.html", report(args, divided, findings).to_html())?;
     // The summary comes last: where it is, all is there.
-    summary(args, divided, findings, start)?.write(folder)?;
+    summary(args, (divided, printed), findings, start)?.write(folder)?;
     Ok(())
 }
 
@@ -40,6 +47,7 @@ pub fn write(
 fn is_ours(name: &str) -> bool {
     let part = name.strip_suffix(".stl").and_then(|stem| stem.rsplit_once("_part_"));
     part.is_some_and(|(_, number)| number.len() >= 2 && number.bytes().all(|digit| digit.is_ascii_digit()))
+        || (name.starts_with("print_") && name.ends_with(".mod"))
         || ["parts.csv", "separations.csv", "features.csv", "report.html"].contains(&name)
 }
 
@@ -142,7 +150,12 @@ pub fn table(divided: &[Divided]) -> Table {
     table
 }
 
-fn summary(args: &Args, divided: &[Divided], findings: &Findings, start: Instant) -> Result<Summary, Failure> {
+fn summary(
+    args: &Args,
+    (divided, printed): (&[Divided], Option<&Printed>),
+    findings: &Findings,
+    start: Instant,
+) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     let file =
         args.mesh.mesh.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
@@ -186,6 +199,19 @@ fn summary(args: &Args, divided: &[Divided], findings: &Findings, start: Instant
                 .set_seconds(&key("decompose_s"), of.decompose_time)?
                 .set_seconds(&key("audit_s"), of.audit_time)?;
         }
+    }
+    if let Some((printed, moved)) = printed.and_then(|printed| Some((printed, printed.moved.as_ref()?))) {
+        summary
+            .set("cell", moved.cell.as_str())?
+            .set("paths", printed.plan.resolved.paths.len())?
+            .set("path_mm", printed.path_mm())?
+            .set("left_out_mm", printed.left_out_mm())?
+            .set("transfers", moved.transfers)?
+            .set("missing_transfers", moved.missing)?
+            .set("unreachable_waypoints", moved.count(FaultKind::Unreachable))?
+            .set("motion_faults", moved.faults.len())?
+            .set("robot_min", moved.robot_s / 60.0)?
+            .set("program_files", moved.files.len())?;
     }
     findings.summary(&mut summary)?;
     summary.set_seconds("total_s", start.elapsed())?;

@@ -19,6 +19,7 @@ mod planar_arm;
 mod ranges;
 mod reach;
 mod render;
+mod robofdm;
 mod shapes;
 mod stewart_table;
 mod viewer;

@@ -4,14 +4,17 @@
 //! * [`decompose_volume`]: walls before overhang, after M. Lettori et al., "An Approach for Volume Decomposition in Robot-Based Additive
 //!   Manufacturing", CAD'22, 2022.
 //! * [`robofdm`]: skeleton, segments, sequence and tuned planes, after C. Dai, *Material Deposition in 3D Space* (TU Delft 2020), section 2.4.
+//! * [`flat_layers`]: the layers of such a part as surfaces.
 //! * [`slice_uniformly`]: H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019), section 6.3.
 
+mod flat;
 mod lettori;
 mod region;
 pub mod robofdm;
 mod solid;
 mod uniform;
 
+pub use flat::{FlatError, FlatLayer, FlatLayers, MAX_LAYERS, cells_by_flat_layer, flat_layers};
 pub use lettori::{
     AuditOptions, BaseChoice, Feature, FeatureKind, Scenario, Separation, SeparationWall, Stuck, StuckReason,
     VolumeAudit, VolumeDecomposition, VolumeError, VolumeOptions, VolumePart, audit_volumes, decompose_volume,

@@ -31,6 +31,7 @@ mod order;
 mod orientation;
 mod parallel;
 mod paths;
+mod planar;
 mod pose;
 mod print;
 mod short;

@@ -4,7 +4,9 @@
 //! for points in space in which parts they are, and slices every part into layers: each must lie on the one below or on earlier parts,
 //! but for what the self-support angle lets it lean out.
 
+use super::contacts::contacts;
 use super::error::RoboFdmError;
+use super::head::Head;
 use crate::Progress;
 use crate::planar::{CutPlane, PlaneFrame, Region, Solid, slice};
 use nalgebra::{Point3, Vector3};
@@ -23,6 +25,8 @@ pub struct AuditOptions {
     pub max_unsupported: f64,
     /// Difference of the volumes, relative, that is rounding. Default 1e-9.
     pub max_volume_error: f64,
+    /// The head that must meet nothing that stands; base planes may then look down. Default `None`: constraint II.
+    pub head: Option<Head>,
 }
 
 impl Default for AuditOptions {
@@ -33,6 +37,7 @@ impl Default for AuditOptions {
             points: 7,
             max_unsupported: 0.01,
             max_volume_error: 1e-9,
+            head: None,
         }
     }
 }
@@ -57,6 +62,10 @@ pub struct PartsAudit {
     pub misplaced_points: usize,
     /// Parts whose direction looks down when the first one is printed: constraint II.
     pub looking_down: Vec<usize>,
+    /// With a head: places of each part where the head would be deeper than a quarter of a layer in earlier parts or the platform.
+    pub head_contacts: Vec<usize>,
+    /// How deep the deepest is, in mm.
+    pub deepest_contact_mm: f64,
     /// Layers of each part.
     pub layers: Vec<usize>,
     /// Area of the layers of each part, in mm2.
@@ -111,10 +120,13 @@ pub fn audit_parts(
     let Some(first) = parts.first() else { return Err(RoboFdmError::Empty) };
     let volume: f64 = parts.iter().map(|part| part.solid.volume()).sum();
     let down = |&p: &usize| parts[p].direction.dot(&first.direction) < -LEVEL;
+    let (head_contacts, deepest_contact_mm) = options.head.map_or((Vec::new(), 0.0), |head| contacts(parts, &head));
     let mut audit = PartsAudit {
         volume_error: volume / solid.volume() - 1.0,
         misplaced_points: misplaced(solid, parts, options.points),
         looking_down: (0..parts.len()).filter(down).collect(),
+        head_contacts,
+        deepest_contact_mm,
         layers: Vec::new(),
         layer_mm2: Vec::new(),
         unsupported_mm2: Vec::new(),
@@ -132,13 +144,15 @@ pub fn audit_parts(
     let [area, unsupported] = [&audit.layer_mm2, &audit.unsupported_mm2].map(|list| list.iter().sum::<f64>());
     audit.is_ok = audit.volume_error.abs() <= options.max_volume_error
         && audit.misplaced_points == 0
-        && audit.looking_down.is_empty()
+        && (options.head.is_some() || audit.looking_down.is_empty())
+        && audit.head_contacts.iter().all(|&contacts| contacts == 0)
         && unsupported <= options.max_unsupported * area;
     Ok(audit)
 }
 
 impl AuditOptions {
     fn check(&self) -> Result<(), RoboFdmError> {
+        self.head.map_or(Ok(()), |head| head.check())?;
         let named = [
             ("layer", self.layer, 1e-6, 1e9),
             ("max_angle", self.max_angle, 1e-6, std::f64::consts::FRAC_PI_2 - 1e-6),

@@ -6,26 +6,36 @@
 //! * Phase I: [`segment`] (with [`curve_skeleton`], [`GaussianMixture`] and [`Labelling`]).
 //! * Phase II: [`plan_sequence`].
 //! * Phase III: [`tune`], into closed meshes.
+//! * [`beam_search`] takes the place of the third phase, and needs no other one.
+//! * [`Head`]: a collision test in place of constraint II.
 //! * [`audit_parts`] checks the result, or parts of any other origin.
 
 mod audit;
+mod beam;
 mod border;
 mod closed;
+mod contacts;
+mod crossing;
 mod cut;
 mod error;
+mod head;
 mod mixture;
 mod promise;
 mod segment;
 mod sequence;
 mod skeleton;
+mod state;
 mod tuning;
 
 pub use audit::{AuditOptions, AuditedPart, PartsAudit, audit_parts};
+pub use beam::{BeamOptions, beam_search};
 pub use border::Border;
+pub use crossing::crossing_sections;
 pub use cut::{FlowNetwork, Labelling};
 pub use error::RoboFdmError;
+pub use head::Head;
 pub use mixture::GaussianMixture;
 pub use segment::{MAX_CLUSTERS, SegmentOptions, Segmentation, segment};
 pub use sequence::{BuildSequence, PlannedPart, Root, SequenceOptions, plan_sequence};
 pub use skeleton::{CurveSkeleton, SkeletonOptions, curve_skeleton};
-pub use tuning::{Decomposition, PrintedPart, TuningOptions, tune};
+pub use tuning::{Decomposition, PrintedPart, Seam, TuningOptions, tune};

@@ -25,13 +25,17 @@ pub(super) struct Judge {
 
 impl Judge {
     pub(super) fn risky(&self, walls: &[Wall]) -> f64 {
-        walls.iter().filter(|wall| self.is_risky(wall)).map(|wall| area_vector(&wall.places).norm()).sum()
+        walls
+            .iter()
+            .filter(|wall| self.is_risky(wall))
+            .map(|wall| area_vector(&wall.places).norm())
+            .fold(0.0, |sum, area| sum + area)
     }
 
     /// Area on earlier parts.
     pub(super) fn seam(&self, walls: &[Wall]) -> f64 {
         let is_seam = |wall: &&Wall| wall.beyond.is_some_and(|beyond| self.earlier.contains(&beyond));
-        walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).sum()
+        walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).fold(0.0, |sum, area| sum + area)
     }
 
     /// Eq. 2.1, but for what lies on earlier parts or on the platform.
@@ -57,6 +61,7 @@ pub(super) fn area_vector([a, b, c]: &[Point3<f64>; 3]) -> Vector3<f64> {
 pub(super) fn promising(
     walls: &[Wall],
     judge: &Judge,
+    foot: Point3<f64>,
     up: &Vector3<f64>,
     options: &TuningOptions,
 ) -> Vec<(f64, CutPlane)> {
@@ -64,11 +69,15 @@ pub(super) fn promising(
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     let surface = Surface::new(walls);
     let mut planes = Vec::new();
-    for normal in sphere(2 * options.normals).take(options.normals).map(|n| turn * n) {
+    // Constraint II: those that look up.
+    let tried = if options.head.is_some() { 2 * options.normals } else { options.normals };
+    for normal in sphere(2 * options.normals).take(tried).map(|n| turn * n) {
         // Its section would be risky itself.
         if normal.dot(&judge.direction) >= judge.limit {
             let upward = Judge { direction: normal, floor: f64::NEG_INFINITY, ..judge.clone() };
-            let mut gains = surface.sweep(walls, judge, &upward, options);
+            let head = |p: &Point3<f64>| options.head.is_some_and(|head| head.is_in_platform(p, &normal, &foot, up));
+            let blocked: Vec<bool> = surface.places.iter().map(head).collect();
+            let mut gains = surface.sweep(walls, judge, &upward, &blocked, options);
             gains.sort_by(|a, b| b.0.total_cmp(&a.0));
             let made = gains.into_iter().take(PLANES_PER_NORMAL).filter_map(|(gain, offset)| {
                 Some((gain, CutPlane::through(&Point3::from(normal * offset), &normal).ok()?))
@@ -115,7 +124,16 @@ impl Surface {
     }
 
     /// For planes from the top down: what each saves, and its offset.
-    fn sweep(&self, walls: &[Wall], judge: &Judge, upward: &Judge, options: &TuningOptions) -> Vec<(f64, f64)> {
+    ///
+    /// Pieces with a vertex that is `blocked` stay.
+    fn sweep(
+        &self,
+        walls: &[Wall],
+        judge: &Judge,
+        upward: &Judge,
+        blocked: &[bool],
+        options: &TuningOptions,
+    ) -> Vec<(f64, f64)> {
         let spacing = options.spacing;
         let heights: Vec<f64> = self.places.iter().map(|p| p.coords.dot(&upward.direction)).collect();
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -163,7 +181,8 @@ impl Surface {
             (lowest..highest).for_each(|l| crossed_at[l].push((top, saved, h)));
         }
 
-        let mut pieces = Pieces { parent: (0..heights.len() as u32).collect(), saved: vec![0.0; heights.len()] };
+        let parent = (0..heights.len() as u32).collect();
+        let mut pieces = Pieces { parent, saved: vec![0.0; heights.len()], blocked: blocked.to_vec() };
         let mut gains = Vec::new();
         let mut roots: Vec<u32> = Vec::new();
         for l in (0..count).rev() {
@@ -195,7 +214,8 @@ impl Surface {
                 barred.dedup();
             }
             let saved = |root: &u32| pieces.saved[*root as usize] + partly.get(root).copied().unwrap_or(0.0);
-            let free = roots.iter().filter(|root| barred.binary_search(root).is_err());
+            let is_free = |root: &u32| barred.binary_search(root).is_err() && !pieces.blocked[*root as usize];
+            let free = roots.iter().filter(|root| is_free(root));
             gains.push((free.map(saved).filter(|saved| *saved > 0.0).sum(), offset(l)));
         }
         gains
@@ -206,6 +226,8 @@ impl Surface {
 struct Pieces {
     parent: Vec<u32>,
     saved: Vec<f64>,
+    /// Whether the head does not reach some vertex.
+    blocked: Vec<bool>,
 }
 
 impl Pieces {
@@ -223,6 +245,7 @@ impl Pieces {
         if a != b {
             self.parent[b as usize] = a;
             self.saved[a as usize] += std::mem::take(&mut self.saved[b as usize]);
+            self.blocked[a as usize] |= self.blocked[b as usize];
         }
     }
 }

@@ -2,20 +2,20 @@
 //!
 //! Dissertation, section 2.4.3. Each plane is tried at random places near its own (*plane perturbation*); parts whose union is no worse are
 //! one (*region merging*); the riskiest parts are cut again, by the best of many planes (*fine decomposition*, Eq. 2.2).
-//! Constraint I: no two base sections intersect. Constraint II: all base planes look up. Planes that break one are not used.
+//! Constraint I: no two base sections intersect. Constraint II: all base planes look up; with [`TuningOptions::head`] instead: the head meets nothing that stands. Planes that break one are not used.
 //!
 //! Departures. A plane cuts only the section that it was made for, and not what it meets elsewhere. A section towards a later part is a
 //! surface while its own part is printed, so it is risky if it looks down. A cut is tried on the solid before it is taken, so that pieces
 //! that would float are seen.
 
+use super::audit::AuditedPart;
 use super::error::RoboFdmError;
-use super::promise::{Judge, promising};
+use super::head::Head;
 use super::sequence::BuildSequence;
+use super::state::{Promises, State};
 use crate::Progress;
-use crate::planar::solid::Wall;
-use crate::planar::{CutPlane, Partition, Solid};
-use nalgebra::{Point3, UnitQuaternion, Vector3};
-use std::collections::{BTreeMap, BTreeSet};
+use crate::planar::{CutPlane, Solid};
+use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
 /// How parts are tuned.
@@ -47,10 +47,15 @@ pub struct TuningOptions {
     pub keep_sections_apart: bool,
     /// A cut must save so much risky area for each area of its seam. Default 0: Eq. 2.2 as it stands.
     pub seam_cost: f64,
+    /// Pieces smaller than this share of the solid stay with the rest. Default 1e-4.
+    pub min_piece: f64,
     /// Most parts. Default 40.
     pub max_parts: usize,
     /// Share of the risky area of the whole solid, printed along the root's direction, at which the work is done. Default 0.01.
     pub goal: f64,
+    /// The head of the printer, which must meet nothing that stands when a part is printed; it takes the place of constraint II. Default
+    /// `None`: constraint II, all base planes look up.
+    pub head: Option<Head>,
 }
 
 impl Default for TuningOptions {
@@ -68,8 +73,10 @@ impl Default for TuningOptions {
             halvings: 3,
             keep_sections_apart: false,
             seam_cost: 0.0,
+            min_piece: 1e-4,
             max_parts: 40,
             goal: 0.01,
+            head: None,
         }
     }
 }
@@ -89,6 +96,45 @@ pub struct PrintedPart {
     pub seam_mm2: f64,
     /// The earlier parts that it touches, by rising number.
     pub on: Vec<usize>,
+    /// What it shares with each of them.
+    pub seams: Vec<Seam>,
+}
+
+/// Where a part is joined to an earlier one: the weak place of a print (section 2.5 of the dissertation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seam {
+    /// The earlier part.
+    pub on: usize,
+    /// Its area, in mm2.
+    pub area_mm2: f64,
+    /// The mean of its normals from the earlier part to the later one, of length 1; zero where they cancel.
+    pub normal: Vector3<f64>,
+}
+
+impl Seam {
+    /// Angle between a load and the normal of the seam, in radians, at most a right one: at 0 the load pulls the parts straight off each
+    /// other, at a right angle it shears them. `None` for a load or a normal without length.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::nalgebra::Vector3;
+    /// use curvlay_layers::planar::robofdm::Seam;
+    /// let seam = Seam { on: 0, area_mm2: 9.0, normal: Vector3::x() };
+    /// assert!((seam.load_angle(&Vector3::new(-2.0, 2.0, 0.0)).unwrap().to_degrees() - 45.0).abs() < 1e-12);
+    /// assert_eq!(seam.load_angle(&Vector3::zeros()), None);
+    /// ```
+    pub fn load_angle(&self, load: &Vector3<f64>) -> Option<f64> {
+        let is_one = |v: &Vector3<f64>| v.norm() > 0.0 && v.norm().is_finite();
+        let angle = self.normal.cross(load).norm().atan2(self.normal.dot(load).abs());
+        (is_one(load) && is_one(&self.normal)).then_some(angle)
+    }
+}
+
+impl PrintedPart {
+    /// As an audit takes it.
+    pub fn audited(&self) -> AuditedPart<'_> {
+        AuditedPart { solid: &self.solid, direction: self.direction, on_platform: self.base.is_none() }
+    }
 }
 
 /// A solid in parts, in the order in which they are printed.
@@ -116,13 +162,7 @@ impl Decomposition {
 }
 
 /// A cut is not worth its seam unless it saves this share of the first risky area.
-const LEAST_GAIN: f64 = 5e-4;
-
-/// Planes of the fine decomposition that are tried on the solid, the most promising first.
-const TRIALS: usize = 60;
-
-/// Pieces smaller than this share of the solid stay with the rest.
-const LEAST_PIECE: f64 = 1e-4;
+pub(super) const LEAST_GAIN: f64 = 5e-4;
 
 /// Cuts a solid along a sequence of planes and tunes the parts.
 ///
@@ -163,31 +203,14 @@ pub fn tune(
 ) -> Result<Decomposition, RoboFdmError> {
     options.check()?;
     let Some(root) = sequence.parts.first() else { return Err(RoboFdmError::Empty) };
-    let [low, high] = solid.bounds();
-    let mut state = State {
-        partition: Partition::new(solid),
-        nodes: vec![Node { cell: 0, direction: root.direction, base: None }],
-        up: root.direction,
-        options: *options,
-        diagonal: (high - low).norm(),
-        volume: solid.volume(),
-    };
+    let mut state = State::whole(solid, root.direction, options);
     let before = state.risky();
     let tell =
         |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
         };
-    let mut random = Random(0x0b0e);
-    // Which node holds each part of the sequence.
-    let mut node_of: Vec<(u32, usize)> = vec![(root.part, 0)];
-    for (done, part) in sequence.parts.iter().enumerate().skip(1) {
-        tell("planes", done, sequence.parts.len())?;
-        let holder = |p: u32| node_of.iter().find(|(known, _)| *known == p).map_or(0, |&(_, node)| node);
-        let parent = part.parent.map_or(0, holder);
-        let made = part.base.is_some_and(|base| state.perturbed(parent, &base, &part.direction, &mut random));
-        node_of.push((part.part, if made { state.nodes.len() - 1 } else { parent }));
-    }
+    state.follow(sequence, &|done, total| tell("planes", done, total))?;
     let mut after = [state.risky(); 3];
     tell("merging", 0, 1)?;
     state.merge();
@@ -213,7 +236,8 @@ pub fn tune(
 }
 
 impl TuningOptions {
-    fn check(&self) -> Result<(), RoboFdmError> {
+    pub(super) fn check(&self) -> Result<(), RoboFdmError> {
+        self.head.map_or(Ok(()), |head| head.check())?;
         let named = [
             ("max_angle", self.max_angle, 1e-6, std::f64::consts::FRAC_PI_2 - 1e-6),
             ("platform", self.platform, 0.0, 1e9),
@@ -224,6 +248,7 @@ impl TuningOptions {
             ("normals", self.normals as f64, 1.0, 1e6),
             ("spacing", self.spacing, 1e-3, 1e9),
             ("seam_cost", self.seam_cost, 0.0, 1e9),
+            ("min_piece", self.min_piece, 0.0, 1.0),
             ("max_parts", self.max_parts as f64, 1.0, 1e6),
             ("goal", self.goal, 0.0, 1.0),
         ];
@@ -231,277 +256,5 @@ impl TuningOptions {
             Some((name, value, ..)) => Err(RoboFdmError::Option { name, value }),
             None => Ok(()),
         }
-    }
-}
-
-/// Numbers that look random and are the same each time (PCG, M. E. O'Neill 2014).
-struct Random(u64);
-
-impl Random {
-    /// Between -1 and 1.
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let mixed = ((self.0 >> 18) ^ self.0) >> 27;
-        let turned = (mixed as u32).rotate_right((self.0 >> 59) as u32);
-        f64::from(turned) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
-}
-
-/// Planes through a cell and what they promise to save. A cell that is cut has another number.
-type Promises = BTreeMap<u32, Vec<(f64, CutPlane)>>;
-
-#[derive(Clone, Debug)]
-struct Node {
-    cell: u32,
-    direction: Vector3<f64>,
-    base: Option<CutPlane>,
-}
-
-/// The parts in the order in which they are printed.
-#[derive(Clone)]
-struct State {
-    partition: Partition,
-    nodes: Vec<Node>,
-    up: Vector3<f64>,
-    options: TuningOptions,
-    diagonal: f64,
-    volume: f64,
-}
-
-impl State {
-    fn walls(&self, node: usize) -> Vec<Wall> {
-        self.partition.walls(self.nodes[node].cell)
-    }
-
-    fn risky(&self) -> f64 {
-        (0..self.nodes.len()).map(|node| self.risky_of(node)).sum()
-    }
-
-    /// Risky area of all parts, and what their seams cost.
-    fn cost(&self) -> f64 {
-        let of = |node: usize| {
-            let walls = self.walls(node);
-            let judge = self.judge(node, &walls);
-            judge.risky(&walls) + self.options.seam_cost * judge.seam(&walls)
-        };
-        (0..self.nodes.len()).map(of).sum()
-    }
-
-    /// Risky area of a part: of its surface while it is printed.
-    fn risky_of(&self, node: usize) -> f64 {
-        let walls = self.walls(node);
-        self.judge(node, &walls).risky(&walls)
-    }
-
-    fn judge(&self, node: usize, walls: &[Wall]) -> Judge {
-        let Node { direction, base, .. } = self.nodes[node];
-        let lowest =
-            || walls.iter().flat_map(|w| w.places).map(|p| p.coords.dot(&direction)).fold(f64::INFINITY, f64::min);
-        let floor = if base.is_none() { lowest() + self.options.platform } else { f64::NEG_INFINITY };
-        let earlier = self.nodes[..node].iter().map(|node| node.cell).collect();
-        Judge { earlier, direction, floor, limit: -self.options.max_angle.sin() }
-    }
-
-    /// Whether a plane cuts no section between a part and another one.
-    fn spares_sections(walls: &[Wall], plane: &CutPlane) -> bool {
-        let mut sides: BTreeMap<u32, [bool; 2]> = BTreeMap::new();
-        for wall in walls {
-            let Some(beyond) = wall.beyond else { continue };
-            let seen = sides.entry(beyond).or_default();
-            for side in wall.places.map(|p| plane.side(&p)) {
-                seen[0] |= side > 0;
-                seen[1] |= side < 0;
-            }
-        }
-        sides.values().all(|side| *side != [true; 2])
-    }
-
-    /// Separates from a node what lies above a plane at the section nearest to a point. Returns the area of the section. The new node comes last.
-    fn cut_off(&mut self, node: usize, plane: &CutPlane, near: &Point3<f64>) -> Option<f64> {
-        let cut = self.partition.cut(&[self.nodes[node].cell], plane);
-        let mut nearest: Option<(f64, u32, u32)> = None;
-        for &upper in &cut.above {
-            for wall in self.partition.walls(upper) {
-                let Some(lower) = wall.beyond.filter(|cell| cut.below.contains(cell)) else { continue };
-                let far = wall.places.iter().map(|p| (p - near).norm()).fold(f64::INFINITY, f64::min);
-                if nearest.is_none_or(|(least, ..)| far < least) {
-                    nearest = Some((far, upper, lower));
-                }
-            }
-        }
-        let found = nearest.map(|(_, upper, lower)| (upper, lower));
-        let (upper, lower) = found.unwrap_or_else(|| {
-            let all = cut.above.iter().chain(&cut.below).copied();
-            all.fold((u32::MAX, u32::MAX), |(_, first), cell| (u32::MAX, first.min(cell)))
-        });
-        // All other pieces go back to what they touch.
-        let mut rest: Vec<u32> = cut.above.into_iter().chain(cut.below).filter(|&c| c != upper && c != lower).collect();
-        while let Some(at) = rest.iter().position(|&piece| {
-            [lower, upper].into_iter().any(|cell| cell != u32::MAX && self.partition.shared_area(cell, piece) > 0.0)
-        }) {
-            let piece = rest.remove(at);
-            let to = if self.partition.shared_area(lower, piece) > 0.0 { lower } else { upper };
-            self.partition.merge(to, piece);
-        }
-        rest.into_iter().for_each(|piece| self.partition.merge(lower, piece));
-        self.nodes[node].cell = lower;
-        found?;
-        self.nodes.push(Node { cell: upper, direction: plane.normal(), base: Some(*plane) });
-        Some(self.partition.shared_area(lower, upper))
-    }
-
-    /// Cuts a part off a node by the best plane near the given one. Whether there is one that keeps the constraints.
-    fn perturbed(&mut self, node: usize, base: &Point3<f64>, normal: &Vector3<f64>, random: &mut Random) -> bool {
-        let walls = self.walls(node);
-        let mut largest = f64::INFINITY;
-        let mut best: Option<(f64, State)> = None;
-        for trial in 0..=self.options.perturbations {
-            let [x, y, z, by] = [0; 4].map(|_| if trial == 0 { 0.0 } else { random.signed() });
-            // An axis of any direction, a turn of any angle up to the largest.
-            let axis = Vector3::new(x, y, z).try_normalize(0.0).unwrap_or_default();
-            let turn = UnitQuaternion::from_scaled_axis(
-                axis * (self.options.max_turn * Vector3::new(x, y, z).norm().min(1.0)),
-            );
-            let place = base + normal * (by * self.options.max_offset * self.diagonal);
-            let Ok(plane) = CutPlane::through(&place, &(turn * normal)) else { continue };
-            let allowed = plane.normal().dot(&self.up) > 0.0 && Self::spares_sections(&walls, &plane);
-            // The first one also says how large the section is.
-            if !allowed && trial > 0 {
-                continue;
-            }
-            let mut next = self.clone();
-            let Some(section) = next.cut_off(node, &plane, &place) else { continue };
-            if trial == 0 {
-                largest = section * self.options.max_section;
-            }
-            let risky = next.risky_of(node) + next.risky_of(next.nodes.len() - 1);
-            if allowed && section <= largest && best.as_ref().is_none_or(|(least, _)| risky < *least) {
-                best = Some((risky, next));
-            }
-        }
-        best.map(|(_, next)| *self = next).is_some()
-    }
-
-    /// Merges parts with earlier ones as long as nothing gets worse.
-    fn merge(&mut self) {
-        loop {
-            let mut best: Option<(f64, State)> = None;
-            let risky = self.risky();
-            for later in 1..self.nodes.len() {
-                let touched = self.touched(later);
-                // What lies between them in the order must not carry the later one.
-                let Some(&earlier) = touched.last() else { continue };
-                let mut next = self.clone();
-                next.partition.merge(next.nodes[earlier].cell, next.nodes[later].cell);
-                next.nodes.remove(later);
-                let merged = next.risky();
-                let enough = merged <= risky * (1.0 + 1e-12) && next.partition.part(next.nodes[earlier].cell).is_ok();
-                if enough && best.as_ref().is_none_or(|(least, _)| merged < *least) {
-                    best = Some((merged, next));
-                }
-            }
-            match best {
-                Some((_, next)) => *self = next,
-                None => return,
-            }
-        }
-    }
-
-    /// The earlier parts that a part touches, by rising number.
-    fn touched(&self, node: usize) -> Vec<usize> {
-        let walls = self.walls(node);
-        let touches = |&earlier: &usize| walls.iter().any(|wall| wall.beyond == Some(self.nodes[earlier].cell));
-        (0..node).filter(touches).collect()
-    }
-
-    /// Cuts one of the riskiest parts by the best plane. Whether that gained enough.
-    fn cut_finely(&mut self, known: &mut Promises, least: f64) -> bool {
-        let mut riskiest: Vec<(f64, usize)> = (0..self.nodes.len()).map(|node| (self.risky_of(node), node)).collect();
-        riskiest.sort_by(|a, b| b.0.total_cmp(&a.0));
-        riskiest.truncate(self.options.candidates);
-        let mut planes: Vec<(f64, usize, CutPlane)> = Vec::new();
-        for (_, node) in riskiest.into_iter().filter(|(risky, _)| *risky >= least) {
-            let promises = known.entry(self.nodes[node].cell).or_insert_with(|| {
-                let walls = self.walls(node);
-                promising(&walls, &self.judge(node, &walls), &self.up, &self.options)
-            });
-            planes.extend(promises.iter().filter(|(gain, _)| *gain >= least).map(|&(gain, plane)| (gain, node, plane)));
-        }
-        planes.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let before = self.cost();
-        let mut best: Option<(f64, State)> = None;
-        for (gain, node, plane) in planes.into_iter().take(TRIALS) {
-            // Those that follow promise less than what is there.
-            if best.as_ref().is_some_and(|(so_far, _)| *so_far >= gain) {
-                break;
-            }
-            let mut next = self.clone();
-            if next.split(node, &plane) {
-                let gain = before - next.cost();
-                if gain >= least && best.as_ref().is_none_or(|(so_far, _)| gain > *so_far) {
-                    best = Some((gain, next));
-                }
-            }
-        }
-        best.map(|(_, next)| *self = next).is_some()
-    }
-
-    /// Cuts a part by a plane where that pays. What is above becomes parts of their own, printed right after it along the plane's
-    /// normal. Whether what is below stands, and something was cut off.
-    fn split(&mut self, node: usize, plane: &CutPlane) -> bool {
-        let cell = self.nodes[node].cell;
-        let judge = self.judge(node, &self.walls(node));
-        let upward = Judge { direction: plane.normal(), floor: f64::NEG_INFINITY, ..judge.clone() };
-        let cut = self.partition.cut(&[cell], plane);
-        let stands = |piece: &u32| self.partition.walls(*piece).iter().any(|wall| judge.is_supported(wall));
-        let (standing, floating): (Vec<u32>, Vec<u32>) = cut.below.iter().partition(|piece| stands(piece));
-        let Some((&below, others)) = standing.split_first() else { return false };
-        let touched_below: BTreeSet<u32> =
-            cut.below.iter().flat_map(|&piece| self.partition.walls(piece)).filter_map(|wall| wall.beyond).collect();
-        let touched_below: BTreeSet<u32> = touched_below.into_iter().filter(|b| !cut.above.contains(b)).collect();
-        let pays = |&&piece: &&u32| {
-            let mut walls = self.partition.walls(piece);
-            // A section that the plane cuts has something of it on both sides.
-            let barring = |b: &u32| self.options.keep_sections_apart || judge.earlier.contains(b);
-            let spares = walls
-                .iter()
-                .filter_map(|w| w.beyond)
-                .filter(barring)
-                .all(|b| cut.below.contains(&b) || !touched_below.contains(&b));
-            let all = walls.len();
-            walls.retain(|wall| wall.beyond.is_none_or(|beyond| !cut.below.contains(&beyond)));
-            let section: f64 = cut.below.iter().map(|&below| self.partition.shared_area(piece, below)).sum();
-            spares
-                && walls.len() < all
-                && self.partition.volume(piece) >= LEAST_PIECE * self.volume
-                && judge.risky(&walls) > upward.risky(&walls) + self.options.seam_cost * section
-        };
-        let (above, kept): (Vec<u32>, Vec<u32>) = cut.above.iter().partition(pays);
-        // What floats below hangs on something above: it is printed with that, if it is printed on its own.
-        for piece in floating {
-            let carrier = above.iter().find(|&&upper| self.partition.shared_area(upper, piece) > 0.0);
-            self.partition.merge(carrier.copied().unwrap_or(below), piece);
-        }
-        others.iter().chain(&kept).for_each(|&piece| self.partition.merge(below, piece));
-        self.nodes[node].cell = below;
-        let new = above.into_iter().map(|cell| Node { cell, direction: plane.normal(), base: Some(*plane) });
-        let new: Vec<Node> = new.collect();
-        let made = !new.is_empty() && self.partition.volume(below) >= LEAST_PIECE * self.volume;
-        let sound =
-            made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
-        self.nodes.splice(node + 1..node + 1, new);
-        sound
-    }
-
-    fn printed(&self) -> Result<Vec<PrintedPart>, RoboFdmError> {
-        let part = |node: usize| {
-            let Node { cell, direction, base } = self.nodes[node];
-            let walls = self.walls(node);
-            let seam_mm2 = self.judge(node, &walls).seam(&walls);
-            let on = self.touched(node);
-            let solid = self.partition.part(cell).map_err(|source| RoboFdmError::Part { part: node, source })?;
-            Ok(PrintedPart { solid, direction, base, risky_mm2: self.risky_of(node), seam_mm2, on })
-        };
-        (0..self.nodes.len()).map(part).collect()
     }
 }

@@ -9,6 +9,7 @@ mod plane;
 mod section;
 mod tidy;
 
+pub(in crate::planar) use cap::triangulate;
 pub(in crate::planar) use cells::Wall;
 pub use cells::{Cut, Partition};
 pub use mesh::{Solid, SolidError};

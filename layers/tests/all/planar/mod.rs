@@ -3,6 +3,7 @@
 #![allow(clippy::float_cmp)]
 
 mod cells;
+mod flat;
 mod lettori;
 mod overhang;
 mod region;

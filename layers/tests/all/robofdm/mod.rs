@@ -1,6 +1,7 @@
 //! RoboFDM: skeletons, mixtures, cuts, segments and sequences.
 
 mod cuts;
+mod heads;
 mod mixtures;
 mod parts;
 mod segments;

@@ -2,17 +2,17 @@ use super::shapes::{Shape, cells, tee, to_segment};
 use curvlay_layers::Progress;
 use curvlay_layers::nalgebra::{Point3, Vector3};
 use curvlay_layers::planar::robofdm::{
-    AuditOptions, AuditedPart, Decomposition, PartsAudit, RoboFdmError, SegmentOptions, SequenceOptions, TuningOptions,
-    audit_parts, plan_sequence, segment, tune,
+    AuditOptions, AuditedPart, Decomposition, PartsAudit, PrintedPart, RoboFdmError, SegmentOptions, SequenceOptions,
+    TuningOptions, audit_parts, crossing_sections, plan_sequence, segment, tune,
 };
 use curvlay_layers::planar::{CutPlane, Partition, Solid};
 use std::ops::ControlFlow;
 
-fn go(_: Progress) -> ControlFlow<()> {
+pub fn go(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-fn solid(shape: &Shape) -> Solid {
+pub fn solid(shape: &Shape) -> Solid {
     Solid::new(&shape.points, &shape.triangles).unwrap()
 }
 
@@ -24,7 +24,7 @@ fn decomposed(shape: &Shape, options: &TuningOptions) -> Result<Decomposition, R
     tune(&solid(shape), &sequence, options, &go)
 }
 
-fn tuning() -> TuningOptions {
+pub fn tuning() -> TuningOptions {
     TuningOptions { platform: 1.0, spacing: 2.0, ..TuningOptions::default() }
 }
 
@@ -56,8 +56,14 @@ fn the_arms_of_a_tee_become_parts_that_need_no_support() {
     assert!((cut - parts.risky_mm2()).abs() < 1e-6);
     for (at, part) in parts.parts.iter().enumerate().skip(1) {
         assert!(part.seam_mm2 > 0.0 && !part.on.is_empty() && part.on.iter().all(|&on| on < at));
+        assert_eq!(part.seams.iter().map(|seam| seam.on).collect::<Vec<_>>(), part.on);
+        assert!((part.seams.iter().map(|seam| seam.area_mm2).sum::<f64>() - part.seam_mm2).abs() < 1e-6);
+        // A cut has the normal of its plane.
+        let direct = part.seams.iter().filter(|seam| seam.load_angle(&part.direction).unwrap() < 1e-6);
+        assert!(direct.count() > 0 && part.seams.iter().all(|seam| seam.normal.dot(&part.direction) > -1e-6));
         assert!(part.direction.z > 0.0 && part.base.is_some_and(|base| base.normal() == part.direction));
     }
+    assert!(crossing_sections(&parts.parts).is_empty());
     let audit = audited(&shape, &parts);
     assert!(audit.is_ok, "{audit:?}");
     assert!(audit.volume_error.abs() < 1e-12);
@@ -77,9 +83,14 @@ fn cuts_save_risky_area_and_parts_fit_whatever_is_left() {
         );
         let volume: f64 = parts.parts.iter().map(|part| part.solid.volume()).sum();
         assert!((volume / whole - 1.0).abs() < 1e-12);
+        // Constraint I, by its own check.
+        assert!(crossing_sections(&parts.parts).is_empty());
         let audit = audited(&shape, &parts);
         assert_eq!((audit.misplaced_points, audit.looking_down.len()), (0, 0));
     }
+    // No part is smaller than may be.
+    let large = decomposed(&shape, &TuningOptions { min_piece: 0.05, perturbations: 0, ..tuning() }).unwrap();
+    assert!(large.parts.iter().all(|part| part.solid.volume() >= 0.05 * whole * (1.0 - 1e-9)));
     // The same twice.
     assert_eq!(decomposed(&shape, &tuning()), decomposed(&shape, &tuning()));
 }
@@ -99,7 +110,7 @@ fn without_cuts_there_is_one_part_whose_risk_is_that_of_the_solid() {
 }
 
 /// A box from the origin to a corner.
-fn block(x: f64, y: f64, z: f64) -> Solid {
+pub fn block(x: f64, y: f64, z: f64) -> Solid {
     let points: Vec<_> =
         (0..8).map(|i| Point3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z)).collect();
     let faces = [
@@ -163,6 +174,35 @@ fn a_wedge_leans_out_as_far_as_the_angle_lets_it() {
 }
 
 #[test]
+fn sections_cross_inside_or_only_touch() {
+    let part = |solid: Solid, point: [f64; 3], normal: Vector3<f64>| PrintedPart {
+        solid,
+        direction: normal,
+        base: Some(CutPlane::through(&point.into(), &normal).unwrap()),
+        risky_mm2: 0.0,
+        seam_mm2: 0.0,
+        on: Vec::new(),
+        seams: Vec::new(),
+    };
+    let moved = |solid: &Solid, by: [f64; 3]| {
+        let points: Vec<_> = solid.vertices().iter().map(|p| p + Vector3::from(by)).collect();
+        Solid::new(&points, solid.triangles()).unwrap()
+    };
+    // A level section over 0..10 in x and y, at z = 5, and upright ones at x = 5.
+    let level = part(moved(&block(10.0, 10.0, 4.0), [0.0, 0.0, 5.0]), [0.0, 0.0, 5.0], Vector3::z());
+    let upright =
+        |z: f64, height: f64, y: f64| part(moved(&block(4.0, 3.0, height), [5.0, y, z]), [5.0, 0.0, 0.0], Vector3::x());
+    let crosses = |other: PrintedPart| crossing_sections(&[level.clone(), other]) == [[0, 1]];
+    assert!(crosses(upright(3.0, 4.0, 2.0)));
+    // From below up to it, from above down to it, and beside it.
+    assert!(!crosses(upright(1.0, 4.0, 2.0)) && !crosses(upright(5.0, 4.0, 2.0)) && !crosses(upright(3.0, 4.0, 11.0)));
+    // Across its edge.
+    assert!(crosses(upright(3.0, 4.0, 8.5)));
+    let platform = PrintedPart { base: None, ..level.clone() };
+    assert!(crossing_sections(&[platform, upright(3.0, 4.0, 2.0)]).is_empty());
+}
+
+#[test]
 fn bad_options_are_named_and_work_can_be_cancelled() {
     let shape = tee();
     let name = |options: TuningOptions| match decomposed(&shape, &options) {
@@ -177,6 +217,7 @@ fn bad_options_are_named_and_work_can_be_cancelled() {
     assert_eq!(name(TuningOptions { normals: 0, ..default }), "normals");
     assert_eq!(name(TuningOptions { spacing: 0.0, ..default }), "spacing");
     assert_eq!(name(TuningOptions { seam_cost: -1.0, ..default }), "seam_cost");
+    assert_eq!(name(TuningOptions { min_piece: -1.0, ..default }), "min_piece");
     assert_eq!(name(TuningOptions { max_parts: 0, ..default }), "max_parts");
     assert_eq!(name(TuningOptions { goal: 2.0, ..default }), "goal");
     assert_eq!(name(TuningOptions { max_offset: -1.0, ..default }), "max_offset");

@@ -1,0 +1,158 @@
+//! From the mesh to audited parts.
+
+use super::{Args, Avoid, Base, Method, print};
+use curvlay_examples::args::{Failure, Part};
+use curvlay_examples::bars::Bars;
+use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_examples::mesh::Mesh;
+use curvlay_examples::nalgebra::{Rotation3, Vector3};
+use curvlay_examples::shapes;
+use curvlay_layers::Progress;
+use curvlay_layers::planar::Solid;
+use curvlay_layers::planar::robofdm::{
+    AuditOptions, AuditedPart, BeamOptions, Decomposition, Head, PartsAudit, Root, SegmentOptions, SequenceOptions,
+    TuningOptions, audit_parts, beam_search, crossing_sections, plan_sequence, segment, tune,
+};
+use std::time::{Duration, Instant};
+
+/// A solid in parts.
+pub struct Divided {
+    pub name: String,
+    /// Upright on the plate.
+    pub mesh: Mesh,
+    pub solid: Solid,
+    pub segments: usize,
+    /// What must meet nothing that stands, if that is what counts.
+    pub head: Option<Head>,
+    pub parts: Decomposition,
+    pub audit: PartsAudit,
+    /// Parts whose base sections cross.
+    pub crossing: Vec<[usize; 2]>,
+    pub decompose_time: Duration,
+    pub audit_time: Duration,
+    pub warnings: Vec<String>,
+}
+
+/// Divides the file, or the shape made in code.
+pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
+    let Part { name, mut mesh, warnings, .. } = args.mesh.load("branches", shapes::branches)?;
+    let start = Instant::now();
+    let max_angle = args.angle_deg.to_radians();
+    let options = SegmentOptions { clusters: args.parts.map(|parts| parts as usize), ..SegmentOptions::default() };
+    let root = args.root.map_or(Root::Best, Root::Part);
+    // What is in the first layer lies on the platform.
+    let platform = args.layer_height;
+    let sequenced = SequenceOptions { max_angle, root, platform, ..SequenceOptions::default() };
+    bars.update("segments", 0, 1);
+    let segmentation = segment(&mesh.vertices, &mesh.triangles, &options)?;
+    let mut upright = SequenceOptions { direction: Some(Vector3::z()), ..sequenced };
+    if args.base == Base::Best {
+        let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &sequenced)?;
+        if let Some(first) = sequence.parts.first() {
+            let turn = Rotation3::rotation_between(&first.direction, &Vector3::z())
+                .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+            mesh.vertices.iter_mut().for_each(|vertex| *vertex = turn * *vertex);
+            upright.root = Root::Part(first.part);
+        }
+    }
+    onto_plate(&mut mesh);
+    let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright)?;
+    let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
+    let show = |at: Progress| bars.show(at.stage, at.done, at.total);
+    let head = if args.avoid == Avoid::Head { Some(print::head(args, &mesh)?) } else { None };
+    let tuning = TuningOptions {
+        max_angle,
+        platform,
+        max_parts: usize::from(args.max_parts),
+        min_piece: args.min_part,
+        head,
+        ..TuningOptions::default()
+    };
+    let parts = match args.method {
+        Method::Robofdm => tune(&solid, &sequence, &tuning, &show)?,
+        Method::Beam => {
+            let options = BeamOptions { tuning, width: usize::from(args.width), ..BeamOptions::default() };
+            beam_search(&solid, Some(&sequence), &options, &show)?
+        }
+    };
+    let decompose_time = start.elapsed();
+
+    let start = Instant::now();
+    let audited: Vec<AuditedPart> = parts.parts.iter().map(|part| part.audited()).collect();
+    let options = AuditOptions { max_angle, head, ..AuditOptions::default() };
+    let audit = audit_parts(&solid, &audited, &options, &show)?;
+    Ok(Divided {
+        name,
+        mesh,
+        solid,
+        segments: segmentation.parts,
+        head,
+        crossing: crossing_sections(&parts.parts),
+        parts,
+        audit,
+        decompose_time,
+        audit_time: start.elapsed(),
+        warnings,
+    })
+}
+
+/// Moves a mesh to the plane z = 0, its box in the middle.
+fn onto_plate(mesh: &mut Mesh) {
+    if let Some([low, high]) = mesh.bounds() {
+        let middle = low + (high - low) / 2.0;
+        let shift = Vector3::new(-middle.x, -middle.y, -low.z);
+        mesh.vertices.iter_mut().for_each(|vertex| *vertex += shift);
+    }
+}
+
+impl Divided {
+    /// Area of the layers that the audit finds on nothing.
+    pub fn unsupported_mm2(&self) -> f64 {
+        self.audit.unsupported_mm2.iter().sum()
+    }
+
+    /// Share of the risky area that is left.
+    pub fn risky_share(&self) -> f64 {
+        self.parts.risky_mm2() / self.parts.risky_before_mm2.max(f64::MIN_POSITIVE)
+    }
+
+    /// What is wrong.
+    pub fn find(&self, args: &Args, findings: &mut Findings) {
+        let goal = TuningOptions::default().goal;
+        if self.risky_share() > goal {
+            let amount = format!("{:.1} mm2, {}", self.parts.risky_mm2(), percent(self.risky_share()));
+            findings.add(Severity::Told, "risky area is left", amount, "parts.csv");
+        }
+        if self.parts.parts.len() >= usize::from(args.max_parts) {
+            findings.add(
+                Severity::Told,
+                "there are as many parts as may be",
+                args.max_parts.to_string(),
+                "--max-parts",
+            );
+        }
+        let audit = &self.audit;
+        if audit.volume_error.abs() > AuditOptions::default().max_volume_error {
+            findings.add(Severity::Failed, "volumes do not add up", format!("{:.1e}", audit.volume_error), "");
+        }
+        if audit.misplaced_points > 0 {
+            let amount = audit.misplaced_points.to_string();
+            findings.add(Severity::Failed, "points are in no part, or in several", amount, "");
+        }
+        for [a, b] in &self.crossing {
+            findings.add(Severity::Failed, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
+        }
+        for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
+            let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);
+            findings.add(Severity::Failed, "the head is in what stands", amount, format!("part {}", part + 1));
+        }
+        for &part in audit.looking_down.iter().filter(|_| self.head.is_none()) {
+            findings.add(Severity::Failed, "a base plane looks down", "", format!("part {}", part + 1));
+        }
+        let area: f64 = audit.layer_mm2.iter().sum();
+        if self.unsupported_mm2() > AuditOptions::default().max_unsupported * area {
+            let amount = format!("{:.1} mm2 of {area:.0} mm2", self.unsupported_mm2());
+            findings.add(Severity::Failed, "layers lie on nothing", amount, "parts.csv");
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! RoboFDM: a mesh becomes parts that a robot prints one after another, each in flat layers along a direction of its own, without
+//! support; with tool paths, joint motion, transfers between the parts, and programs.
+//!
+//! C. Wu, C. Dai, G. Fang, Y.-J. Liu and C. C. L. Wang, "RoboFDM: a robotic system for support-free fabrication using FDM", ICRA 2017; C. Dai,
+//! *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 2.
+//! ```sh
+//! cargo run --release --example robofdm
+//! cargo run --release --example robofdm -- --mesh part.stl --stage parts
+//! ```
+//! Without `--mesh` it prints a shape made in code that no single direction prints without support. `--help` lists the options.
+
+mod decompose;
+mod drawing;
+mod outputs;
+mod print;
+
+use clap::{Parser, ValueEnum};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share, warn};
+use curvlay_examples::bars::Bars;
+use curvlay_examples::findings::Findings;
+use curvlay_examples::motion::Printed;
+use curvlay_examples::nalgebra::Vector3;
+use curvlay_examples::output::OutputFolder;
+use decompose::Divided;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// A part printed along several directions without support by a robot, after RoboFDM (2017).
+#[derive(Parser, Clone, Debug)]
+#[command(version, name = "robofdm")]
+pub struct Args {
+    #[command(flatten)]
+    mesh: MeshArgs,
+    /// How far to go
+    #[arg(long, value_name = "NAME", default_value = "motion")]
+    stage: Stage,
+    /// Levels of thickness by which the part is segmented [default: chosen by a criterion]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    parts: Option<u32>,
+    /// The segment that is printed first, from 0 [default: the best]
+    #[arg(long, value_name = "N")]
+    root: Option<u32>,
+    /// Which way the part stands
+    #[arg(long, value_name = "NAME", default_value = "up")]
+    base: Base,
+    /// How the parts are found
+    #[arg(long, value_name = "NAME", default_value = "robofdm")]
+    method: Method,
+    /// What keeps the head out of what stands
+    #[arg(long, value_name = "NAME", default_value = "head")]
+    avoid: Avoid,
+    /// Partial results that the beam search keeps
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
+    width: u16,
+    /// Angle from upright by which a side may lean out without support, in degrees
+    #[arg(long = "angle", value_name = "DEG", default_value_t = 45.0, value_parser = acute, allow_negative_numbers = true)]
+    angle_deg: f64,
+    /// Most parts
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
+    max_parts: u16,
+    /// The least share of the volume that is cut off as a part
+    #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
+    min_part: f64,
+    /// Height of a layer in millimetres
+    #[arg(long, value_name = "MM", default_value_t = 0.8, value_parser = above_zero, allow_negative_numbers = true)]
+    layer_height: f64,
+    /// Width of a bead in millimetres [default: one and a half times the height of a layer]
+    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    bead: Option<f64>,
+    /// How layers are filled
+    #[arg(long, value_name = "NAME", default_value = "spiral")]
+    pattern: PatternName,
+    /// Workcell of the motion, a JSON file; docs/formats.md describes it [default: a UR3 that holds the part under a nozzle]
+    #[arg(long, value_name = "FILE")]
+    workcell: Option<PathBuf>,
+    /// Puts the nozzle of a cell that holds the part where the arm reaches most
+    #[arg(long)]
+    place_nozzle: bool,
+    /// Edge of the cells by which the robot sees the part, in millimetres [default: some 20,000 cells]
+    #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    cell_mm: Option<f64>,
+    /// Direction of the load on the finished part, x,y,z: the angle of each seam to it is written
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    load: Option<Vector3<f64>>,
+    /// Filaments that the parts take in turn
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
+    filaments: u32,
+    /// Time to change a filament, in seconds
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = from_zero, allow_negative_numbers = true)]
+    change_s: f64,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// How far a run goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Stage {
+    /// The parts.
+    Parts,
+    /// Layers and tool paths as well.
+    Paths,
+    /// All of it, to robot programs.
+    Motion,
+}
+
+/// The first direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Base {
+    /// As it stands in the file.
+    Up,
+    /// The direction of the root with the least risky area.
+    Best,
+}
+
+/// How the parts are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Segments by skeleton and thickness, their sequence, planes that are tuned.
+    Robofdm,
+    /// A beam search over cutting planes, after Wu et al. (2020), from these segments and from the solid in one piece.
+    Beam,
+}
+
+/// What keeps the head out of what stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Avoid {
+    /// Base planes look up: constraint II of the dissertation.
+    Planes,
+    /// The head of the workcell, as cone and block, meets nothing that stands.
+    Head,
+}
+
+/// How layers are filled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PatternName {
+    /// One curve for each region, from its outline inward.
+    Spiral,
+    /// Closed curves, one inside the other.
+    Contours,
+    /// Rows, to and fro.
+    Zigzag,
+}
+
+fn acute(text: &str) -> Result<f64, String> {
+    above_zero(text).and_then(|deg| if deg < 90.0 { Ok(deg) } else { Err("must be below 90".to_owned()) })
+}
+
+fn direction(text: &str) -> Result<Vector3<f64>, String> {
+    let numbers: Vec<f64> = text.split(',').map(|number| number.trim().parse().unwrap_or(f64::NAN)).collect();
+    match numbers[..] {
+        [x, y, z] if Vector3::new(x, y, z).norm() > 0.0 && Vector3::new(x, y, z).norm().is_finite() => {
+            Ok(Vector3::new(x, y, z))
+        }
+        _ => Err("must be three numbers, not all 0".to_owned()),
+    }
+}
+
+impl Args {
+    fn bead_mm(&self) -> f64 {
+        self.bead.unwrap_or(1.5 * self.layer_height)
+    }
+}
+
+/// What a run makes.
+pub struct Made {
+    /// How many there are in turn.
+    pub filaments: u32,
+    /// Direction of the load.
+    pub load: Option<Vector3<f64>>,
+    /// The parts.
+    pub divided: Divided,
+    /// How they are printed.
+    pub printed: Option<Printed>,
+}
+
+impl Made {
+    /// The least angle between the load and the normal of a seam of a part, in radians.
+    pub fn load_angle(&self, part: usize) -> Option<f64> {
+        let load = self.load?;
+        let angles = self.divided.parts.parts[part].seams.iter().filter_map(|seam| seam.load_angle(&load));
+        angles.reduce(f64::min)
+    }
+
+    /// That of all seams.
+    pub fn least_load_angle(&self) -> Option<f64> {
+        (0..self.divided.parts.parts.len()).filter_map(|part| self.load_angle(part)).reduce(f64::min)
+    }
+}
+
+fn main() -> ExitCode {
+    run_with_args(|args: Args| {
+        let folder = args.common.folder("robofdm")?;
+        let (made, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        outputs::parts_table(&made).print()?;
+        outputs::comparison(&args, &made).print()?;
+        Ok(outcome)
+    })
+}
+
+/// From the mesh to the files.
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Outcome), Failure> {
+    let start = Instant::now();
+    let divided = decompose::divide(args, bars)?;
+    divided.warnings.iter().for_each(warn);
+    let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };
+    bars.finish();
+    let made = Made { filaments: args.filaments, load: args.load, divided, printed };
+    let mut findings = Findings::default();
+    made.divided.find(args, &mut findings);
+    if let Some(printed) = &made.printed {
+        printed.find(&mut findings);
+    }
+    outputs::write(args, &made, &findings, folder, start)?;
+    findings.say();
+    Ok((made, findings.outcome()))
+}

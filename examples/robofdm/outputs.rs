@@ -1,0 +1,278 @@
+//! What the example leaves behind: the tables on stdout, meshes of the parts, `parts.csv`, lists of what is left out and of faults,
+//! programs, pictures, `report.html` and `summary.json`.
+
+use super::{Args, Base, Made, drawing};
+use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::findings::{Findings, percent};
+use curvlay_examples::motion::{Moved, Printed};
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_layers::planar::Solid;
+use curvlay_trajectory::print::FaultKind;
+use std::io::{self, Write};
+use std::time::Instant;
+
+/// The most steps of which there is a picture.
+const SHOWN: usize = 24;
+
+pub fn write(
+    args: &Args,
+    made: &Made,
+    findings: &Findings,
+    folder: &OutputFolder,
+    start: Instant,
+) -> Result<(), Failure> {
+    folder.clear(is_ours)?;
+    let divided = &made.divided;
+    for (k, part) in divided.parts.parts.iter().enumerate() {
+        folder.write_with(&format!("part_{:02}.stl", k + 1), |out| write_stl(&part.solid, out))?;
+    }
+    folder.write_with("parts.csv", |out| write_parts(made, out))?;
+    if let Some(printed) = &made.printed {
+        let left_out = &printed.plan.resolved.left_out;
+        folder.write_list("left_out.csv", !left_out.is_empty(), |out| write_left_out(printed, out))?;
+        if let Some(moved) = &printed.moved {
+            folder.write_list("faults.csv", !moved.faults.is_empty(), |out| write_faults(printed, moved, out))?;
+            for (name, bytes) in &moved.files {
+                folder.write(name, bytes)?;
+            }
+        }
+    }
+    let parts = drawing::parts(divided);
+    folder.write("parts.png", &parts)?;
+    let count = divided.parts.parts.len().min(SHOWN);
+    let steps: Vec<Vec<u8>> = (0..count).map(|step| drawing::step(divided, step)).collect();
+    for (k, png) in steps.iter().enumerate() {
+        folder.write(&format!("step_{:02}.png", k + 1), png)?;
+    }
+    folder.write("report.html", report(args, made, findings, &parts, &steps).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, made, findings, start)?.write(folder)?;
+    Ok(())
+}
+
+/// Files that an earlier run may have left.
+fn is_ours(name: &str) -> bool {
+    let numbered = |prefix: &str, suffix: &str| {
+        let number = name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix));
+        number.is_some_and(|number| number.len() >= 2 && number.bytes().all(|digit| digit.is_ascii_digit()))
+    };
+    let program = name.starts_with("print_") && (name.ends_with(".script") || name.ends_with(".mod"));
+    numbered("part_", ".stl")
+        || numbered("step_", ".png")
+        || program
+        || ["parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"].contains(&name)
+}
+
+/// Binary STL.
+fn write_stl(solid: &Solid, out: &mut dyn Write) -> io::Result<()> {
+    out.write_all(&[b' '; 80])?;
+    out.write_all(&(solid.triangles().len() as u32).to_le_bytes())?;
+    for triangle in 0..solid.triangles().len() {
+        let [a, b, c] = solid.corners(triangle);
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+        for v in [normal, a.coords, b.coords, c.coords] {
+            for x in v.iter() {
+                out.write_all(&(*x as f32).to_le_bytes())?;
+            }
+        }
+        out.write_all(&[0; 2])?;
+    }
+    Ok(())
+}
+
+fn write_parts(made: &Made, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "part,dx,dy,dz,base_mm,on,volume_mm3,risky_mm2,seam_mm2,unsupported_mm2,layers,layer_mm,filament,load_angle_deg"
+    )?;
+    let divided = &made.divided;
+    for (k, part) in divided.parts.parts.iter().enumerate() {
+        let d = part.direction;
+        let base = part.base.map_or_else(String::new, |base| format!("{:.6}", base.offset()));
+        let on: Vec<String> = part.on.iter().map(|on| (on + 1).to_string()).collect();
+        write!(out, "{},{:.9},{:.9},{:.9},{base},{}", k + 1, d.x, d.y, d.z, on.join(" "))?;
+        let (volume, unsupported) = (part.solid.volume(), divided.audit.unsupported_mm2[k]);
+        write!(out, ",{volume:.6},{:.6},{:.6},{unsupported:.6}", part.risky_mm2, part.seam_mm2)?;
+        match &made.printed {
+            Some(printed) => {
+                let layers = &printed.layers[k];
+                write!(out, ",{},{:.6}", layers.layers.len(), layers.height_mm)?;
+            }
+            None => write!(out, ",,")?,
+        }
+        write!(out, ",{}", k as u32 % made.filaments + 1)?;
+        match made.load_angle(k) {
+            Some(angle) => writeln!(out, ",{:.4}", angle.to_degrees())?,
+            None => writeln!(out, ",")?,
+        }
+    }
+    Ok(())
+}
+
+fn write_left_out(printed: &Printed, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "part,layer,curve,from_mm,to_mm,x_mm,y_mm,z_mm,depth_mm,nozzle,obstacle")?;
+    for piece in &printed.plan.resolved.left_out {
+        let (part, tip) = (printed.part_of(piece.layer as usize) + 1, piece.tip);
+        write!(out, "{part},{},{},{:.4},{:.4}", piece.layer + 1, piece.curve, piece.arcs[0], piece.arcs[1])?;
+        write!(out, ",{:.4},{:.4},{:.4},{:.4}", tip.x, tip.y, tip.z, piece.depth)?;
+        writeln!(out, ",{},{}", piece.part, piece.obstacle)?;
+    }
+    Ok(())
+}
+
+fn write_faults(printed: &Printed, moved: &Moved, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "part,layer,path,waypoint,kind,what")?;
+    for fault in &moved.faults {
+        let part = printed.part_of(fault.layer as usize) + 1;
+        let what = fault.what.replace(',', ";");
+        writeln!(out, "{part},{},{},{},{},{what}", fault.layer + 1, fault.path, fault.waypoint, fault.kind.name())?;
+    }
+    Ok(())
+}
+
+/// A line for each part.
+pub fn parts_table(made: &Made) -> Table {
+    let mut table = Table::new(["part", "direction", "on", "volume mm3", "risky mm2", "seam mm2", "layers"]);
+    for (k, part) in made.divided.parts.parts.iter().enumerate() {
+        let d = part.direction;
+        let on: Vec<String> = part.on.iter().map(|on| (on + 1).to_string()).collect();
+        table.row([
+            (k + 1).to_string(),
+            format!("({:.3} {:.3} {:.3})", d.x, d.y, d.z),
+            if part.base.is_none() { "platform".to_owned() } else { on.join(" ") },
+            format!("{:.0}", part.solid.volume()),
+            format!("{:.1}", part.risky_mm2),
+            format!("{:.1}", part.seam_mm2),
+            made.printed.as_ref().map_or_else(String::new, |printed| printed.layers[k].layers.len().to_string()),
+        ]);
+    }
+    table
+}
+
+/// Minutes of the whole print, changes of filament included.
+fn minutes(args: &Args, moved: &Moved) -> f64 {
+    (moved.robot_s + moved.changes as f64 * args.change_s) / 60.0
+}
+
+/// This run beside Table 2.1 of the dissertation.
+pub fn comparison(args: &Args, made: &Made) -> Table {
+    let divided = &made.divided;
+    let mut table = Table::new(["", "this run", "bunny (paper)", "armadillo (paper)", "hanging-ball (paper)"]);
+    let mut row = |name: &str, ours: String, paper: [&str; 3]| {
+        let [a, b, c] = paper.map(str::to_owned);
+        table.row([name.to_owned(), ours, a, b, c]);
+    };
+    let facets = divided.solid.triangles().len();
+    row("facets", facets.to_string(), ["10000", "17142", "5984"]);
+    let seconds = divided.decompose_time.as_secs_f64();
+    row("decomposition s", format!("{seconds:.1}"), ["171", "269", "156"]);
+    row("parts", divided.parts.parts.len().to_string(), [""; 3]);
+    row("risky area left", percent(divided.risky_share()), [""; 3]);
+    row("audit", if divided.audit.is_ok { "ok" } else { "failed" }.to_owned(), [""; 3]);
+    if let Some(printed) = &made.printed {
+        row("layers", printed.layer_count().to_string(), [""; 3]);
+        row("tool paths mm", format!("{:.0}", printed.path_mm()), [""; 3]);
+        let extruding = printed.plan.deposition.total_s / 60.0;
+        row("planned by the feed min", format!("{extruding:.1}"), [""; 3]);
+        if let Some(moved) = &printed.moved {
+            row("fabrication min", format!("{:.1}", minutes(args, moved)), ["152", "263", "85"]);
+            row("transfers", moved.transfers.to_string(), [""; 3]);
+            row("transfers from part to part", moved.between_parts.to_string(), [""; 3]);
+            row("unreachable waypoints", moved.count(FaultKind::Unreachable).to_string(), [""; 3]);
+        }
+    }
+    table
+}
+
+fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Result<Summary, Failure> {
+    let divided = &made.divided;
+    let mut summary = Summary::new();
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("mesh", divided.name.as_str())?
+        .set("stage", typed_name(args.stage))?
+        .set("base", typed_name(args.base))?
+        .set("method", typed_name(args.method))?
+        .set("avoid", typed_name(args.avoid))?
+        .set("angle_deg", args.angle_deg)?
+        .set("layer_height_mm", args.layer_height)?
+        .set("bead_mm", args.bead_mm())?
+        .set("pattern", typed_name(args.pattern))?
+        .set("filaments", args.filaments)?
+        .set("threads", args.common.threads)?
+        .set("facets", divided.solid.triangles().len())?
+        .set("volume_mm3", divided.solid.volume())?
+        .set("segments", divided.segments)?
+        .set("parts", divided.parts.parts.len())?
+        .set_seconds("decomposition_s", divided.decompose_time)?
+        .set("risky_before_mm2", divided.parts.risky_before_mm2)?
+        .set("risky_after_mm2", divided.parts.risky_mm2())?
+        .set("seam_mm2", divided.parts.seam_mm2())?
+        .set("audit_ok", divided.audit.is_ok)?
+        .set_seconds("audit_s", divided.audit_time)?
+        .set("volume_error", divided.audit.volume_error)?
+        .set("head_contacts", divided.audit.head_contacts.iter().sum::<usize>())?
+        .set("crossing_sections", divided.crossing.len())?
+        .set("misplaced_points", divided.audit.misplaced_points)?
+        .set("unsupported_mm2", divided.unsupported_mm2())?;
+    if let Some(angle) = made.least_load_angle() {
+        summary.set("load_angle_deg", angle.to_degrees())?;
+    }
+    if let Some(printed) = &made.printed {
+        let resolved = &printed.plan.resolved;
+        summary
+            .set("layers", printed.layer_count())?
+            .set("paths", resolved.paths.len())?
+            .set("path_mm", printed.path_mm())?
+            .set("covered_fraction", printed.filled.totals().covered_fraction)?
+            .set("tilted_waypoints", resolved.tilted)?
+            .set("left_out_mm", printed.left_out_mm())?
+            .set("blocked_travels", printed.plan.travels.blocked.len())?
+            .set("feed_min", printed.plan.deposition.total_s / 60.0)?;
+        if let Some(moved) = &printed.moved {
+            summary
+                .set("cell", moved.cell.as_str())?
+                .set("nozzle_x_mm", moved.nozzle_mm[0])?
+                .set("nozzle_y_mm", moved.nozzle_mm[1])?
+                .set("nozzle_z_mm", moved.nozzle_mm[2])?
+                .set("runs", moved.runs)?
+                .set("transfers", moved.transfers)?
+                .set("part_transfers", moved.between_parts)?
+                .set("missing_transfers", moved.missing)?
+                .set("filament_changes", moved.changes)?
+                .set("unreachable_waypoints", moved.count(FaultKind::Unreachable))?
+                .set("blocked_waypoints", moved.count(FaultKind::Blocked))?
+                .set("motion_faults", moved.faults.len())?
+                .set("fabrication_min", minutes(args, moved))?
+                .set("program_files", moved.files.len())?;
+        }
+    }
+    findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+fn report(args: &Args, made: &Made, findings: &Findings, parts: &[u8], steps: &[Vec<u8>]) -> Report {
+    let mut report = Report::new("RoboFDM");
+    findings.report(&mut report);
+    let stands = if args.base == Base::Best { "along the best direction of its root" } else { "as in its file" };
+    report.paragraph(&format!(
+        "The part stands {stands}. It is printed in parts, one after another, each in flat layers of {} mm along its arrow, so that \
+         no side leans out by more than {} degrees from upright over nothing.",
+        args.layer_height, args.angle_deg
+    ));
+    report.table("Parts", &parts_table(made));
+    report.table("This run, beside Table 2.1 of the dissertation", &comparison(args, made));
+    report.picture("all parts, in the order of their colours", parts);
+    let all = made.divided.parts.parts.len();
+    let captions: Vec<String> = (1..=steps.len()).map(|step| format!("part {step} of {all}")).collect();
+    for (captions, steps) in captions.chunks(3).zip(steps.chunks(3)) {
+        let pictures: Vec<(&str, &[u8])> =
+            captions.iter().zip(steps).map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();
+        report.pictures(&pictures);
+    }
+    report
+}

@@ -1,0 +1,334 @@
+//! Parts with directions of their own, printed one after another in flat layers: layers, tool paths, joint motion, programs.
+
+use super::{OnCell, PlacedPaths, PrintingCell, bounds_of, nozzle_of, programs, table_options, waypoints};
+use crate::args::Failure;
+use crate::bars::Bars;
+use crate::findings::{Findings, Severity};
+use crate::mesh::Mesh;
+use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
+use curvlay_kinematics::{PlateOptions, place_on_plate};
+use curvlay_layers::planar::{FlatLayers, Solid, cells_by_flat_layer, flat_layers};
+use curvlay_toolpath::surface::{
+    self, Contacts, FilledLayers, GougingOptions, LayerSurface, PathOptions, Pattern, PrintPlan, fill_layers,
+};
+use curvlay_trajectory::print::{self, Fault, FaultKind, PrintLimits, PrintOptions, plan_print};
+use curvlay_voxel::{Resolution, VoxelOptions, voxelise};
+use nalgebra::{Unit, UnitVector3, Vector3};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::io::{self, Write};
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+
+/// The least diameter of a plate that the workcell leaves open, and how much wider than the part it is, in millimetres.
+const PLATE_MM: f64 = 60.0;
+const RIM_MM: f64 = 10.0;
+
+/// Cells of a grid whose edge is not given.
+const CELLS: u64 = 20_000;
+
+/// How far the nozzle may leave its path, as a share of layer height or bead: what gouging allows as well.
+const TOLERANCE: f64 = 0.25;
+
+/// How deep it may be in a layer on its way, as a share of its height.
+const DEPTH: f64 = 0.25;
+
+/// What is printed, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct FlatPrint<'a> {
+    /// All parts in one, standing on the plane z = 0.
+    pub mesh: &'a Mesh,
+    /// The parts in their order, each with its direction.
+    pub parts: &'a [(&'a Solid, Vector3<f64>)],
+    /// Height of a layer, in mm.
+    pub layer_mm: f64,
+    /// Width of a bead, in mm.
+    pub bead_mm: f64,
+    /// How layers are filled.
+    pub pattern: Pattern,
+    /// Edge of the cells by which the robot sees the part, in mm; none: some 20,000 cells.
+    pub cell_mm: Option<f64>,
+    /// Diameter of the filament or wire, in mm.
+    pub filament_mm: f64,
+    /// Filaments that the parts take in turn; each change begins a program.
+    pub filaments: u32,
+    /// Whether the motion is planned, and programs written.
+    pub moves: bool,
+}
+
+/// Layers and tool paths, and the motion if it was asked for.
+pub struct Printed {
+    /// The layers of each part.
+    pub layers: Vec<FlatLayers>,
+    /// The beads.
+    pub filled: FilledLayers,
+    /// The tool paths.
+    pub plan: PrintPlan,
+    /// The motion.
+    pub moved: Option<Moved>,
+}
+
+/// What the motion comes to.
+#[derive(Default)]
+pub struct Moved {
+    /// Name of the workcell.
+    pub cell: String,
+    /// Tip of its nozzle.
+    pub nozzle_mm: [f64; 3],
+    /// Motions along paths.
+    pub runs: usize,
+    /// Transfers between runs.
+    pub transfers: usize,
+    /// Those of them from part to part.
+    pub between_parts: usize,
+    /// Runs without a way to the next.
+    pub missing: usize,
+    /// Changes of the filament.
+    pub changes: usize,
+    /// Seconds that the robot moves.
+    pub robot_s: f64,
+    /// What it does not print as planned.
+    pub faults: Vec<Fault>,
+    /// Programs by name.
+    pub files: BTreeMap<String, Vec<u8>>,
+}
+
+impl Moved {
+    /// How many faults there are of a kind.
+    pub fn count(&self, kind: FaultKind) -> usize {
+        self.faults.iter().filter(|fault| fault.kind == kind).count()
+    }
+}
+
+impl Printed {
+    /// The part of a layer.
+    pub fn part_of(&self, layer: usize) -> usize {
+        part_of(&self.layers, layer)
+    }
+
+    /// Layers of all parts.
+    pub fn layer_count(&self) -> usize {
+        self.layers.iter().map(|part| part.layers.len()).sum()
+    }
+
+    /// What is wrong.
+    pub fn find(&self, findings: &mut Findings) {
+        let left_out = &self.plan.resolved.left_out;
+        if !left_out.is_empty() {
+            let mm = self.left_out_mm();
+            let amount = format!("{} pieces, {mm:.1} mm of {:.0} mm", left_out.len(), self.path_mm() + mm);
+            findings.add(Severity::Told, "the nozzle would be in what is built; left out", amount, "");
+        }
+        let blocked = self.plan.travels.blocked.len();
+        if blocked > 0 {
+            findings.add(Severity::Told, "travels are blocked", blocked.to_string(), "");
+        }
+        let Some(moved) = &self.moved else { return };
+        let kinds = [FaultKind::Unreachable, FaultKind::Blocked, FaultKind::Break, FaultKind::Astray];
+        for kind in kinds.into_iter().chain([FaultKind::NoTransfer]) {
+            let count = moved.count(kind);
+            if count > 0 {
+                let what = format!("the robot does not print all: {}", kind.name());
+                findings.add(Severity::Failed, what, count.to_string(), "");
+            }
+        }
+    }
+
+    /// Length of what is left out, since the nozzle would be in what is built.
+    pub fn left_out_mm(&self) -> f64 {
+        self.plan.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).fold(0.0, |sum, mm| sum + mm)
+    }
+
+    /// Length of all tool paths.
+    pub fn path_mm(&self) -> f64 {
+        let lengths = self.plan.resolved.paths.iter().filter_map(|path| path.waypoints.last());
+        lengths.map(|last| last.arc).sum()
+    }
+}
+
+fn part_of(parts: &[FlatLayers], layer: usize) -> usize {
+    let mut first = 0;
+    let within = |part: &FlatLayers| {
+        first += part.layers.len();
+        layer < first
+    };
+    parts.iter().position(within).unwrap_or(0)
+}
+
+/// Everything behind the parts.
+///
+/// # Errors
+/// Of the first step that fails; what cannot be printed or reached is no error, but listed.
+pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result<Printed, Failure> {
+    let parts = print.parts.iter();
+    let layers: Vec<FlatLayers> =
+        parts.map(|(solid, direction)| flat_layers(solid, direction, print.layer_mm)).collect::<Result<_, _>>()?;
+    let all = || layers.iter().flat_map(|part| part.layers.iter().map(|layer| (layer, part.direction)));
+    let surfaces: Vec<LayerSurface> =
+        all().map(|(layer, _)| (&layer.vertices[..], &layer.triangles[..], &layer.thickness[..]).into()).collect();
+    let directions: Vec<UnitVector3<f64>> = all().map(|(_, direction)| Unit::new_normalize(direction)).collect();
+    let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
+    let options = PathOptions { bead: print.bead_mm, pattern: print.pattern, ..PathOptions::default() };
+    let filled = fill_layers(&surfaces, &options, &progress)?;
+    let stack = filled.stack(&surfaces)?;
+    let nozzle = nozzle_of(cell.equipment())?;
+    let mut options = surface::PrintOptions::for_robot();
+    options.deposition.filament_diameter = print.filament_mm;
+    let plan = stack.plan_along(&directions, &nozzle, &options, &progress)?;
+    let moved = if print.moves {
+        let options = GougingOptions { allowed_depth: DEPTH, plate: false, ..GougingOptions::default() };
+        let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &progress)?;
+        let work = Work { print, layers: &layers, plan: &plan, contacts: &contacts, bars };
+        Some(match cell {
+            AnyWorkcell::Six(cell) => work.motion(cell, &PrintOptions::default())?,
+            AnyWorkcell::Eight(cell) => work.motion(cell, &table_options())?,
+        })
+    } else {
+        None
+    };
+    drop(stack);
+    Ok(Printed { layers, filled, plan, moved })
+}
+
+/// Diameter of a plate for a part, where the workcell leaves it open, in mm.
+pub fn plate_mm(mesh: &Mesh) -> f64 {
+    let edges = mesh.bounds().map_or(Vector3::zeros(), |[low, high]| high - low);
+    PLATE_MM.max(edges.x.hypot(edges.y) + RIM_MM)
+}
+
+struct Work<'a> {
+    print: &'a FlatPrint<'a>,
+    layers: &'a [FlatLayers],
+    plan: &'a PrintPlan,
+    contacts: &'a Contacts<'a>,
+    bars: &'a Bars,
+}
+
+impl Work<'_> {
+    /// Plans the motion of the joints (Eq. 2.3), transfers between runs (RRT-Connect, section 2.5), and writes the programs.
+    fn motion<const N: usize, const F: usize, W: Workcell<N, F>>(
+        &self,
+        cell: &W,
+        options: &PrintOptions<N, F>,
+    ) -> Result<Moved, Failure> {
+        let Work { print, plan, contacts, bars, .. } = *self;
+        let takes_stream = programs::takes_stream(cell.equipment()).map_err(Failure::new)?;
+        let plate_mm = plate_mm(print.mesh);
+        let place = PlateOptions {
+            stop_margin: options.stop_margin,
+            rim_mm: print.bead_mm,
+            ..PlateOptions::new(options.samples)
+        };
+        let all = plan.resolved.paths.iter().flat_map(waypoints);
+        let all: Vec<_> = all.map(|at| curvlay_kinematics::Waypoint { position: at.position, axis: at.axis }).collect();
+        let progress = |p: curvlay_kinematics::Progress| bars.show(p.stage, p.done, p.total);
+        let frame_part = place_on_plate(cell, &all, plate_mm, &place, &progress)?;
+
+        let resolution = print.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
+        let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
+        let show = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
+        let solid = voxelise(&print.mesh.vertices, &print.mesh.triangles, &voxels, &show)?;
+        let grid = &solid.grid;
+        // Cells of the part as it stands, not as they are moved onto the plate of the grid.
+        let origin = grid.origin() - solid.shift;
+        let cells = cells_by_flat_layer(self.layers, grid.dims(), grid.rows(), grid.cell_mm(), &origin);
+        let grown = PartCells {
+            dims: grid.dims(),
+            rows: grid.rows(),
+            cell_mm: grid.cell_mm(),
+            origin,
+            frame_part,
+            layers: &cells,
+        };
+        let scene = GrowingScene::new(cell, &grown, plate_mm, &GrowingOptions::default())?;
+        let paths = PlacedPaths::new(&plan.resolved.paths, &plan.deposition, &frame_part);
+        let filament_mm2 = PI * print.filament_mm.powi(2) / 4.0;
+        let limits = PrintLimits {
+            tolerance_mm: TOLERANCE * print.layer_mm.min(print.bead_mm),
+            filament_mm2,
+            ..PrintLimits::of(bounds_of(cell.limits()))
+        };
+        let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
+        let robot = OnCell::new(cell.clone(), Vec::new());
+        let motion =
+            plan_print(&robot, PrintingCell::new(scene, contacts), &paths.paths(), &limits, options, &progress)?;
+        self.moved(cell, motion, takes_stream)
+    }
+
+    fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
+        &self,
+        cell: &W,
+        motion: print::PrintPlan<N, F>,
+        takes_stream: bool,
+    ) -> Result<Moved, Failure> {
+        let part = |run: usize| part_of(self.layers, motion.runs[run].layer as usize);
+        let filament = |run: usize| part(run) as u32 % self.print.filaments;
+        let mut moved = Moved {
+            cell: cell.equipment().name().to_owned(),
+            nozzle_mm: cell.equipment().model().nozzle.tip_mm,
+            runs: motion.runs.len(),
+            robot_s: motion.robot_s(),
+            faults: motion.faults.clone(),
+            ..Moved::default()
+        };
+        // A program ends where no way leads on, and where the filament is changed.
+        let mut pieces: Vec<Range<usize>> = Vec::new();
+        for run in 0..motion.runs.len() {
+            let joins = run > 0 && motion.travels[run - 1].is_some();
+            if run > 0 {
+                moved.transfers += usize::from(joins);
+                moved.missing += usize::from(!joins);
+                moved.between_parts += usize::from(joins && part(run) != part(run - 1));
+                moved.changes += usize::from(filament(run) != filament(run - 1));
+            }
+            match pieces.last_mut() {
+                Some(piece) if joins && filament(run) == filament(run - 1) => piece.end = run + 1,
+                _ => pieces.push(run..run + 1),
+            }
+        }
+        for (number, piece) in pieces.into_iter().enumerate() {
+            let name = match self.print.filaments {
+                1 => format!("print_{:03}", number + 1),
+                _ => format!("print_{:03}_filament_{}", number + 1, filament(piece.start) + 1),
+            };
+            if takes_stream {
+                let options = programs::urscript_options(cell, &motion, &name);
+                let mut file = Vec::new();
+                write_urscript(programs::stream(cell, &motion, piece), &options, &mut file)?;
+                moved.files.insert(format!("{name}.script"), file);
+            } else {
+                let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
+                let mut files: Vec<(String, Shared)> = Vec::new();
+                write_rapid(programs::targets(cell, &motion, piece), &options, |name| {
+                    let file = Shared::default();
+                    files.push((name.to_owned(), file.clone()));
+                    Ok(file)
+                })?;
+                moved.files.extend(files.into_iter().map(|(name, file)| (name, file.take())));
+            }
+        }
+        Ok(moved)
+    }
+}
+
+/// Bytes that a writer fills while it is elsewhere.
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl Shared {
+    fn take(&self) -> Vec<u8> {
+        self.0.lock().map(|mut bytes| std::mem::take(&mut *bytes)).unwrap_or_default()
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().map_err(|_| io::Error::other("a writer panicked"))?.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
