@@ -13,7 +13,9 @@ use std::time::{Duration, Instant};
 /// What someone wants while the robot prints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
+    /// It stops where it is.
     Pause,
+    /// It goes on.
     Resume,
     /// The height of the nozzle over the surface, in millimetres, in addition to that of the program.
     HeightMm(f64),
@@ -22,10 +24,26 @@ pub enum Command {
 /// Why a stream ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum StreamError {
+    /// Nothing answers.
     #[error("no connection to {address} after {tries} tries: {source}")]
-    Connect { address: String, tries: u32, source: io::Error },
+    Connect {
+        /// Where.
+        address: String,
+        /// How often it was tried.
+        tries: u32,
+        /// The last cause.
+        source: io::Error,
+    },
+    /// The sender cannot go on.
     #[error("{address}: {source}; {done} messages are done")]
-    Link { address: String, source: LinkError, done: u32 },
+    Link {
+        /// Where.
+        address: String,
+        /// The cause.
+        source: LinkError,
+        /// Messages done until then.
+        done: u32,
+    },
 }
 
 /// Commands are looked for, and replies waited for, in steps of this.

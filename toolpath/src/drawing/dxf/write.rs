@@ -121,13 +121,7 @@ impl<W: Write> Pairs<'_, W> {
         }
     }
 
-    fn polyline(
-        &mut self,
-        layer: &str,
-        corners: &[(Point2<f64>, f64)],
-        end: Option<Point2<f64>>,
-        closed: bool,
-    ) -> io::Result<()> {
+    fn polyline(&mut self, layer: &str, corners: &[Corner], end: Option<Point2<f64>>, closed: bool) -> io::Result<()> {
         if corners.is_empty() {
             return Ok(());
         }
@@ -199,7 +193,7 @@ impl<W: Write> Pairs<'_, W> {
             let (low, high) = (from.min(from + sweep), from.max(from + sweep));
             let first = ((low - turning) / PI).ceil() as i64;
             let turns = (first..first + 5).map(|k| turning + k as f64 * PI).filter(|t| *t > low && *t < high);
-            let stops: Vec<(Point2<f64>, f64)> = std::iter::once(low).chain(turns).map(|t| (along(t), 0.0)).collect();
+            let stops: Vec<Corner> = std::iter::once(low).chain(turns).map(|t| (along(t), 0.0)).collect();
             return self.polyline(layer, &stops, Some(along(high)), false);
         }
         let major_axis: Vector2<f64> = axes.column(0) * major;
@@ -229,10 +223,13 @@ fn counter_clockwise(begin: f64, sweep: f64) -> [f64; 2] {
     if sweep > 0.0 { [begin, begin + sweep] } else { [begin + sweep, begin] }
 }
 
+/// A corner of a polyline, and the bulge of the curve that begins there.
+type Corner = (Point2<f64>, f64);
+
 /// Where each curve begins, with its bulge, and where the last one ends; `None` if they are not all segments and arcs of circles, each
 /// of which begins where the one before ends.
-fn corners(curves: &[Curve]) -> Option<(Vec<(Point2<f64>, f64)>, Point2<f64>)> {
-    let mut out: Vec<(Point2<f64>, f64)> = Vec::new();
+fn corners(curves: &[Curve]) -> Option<(Vec<Corner>, Point2<f64>)> {
+    let mut out: Vec<Corner> = Vec::new();
     let mut end: Option<Point2<f64>> = None;
     for curve in curves {
         let [from, to] = curve.ends();

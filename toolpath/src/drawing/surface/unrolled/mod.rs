@@ -177,7 +177,10 @@ impl UnrolledMesh {
             u.iter_mut().for_each(|value| *value *= turn);
         }
 
-        let upside_down = |corners: &&[usize; 3]| !(twice_area(corners.map(|v| u[v])) > 0.0);
+        let upside_down = |corners: &&[usize; 3]| {
+            let area = twice_area(corners.map(|v| u[v]));
+            area.is_nan() || area <= 0.0
+        };
         let count = patch.triangles.iter().filter(upside_down).count();
         if let Some(t) = patch.triangles.iter().position(|corners| upside_down(&corners)) {
             return Err(UnrollError::Flipped { triangle: patch.numbers[t], count });
