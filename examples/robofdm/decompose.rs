@@ -140,7 +140,7 @@ impl Divided {
             findings.add(Severity::Failed, "points are in no part, or in several", amount, "");
         }
         for [a, b] in &self.crossing {
-            findings.add(Severity::Failed, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
+            findings.add(Severity::Told, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
         }
         for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
             let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);

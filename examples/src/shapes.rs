@@ -71,7 +71,7 @@ fn branches_distance(p: Point3<f64>) -> f64 {
     let level = cone(p, Point3::new(0.0, 0.0, 17.0), Point3::new(25.0, 0.0, 22.0), 5.0, 4.5);
     let upward = cone(p, Point3::new(0.0, 0.0, 16.0), Point3::new(-20.0, 4.0, 30.0), 4.5, 4.5);
     let whole = blend(blend(blend(trunk, ball, 2.0), level, 2.0), upward, 2.0);
-    whole.max(-p.z)
+    -blend(-whole, p.z, 2.0)
 }
 
 /// Below zero inside the jug; about the distance from its surface, in mm.
