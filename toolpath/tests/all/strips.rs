@@ -105,6 +105,23 @@ fn strips_that_carry_nothing_stay_bare() {
 }
 
 #[test]
+fn what_lies_on_a_strip_may_be_two_layers_up() {
+    // Layers half as far apart as they are thick, of which the second is elsewhere.
+    let at = |[[left, right], [front, back]]: Rectangle, z: f64| {
+        [[left, front], [right, front], [right, back], [left, back]].map(|[x, y]| Point3::new(x, y, z))
+    };
+    let [strip, aside, over] = [[0.0, 0.9], [5.0, 8.0], [-1.5, 2.5]].map(|wide| [[0.0, 20.0], wide]);
+    for (height, wanted) in [(1.2, 1), (1.7, 0)] {
+        let corners = [at(strip, 0.4), at(aside, 0.8), at(over, height)];
+        let filled = fill_layers(&surfaces(&corners), &bead_of(1.3), &go_on).unwrap();
+        assert_eq!(filled.totals().narrow_curves, wanted, "{height}");
+    }
+    // Three up lies on what is between, in squeezed layers as well.
+    let corners = [at(strip, 0.4), at(aside, 0.6), at(aside, 0.8), at(over, 1.0)];
+    assert_eq!(fill_layers(&surfaces(&corners), &bead_of(1.3), &go_on).unwrap().totals().narrow_curves, 0);
+}
+
+#[test]
 fn strips_below_the_least_width_and_dots_get_none() {
     let alone = |wide: f64, long: f64, options: &PathOptions| {
         let filled = fill(&[[[0.0, 30.0], [20.0, 30.0]], [[0.0, long], [0.0, wide]]], options);
@@ -121,7 +138,8 @@ fn strips_below_the_least_width_and_dots_get_none() {
     // A bead of less than its width would be a dot.
     assert_eq!(alone(0.6, 1.5, &options), (0, 0));
     assert_eq!(alone(0.6, 1.8, &options), (0, 1));
-    // Uniform beads lie in such strips anyway.
+    // Uniform beads lie in such strips anyway, and in no narrower ones.
+    assert_eq!(alone(0.4, 20.0, &PathOptions { fitted: false, min_width: 0.3, ..options }), (0, 0));
     assert_eq!(alone(0.6, 20.0, &PathOptions { fitted: false, ..options }), (1, 0));
     assert_eq!(alone(0.6, 20.0, &PathOptions { pattern: Pattern::Zigzag, ..options }).1, 0);
 }
@@ -139,9 +157,10 @@ fn widths_that_are_none_are_refused() {
 
 #[test]
 fn widths_follow_a_strip_that_tapers() {
-    // From 1.1 mm wide to nothing over 40 mm, with a bead of 1.6: 0.8 to 1.1 are wide enough.
-    let vertices = [[0.0, -0.55], [40.0, 0.0], [0.0, 0.55]].map(|[x, y]| Point3::new(x, y, 0.4));
-    let mesh = SurfaceMesh::new(vertices.to_vec(), vec![[0, 1, 2]]).unwrap();
+    // From 1.1 mm wide to 0.5 over 30 mm, with a bead of 1.6: 0.8 to 1.1 are wide enough.
+    let across = |k: u32| [-1.0, 1.0].map(|side| Point3::new(f64::from(k), side * (0.55 - 0.01 * f64::from(k)), 0.4));
+    let triangles = |k: u32| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]];
+    let mesh = SurfaceMesh::new((0..=30).flat_map(across).collect(), (0..30).flat_map(triangles).collect()).unwrap();
     let found = LevelField::new(&to_boundary(&mesh), 0.005, &go_on).unwrap().paths(&bead_of(BEAD), &go_on).unwrap();
     let ([], [path]) = (&found.paths[..], &found.narrow[..]) else {
         panic!("{} and {}", found.paths.len(), found.narrow.len())
@@ -151,7 +170,7 @@ fn widths_follow_a_strip_that_tapers() {
         assert!((point.width - wide).abs() < 0.02 && point.width >= 0.5 * BEAD, "{} {wide}", point.width);
     }
     let [first, last] = [&path.points[0], &path.points[path.points.len() - 1]].map(|point| point.at.position.x);
-    assert!(first.min(last) < 0.7 && (first.max(last) - 40.0 * (1.0 - 0.8 / 1.1)).abs() < 0.5, "{first} {last}");
+    assert!(first.min(last) < 1.1 && (first.max(last) - 15.0).abs() < 1.1, "{first} {last}");
 }
 
 /// The candidates of a plate of square millimetres, and what they are beside.
