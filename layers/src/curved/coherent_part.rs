@@ -36,7 +36,11 @@ impl Workpiece<'_> {
     /// [`LayersError`].
     ///
     /// # Cost
-    /// Twice that of [`Workpiece::layers_of_complete`], and that of [`coherent_field`].
+    /// Twice that of [`Workpiece::layers_of_complete`], and that of [`coherent_field`]. `progress` is called with the stage `coherent` as well.
+    ///
+    /// # Example
+    /// As in [`Workpiece::layers`]: `part.coherent_layers_of_complete(part.complete_order(None, 0.75, &options, &progress)?, 0.75, &options,
+    /// &progress)?.layered` is `part.layers(None, 0.75, &progress)?`, since the layers of a block end nowhere inside.
     pub fn coherent_layers_of_complete(
         &self,
         order: CompleteOrder,
