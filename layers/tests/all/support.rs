@@ -235,7 +235,7 @@ fn a_part_is_complete_in_one_call() {
 /// Coherent layers of a part with its support, of one without, and of one with cells that the nozzle builds.
 #[test]
 fn coherent_layers_are_those_of_part_and_support() {
-    let (ball, mut taken) = (hanging_ball(), 0);
+    let (ball, mut taken) = (hanging_ball(), Vec::new());
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
     let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
     let neither = CompleteOptions { support: None, ..support_only };
@@ -260,7 +260,7 @@ fn coherent_layers_are_those_of_part_and_support() {
         assert_eq!(made.layered.growth, even.layered.growth);
         let [waits, waits_of_even] = [&made, &even].map(|made| made.layered.surfaces.boundary.at_waits_mm);
         if made.layered.uniform.method == UniformMethod::Coherent {
-            taken += 1;
+            taken.push(options);
             assert!(made.layered.growth.nozzle.is_empty() && waits < waits_of_even, "{waits} {waits_of_even}");
             assert!(made.layered.uniform.audit.is_ok());
             assert_eq!(made.layered.uniform.audit.cells, even.layered.audit.cells);
@@ -280,7 +280,7 @@ fn coherent_layers_are_those_of_part_and_support() {
             assert_eq!((&made.layered.surfaces, made.layered.uniform.method), (&alone.surfaces, alone.uniform.method));
         }
     }
-    assert!(taken > 0);
+    assert!(taken.contains(&support_only), "{taken:?}");
 }
 
 /// From the start on each cell is built by either rule, and the audit agrees.
