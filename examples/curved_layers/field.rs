@@ -220,16 +220,13 @@ pub fn run(
         }
         let (name, audit, missed) = (order.strategy.name(), order.audit.clone(), order.missed_by_hull.clone());
         let (growth, made) = match surfaces {
-            // Coherent layers are of orders by the hull rule alone.
-            Some(surfaces) if surfaces.coherent && support.is_empty() && order.growth.nozzle.is_empty() => {
-                let layered =
-                    workpiece.coherent_layers(options.strategy, height_mm, &progress).map_err(layers_failed)?;
-                (layered.growth.clone(), Some(Made::of(layered, None, complete.rule)))
-            }
-            Some(_) => {
-                let made =
-                    workpiece.layers_of_complete(order, height_mm, complete, &progress).map_err(layers_failed)?;
-                let CompletePart { layered, support, .. } = made;
+            Some(surfaces) => {
+                let made = if surfaces.coherent {
+                    workpiece.coherent_layers_of_complete(order, height_mm, complete, &progress)
+                } else {
+                    workpiece.layers_of_complete(order, height_mm, complete, &progress)
+                };
+                let CompletePart { layered, support, .. } = made.map_err(layers_failed)?;
                 (layered.growth.clone(), Some(Made::of(layered, support, complete.rule)))
             }
             None => (order.taken().clone(), None),

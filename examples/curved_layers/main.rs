@@ -85,6 +85,10 @@ struct Args {
     /// Shorter curves than so many beads are left out beside longer ones of the same piece of a layer; 0 keeps them all
     #[arg(long, value_name = "BEADS", default_value_t = 5.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = settings::LAYERS)]
     least_length: f64,
+    /// Strips narrower than three quarters of a bead, but not than so many beads, get one where later beads would lie on nothing else; 0.75:
+    /// none do
+    #[arg(long, value_name = "BEADS", default_value_t = 0.5, value_parser = least_width, allow_negative_numbers = true, help_heading = settings::LAYERS)]
+    least_width: f64,
     /// How the part lies on the plate
     #[arg(long, default_value = "given", conflicts_with = "resume", help_heading = "How the part lies")]
     orient: Lying,
@@ -251,9 +255,18 @@ impl Args {
 
     fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {
         let (bead, pattern) = (self.bead(height_mm).map_err(failure)?, self.pattern.of_surface());
-        let (min_gap, join_distance, min_length) = (self.least_gap, self.join_distance, self.least_length);
+        let &Args { least_gap: min_gap, join_distance, least_length: min_length, least_width: min_width, .. } = self;
         let infill = self.settings.infill();
-        Ok(PathOptions { bead, pattern, min_gap, join_distance, min_length, infill, ..PathOptions::default() })
+        Ok(PathOptions {
+            bead,
+            pattern,
+            min_gap,
+            join_distance,
+            min_length,
+            min_width,
+            infill,
+            ..PathOptions::default()
+        })
     }
 
     fn support_options(&self) -> SupportOptions {
@@ -356,7 +369,7 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
     (
         Stage::Paths,
-        "bead_mm merge density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length",
+        "bead_mm merge density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length least_width",
     ),
     (
         Stage::Gcode,
@@ -573,6 +586,14 @@ fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {
 /// A distance in layer heights, for clap: one layer lies one height above the next.
 fn support_distance(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|value| (1.0..=100.0).contains(value)).ok_or_else(|| "must be from 1 to 100".to_owned())
+}
+
+/// The least width of a bead in beads, for clap.
+fn least_width(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value| (0.25..=0.75).contains(value))
+        .ok_or_else(|| "must be from 0.25 to 0.75".to_owned())
 }
 
 /// Any error as one line.

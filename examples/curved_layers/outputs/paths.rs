@@ -44,6 +44,7 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("least_gap", args.least_gap)?
         .set("join_distance_beads", args.join_distance)?
         .set("least_length_beads", args.least_length)?
+        .set("least_width_beads", args.least_width)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
         .set_seconds("statistics_s", times.statistics)?
@@ -55,6 +56,10 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("joints", totals.joints)?
         .set("left_short_curves", totals.short_left)?
         .set("left_short_mm", totals.short_left_mm)?
+        .set("narrow_curves", totals.narrow_curves)?
+        .set("narrow_mm", totals.narrow_mm)?
+        .set("left_narrow_curves", totals.narrow_left)?
+        .set("left_narrow_mm", totals.narrow_left_mm)?
         .set("regions", totals.regions)?
         .set("jumps", totals.jumps)?
         .set("jump_mm", filled.travel_mm)?
@@ -106,6 +111,13 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row([
             "joined, left out".to_owned(),
             format!("{} joints; {} short curves of {:.1} mm", totals.joints, totals.short_left, totals.short_left_mm),
+        ])
+        .row([
+            "beads of narrow strips".to_owned(),
+            format!(
+                "{} of {:.1} mm, since something lies on them; {} of {:.1} mm left out",
+                totals.narrow_curves, totals.narrow_mm, totals.narrow_left, totals.narrow_left_mm
+            ),
         ])
         .row(["starts".to_owned(), format!("{:.2} per metre", run.starts_per_metre())])
         .row(["length".to_owned(), format!("{:.1} m", totals.path_mm / 1000.0)])

@@ -22,6 +22,7 @@ mod bits;
 mod body;
 mod boxes;
 mod cells;
+mod coherent_part;
 mod complete;
 mod growth;
 mod impossible;

@@ -35,9 +35,6 @@ const BORDER_EDGE: f64 = 0.1;
 /// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
 const MIN_THICKNESS: f64 = 0.02;
 
-/// What coherent layers may lose of the volume. Even ones lose up to one hundredth; beyond three it shows in the material laid.
-const MAX_LOST: f64 = 0.03;
-
 /// A part to be layered: its mesh, the cells made of it, and what it stands on.
 #[derive(Clone, Copy, Debug)]
 pub struct Workpiece<'a> {
@@ -263,11 +260,7 @@ impl Workpiece<'_> {
             return Ok(layered);
         };
         let surfaces = self.surfaces(&uniform.field, &missed, height_mm, progress)?;
-        let (now, before) = (&surfaces, &layered.surfaces);
-        let [lost_now, lost_before] = [now, before].map(|surfaces| surfaces.lost_mm3(self.volume_mm3));
-        let is_better = now.boundary.at_waits_mm < before.boundary.at_waits_mm
-            && now.pieces() <= before.pieces()
-            && lost_now <= lost_before.max(MAX_LOST * self.volume_mm3);
+        let is_better = surfaces.are_more_coherent_than(&layered.surfaces, self.volume_mm3);
         Ok(if is_better { LayeredPart { uniform, surfaces, ..layered } } else { layered })
     }
 

@@ -2,6 +2,7 @@
 
 use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
+use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
     Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NozzleRule, NozzleRuleError, NozzleUse,
     Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support, audit, cell_mesh, grow,
@@ -229,6 +230,57 @@ fn a_part_is_complete_in_one_call() {
     let stop = |p: Progress| if p.stage == "support" { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let error = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &stop).unwrap_err();
     assert_eq!(error, LayersError::Cancelled);
+}
+
+/// Coherent layers of a part with its support, of one without, and of one with cells that the nozzle builds.
+#[test]
+fn coherent_layers_are_those_of_part_and_support() {
+    let (ball, mut taken) = (hanging_ball(), Vec::new());
+    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
+    let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
+    let neither = CompleteOptions { support: None, ..support_only };
+    let by_nozzle = CompleteOptions { rule, support: None, ..CompleteOptions::default() };
+    let cells = ball.cells();
+    let all: Vec<u32> = cells.iter().collect();
+    let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
+    let workpiece = Workpiece {
+        vertices: &mesh.vertices,
+        triangles: &mesh.triangles,
+        cells,
+        cell_mm: 1.0,
+        origin: Point3::origin(),
+        platform: &ball.platform,
+        rules: Rules::default(),
+        volume_mm3: all.len() as f64,
+    };
+    for options in [support_only, neither, by_nozzle] {
+        let order = workpiece.complete_order(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
+        let even = workpiece.layers_of_complete(order.clone(), 1.0, &options, &go).unwrap();
+        let made = workpiece.coherent_layers_of_complete(order, 1.0, &options, &go).unwrap();
+        assert_eq!(made.layered.growth, even.layered.growth);
+        let [waits, waits_of_even] = [&made, &even].map(|made| made.layered.surfaces.boundary.at_waits_mm);
+        if made.layered.uniform.method == UniformMethod::Coherent {
+            taken.push(options);
+            assert!(made.layered.growth.nozzle.is_empty() && waits < waits_of_even, "{waits} {waits_of_even}");
+            assert!(made.layered.uniform.audit.is_ok());
+            assert_eq!(made.layered.uniform.audit.cells, even.layered.audit.cells);
+        } else {
+            assert_eq!(made.layered.surfaces, even.layered.surfaces);
+        }
+        let [support, support_of_even] = [&made, &even].map(|made| made.support.as_ref());
+        assert_eq!(support.is_some(), support_of_even.is_some());
+        if let (Some(support), Some(of_even)) = (support, support_of_even) {
+            assert_eq!((&support.cells, support.straight_cells), (&of_even.cells, of_even.straight_cells));
+            assert_eq!(support.surfaces.sheets.len(), made.layered.surfaces.sheets.len());
+            let share = support.surfaces.spacing.volume_mm3 / support.cells.len() as f64;
+            assert!((share - 1.0).abs() < 0.1, "{share}");
+        }
+        if options == neither {
+            let alone = workpiece.coherent_layers(Some(Strategy::Incremental), 1.0, &go).unwrap();
+            assert_eq!((&made.layered.surfaces, made.layered.uniform.method), (&alone.surfaces, alone.uniform.method));
+        }
+    }
+    assert!(taken.contains(&support_only), "{taken:?}");
 }
 
 /// From the start on each cell is built by either rule, and the audit agrees.

@@ -123,6 +123,14 @@ pub struct FillTotals {
     pub short_left: usize,
     /// Length of these.
     pub short_left_mm: f64,
+    /// Beads of strips narrower than three quarters of a bead that are laid since something lies on them ([`PathOptions::min_width`]).
+    pub narrow_curves: usize,
+    /// Length of these.
+    pub narrow_mm: f64,
+    /// Such beads that are left out since nothing does.
+    pub narrow_left: usize,
+    /// Length of these.
+    pub narrow_left_mm: f64,
     /// Share under a bead.
     pub covered_fraction: f64,
     /// Share under two beads.
@@ -536,7 +544,7 @@ pub fn fill_rest(
         layers.push(layer);
         solid.push(of_layer.flatten());
     }
-    let changed = keep_carriers(&mut layers, surfaces, options.bead);
+    let changed = keep_carriers(&mut layers, surfaces, options.bead)?;
     judge_again(&mut layers, &changed, (surfaces, &solid), options.bead, progress)?;
     if let Some(stack) = &stack {
         infill::mark(&mut layers, surfaces, stack);
@@ -780,6 +788,10 @@ impl FilledLayers {
             totals.joints += paths.joints;
             totals.short_left += paths.short.len();
             totals.short_left_mm += paths.short.iter().map(SurfacePath::length).sum::<f64>();
+            totals.narrow_curves += paths.narrow_laid;
+            totals.narrow_mm += paths.narrow_laid_mm;
+            totals.narrow_left += paths.narrow.len();
+            totals.narrow_left_mm += paths.narrow.iter().map(SurfacePath::length).sum::<f64>();
             totals.covered_fraction += statistics.covered_fraction * statistics.area_mm2;
             totals.overlap_fraction += statistics.overlap_fraction * statistics.area_mm2;
             totals.spill_fraction += statistics.spill_fraction * statistics.area_mm2;

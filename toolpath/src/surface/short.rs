@@ -1,9 +1,14 @@
-//! Curves that are too short to be worth a start: how many there are, and which of them stay all the same.
+//! Curves that are laid only if something lies on them: those too short to be worth a start, and those of strips too narrow for an
+//! ordinary bead.
 //!
-//! Each curve costs a transfer and a start. Of one that is only a few beads long little is left but the start.
+//! Each curve costs a transfer and a start. Of one that is only a few beads long little is left but the start; and a strip narrower than
+//! three quarters of a bead takes one with a deposit of half that. But material that lies on nothing is worse than either.
 
-use super::fill::{FilledLayer, FilledLayers, LayerSurface};
+use super::fill::{FillLayersError, FilledLayer, FilledLayers, LayerSurface};
+use super::level_set::SurfacePoint;
+use super::mesh::{MeshError, SurfaceMesh};
 use super::paths::carry::{Place, carriers};
+use super::paths::{LayerPaths, SurfacePath};
 
 /// A bead is carried by an earlier one whose middle is within this many thicknesses of its layer.
 const CARRY_DISTANCE: f64 = 1.5;
@@ -39,28 +44,60 @@ impl FilledLayers {
     }
 }
 
-/// Takes back the short curves that beads of the next layers lie on, from the last layer to the first: what is taken back has to be carried
-/// as well. Says of which layers.
-pub(super) fn keep_carriers(layers: &mut [Option<FilledLayer>], surfaces: &[LayerSurface], bead: f64) -> Vec<usize> {
+/// Takes back the short curves and the beads of narrow strips that beads of the next layers lie on, from the last layer to the first: what is
+/// taken back has to be carried as well. Says of which layers.
+pub(super) fn keep_carriers(
+    layers: &mut [Option<FilledLayer>],
+    surfaces: &[LayerSurface],
+    bead: f64,
+) -> Result<Vec<usize>, FillLayersError> {
     let mut changed = Vec::new();
     for at in (0..layers.len()).rev() {
         let (upto, above) = layers.split_at_mut(at + 1);
         let Some(FilledLayer { paths, .. }) = &mut upto[at] else { continue };
-        if paths.short.is_empty() {
+        if paths.short.is_empty() && paths.narrow.is_empty() {
             continue;
         }
         let above = above.iter().zip(&surfaces[at + 1..]).take(CARRIED_LAYERS);
         let places: Vec<Place> = above.flat_map(|(layer, surface)| places(layer, surface, bead)).collect();
-        let carries = carriers(&paths.paths, &paths.short, &places);
-        let short = std::mem::take(&mut paths.short).into_iter().zip(carries);
-        let (kept, short): (Vec<_>, Vec<_>) = short.partition(|(_, carries)| *carries);
-        if !kept.is_empty() {
+        let short = carrying(&mut paths.short, &paths.paths, &places);
+        let laid = short.len();
+        paths.paths.extend(short);
+        // What a short bead carries needs no narrow one.
+        let narrow = carrying(&mut paths.narrow, &paths.paths, &places);
+        if !narrow.is_empty() {
+            paths.narrow_laid += narrow.len();
+            paths.narrow_laid_mm += narrow.iter().map(SurfacePath::length).sum::<f64>();
+            let region = paths.regions as u32;
+            paths.regions += narrow.len();
+            paths.paths.extend((region..).zip(narrow).map(|(region, path)| SurfacePath { region, ..path }));
+            fill_parts(paths, &surfaces[at])
+                .map_err(|error| FillLayersError::Layer { layer: at, error: error.into() })?;
+            changed.push(at);
+        } else if laid > 0 {
             changed.push(at);
         }
-        paths.paths.extend(kept.into_iter().map(|(path, _)| path));
-        paths.short = short.into_iter().map(|(path, _)| path).collect();
     }
-    changed
+    Ok(changed)
+}
+
+/// Takes out the curves on which places lie that lie on none of those that are kept.
+fn carrying(curves: &mut Vec<SurfacePath>, kept: &[SurfacePath], places: &[Place]) -> Vec<SurfacePath> {
+    let mut carries = carriers(kept, curves, places).into_iter();
+    curves.extract_if(.., |_| carries.next().unwrap_or(false)).collect()
+}
+
+/// Parts of a surface that have got a bead are not unfilled.
+fn fill_parts(paths: &mut LayerPaths, surface: &LayerSurface) -> Result<(), MeshError> {
+    if paths.unfilled.is_empty() {
+        return Ok(());
+    }
+    let parts = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?.regions();
+    let part = |at: &SurfacePoint| parts.of_triangle[at.triangle as usize] as usize;
+    let mut filled = vec![false; parts.count];
+    paths.paths.iter().flat_map(|path| &path.points).for_each(|point| filled[part(&point.at)] = true);
+    paths.unfilled.retain(|unfilled| !filled[part(&unfilled.at)]);
+    Ok(())
 }
 
 /// Places along the beads of a layer, half a bead apart.

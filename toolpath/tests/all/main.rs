@@ -33,6 +33,7 @@ mod ranges;
 mod serde;
 mod short;
 mod statistics;
+mod strips;
 mod support;
 mod travel;
 mod vtp;

@@ -196,6 +196,7 @@ pub(super) fn filled(
         paths.joints += found.joints;
         paths.paths.extend(taken(found.paths));
         paths.short.extend(taken(found.short));
+        // Narrow strips of skin lie between walls and infill: those of the layer are with the walls.
     }
     let mut sparse = SparseFill::default();
     for (triangle, parent) in flush.of(Class::Sparse) {

@@ -1,4 +1,4 @@
-//! Short curves that later beads lie on.
+//! Short and narrow curves that later beads lie on.
 
 use super::SurfacePath;
 use super::segments::{Segments, nearest};
@@ -10,21 +10,21 @@ pub(in crate::surface) struct Place {
     pub reach: f64,
 }
 
-/// For each short curve whether a place lies on it and on none of the curves that are kept.
-pub(in crate::surface) fn carriers(kept: &[SurfacePath], short: &[SurfacePath], places: &[Place]) -> Vec<bool> {
+/// For each curve, short or narrow, whether a place lies on it and on none of the curves that are kept.
+pub(in crate::surface) fn carriers(kept: &[SurfacePath], left: &[SurfacePath], places: &[Place]) -> Vec<bool> {
     let most = places.iter().map(|place| place.reach).fold(0.0, f64::max);
-    let mut carries = vec![false; short.len()];
+    let mut carries = vec![false; left.len()];
     if most <= 0.0 {
         return carries;
     }
-    let [kept_near, short_near] = [kept, short].map(|paths| segments(paths, most));
+    let [kept_near, left_near] = [kept, left].map(|paths| segments(paths, most));
     let within = |paths: &[SurfacePath], [number, k]: [u32; 2], place: &Place| {
         let line = paths[number as usize].segment(k as usize).map(|point| point.at.position);
         (nearest(line, place.at) - place.at).norm() <= place.reach
     };
     for place in places {
         let on: Vec<u32> =
-            short_near.near(place.at).filter(|&name| within(short, name, place)).map(|[number, _]| number).collect();
+            left_near.near(place.at).filter(|&name| within(left, name, place)).map(|[number, _]| number).collect();
         if on.is_empty() || kept_near.near(place.at).any(|name| within(kept, name, place)) {
             continue;
         }

@@ -233,3 +233,74 @@ impl Joiner<'_, '_> {
         end
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::geodesic::SurfaceDistance;
+    use crate::surface::kind::BeadKind;
+    use std::ops::ControlFlow;
+
+    /// Joints, up to two beads of 1 mm long, of open lines and closed ones on a large plate.
+    fn joints(open: &[&[[f64; 2]]], closed: &[&[[f64; 2]]]) -> usize {
+        let vertices = [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]];
+        let vertices = vertices.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+        let mesh = SurfaceMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let distance = SurfaceDistance::to_boundary(&mesh, &|_| ControlFlow::Continue(())).unwrap();
+        let field = LevelField::new(&distance, 0.01, &|_| ControlFlow::Continue(())).unwrap();
+        let spacing = Spacing::new(&field, 1.0, 20.0, true, None);
+        let point = |[x, y]: &[f64; 2]| PathPoint {
+            at: locate(&mesh, 0, Point3::new(*x, *y, 0.0)),
+            width: 1.0,
+            kind: BeadKind::Solid,
+        };
+        let path = |closed: bool| {
+            move |line: &&[[f64; 2]]| SurfacePath { points: line.iter().map(point).collect(), closed, region: 0 }
+        };
+        let paths: Vec<SurfacePath> = open.iter().map(path(false)).chain(closed.iter().map(path(true))).collect();
+        let (curves, joints) = joined(&field, &spacing, [1.0, 2.0], paths.clone(), &|| Ok(())).unwrap();
+        assert_eq!(curves.len() + joints, paths.len());
+        joints
+    }
+
+    #[test]
+    fn a_joint_crosses_no_other_curve() {
+        // So short that no place of it is looked at but its ends: a crossing is all that could be found.
+        let gap: [&[[f64; 2]]; 2] = [&[[-8.0, 0.0], [-0.1, 0.0]], &[[0.1, 0.0], [8.0, 0.0]]];
+        assert_eq!(joints(&gap, &[]), 1);
+        assert_eq!(joints(&gap, &[&[[0.0, -5.0], [0.0, 5.0], [-12.0, 5.0], [-12.0, -5.0]]]), 0);
+        // Nor the curve itself, which turns round just before its end.
+        let straight: &[[f64; 2]] = &[[0.5, 0.0], [8.0, 0.0]];
+        let hook: &[[f64; 2]] = &[[-8.0, -2.0], [0.0, -2.0], [0.0, 0.5], [-0.5, 0.0]];
+        assert_eq!(joints(&[&[[-8.0, 0.0], [-0.5, 0.0]], straight], &[]), 1);
+        assert_eq!(joints(&[hook, straight], &[]), 0);
+    }
+
+    #[test]
+    fn a_joint_keeps_half_a_bead_off_other_curves() {
+        let gap: [&[[f64; 2]]; 2] = [&[[-8.0, 0.0], [-0.5, 0.0]], &[[0.5, 0.0], [8.0, 0.0]]];
+        for (off, wanted) in [(0.49, 0), (0.51, 1)] {
+            assert_eq!(joints(&gap, &[&[[0.0, off], [1.0, 4.0], [-1.0, 4.0]]]), wanted, "{off}");
+        }
+    }
+
+    #[test]
+    fn a_joint_keeps_off_other_joints() {
+        // Of a hairpin with its ends side by side the second would pass the way of the first by 0.483 beads. The curves themselves are
+        // farther off.
+        let hairpin: &[[f64; 2]] = &[[0.0, 0.0], [0.0, -8.0], [0.45, -8.0], [0.45, 0.0]];
+        let [near, far]: [&[[f64; 2]]; 2] = [&[[-0.1, 0.6], [-8.0, 0.6]], &[[0.45, 1.9], [0.45, 8.0]]];
+        assert_eq!(joints(&[hairpin, near, far], &[]), 1);
+        assert_eq!([joints(&[hairpin, near], &[]), joints(&[hairpin, far], &[])], [1, 1]);
+        let wide: &[[f64; 2]] = &[[0.0, 0.0], [0.0, -8.0], [0.5, -8.0], [0.5, 0.0]];
+        assert_eq!(joints(&[wide, near, &[[0.5, 1.9], [0.5, 8.0]]], &[]), 2);
+    }
+
+    #[test]
+    fn joints_do_not_cross() {
+        // Both so short that no place of them is looked at but their ends.
+        let corner: &[[f64; 2]] = &[[0.0, -0.04], [0.0, -8.0], [-8.0, -8.0], [-8.0, 0.0], [-0.1, 0.0]];
+        let [up, aside]: [&[[f64; 2]]; 2] = [&[[0.0, 0.04], [0.0, 8.0]], &[[0.1, 0.0], [8.0, 0.0]]];
+        assert_eq!(joints(&[corner, up, aside], &[]), 1);
+    }
+}

@@ -7,7 +7,8 @@
 //! * `curve`: rings by arc length, points near the surface. `chains`: the tree of rings.
 //! * `spacing`: where rings lie, and how wide their beads are. `spirals`: where rings are cut and bridged. `plan`: from
 //!   cuts and bridges to curves. `crossing`: whether these cross. `segments`: what is near. `thin`: fewer points.
-//! * `widths`: how wide bridges are. `narrow`: single beads where there is no room for two, or some is left.
+//! * `widths`: how wide bridges are. `narrow`: single beads where there is no room for two, or some is left; and for strips too narrow
+//!   for any, in case something lies on them.
 //! * `join`: curves whose ends nearly meet become one. `short`: those too short to be worth a start are left out. `carry`: whether later
 //!   beads lie on them.
 //! * `zigzag`: rows to and fro, from where `cut` cuts the surface; `rows` joins them.
@@ -101,6 +102,10 @@ pub struct PathOptions {
     /// start. The longest curve of a connected part of the surface always stays, so that tips and pins are printed, and so do those on which
     /// beads of the next layers lie ([`fill_layers`](super::fill_layers)).
     pub min_length: f64,
+    /// Strips narrower than three quarters of a bead, but no narrower than this many, get a bead as wide as they are if beads of the next
+    /// layers would else lie on nothing there: 0.5 by default, from 0.25 to 0.75, with which they stay bare. Strips on which nothing
+    /// lies do in any case. For fitted beads alone: uniform ones lie in strips of half their width.
+    pub min_width: f64,
     /// All layers together are refused before any work is done if their curves would have more points than this, by
     /// [`estimate_fill`](super::estimate_fill): 2^25 by default, for which some 5 GB are enough.
     pub max_points: usize,
@@ -118,6 +123,7 @@ impl Default for PathOptions {
             min_gap: 1.0,
             join_distance: 2.0,
             min_length: 5.0,
+            min_width: 0.5,
             max_points: 1 << 25,
             infill: InfillOptions::default(),
         }
@@ -200,8 +206,8 @@ impl SurfacePath {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum UnfilledReason {
-    /// There is no room for a bead: it is narrower than three quarters of a bead everywhere; for even ones narrower than
-    /// half a bead, or shorter than a bead.
+    /// There is no room for a bead: it is narrower than three quarters of a bead everywhere, and carries nothing or is narrower than
+    /// [`PathOptions::min_width`]; for even ones narrower than half a bead, or shorter than a bead.
     Narrow,
     /// It has no boundary to measure from.
     NoBoundary,
@@ -233,6 +239,13 @@ pub struct LayerPaths {
     pub joints: usize,
     /// Curves that are left out since they are short.
     pub short: Vec<SurfacePath>,
+    /// Beads of strips narrower than three quarters of a bead ([`PathOptions::min_width`]) that are left out, since nothing is known to lie
+    /// on them.
+    pub narrow: Vec<SurfacePath>,
+    /// How many of `paths` are beads of such strips, on which beads of the next layers lie ([`fill_layers`](super::fill_layers)).
+    pub narrow_laid: usize,
+    /// Their length in millimetres.
+    pub narrow_laid_mm: f64,
     /// What is left out.
     pub unfilled: Vec<Unfilled>,
 }
@@ -270,6 +283,12 @@ pub enum PathError {
     /// The minimum length is not a number from 0 on.
     #[error("a minimum length of {beads} beads: it must be 0 or more")]
     MinLength {
+        /// What was asked for.
+        beads: f64,
+    },
+    /// The least width of a bead is none between a quarter and three quarters of a bead.
+    #[error("a least width of {beads} beads: it must be from 0.25 to 0.75")]
+    MinWidth {
         /// What was asked for.
         beads: f64,
     },
@@ -373,7 +392,7 @@ impl LevelField<'_> {
         if !(bead > 0.0 && bead.is_finite()) {
             return Err(PathError::Bead { bead });
         }
-        let PathOptions { min_gap: gap, join_distance, min_length, .. } = *options;
+        let PathOptions { min_gap: gap, join_distance, min_length, min_width, .. } = *options;
         let from_zero = |value: f64| value >= 0.0 && value.is_finite();
         if !from_zero(gap) {
             return Err(PathError::Gap { gap });
@@ -383,6 +402,9 @@ impl LevelField<'_> {
         }
         if !from_zero(min_length) {
             return Err(PathError::MinLength { beads: min_length });
+        }
+        if !(narrow::LEAST_MIN_WIDTH..=BEAD_WIDTHS[0]).contains(&min_width) {
+            return Err(PathError::MinWidth { beads: min_width });
         }
         options.infill.check()?;
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
@@ -436,6 +458,7 @@ impl LevelField<'_> {
             false => curves.iter().map(|curve| vec![bead; curve.points.len()]).collect(),
         };
         step()?;
+        let wanted = narrow::Wanted::usual(&spacing, [bead, gap]);
         let singles = match options.pattern {
             // Rows keep off the boundary: what a ring along it would cover is theirs.
             Pattern::Zigzag => {
@@ -443,9 +466,9 @@ impl LevelField<'_> {
                 let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
                 let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
                 let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
-                narrow::single_beads(self, &spacing, [bead, gap], &rims, &widths, &inside, &watch)?
+                narrow::single_beads(self, &wanted, &rims, &widths, &inside, &watch)?
             }
-            _ => narrow::single_beads(self, &spacing, [bead, gap], &curves, &widths, &inside, &watch)?,
+            _ => narrow::single_beads(self, &wanted, &curves, &widths, &inside, &watch)?,
         };
         step()?;
         for (points, width) in singles {
@@ -454,18 +477,24 @@ impl LevelField<'_> {
             found.regions += 1;
         }
         let kind = |at: &SurfacePoint| if walls.is_some() { BeadKind::Wall } else { self.kind(at, bead) };
-        let path = |(curve, widths): (Curve, Vec<f64>)| {
-            let points = curve
-                .points
-                .into_iter()
-                .zip(widths)
-                .map(|(at, width)| PathPoint { at, width, kind: kind(&at) })
-                .collect();
-            SurfacePath { points, closed: curve.closed, region: curve.region }
+        let points = |points: Vec<SurfacePoint>, widths: Vec<f64>| -> Vec<PathPoint> {
+            points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width, kind: kind(&at) }).collect()
+        };
+        let path = |(curve, widths): (Curve, Vec<f64>)| SurfacePath {
+            points: points(curve.points, widths),
+            closed: curve.closed,
+            region: curve.region,
         };
         let paths;
         let apart = curves.into_iter().zip(widths).map(path).collect();
         (paths, found.joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
+        let strips = narrow::strip_beads(self, &spacing, [bead, gap, min_width], &paths, &inside, &watch)?;
+        let strip = |(k, (at, widths)): (u32, narrow::Single)| SurfacePath {
+            points: points(at, widths),
+            closed: false,
+            region: found.regions as u32 + k,
+        };
+        found.narrow = (0..).zip(strips).map(strip).collect();
         (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
         found.unfilled = self.unfilled(&found.paths);
         Ok(Contours { paths: found, inside })

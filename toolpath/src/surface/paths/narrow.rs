@@ -5,12 +5,15 @@
 //! mesh has edges along the medial axis, and a path along edges that avoids places with little room keeps to them. The
 //! bead is that of the longest way found: from the place with the most room to the farthest one, and from there to the
 //! farthest again. Branches follow by themselves, from where the first bead covers them.
+//!
+//! Strips narrower than the narrowest bead otherwise laid ([`BEAD_WIDTHS`]) get beads as wide as they are, by the same search: but only
+//! as candidates. Which of them are laid is for one who knows the layers above ([`short`](crate::surface::short)).
 
 use super::crossing::cross;
 use super::polyline::Curve;
 use super::segments::{Segments, nearest};
-use super::spacing::Spacing;
-use super::{PathError, Watch};
+use super::spacing::{BEAD_WIDTHS, Spacing};
+use super::{PathError, SurfacePath, Watch};
 use crate::surface::level_set::{Around, LevelField, SurfacePoint};
 use crate::surface::mesh::previous;
 use std::cmp::Reverse;
@@ -32,11 +35,14 @@ const LOOKUP_DISTANCE: f64 = 1.0;
 /// Uniform beads leave the space between rings as it is: only what is nearer to the boundary than this, in beads, gets a
 /// single one. Rings that are left out for being short are no farther in.
 const UNIFORM_MAX_BOUNDARY_DISTANCE: f64 = 0.66;
-/// And a uniform bead that is shorter than this, in beads, is left out: most of it would lie outside.
-const UNIFORM_MIN_LENGTH: f64 = 1.0;
+/// A uniform bead that is shorter than this, in beads, is left out: most of it would lie outside. So is one of a narrow strip: it is a
+/// dot.
+const SINGLE_MIN_LENGTH: f64 = 1.0;
 /// Vertices with clearance are this far from other curves, in beads: half the least width and the least clearance. An edge between
-/// two of them that is shorter than twice this crosses none.
+/// two of them that is shorter than twice this crosses none. Narrow strips of [`LEAST_MIN_WIDTH`] have just that.
 const MIN_CURVE_DISTANCE: f64 = 0.5;
+/// The least width of a bead that may be asked for, in beads.
+pub(super) const LEAST_MIN_WIDTH: f64 = 0.25;
 
 /// Shortest paths: for each vertex what it costs, how long the path is, and the vertex before.
 type Reached = Vec<Option<(f64, f64, u32)>>;
@@ -44,23 +50,76 @@ type Reached = Vec<Option<(f64, f64, u32)>>;
 /// A single bead: points and widths.
 pub(super) type Single = (Vec<SurfacePoint>, Vec<f64>);
 
+/// Which single beads are looked for. Lengths in millimetres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    bead: f64,
+    /// Least distance from the boundary, and from the beads beside it.
+    clearance: [f64; 2],
+    /// Vertices at this distance from the boundary or farther have none.
+    most: f64,
+    /// Shorter ones are left out.
+    shortest: f64,
+    /// Least and largest width.
+    widths: [f64; 2],
+    /// Squares of a bead that one covers at least where the part of the mesh has a curve.
+    gap: f64,
+}
+
+impl Wanted {
+    /// Those of places with too little room for two beads.
+    pub fn usual(spacing: &Spacing, [bead, gap]: [f64; 2]) -> Wanted {
+        let least = spacing.least_single();
+        if spacing.fits() {
+            let (clearance, widths) =
+                ([least, (1.0 - MAX_OVERLAP_SHARE) * least], BEAD_WIDTHS.map(|width| width * bead));
+            Wanted { bead, clearance, most: f64::INFINITY, shortest: 0.0, widths, gap }
+        } else {
+            let most = UNIFORM_MAX_BOUNDARY_DISTANCE * bead;
+            Wanted { bead, clearance: [least; 2], most, shortest: SINGLE_MIN_LENGTH * bead, widths: [bead; 2], gap }
+        }
+    }
+
+    /// Those of strips that are narrower still, down to `min_width` beads.
+    fn of_strips(min_width: f64, [bead, gap]: [f64; 2]) -> Wanted {
+        let (clearance, widths) = ([0.5 * min_width * bead; 2], [min_width, BEAD_WIDTHS[1]].map(|width| width * bead));
+        Wanted { bead, clearance, most: f64::INFINITY, shortest: SINGLE_MIN_LENGTH * bead, widths, gap }
+    }
+}
+
+/// Beads for strips too narrow for others, beside the paths that are there: points and widths, from `min_width` beads on. None beside
+/// uniform beads: those lie in strips half as wide as they are.
+pub(super) fn strip_beads(
+    field: &LevelField,
+    spacing: &Spacing,
+    [bead, gap, min_width]: [f64; 3],
+    paths: &[SurfacePath],
+    inside: &[f64],
+    watch: Watch,
+) -> Result<Vec<Single>, PathError> {
+    if !spacing.fits() || min_width >= BEAD_WIDTHS[0] {
+        return Ok(Vec::new());
+    }
+    let curve = |path: &SurfacePath| {
+        let (points, widths) = path.points.iter().map(|point| (point.at, point.width)).unzip();
+        (Curve { points, closed: path.closed, region: path.region, least: 0.0 }, widths)
+    };
+    let (curves, widths): (Vec<Curve>, Vec<Vec<f64>>) = paths.iter().map(curve).unzip();
+    single_beads(field, &Wanted::of_strips(min_width, [bead, gap]), &curves, &widths, inside, watch)
+}
+
 /// Single beads where curves with widths leave room: those that cover at least `gap` squares of a bead, and one in each part
 /// of the mesh that has no curve. None at vertices that are `inside` of all contours: that is for infill.
 pub(super) fn single_beads(
     field: &LevelField,
-    spacing: &Spacing,
-    [bead, gap]: [f64; 2],
+    wanted: &Wanted,
     curves: &[Curve],
     widths: &[Vec<f64>],
     inside: &[f64],
     watch: Watch,
 ) -> Result<Vec<Single>, PathError> {
+    let &Wanted { bead, clearance: [least, shallow], most, shortest, widths: [narrowest, widest], gap } = wanted;
     let beside = Beside { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead) };
-    let least = spacing.least_single();
-    let (shallow, most) = match spacing.fits() {
-        true => ((1.0 - MAX_OVERLAP_SHARE) * least, f64::INFINITY),
-        false => (least, UNIFORM_MAX_BOUNDARY_DISTANCE * bead),
-    };
     let room = |v: u32| match field.values[v as usize] {
         _ if inside.get(v as usize).is_some_and(|&inside| inside > 0.0) => 0.0,
         value if value >= least && value < most => beside.room(field.points[v as usize], value, shallow),
@@ -86,7 +145,7 @@ pub(super) fn single_beads(
         let covered = graph.reach(&way, |v| open[v as usize], |length, _| length, BRANCH_DISTANCE * bead);
         part.iter().filter(|&&v| covered[v as usize].is_some()).for_each(|&v| open[v as usize] = false);
         waiting.extend(part.iter().rev().filter(|&&v| open[v as usize]));
-        if !spacing.fits() && graph.along(&way) < UNIFORM_MIN_LENGTH * bead {
+        if graph.along(&way) < shortest {
             continue;
         }
         let (points, room) = graph.line(&way, MIN_LENGTH * bead);
@@ -96,7 +155,7 @@ pub(super) fn single_beads(
         }
         if points.len() > 1 && !graph.crosses(&points, &found) {
             has_curve[mesh_part] = true;
-            let widths = room.into_iter().map(|room| spacing.single(room));
+            let widths = room.into_iter().map(|room| (2.0 * room).clamp(narrowest, widest));
             singles.push(apart(points.iter().copied().zip(widths), MIN_POINT_DISTANCE * bead));
             found.push(points);
         }
