@@ -107,7 +107,7 @@ fn bad_input_is_told_and_leaves_nothing() {
     let ell = obj("ell.obj", &shapes::ell(), usize::MAX);
     let (open, ell) = (open.to_str().unwrap(), ell.to_str().unwrap());
     for (name, words, told) in [
-        ("open", vec!["--mesh", open], "open"),
+        ("open", vec!["--mesh", open], "must be closed"),
         ("root", vec!["--mesh", ell, "--root", "99"], "part 99 cannot be the first one"),
         ("clusters", vec!["--mesh", ell, "--parts", "1000"], "clusters"),
         ("gone", vec!["--mesh", "no/such/part.stl"], "no/such/part.stl"),
