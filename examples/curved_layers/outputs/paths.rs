@@ -65,6 +65,7 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("solid_mm", totals.solid_mm)?
         .set("skin_mm", totals.skin_mm)?
         .set("support_mm", totals.support_mm)?
+        .set("support_density", args.complete.support_density / 100.0)?
         .set("infill_mm", totals.sparse.infill_mm)?
         .set("sparse_mm3", totals.sparse.volume_mm3)?
         .set("sparse_infill_mm3", totals.sparse.infill_mm3)?

@@ -1,7 +1,9 @@
 //! Layers filled in ranges and put together: what one run gives, and ranges that are none.
 
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{FillLayersError, LayerSurface, PathOptions, fill_layers, fill_range, fill_rest};
+use curvlay_toolpath::surface::{
+    FillLayersError, InfillOptions, LayerSurface, PathOptions, fill_layers, fill_range, fill_rest,
+};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 
@@ -18,14 +20,16 @@ fn sheet(wide: f64, z: f64, bend: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Narrow layers above wide ones, some without a surface: the narrow ones keep short curves of the ones below.
+    /// Narrow layers above wide ones, some without a surface: the narrow ones keep short curves of the ones below. Solid and sparse, skins by
+    /// what is above and below, in other pieces.
     #[test]
     fn ranges_put_together_are_one_run(
         sizes in prop::collection::vec((1.5..9.0f64, 0.0..2.0f64, 0..5u32), 2..7),
         cuts in prop::collection::vec(0..8usize, 0..3),
         left in 0..8usize,
+        (density, walls, skin) in prop_oneof![Just((1.0, 3, 4)), (prop::sample::select(vec![0.0, 0.3]), 0..3u32, 0..3u32)],
     ) {
         let sheets: Vec<_> = (0..).zip(&sizes).map(|(k, &(wide, bend, there))| match there {
             0 => (Vec::new(), Vec::new()),
@@ -35,8 +39,10 @@ proptest! {
         let surfaces: Vec<_> = sheets.iter().zip(&thickness).map(|((vertices, triangles), thickness)| LayerSurface {
             vertices, triangles, thickness,
         }).collect();
-        let (options, go) = (PathOptions::default(), |_| ControlFlow::Continue(()));
+        let infill = InfillOptions { density, walls, skin, ..InfillOptions::default() };
+        let (options, go) = (PathOptions { infill, ..PathOptions::default() }, |_| ControlFlow::Continue(()));
         let whole = fill_layers(&surfaces, &options, &go);
+        prop_assume!(!matches!(whole, Err(FillLayersError::Layer { .. })));
         let mut cuts: Vec<_> = cuts.into_iter().map(|cut| cut.min(surfaces.len())).chain([0, surfaces.len()]).collect();
         cuts.sort_unstable();
         let mut filled = Vec::new();
@@ -71,4 +77,35 @@ fn ranges_that_are_none_are_refused() {
     let broken = [surfaces[0], LayerSurface { triangles: &bad, ..surfaces[0] }];
     let error = fill_range(&broken, 1..2, &options, &go).unwrap_err();
     assert!(matches!(error, FillLayersError::Layer { layer: 1, .. }), "{error}");
+}
+
+/// A plate with a bar on its rim: the short curves beside the bar are left out of a layer by itself, and come back where the bar carries on.
+/// Then a sparse layer is judged again by what is solid of it, wherever it was filled.
+#[test]
+fn short_curves_come_back_into_sparse_layers() {
+    let at = |[x, y]: [f64; 2], z: f64| Point3::new(x, y, z);
+    // A square of 20 mm and a strip beside it, in one piece: a narrow neck leads into a pocket that takes one short bead.
+    let outline = |z: f64| {
+        let xy =
+            [[0.0, 0.0], [20.0, 0.0], [20.0, 9.4], [20.0, 10.6], [20.0, 20.0], [0.0, 20.0], [23.0, 9.4], [23.0, 10.6]];
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 5], [3, 4, 5], [2, 6, 7], [2, 7, 3]];
+        (xy.map(|p| at(p, z)).to_vec(), triangles)
+    };
+    let sheets: Vec<_> = (0..6).map(|k| outline(0.4 + 0.8 * f64::from(k))).collect();
+    let thickness = [0.8; 6];
+    let surfaces: Vec<_> = sheets
+        .iter()
+        .map(|(vertices, triangles)| LayerSurface { vertices, triangles, thickness: &thickness })
+        .collect();
+    let infill = InfillOptions { density: 0.25, walls: 2, skin: 1, ..InfillOptions::default() };
+    let options = PathOptions { infill, min_length: 12.0, ..PathOptions::default() };
+    let go = |_| ControlFlow::Continue(());
+    let whole = fill_layers(&surfaces, &options, &go).unwrap();
+    let mut filled = fill_range(&surfaces, 0..4, &options, &go).unwrap();
+    let left_out = filled.iter().flatten().map(|layer| layer.paths.short.len()).sum::<usize>();
+    filled.extend(fill_range(&surfaces, 4..6, &options, &go).unwrap());
+    let rest = fill_rest(&surfaces, filled, &options, &go).unwrap();
+    assert_eq!(rest, whole);
+    eprintln!("short {left_out}, left {}", whole.totals().short_left);
+    assert!(whole.totals().sparse.area_mm2 > 100.0 && left_out > whole.totals().short_left);
 }
