@@ -35,7 +35,7 @@ pub const EVEN: [u8; 3] = [11, 122, 117];
 const FAULT: [u8; 3] = [200, 30, 30];
 const INK: [u8; 3] = [31, 38, 48];
 /// Support: a colour that no layer has.
-const SUPPORT: [u8; 3] = [176, 82, 160];
+const SUPPORT: [u8; 3] = [224, 112, 32];
 
 fn from_the_front() -> Camera {
     Camera::from_direction(Vector3::new(0.6, -1.0, 0.45))

