@@ -25,6 +25,15 @@ pub struct CompleteArgs {
     /// Width of the columns of support, in cells
     #[arg(long, value_name = "CELLS", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
     pub support_width: u32,
+    /// And where they touch the part, in cells: narrower, so that they break off
+    #[arg(long, value_name = "CELLS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
+    pub support_contact: u32,
+    /// Levels of cells that stay empty between support and part; cells over such a gap count as supported, beads over it do not
+    #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=i64::from(SupportOptions::MAX_WIDTH)))]
+    pub support_gap: u32,
+    /// Share of the inside of support that is filled
+    #[arg(long, value_name = "PERCENT", default_value_t = 25.0, value_parser = percent, allow_negative_numbers = true)]
+    pub support_density: f64,
 }
 
 /// When cells are judged by the nozzle that prints.
@@ -72,8 +81,18 @@ impl CompleteArgs {
             NozzleGrowth::After => NozzleUse::After,
             NozzleGrowth::FromStart => NozzleUse::FromStart,
         };
-        let columns = SupportOptions { width: self.support_width, ..SupportOptions::default() };
+        let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);
+        let columns = SupportOptions { width, contact, gap, ..SupportOptions::default() };
         CompleteOptions { nozzle, rule, support: (support == Support::Auto).then_some(columns) }
+    }
+
+    /// Says what does not go together.
+    pub fn check(self) -> Result<(), String> {
+        let CompleteArgs { support_width: width, support_contact: contact, .. } = self;
+        if contact > width {
+            return Err(format!("--support-contact {contact} is above --support-width {width}"));
+        }
+        Ok(())
     }
 
     /// The names of what holds.
@@ -90,6 +109,10 @@ fn tilt(text: &str) -> Result<f64, String> {
     } else {
         Err("must be above 0 and at most 90; to print upright alone use --nozzle-growth off".to_owned())
     }
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    from_zero(text).ok().filter(|percent| *percent <= 100.0).ok_or_else(|| "must be from 0 to 100".to_owned())
 }
 
 fn margin(text: &str) -> Result<f64, String> {

@@ -80,7 +80,8 @@ pub fn run(
     };
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
-    let PrintPlan { before, resolved, travels, deposition } = paths.filled.plan(&layers, nozzle, options, &progress)?;
+    let stack = paths.filled.stack(&layers)?.with_hints(surfaces.hints()?);
+    let PrintPlan { before, resolved, travels, deposition } = stack.plan(nozzle, options, &progress)?;
     clock.note("support", 0);
     let support = check_support(&resolved.paths, surfaces.height_mm, support, &progress)?;
     clock.stop();
@@ -96,7 +97,6 @@ pub fn run(
     let mut run = MachineRun { before, resolved, travels, deposition, support, covered_mm3, unfiltered: None, times };
     if let Some(longest) = run.longest().filter(|_| compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
-        let stack = paths.filled.stack(&layers)?;
         let unfiltered = stack.orient(&options, &progress)?;
         // Paths may have been cut.
         let of_curve = |other: &ToolPath| (other.layer, other.curve) == (longest.layer, longest.curve);

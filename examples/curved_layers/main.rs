@@ -45,7 +45,7 @@ use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use outputs::Files;
 use paths::PathsRun;
-use ranges::Pick;
+use ranges::{LayerFill, Pick};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
@@ -154,6 +154,7 @@ impl Args {
         if min_feed > max_feed {
             return Err(Failure::of_arguments(format!("--min-feed {min_feed} is above --max-feed {max_feed}")));
         }
+        self.complete.check().map_err(Failure::of_arguments)?;
         if self.settings.price_per_kg.is_some() && self.settings.material_density_g_cm3.is_none() {
             return Err(Failure::of_arguments("--price-per-kg needs --material-density: filament is sold by mass"));
         }
@@ -269,6 +270,12 @@ impl Args {
         })
     }
 
+    /// How the layers are filled, and their support if there is any.
+    fn fill(&self, part: PathOptions, surfaces: &SurfacesRun) -> LayerFill {
+        let density = self.complete.support_density / 100.0;
+        LayerFill { part, support: surfaces.support.as_ref().map(|_| part.for_support(density)) }
+    }
+
     fn support_options(&self) -> SupportOptions {
         SupportOptions { max_distance: self.support_distance, ..SupportOptions::default() }
     }
@@ -369,7 +376,7 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
     (
         Stage::Paths,
-        "bead_mm merge density_percent walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length least_width",
+        "bead_mm merge density_percent support_density walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length least_width",
     ),
     (
         Stage::Gcode,
@@ -526,9 +533,10 @@ impl Job<'_> {
         let range = pick.layers(surfaces.sheets.len()).map_err(failure)?;
         let options = args.path_options(surfaces.height_mm)?;
         args.memory().holds_paths(options.bead, field, surfaces)?;
-        let layers = paths::range(&options, surfaces, range.clone(), bars)?;
+        let fill = args.fill(options, surfaces);
+        let layers = paths::range(&fill, surfaces, range.clone(), bars)?;
         bars.finish();
-        ranges::write(&surfaces.surfaces(), &options, range.clone(), &layers, self.folder)?;
+        ranges::write(&surfaces.surfaces(), &fill, range.clone(), &layers, self.folder)?;
         outputs::write_range(self, &results, range, &layers)?;
         Ok(results.findings.outcome())
     }
@@ -542,11 +550,12 @@ impl Job<'_> {
             (Stage::Paths, ..) => {
                 let options = args.path_options(surfaces.height_mm)?;
                 memory.holds_paths(options.bead, field, surfaces)?;
+                let fill = args.fill(options, surfaces);
                 let filled = match &args.merge[..] {
                     [] => Vec::new(),
-                    files => ranges::read(files, &surfaces.surfaces(), &options).map_err(failure)?,
+                    files => ranges::read(files, &surfaces.surfaces(), &fill).map_err(failure)?,
                 };
-                results.paths = Some(paths::run(&options, surfaces, filled, bars)?);
+                results.paths = Some(paths::run(&fill, surfaces, filled, bars)?);
             }
             (Stage::Gcode, Some(paths), _) => {
                 let options = args.print_options();

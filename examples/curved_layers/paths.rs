@@ -1,14 +1,15 @@
 //! Stage `paths`: every surface filled with continuous curves, and what their beads cover.
 
 use crate::failure;
+use crate::ranges::LayerFill;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    BeadKind, Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, PathOptions,
-    SHORT_CURVE_BEADS, SurfacePath, fill_range, fill_rest,
+    Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, SHORT_CURVE_BEADS, SurfacePath,
+    fill_range, fill_rest,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -64,7 +65,7 @@ impl PathsRun {
 
 /// Fills a range of the surfaces, from 0.
 pub fn range(
-    options: &PathOptions,
+    fill: &LayerFill,
     surfaces: &SurfacesRun,
     range: Range<usize>,
     bars: &Bars,
@@ -75,7 +76,22 @@ pub fn range(
         }
         ControlFlow::Continue(())
     };
-    fill_range(&surfaces.surfaces(), range, options, &progress).map_err(failed)
+    filled(fill, surfaces, range, &progress).map_err(failed)
+}
+
+/// Part and support of a range of layers, each filled in its own way.
+fn filled(
+    fill: &LayerFill,
+    surfaces: &SurfacesRun,
+    range: Range<usize>,
+    progress: &(dyn Fn(curvlay_toolpath::Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<Option<FilledLayer>>, FillLayersError> {
+    let of_part = surfaces.of_part();
+    let filled = fill_range(&of_part, range.clone(), &fill.part, progress)?;
+    let Some(options) = &fill.support else { return Ok(filled) };
+    let support = fill_range(&surfaces.of_support(), range.clone(), options, progress)?;
+    let both = filled.into_iter().zip(support).zip(&of_part[range]);
+    Ok(both.map(|((part, support), surface)| FilledLayer::with_support(part, support, surface)).collect())
 }
 
 fn failed(error: FillLayersError) -> Failure {
@@ -87,9 +103,9 @@ fn failed(error: FillLayersError) -> Failure {
 
 /// Fills the surfaces, but for those that are filled already.
 pub fn run(
-    options: &PathOptions,
+    fill: &LayerFill,
     surfaces: &SurfacesRun,
-    filled: Vec<Option<FilledLayer>>,
+    given: Vec<Option<FilledLayer>>,
     bars: &Bars,
 ) -> Result<PathsRun, Failure> {
     let (start, clock) = (Instant::now(), StageClock::default());
@@ -101,21 +117,23 @@ pub fn run(
         }
         ControlFlow::Continue(())
     };
-    let mut filled = fill_rest(&surfaces.surfaces(), filled, options, &progress).map_err(failed)?;
-    for (layer, sheet) in surfaces.printed.iter().enumerate() {
-        filled.set_kind(layer, BeadKind::Support, |triangle| triangle as usize >= sheet.part_triangles);
-    }
+    let all = surfaces.surfaces();
+    let given = match fill.support {
+        Some(_) if given.is_empty() => filled(fill, surfaces, 0..all.len(), &progress).map_err(failed)?,
+        _ => given,
+    };
+    let filled = fill_rest(&all, given, &fill.part, &progress).map_err(failed)?;
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };
-    let (bead_mm, totals) = (options.bead, filled.totals());
+    let (bead_mm, totals) = (fill.part.bead, filled.totals());
     if totals.curves == 0 {
         return Err(failure(
             "no layer has a surface, nothing would be printed: take a smaller --cell or more --voxels",
         ));
     }
-    let too_thin = filled.left_out(&surfaces.surfaces());
-    let bridges = filled.bridges(&surfaces.surfaces());
+    let too_thin = filled.left_out(&all);
+    let bridges = filled.bridges(&all);
     let short_curves = filled.curves_shorter_than(SHORT_CURVE_BEADS * bead_mm);
     Ok(PathsRun { bead_mm, totals, short_curves, too_thin, filled, bridges, times })
 }

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub const FILE: &str = "paths.jsonl";
 
 /// What the first line says that the file is.
-const FORMAT: &str = "curvlay paths 1";
+const FORMAT: &str = "curvlay paths 2";
 
 /// Layers that are picked, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,8 +89,8 @@ pub enum RangeError {
     )]
     OtherSurfaces { path: PathBuf },
     #[error(
-        "{}: the paths were made with other options: --bead, --pattern, --least-gap, --join-distance and --least-length must be the \
-         same in all runs",
+        "{}: the paths were made with other options: --bead, --pattern, --least-gap, --join-distance, --least-length, \
+         --density, --support-density and what goes with them must be the same in all runs",
         .path.display()
     )]
     OtherOptions { path: PathBuf },
@@ -112,6 +112,14 @@ fn listed(ranges: &[[usize; 2]]) -> String {
     ranges.iter().map(|[first, last]| format!("{first}..{last}")).collect::<Vec<_>>().join(", ")
 }
 
+/// How layers are filled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerFill {
+    pub part: PathOptions,
+    /// Of a part with support.
+    pub support: Option<PathOptions>,
+}
+
 /// The first line of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Header {
@@ -119,7 +127,7 @@ struct Header {
     /// Stamp of all surfaces, hexadecimal.
     surfaces: String,
     /// How they were filled.
-    options: PathOptions,
+    fill: LayerFill,
     /// How many surfaces there are, and the first and the last that follow, counted from 1.
     count: usize,
     first: usize,
@@ -139,20 +147,14 @@ fn stamp(surfaces: &[LayerSurface]) -> String {
 /// Writes what was made of a range of layers.
 pub fn write(
     surfaces: &[LayerSurface],
-    options: &PathOptions,
+    fill: &LayerFill,
     range: Range<usize>,
     layers: &[Option<FilledLayer>],
     folder: &OutputFolder,
 ) -> Result<(), OutputError> {
     let (surfaces, count) = (stamp(surfaces), surfaces.len());
-    let header = Header {
-        format: FORMAT.to_owned(),
-        surfaces,
-        options: *options,
-        count,
-        first: range.start + 1,
-        last: range.end,
-    };
+    let header =
+        Header { format: FORMAT.to_owned(), surfaces, fill: *fill, count, first: range.start + 1, last: range.end };
     folder.write_with(FILE, |out| {
         serde_json::to_writer(&mut *out, &header)?;
         for layer in layers {
@@ -168,7 +170,7 @@ pub fn write(
 pub fn read(
     files: &[PathBuf],
     surfaces: &[LayerSurface],
-    options: &PathOptions,
+    fill: &LayerFill,
 ) -> Result<Vec<Option<FilledLayer>>, RangeError> {
     let (stamp, count) = (stamp(surfaces), surfaces.len());
     let mut layers: Vec<Option<FilledLayer>> = vec![None; count];
@@ -186,7 +188,7 @@ pub fn read(
         if header.surfaces != stamp || header.count != count {
             return Err(RangeError::OtherSurfaces { path });
         }
-        if header.options != *options {
+        if header.fill != *fill {
             return Err(RangeError::OtherOptions { path });
         }
         if header.first == 0 || header.first > header.last || header.last > count {

@@ -7,9 +7,11 @@ use curvlay_layers::curved::surface::{
     LayerField, PrintAids, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field,
 };
 use curvlay_layers::curved::{
-    Cells, Growth, LayerSurfaces, LayeredPart, LayersError, NozzleRule, PartSupport, PrintedSheet, Workpiece,
+    Cells, Growth, LayerSurfaces, LayeredPart, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet,
+    Workpiece,
 };
-use curvlay_toolpath::surface::LayerSurface;
+use curvlay_layers::nalgebra::Vector3;
+use curvlay_toolpath::surface::{DirectionHints, LayerSurface};
 use curvlay_voxel::Resolution;
 use std::fmt::Display;
 use std::fs::{self, File};
@@ -45,8 +47,9 @@ impl Made {
     /// Of the layers of an order.
     pub fn of(layered: LayeredPart, support: Option<PartSupport>, rule: NozzleRule) -> Self {
         let LayeredPart { growth, uniform, surfaces: layers, .. } = layered;
-        let cells = support.as_ref().map_or(Vec::new(), |support| support.cells.clone());
-        let aids = PrintAids { support: cells, rule, nozzle: growth.nozzle };
+        let [cells, gap] =
+            support.as_ref().map_or([const { Vec::new() }; 2], |made| [made.cells.clone(), made.gap.clone()]);
+        let aids = PrintAids { support: cells, gap, rule, nozzle: growth.nozzle };
         Made { layers, support, method: method_name(uniform.method), field: uniform.field, aids, waits: uniform.jumps }
     }
 }
@@ -88,7 +91,7 @@ impl SurfacesRun {
     /// The surfaces as tool paths are planned on.
     pub fn surfaces(&self) -> Vec<LayerSurface<'_>> {
         if self.printed.is_empty() {
-            return self.layers.iter().map(LayerSurface::from).collect();
+            return self.of_part();
         }
         let printed = self.printed.iter();
         printed
@@ -98,6 +101,25 @@ impl SurfacesRun {
                 thickness,
             })
             .collect()
+    }
+
+    /// Those of the part alone.
+    pub fn of_part(&self) -> Vec<LayerSurface<'_>> {
+        self.layers.iter().map(LayerSurface::from).collect()
+    }
+
+    /// Those of the support.
+    pub fn of_support(&self) -> Vec<LayerSurface<'_>> {
+        self.support.iter().flat_map(|support| support.surfaces.iter()).map(LayerSurface::from).collect()
+    }
+
+    /// How the nozzle is known to get to the places of cells that were judged by it.
+    pub fn hints(&self) -> Result<DirectionHints, Failure> {
+        let SavedField { field, aids, cell_mm, origin, .. } = &self.saved;
+        let [nx, ny, _] = field.dims();
+        let middle = |cell: u32| [cell % nx, cell / nx % ny, cell / nx / ny].map(|k| (f64::from(k) + 0.5) * cell_mm);
+        let known = |&NozzleCell { cell, direction }: &NozzleCell| (origin + Vector3::from(middle(cell)), direction);
+        Ok(DirectionHints::new(&aids.nozzle.iter().map(known).collect::<Vec<_>>(), *cell_mm)?)
     }
 
     /// Volume of the layers of the support, in cubic millimetres.

@@ -139,6 +139,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("nozzle_margin_cells", args.complete.nozzle_margin)?
         .set("support", support)?
         .set("support_width_cells", args.complete.support_width)?
+        .set("support_contact_cells", args.complete.support_contact)?
+        .set("support_gap_cells", args.complete.support_gap)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("strategy", typed_name(args.grow.strategy))?
         .set("strategy_used", run.strategy)?

@@ -70,6 +70,7 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("solid_mm", totals.solid_mm)?
         .set("skin_mm", totals.skin_mm)?
         .set("support_mm", totals.support_mm)?
+        .set("support_density", args.complete.support_density / 100.0)?
         .set("infill_mm", totals.sparse.infill_mm)?
         .set("sparse_mm3", totals.sparse.volume_mm3)?
         .set("sparse_infill_mm3", totals.sparse.infill_mm3)?
@@ -147,7 +148,10 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
 pub fn report(surfaces: &SurfacesRun, run: &PathsRun, report: &mut Report) {
     let shown = pictures::quarters(surfaces);
     let spirals: Vec<Picture> = shown.iter().filter_map(|&at| pictures::paths(surfaces, run, at)).collect();
-    report.heading("Tool paths, from blue at the entry to yellow at the exit").pictures(&borrowed(&spirals));
+    let support = if surfaces.support.is_some() { "; support orange" } else { "" };
+    report
+        .heading(&format!("Tool paths, from blue at the entry to yellow at the exit{support}"))
+        .pictures(&borrowed(&spirals));
     if let Some(distance) = shown.get(1).and_then(|&at| pictures::distance(surfaces, run, at)) {
         report.heading("Geodesic distance to the boundary, a band a bead").pictures(&borrowed(&[distance]));
     }

@@ -34,6 +34,8 @@ pub const EVEN: [u8; 3] = [11, 122, 117];
 /// What is wrong.
 const FAULT: [u8; 3] = [200, 30, 30];
 const INK: [u8; 3] = [31, 38, 48];
+/// Support: a colour that no layer has.
+const SUPPORT: [u8; 3] = [224, 112, 32];
 
 fn from_the_front() -> Camera {
     Camera::from_direction(Vector3::new(0.6, -1.0, 0.45))
@@ -72,6 +74,9 @@ fn draw(field: &FieldRun, run: &SurfacesRun, which: std::ops::Range<usize>) -> V
         let corners = sheet.triangles.iter().map(|corners| corners.map(|corner| sheet.vertices[corner as usize]));
         let colour = layer_colour(at as u32 + 1, layers);
         scene.triangles(corners.map(|corners| (corners, colour)));
+        if let Some(sheet) = run.support.as_ref().and_then(|support| support.surfaces.sheets.get(at)) {
+            scene.mesh(&sheet.vertices, &sheet.triangles, SUPPORT);
+        }
     }
     let [width, height] = FRAME;
     scene.draw(width, height).to_png()
@@ -84,10 +89,14 @@ pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Pictur
     scene.mesh(&sheet.vertices, &sheet.triangles, PLAIN);
     // Lifted off the surface, so that it does not hide half of them.
     let lift = scene.camera().toward() * (0.5 * run.bead_mm);
-    for curve in curves(layer) {
+    if let Some(sheet) = surfaces.support.as_ref().and_then(|support| support.surfaces.sheets.get(at)) {
+        scene.mesh(&sheet.vertices, &sheet.triangles, PLAIN);
+    }
+    for (path, curve) in layer.paths.paths.iter().zip(curves(layer)) {
+        let is_support = path.points.iter().any(|point| point.kind.is_support());
         let steps = curve.len().max(2) - 1;
         for (step, ends) in curve.windows(2).enumerate() {
-            let colour = ramp(step as f64 / steps as f64);
+            let colour = if is_support { SUPPORT } else { ramp(step as f64 / steps as f64) };
             scene.bar(ends[0] + lift, ends[1] + lift, LINE * run.bead_mm, colour);
         }
     }

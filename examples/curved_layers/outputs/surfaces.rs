@@ -121,7 +121,8 @@ pub fn rows(run: &SurfacesRun, table: &mut Table) {
 }
 
 pub fn report(field: &FieldRun, run: &SurfacesRun, report: &mut Report) {
-    report.heading("The part while it is built").slider(&borrowed(&pictures::frames(field, run)));
+    let support = if run.support.is_some() { ", its support orange" } else { "" };
+    report.heading(&format!("The part while it is built{support}")).slider(&borrowed(&pictures::frames(field, run)));
     report.heading("Single surfaces").pictures(&borrowed(&pictures::singles(field, run)));
     report.heading("How far apart the surfaces lie").pictures(&borrowed(&[pictures::histogram(run)]));
 }

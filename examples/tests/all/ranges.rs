@@ -132,6 +132,51 @@ fn ranges_of_layers_put_together_are_one_run() {
     }
 }
 
+/// Sparse layers in pieces, with support that is sparser than the part, short of it by a cell: what one run makes.
+#[test]
+fn sparse_layers_and_support_put_together_are_one_run() {
+    let (place, mesh) =
+        folder("sparse", &[[[0, 0, 0], [16, 16, 40]], [[0, 0, 30], [44, 16, 40]], [[28, 0, 12], [44, 16, 40]]]);
+    let path = |name: &str| place.join(name).display().to_string();
+    let fill = ["--density", "30", "--walls", "1", "--skin", "1", "--support-density", "20"];
+    let support = ["--support-width", "7", "--support-contact", "5", "--support-gap", "1"];
+    let one = [&["--mesh", mesh.as_str(), "--cell", "2", "--bead", "1"][..], &fill, &["--layer-height", "1"]].concat();
+    let output = run(&[&one[..], &support, &["--nozzle-growth", "off", "--out", &path("one")]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", line(&output));
+    let figures = common::summary(&place.join("one"));
+    let number = |key: &str| figures[key].as_f64().unwrap();
+    assert!(number("support_cells") > 50.0 && number("missed_cells") == 0.0, "{figures:?}");
+    assert!(number("sparse_mm3") > 1000.0 && number("support_mm") > 100.0);
+    let code = fs::read_to_string(place.join("one/toolpath.gcode")).unwrap();
+    assert!(code.contains(";TYPE:Support material") && code.contains(";TYPE:Internal infill"));
+    let field = path("one/field.txt");
+    assert!(fs::read_to_string(&field).unwrap().contains("\ngap "));
+
+    let on = |more: &[&str]| {
+        let common = ["--mesh", mesh.as_str(), "--resume", &field, "--bead", "1", "--layer-height", "1"];
+        run(&[&common[..], more].concat())
+    };
+    for (name, layers) in [("a", "1/2"), ("b", "2/2")] {
+        let output = on(&[&fill[..], &["--layers", layers, "--out", &path(name)]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", line(&output));
+    }
+    let [a, b] = ["a", "b"].map(|name| path(&format!("{name}/paths.jsonl")));
+    let output = on(&[&fill[..], &["--merge", &a, &b, "--out", &path("merged")]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", line(&output));
+    for file in ["toolpath.gcode", "layers.obj", "field.txt"] {
+        assert_eq!(
+            fs::read(place.join("one").join(file)).ok(),
+            fs::read(place.join("merged").join(file)).ok(),
+            "{file}"
+        );
+    }
+    let denser = ["--density", "30", "--walls", "1", "--skin", "1", "--support-density", "40"];
+    let output = on(&[&denser[..], &["--merge", &a, &b, "--out", &path("refused")]].concat());
+    assert_eq!((output.status.code(), line(&output).contains("--support-density")), (Some(1), true));
+    let output = on(&["--support-width", "2", "--support-contact", "3", "--out", &path("refused")]);
+    assert_eq!((output.status.code(), line(&output).contains("is above --support-width 2")), (Some(2), true));
+}
+
 /// A hook whose leg hangs down is turned over; a run that goes on from there takes the part as it was turned.
 #[test]
 fn a_part_is_laid_in_its_best_pose() {

@@ -68,6 +68,8 @@ pub struct PartSupport {
     pub rows: Vec<u64>,
     /// The cells of the support, by rising number.
     pub cells: Vec<u32>,
+    /// The cells between support and part that stay empty, by rising number.
+    pub gap: Vec<u32>,
     /// Cells that straight columns from the plate below all missed cells would have; 0 for a saved field, which does not say.
     pub straight_cells: usize,
     /// The skin of its cells.
@@ -272,7 +274,8 @@ impl Workpiece<'_> {
     /// # Arguments
     /// * `field`: e.g. a saved one.
     /// * `rows`: the cells of part and support, as [`Cells`] takes them.
-    /// * `support`: those that are support; none for a part without.
+    /// * `support`: those that are support, by rising number; none for a part without. Cells of `rows` that are neither part nor support get
+    ///   no surfaces.
     /// * `missed`: cells of the part without a value.
     /// * `height_mm`: layer height, at least a fifth of a cell.
     /// * `progress`: as in [`Workpiece::surfaces`].
@@ -304,8 +307,11 @@ impl Workpiece<'_> {
         let mesh = cell_mesh(&cells, support, cell_mm, origin);
         let of_mesh = Workpiece { vertices: &mesh.vertices, triangles: &mesh.triangles, ..united };
         let of_support = of_mesh.surfaces_at(&extended, &levels, height_mm, &[], progress)?;
+        // What is neither part nor support stays empty.
+        let is_of_part = |cell: u32| self.cells.contains(self.cells.position(cell));
+        let gap = cells.iter().filter(|&cell| !is_of_part(cell) && support.binary_search(&cell).is_err()).collect();
         let (rows, cells) = (rows.to_vec(), support.to_vec());
-        Ok((surfaces, Some(PartSupport { rows, cells, straight_cells: 0, mesh, surfaces: of_support })))
+        Ok((surfaces, Some(PartSupport { rows, cells, gap, straight_cells: 0, mesh, surfaces: of_support })))
     }
 }
 

@@ -220,20 +220,20 @@ fn vtk_files_count_what_they_hold() {
 /// Support and directions of the nozzle come back as they were, and what does not fit the field is refused.
 #[test]
 fn support_and_directions_of_the_nozzle_are_saved() {
-    let before = saved([3, 2, 1], &[Some(0.5), None, Some(1.5), Some(2.0), None, None], 1).unwrap();
+    let before = saved([3, 2, 1], &[Some(0.5), None, Some(1.5), Some(2.0), Some(2.5), None], 1).unwrap();
     let direction = |x: f64, z: f64| Unit::new_normalize(Vector3::new(x, 0.3, z));
     let nozzle = vec![
         NozzleCell { cell: 2, direction: direction(0.1, 0.7) },
         NozzleCell { cell: 3, direction: direction(1.0, 0.0) },
     ];
     let rule = NozzleRule { tip_flat_mm: 0.1 + 0.2, margin: 1.0 / 3.0, ..NozzleRule::default() };
-    let before = SavedField { aids: PrintAids { support: vec![0, 3], rule, nozzle }, ..before };
+    let before = SavedField { aids: PrintAids { support: vec![0, 3], gap: vec![4], rule, nozzle }, ..before };
     let text = text_of(&before);
     let after = SavedField::read(text.as_bytes()).unwrap();
     assert_eq!(after.aids, before.aids);
     assert_eq!(after.growth().unwrap().nozzle, before.aids.nozzle);
     // The part is what is left without its support.
-    let part: Vec<u64> = before.rows.iter().zip([0b001, 0b001]).map(|(row, support)| row & !support).collect();
+    let part: Vec<u64> = before.rows.iter().zip([0b001, 0b011]).map(|(row, support)| row & !support).collect();
     let at = before.origin;
     assert_eq!(after.check_cells(&Cells::new([3, 2, 1], &part).unwrap(), at), Ok(()));
     assert_eq!(after.check_cells(&Cells::new([3, 2, 1], &before.rows).unwrap(), at), Err(OtherCells::Cells));
@@ -247,6 +247,8 @@ fn support_and_directions_of_the_nozzle_are_saved() {
     assert!(matches!(refused("support 2\n0\n3", "support 2\n3\n0"), ReadFieldError::Cell { cell: 0, .. }));
     assert!(matches!(refused("support 2", "support 3"), ReadFieldError::Line { .. }));
     assert!(matches!(refused("support 2", "support x"), ReadFieldError::Line { .. }));
+    assert!(matches!(refused("gap 1\n4", "gap 1\n5"), ReadFieldError::Cell { cell: 5, .. }));
+    assert!(matches!(refused("gap 1", "gap 2"), ReadFieldError::Line { .. }));
     assert!(matches!(refused(" 20 ", " 2 "), ReadFieldError::Nozzle(NozzleRuleError::Block { .. })));
     assert!(matches!(refused(" 20 ", " "), ReadFieldError::Line { .. }));
     assert!(matches!(refused("directions 2", "directions 1"), ReadFieldError::Line { .. }));

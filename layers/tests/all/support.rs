@@ -5,7 +5,8 @@ use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
     Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NozzleRule, NozzleRuleError, NozzleUse,
-    Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support, audit, cell_mesh, grow,
+    PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support, audit,
+    cell_mesh, grow,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;
@@ -50,16 +51,19 @@ proptest! {
     #[test]
     fn part_and_support_are_one_solid_that_can_be_built(
         part in parts((4u32..10, 1u32..7, 4u32..10).prop_map(|(x, y, z)| [x, y, z]), 2..6),
-        width in 1u32..5,
+        (width, contact) in (1u32..5).prop_flat_map(|width| (Just(width), 1..=width)),
+        gap in 0u32..3,
     ) {
         let rules = Rules::default();
-        let (before, after) = supported(&part, &rules, &SupportOptions { width, rounds: 3 });
-        let Some(Supported { rows, growth, support, rounds, .. }) = after else { return Ok(()) };
+        let (before, after) = supported(&part, &rules, &SupportOptions { width, contact, gap, rounds: 3 });
+        let Some(Supported { rows, growth, support, gap: empty, rounds, .. }) = after else { return Ok(()) };
         prop_assert!(growth.missed.len() < before.missed.len() && (1..=3).contains(&rounds));
         let united = Cells::new(part.dims, &rows).unwrap();
         prop_assert!(support.is_sorted() && support.iter().all(|&cell| !part.cells().contains(united.position(cell))));
-        let all: BTreeSet<u32> = part.cells().iter().chain(support.iter().copied()).collect();
-        prop_assert_eq!(all, united.iter().collect::<BTreeSet<u32>>());
+        let all: Vec<u32> = part.cells().iter().chain(support.iter().chain(&empty).copied()).collect();
+        prop_assert_eq!(all.iter().copied().collect::<BTreeSet<u32>>(), united.iter().collect::<BTreeSet<u32>>());
+        prop_assert_eq!(all.len(), united.count());
+        prop_assert!(!support.is_empty() && empty.is_sorted() && (gap > 0 || empty.is_empty()));
         let report = audit(&united, &part.platform, &rules, &growth.order, &growth.missed_cells(), &go).unwrap();
         prop_assert!(report.is_ok(), "{}", report);
         prop_assert!(growth.missed.iter().all(|missed| part.cells().contains(united.position(missed.cell))));
@@ -84,7 +88,8 @@ fn a_hanging_ball_stands_on_one_column() {
 #[test]
 fn straight_columns_are_those_below_all_missed_cells() {
     let part = part([7, 1, 9], |[x, _, z]| x == 0 || z == 8 || (x == 6 && z > 4));
-    let (before, after) = supported(&part, &Rules::default(), &SupportOptions { width: 1, rounds: 8 });
+    let (before, after) =
+        supported(&part, &Rules::default(), &SupportOptions { width: 1, ..SupportOptions::default() });
     assert_eq!(before.missed.iter().map(|missed| part.cells().position(missed.cell)[2]).collect::<Vec<_>>(), [5, 6]);
     let Supported { support, straight_cells, .. } = after.unwrap();
     assert_eq!((support.len(), straight_cells), (5, 5));
@@ -95,7 +100,7 @@ fn straight_columns_are_those_below_all_missed_cells() {
 fn columns_are_wide_below_and_thin_where_they_touch() {
     let part = hanging_ball();
     let cells = part.cells();
-    let (_, after) = supported(&part, &Rules::default(), &SupportOptions { width: 3, rounds: 8 });
+    let (_, after) = supported(&part, &Rules::default(), &SupportOptions { width: 3, ..SupportOptions::default() });
     let support = after.unwrap().support;
     let mut of_level: BTreeMap<u32, usize> = BTreeMap::new();
     support.iter().for_each(|&cell| *of_level.entry(cells.position(cell)[2]).or_default() += 1);
@@ -104,11 +109,31 @@ fn columns_are_wide_below_and_thin_where_they_touch() {
     assert_eq!(support.iter().filter(|&&cell| touches(cell)).count(), 1);
     assert_eq!(of_level.values().copied().collect::<Vec<_>>(), [9, 9, 9, 9, 9, 9, 1]);
 
+    // As wide as asked for where they touch, and short of the part by as many levels as asked for.
+    let of_levels = |options: SupportOptions| {
+        let Supported { support, gap, growth, .. } = supported(&part, &Rules::default(), &options).1.unwrap();
+        assert!(growth.missed.is_empty());
+        [support, gap].map(|of| {
+            let mut of_level: BTreeMap<u32, usize> = BTreeMap::new();
+            of.iter().for_each(|&cell| *of_level.entry(cells.position(cell)[2]).or_default() += 1);
+            of_level.into_iter().collect::<Vec<_>>()
+        })
+    };
+    let wide = |levels: std::ops::Range<u32>| levels.map(|level| (level, 9)).collect::<Vec<_>>();
+    let options = SupportOptions { contact: 3, ..SupportOptions::default() };
+    assert_eq!(of_levels(options), [wide(0..7), Vec::new()]);
+    let options = SupportOptions { gap: 2, ..SupportOptions::default() };
+    assert_eq!(of_levels(options), [wide(0..5), vec![(5, 9), (6, 1)]]);
+    // A column that would be all gap is printed whole.
+    let options = SupportOptions { gap: 7, ..SupportOptions::default() };
+    assert_eq!(of_levels(options), [[wide(0..6), vec![(6, 1)]].concat(), Vec::new()]);
+
     // A roof right under the arm: the column goes round it, or lands on it.
     let part = crate::support::part([9, 1, 12], |[x, _, z]| {
         x == 0 || z == 11 || (x == 8 && z > 7) || (x > 3 && x < 8 && z == 4)
     });
-    let (before, after) = supported(&part, &Rules::default(), &SupportOptions { width: 1, rounds: 8 });
+    let (before, after) =
+        supported(&part, &Rules::default(), &SupportOptions { width: 1, ..SupportOptions::default() });
     assert!(!before.missed.is_empty());
     let Supported { growth, support, .. } = after.unwrap();
     assert!(growth.missed.len() < before.missed.len());
@@ -133,6 +158,14 @@ fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed(
     for width in [0, 65] {
         assert_eq!(with(width, &go), Err(SupportError::Width { width }));
     }
+    let with_options =
+        |options| add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &options, &again, &go);
+    for (contact, width) in [(0, 3), (4, 3)] {
+        let refused = with_options(SupportOptions { contact, width, ..SupportOptions::default() });
+        assert_eq!(refused, Err(SupportError::Contact { contact, width }));
+    }
+    let refused = with_options(SupportOptions { gap: 65, ..SupportOptions::default() });
+    assert_eq!(refused, Err(SupportError::Gap { gap: 65 }));
     let stop = |_: Progress| ControlFlow::Break(());
     assert_eq!(with(3, &stop), Err(SupportError::Growth(GrowthError::Cancelled)));
     let fails = |_: &Cells| Err(GrowthError::NothingOnPlatform);
@@ -204,6 +237,19 @@ fn a_part_is_complete_in_one_call() {
         let support = printed.triangles[printed.part_triangles..].iter().zip(&of_support.triangles);
         assert!(support.into_iter().all(|(now, before)| corner(now) == of_support.vertices[before[0] as usize]));
     }
+
+    // With a gap: those of its cells have no surfaces.
+    let gap = SupportOptions { gap: 2, ..SupportOptions::default() };
+    let options = CompleteOptions { support: Some(gap), ..support_only };
+    let with_gap = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
+    let short = with_gap.support.unwrap();
+    assert_eq!((short.cells.len(), short.gap.len()), (support.cells.len() - 10, 10));
+    assert!(with_gap.layered.audit.is_ok());
+    let top = |support: &PartSupport| {
+        let points = support.surfaces.sheets.iter().flat_map(|sheet| &sheet.vertices);
+        points.fold(0.0, |top: f64, point| top.max(point.z))
+    };
+    assert!(top(support) > 6.0 && top(&short) < 5.0 + 1e-9, "{} {}", top(support), top(&short));
 
     // With the nozzle alone: no support, and cells that are printed from the side.
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };

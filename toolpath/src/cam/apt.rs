@@ -158,6 +158,7 @@ impl<W: Write> Writer<W> {
                     BeadKind::Infill => 4,
                     BeadKind::Bridge => 5,
                     BeadKind::Support => 6,
+                    BeadKind::SparseSupport => 7,
                 };
                 self.line(&format!("PAINT/COLOR,{colour}"))
             }

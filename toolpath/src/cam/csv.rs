@@ -117,5 +117,6 @@ fn name(kind: BeadKind) -> &'static str {
         BeadKind::Infill => "infill",
         BeadKind::Bridge => "bridge",
         BeadKind::Support => "support",
+        BeadKind::SparseSupport => "sparse_support",
     }
 }

@@ -67,13 +67,13 @@ impl Tags {
             (Tags::Cura, BeadKind::Wall) => "WALL-OUTER",
             (Tags::Cura, BeadKind::Solid | BeadKind::Skin | BeadKind::Bridge) => "SKIN",
             (Tags::Cura, BeadKind::Infill) => "FILL",
-            (Tags::Cura, BeadKind::Support) => "SUPPORT",
+            (Tags::Cura, BeadKind::Support | BeadKind::SparseSupport) => "SUPPORT",
             (_, BeadKind::Wall) => "External perimeter",
             (_, BeadKind::Solid) => "Solid infill",
             (_, BeadKind::Skin) => "Top solid infill",
             (_, BeadKind::Bridge) => "Bridge infill",
             (_, BeadKind::Infill) => "Internal infill",
-            (_, BeadKind::Support) => "Support material",
+            (_, BeadKind::Support | BeadKind::SparseSupport) => "Support material",
         }
     }
 }

@@ -12,10 +12,11 @@ use super::level_set::{LevelField, LevelSetError};
 use super::mesh::{MeshError, SurfaceMesh};
 use super::order::{OrderError, TravelCurve, order_curves};
 use super::parallel;
-use super::paths::{BEAD_WIDTHS, LayerPaths, PathError, PathOptions, Pattern, SurfacePath};
+use super::paths::{BEAD_WIDTHS, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath};
 use super::short::keep_carriers;
 use super::stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 use super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
+use super::with_support::Beside;
 use crate::Progress;
 use nalgebra::Point3;
 use std::ops::{ControlFlow, Range};
@@ -70,6 +71,18 @@ pub struct FilledLayer {
     pub reach_mm: f64,
     /// What is sparse of it ([`PathOptions::infill`]): nothing of a layer that is filled solid. `statistics` are those of the rest.
     pub sparse: SparseFill,
+    /// What is solid of it, by which it is judged again where short curves come back; of others none, and none of a part that is finished.
+    pub(super) solid: Option<SolidPart>,
+    /// The support beside it, if there is any.
+    pub(super) support: Option<Beside>,
+}
+
+/// The part of a surface that is filled solid.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct SolidPart {
+    vertices: Vec<Point3<f64>>,
+    triangles: Vec<[u32; 3]>,
 }
 
 /// The paths of all surfaces of a part.
@@ -155,7 +168,7 @@ pub struct FillTotals {
     pub solid_mm: f64,
     /// Length of skins, bridges included.
     pub skin_mm: f64,
-    /// Length of support ([`FilledLayers::set_kind`]).
+    /// Length of support ([`FilledLayer::with_support`]), its infill included.
     pub support_mm: f64,
     /// What is sparse, of all layers together. Fractions above are of the area of the rest.
     pub sparse: SparseFill,
@@ -261,9 +274,6 @@ pub enum FillLayersError {
         /// How many there are.
         layers: usize,
     },
-    /// Layers that are not filled solid cannot be filled piece by piece: where skins bridge sparse infill depends on the pieces below.
-    #[error("layers can be filled in pieces only if they are solid: take a density of 1")]
-    SparseRange,
     /// The curves cannot be ordered.
     #[error(transparent)]
     Order(OrderError),
@@ -315,14 +325,7 @@ pub fn fill_layer(
     options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FilledLayer, FillError> {
-    Ok(fill_at(surface, options, None, progress)?.layer)
-}
-
-/// A layer that is filled.
-struct Placed {
-    layer: FilledLayer,
-    /// What is solid of it, if that is not all.
-    solid: Option<SurfaceMesh>,
+    fill_at(surface, options, None, progress)
 }
 
 /// Fills a surface that has a place in a part.
@@ -331,7 +334,7 @@ fn fill_at(
     options: &PathOptions,
     site: Option<&Site>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Placed, FillError> {
+) -> Result<FilledLayer, FillError> {
     let report = |stage: &'static str| move |p: Progress| progress(Progress { stage, ..p });
     // Each stage from nothing done to all of it, so that a caller can tell them apart.
     let mark = |stage: &'static str, done: u64| match progress(Progress { stage, done, total: 1 }) {
@@ -353,7 +356,7 @@ fn fill_at(
     let reach_mm = field.greatest();
     let alone = Site::alone(&mesh, &options.infill);
     let site = site.unwrap_or(&alone);
-    let filled = |options: &PathOptions, uniform: bool| -> Result<Placed, FillError> {
+    let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
         mark("curves", 0)?;
         let infill::Filled { paths, sparse, solid } = if options.infill.is_solid() {
             infill::Filled::solid(field.paths(options, &report("curves"))?)
@@ -369,13 +372,17 @@ fn fill_at(
             }
         };
         mark("coverage", 1)?;
-        let solid = solid.filter(|_| sparse.area_mm2 > 0.0);
-        Ok(Placed { layer: FilledLayer { paths, statistics, uniform, reach_mm, sparse }, solid })
+        // Layers into which no curve may come back are not judged again.
+        let comes_back = !paths.short.is_empty() || !paths.narrow.is_empty();
+        let solid = solid.filter(|_| sparse.area_mm2 > 0.0 && comes_back);
+        let solid =
+            solid.map(|mesh| SolidPart { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() });
+        Ok(FilledLayer { paths, statistics, uniform, reach_mm, sparse, solid, support: None })
     };
     // The figures know nothing of how the curves were made; what they find fault with is made anew.
     match filled(options, false) {
         Err(FillError::Cancelled) => Err(FillError::Cancelled),
-        Ok(placed) if placed.layer.statistics.self_crossings == 0 => Ok(placed),
+        Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
         // There is nothing more uniform than uniform beads, and rows are.
         as_asked if !options.fitted || options.pattern == Pattern::Zigzag => as_asked,
         fitted => match filled(&PathOptions { fitted: false, ..*options }, true) {
@@ -395,7 +402,9 @@ fn statistics(
     let narrowest = BEAD_WIDTHS[0] * bead;
     let fits = reach_mm >= narrowest / 2.0;
     let min_width_mm = if fits { narrowest } else { 0.0 };
-    let is_solid = |path: &&SurfacePath| path.points.first().is_none_or(|point| point.kind != BeadKind::Infill);
+    // What is sparse covers nothing, and support has figures of its own.
+    let is_judged = |point: &PathPoint| !(point.kind.is_sparse() || point.kind.is_support());
+    let is_solid = |path: &&SurfacePath| path.points.first().is_none_or(is_judged);
     let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> =
         paths.paths.iter().filter(is_solid).map(|path| path.line()).collect();
     let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
@@ -460,10 +469,11 @@ pub fn fill_layers(
 /// What was made of each surface of the range; none for one without triangles.
 ///
 /// # Errors
-/// [`FillLayersError::Range`] for surfaces that are not there, [`FillLayersError::SparseRange`] for sparse infill; others as [`fill_layers`], but that nothing may fit here.
+/// [`FillLayersError::Range`] for surfaces that are not there; others as [`fill_layers`], but that nothing may fit here.
 ///
 /// # Cost
-/// That of [`fill_layer`] for each.
+/// That of [`fill_layer`] for each. With sparse infill the triangles of all surfaces are sorted as well, since skins depend on what is above
+/// and below.
 ///
 /// # Example
 /// As for [`fill_rest`].
@@ -474,16 +484,20 @@ pub fn fill_range(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Option<FilledLayer>>, FillLayersError> {
     check_size(surfaces, options)?;
-    if !options.infill.is_solid() {
-        return Err(FillLayersError::SparseRange);
-    }
     let first = range.start;
     let wrong = FillLayersError::Range { range: [range.start, range.end], layers: surfaces.len() };
+    let wanted = surfaces.get(range.clone()).ok_or(wrong)?;
+    let Sites { of_layer, .. } = if options.infill.is_solid() {
+        Sites::default()
+    } else {
+        sites(surfaces, |layer| range.contains(&layer), options, progress)?
+    };
     let fill = |k: usize, surface: &LayerSurface| {
-        let filled = (!surface.triangles.is_empty()).then(|| fill_layer(surface, options, progress)).transpose();
+        let site = of_layer.get(first + k).and_then(Option::as_ref);
+        let filled = (!surface.triangles.is_empty()).then(|| fill_at(surface, options, site, progress)).transpose();
         filled.map_err(|error| FillLayersError::of(first + k, error))
     };
-    let filled = parallel::map(surfaces.get(range).ok_or(wrong)?, "fill", progress, fill);
+    let filled = parallel::map(wanted, "fill", progress, fill);
     filled.ok_or(FillLayersError::Cancelled)?.into_iter().collect()
 }
 
@@ -493,7 +507,7 @@ pub fn fill_range(
 /// * `filled`: what was made of the surfaces, for each of them or for none. Surfaces of which nothing was made are filled now.
 ///
 /// # Errors
-/// [`FillLayersError::Range`] for more of them than surfaces, [`FillLayersError::SparseRange`] for some of them with sparse infill; others as [`fill_layers`].
+/// [`FillLayersError::Range`] for more of them than surfaces; others as [`fill_layers`].
 ///
 /// # Example
 /// ```
@@ -520,32 +534,27 @@ pub fn fill_rest(
 ) -> Result<FilledLayers, FillLayersError> {
     check_size(surfaces, options)?;
     let is_solid = options.infill.is_solid();
-    if !is_solid && filled.iter().any(Option::is_some) {
-        return Err(FillLayersError::SparseRange);
-    }
     if filled.len() > surfaces.len() {
         return Err(FillLayersError::Range { range: [0, filled.len()], layers: surfaces.len() });
     }
-    let Sites { of_layer, stack } = if is_solid { Sites::default() } else { sites(surfaces, options, progress)? };
+    let is_left = |layer: usize| filled.get(layer).is_none_or(Option::is_none);
+    let Sites { of_layer, stack } =
+        if is_solid { Sites::default() } else { sites(surfaces, is_left, options, progress)? };
     let given: Vec<_> = filled.into_iter().map(Mutex::new).collect();
     let taken = |layer: usize| given.get(layer).and_then(|given| given.lock().ok()?.take());
     let fill = |layer: usize, surface: &LayerSurface| {
         if let Some(filled) = taken(layer) {
-            return Ok(Some(Placed { layer: filled, solid: None }));
+            return Ok(Some(filled));
         }
-        let fill = || fill_at(surface, options, of_layer.get(layer), progress);
+        let fill = || fill_at(surface, options, of_layer.get(layer).and_then(Option::as_ref), progress);
         let filled = (!surface.triangles.is_empty()).then(fill).transpose();
         filled.map_err(|error| FillLayersError::of(layer, error))
     };
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
-    let (mut layers, mut solid) = (Vec::with_capacity(surfaces.len()), Vec::with_capacity(surfaces.len()));
-    for filled in filled {
-        let (layer, of_layer) = filled?.map(|placed| (placed.layer, placed.solid)).unzip();
-        layers.push(layer);
-        solid.push(of_layer.flatten());
-    }
+    let mut layers: Vec<Option<FilledLayer>> = filled.into_iter().collect::<Result<_, _>>()?;
     let changed = keep_carriers(&mut layers, surfaces, options.bead)?;
-    judge_again(&mut layers, &changed, (surfaces, &solid), options.bead, progress)?;
+    judge_again(&mut layers, &changed, surfaces, options.bead, progress)?;
+    layers.iter_mut().flatten().for_each(|layer| layer.solid = None);
     if let Some(stack) = &stack {
         infill::mark(&mut layers, surfaces, stack);
     }
@@ -576,18 +585,21 @@ pub fn fill_rest(
 fn judge_again(
     layers: &mut [Option<FilledLayer>],
     changed: &[usize],
-    (surfaces, solid): (&[LayerSurface], &[Option<SurfaceMesh>]),
+    surfaces: &[LayerSurface],
     bead: f64,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<(), FillLayersError> {
     let report = |p: Progress| progress(Progress { stage: "coverage", ..p });
-    let judge = |FilledLayer { paths, reach_mm, .. }: &FilledLayer, layer: usize| {
-        if let Some(solid) = &solid[layer] {
-            return Ok(statistics(solid, paths, [bead, *reach_mm], &report)?);
-        }
-        let surface = &surfaces[layer];
-        let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
-        Ok(statistics(&mesh, paths, [bead, *reach_mm], &report)?)
+    let judge = |FilledLayer { paths, reach_mm, solid, support, .. }: &FilledLayer, layer: usize| {
+        let LayerSurface { vertices, triangles, .. } = surfaces[layer];
+        let (vertices, triangles) = match (solid, support) {
+            (Some(SolidPart { vertices, triangles }), _) => (&vertices[..], &triangles[..]),
+            (None, Some(beside)) => (&vertices[..beside.vertices], &triangles[..beside.triangles]),
+            (None, None) => (vertices, triangles),
+        };
+        let mesh = SurfaceMesh::new(vertices.to_vec(), triangles.to_vec())?;
+        let of_part = statistics(&mesh, paths, [bead, *reach_mm], &report)?;
+        Ok(support.as_ref().map_or(of_part.clone(), |beside| of_part.and(&beside.statistics)))
     };
     let judged = parallel::map(changed, "fill", progress, |_, &layer| {
         layers[layer].as_ref().map(|filled| judge(filled, layer)).transpose()
@@ -667,39 +679,6 @@ fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
 }
 
 impl FilledLayers {
-    /// Says what the beads on some triangles of a layer are for, e.g. that they are support.
-    ///
-    /// # Arguments
-    /// * `layer`: from 0; one that is not there, or without curves, is passed over.
-    /// * `is_of`: whether a triangle of its surface, by number, is one of them.
-    ///
-    /// # Example
-    /// ```
-    /// use curvlay_toolpath::nalgebra::Point3;
-    /// use curvlay_toolpath::surface::{BeadKind, LayerSurface, PathOptions, fill_layers};
-    /// use std::ops::ControlFlow;
-    /// // A layer of a square of the part and a square of support beside it.
-    /// let square = |x: f64| [[x, 0.0], [x + 8.0, 0.0], [x + 8.0, 8.0], [x, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
-    /// let vertices = [square(0.0), square(10.0)].concat();
-    /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4] }];
-    /// let mut filled = fill_layers(&surfaces, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
-    /// filled.set_kind(0, BeadKind::Support, |triangle| triangle > 1);
-    /// let points = filled.layers[0].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
-    /// assert!(points.into_iter().all(|point| (point.kind == BeadKind::Support) == (point.at.position.x > 9.0)));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn set_kind(&mut self, layer: usize, kind: BeadKind, is_of: impl Fn(u32) -> bool) {
-        let (Some(Some(filled)), Some(beads)) = (self.layers.get_mut(layer), self.beads.get_mut(layer)) else { return };
-        for (path, bead) in filled.paths.paths.iter_mut().zip(beads) {
-            for (point, of_bead) in path.points.iter_mut().zip(&mut bead.kinds) {
-                if is_of(point.at.triangle) {
-                    (point.kind, *of_bead) = (kind, kind);
-                }
-            }
-        }
-    }
-
     /// The surfaces with their curves as what is built, layer by layer.
     ///
     /// # Arguments
@@ -825,7 +804,7 @@ impl FillTotals {
                     BeadKind::Wall => self.wall_mm += length,
                     BeadKind::Solid => self.solid_mm += length,
                     BeadKind::Skin | BeadKind::Bridge => self.skin_mm += length,
-                    BeadKind::Support => self.support_mm += length,
+                    BeadKind::Support | BeadKind::SparseSupport => self.support_mm += length,
                     BeadKind::Infill => {}
                 }
             }

@@ -17,6 +17,20 @@ pub enum BeadKind {
     Bridge,
     /// Sparse infill.
     Infill,
-    /// Support: not of the part, to be broken off. Filling does not know it; [`FilledLayers::set_kind`](super::FilledLayers::set_kind) says it.
+    /// Support: not of the part, to be broken off ([`FilledLayer::with_support`](super::FilledLayer::with_support)).
     Support,
+    /// Sparse infill of support.
+    SparseSupport,
+}
+
+impl BeadKind {
+    /// Whether it is sparse infill, of the part or of support: it lies on something here and there only.
+    pub fn is_sparse(self) -> bool {
+        matches!(self, BeadKind::Infill | BeadKind::SparseSupport)
+    }
+
+    /// Whether it is not of the part.
+    pub fn is_support(self) -> bool {
+        matches!(self, BeadKind::Support | BeadKind::SparseSupport)
+    }
 }

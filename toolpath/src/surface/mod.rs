@@ -41,6 +41,7 @@ mod support;
 mod travel;
 mod union;
 mod vtp;
+mod with_support;
 
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
@@ -60,7 +61,9 @@ pub use level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, Su
 pub use marks::marked_moves;
 pub use mesh::{MeshError, Regions, SurfaceMesh};
 pub use order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
-pub use orientation::{OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint};
+pub use orientation::{
+    DirectionHints, HintError, OrientError, OrientOptions, Oriented, SharpTurn, ToolPath, Turns, Waypoint,
+};
 pub use paths::{
     BEAD_WIDTHS, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
 };

@@ -142,7 +142,7 @@ pub enum SupportError {
     Cancelled,
 }
 
-/// Checks whether beads lie on something. Sparse infill ([`BeadKind::Infill`]) and what goes over it ([`BeadKind::Bridge`]) lies on something
+/// Checks whether beads lie on something. Sparse infill ([`BeadKind::is_sparse`]) and what goes over it ([`BeadKind::Bridge`]) lies on something
 /// here and there only, and is not judged.
 ///
 /// # Arguments
@@ -331,7 +331,7 @@ impl Laid {
         // What carried the place before most likely carries this one.
         let mut last = None;
         let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
-        let judged = |segment: &&Segment| !matches!(segment.kind, BeadKind::Infill | BeadKind::Bridge);
+        let judged = |segment: &&Segment| !(segment.kind.is_sparse() || segment.kind == BeadKind::Bridge);
         for segment in self.segments[self.firsts[number]..end].iter().filter(judged) {
             let [a, b] = &segment.ends;
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);

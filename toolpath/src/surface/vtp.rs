@@ -155,6 +155,7 @@ fn number(kind: BeadKind) -> u8 {
         BeadKind::Infill => 3,
         BeadKind::Bridge => 4,
         BeadKind::Support => 5,
+        BeadKind::SparseSupport => 6,
     }
 }
 

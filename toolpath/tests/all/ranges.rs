@@ -1,7 +1,10 @@
 //! Layers filled in ranges and put together: what one run gives, and ranges that are none.
 
+use crate::common::grid;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{FillLayersError, LayerSurface, PathOptions, fill_layers, fill_range, fill_rest};
+use curvlay_toolpath::surface::{
+    FillLayersError, InfillOptions, LayerSurface, PathOptions, SurfaceMesh, fill_layers, fill_range, fill_rest,
+};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 
@@ -18,14 +21,16 @@ fn sheet(wide: f64, z: f64, bend: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Narrow layers above wide ones, some without a surface: the narrow ones keep short curves of the ones below.
+    /// Narrow layers above wide ones, some without a surface: the narrow ones keep short curves of the ones below. Solid and sparse, skins by
+    /// what is above and below, in other pieces.
     #[test]
     fn ranges_put_together_are_one_run(
         sizes in prop::collection::vec((1.5..9.0f64, 0.0..2.0f64, 0..5u32), 2..7),
         cuts in prop::collection::vec(0..8usize, 0..3),
         left in 0..8usize,
+        (density, walls, skin) in prop_oneof![Just((1.0, 3, 4)), (prop::sample::select(vec![0.0, 0.3]), 0..3u32, 0..3u32)],
     ) {
         let sheets: Vec<_> = (0..).zip(&sizes).map(|(k, &(wide, bend, there))| match there {
             0 => (Vec::new(), Vec::new()),
@@ -35,8 +40,10 @@ proptest! {
         let surfaces: Vec<_> = sheets.iter().zip(&thickness).map(|((vertices, triangles), thickness)| LayerSurface {
             vertices, triangles, thickness,
         }).collect();
-        let (options, go) = (PathOptions::default(), |_| ControlFlow::Continue(()));
+        let infill = InfillOptions { density, walls, skin, ..InfillOptions::default() };
+        let (options, go) = (PathOptions { infill, ..PathOptions::default() }, |_| ControlFlow::Continue(()));
         let whole = fill_layers(&surfaces, &options, &go);
+        prop_assume!(!matches!(whole, Err(FillLayersError::Layer { .. })));
         let mut cuts: Vec<_> = cuts.into_iter().map(|cut| cut.min(surfaces.len())).chain([0, surfaces.len()]).collect();
         cuts.sort_unstable();
         let mut filled = Vec::new();
@@ -71,4 +78,36 @@ fn ranges_that_are_none_are_refused() {
     let broken = [surfaces[0], LayerSurface { triangles: &bad, ..surfaces[0] }];
     let error = fill_range(&broken, 1..2, &options, &go).unwrap_err();
     assert!(matches!(error, FillLayersError::Layer { layer: 1, .. }), "{error}");
+}
+
+/// Plates with a stub on which something lies in the end: its short curves are left out of a layer by itself, and come back. Then a sparse layer is
+/// judged again by what is solid of it, wherever it was filled.
+#[test]
+fn short_curves_come_back_into_sparse_layers() {
+    let plate = |(k, stub): (usize, usize)| {
+        let there = move |i: usize, j: usize| i < 12 && j < 12 || j == 6 && i < 12 + stub;
+        grid(24, 3, 0.0, move |i, j| !there(i, j), |p| Point3::new(p.x, p.y, 0.4 + 0.8 * k as f64))
+    };
+    let meshes: Vec<SurfaceMesh> = [3, 3, 3, 9].into_iter().enumerate().map(plate).collect();
+    let thickness: Vec<Vec<f64>> = meshes.iter().map(|mesh| vec![0.8; mesh.triangles().len()]).collect();
+    let each = meshes.iter().zip(&thickness);
+    let surfaces: Vec<LayerSurface> =
+        each.map(|(mesh, thickness)| (mesh.vertices(), mesh.triangles(), &thickness[..]).into()).collect();
+    let infill = InfillOptions { density: 0.25, walls: 2, skin: 1, ..InfillOptions::default() };
+    let options = PathOptions { infill, join_distance: 0.0, ..PathOptions::default() };
+    let go = |_| ControlFlow::Continue(());
+    let whole = fill_layers(&surfaces, &options, &go).unwrap();
+    let mut filled = fill_range(&surfaces, 0..2, &options, &go).unwrap();
+    filled.extend(fill_range(&surfaces, 2..4, &options, &go).unwrap());
+    // What came back is in the figures.
+    let layers =
+        filled.iter().zip(&whole.layers).map(|(before, after)| [before, after].map(|layer| layer.as_ref().unwrap()));
+    let back = layers.filter(|[before, after]| {
+        let is_back = before.paths.short.len() > after.paths.short.len();
+        is_back
+            && after.sparse.area_mm2 > 10.0
+            && after.statistics.covered_fraction > before.statistics.covered_fraction
+    });
+    assert_eq!(back.count(), 2);
+    assert_eq!(fill_rest(&surfaces, filled, &options, &go).unwrap(), whole);
 }

@@ -41,11 +41,20 @@ impl Ground<'_> {
         self.built.contains(cell) || self.support.contains(cell)
     }
 
+    fn stands(&self, cell: u32) -> bool {
+        let [x, y, z] = self.cells.position(cell);
+        z == 0 && self.platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], self.rules.flat)
+    }
+
+    /// Whether a column that ends with this cell stands on the part alone.
+    pub(super) fn lands_on_part(&self, cell: u32) -> bool {
+        let is_on_support = |&step: &[i32; 3]| self.step(cell, step).is_some_and(|below| self.support.contains(below));
+        !self.stands(cell) && !DOWN.iter().any(is_on_support)
+    }
+
     /// Whether a column may end with this cell.
     fn lands(&self, cell: u32) -> bool {
-        let [x, y, z] = self.cells.position(cell);
-        let stands = z == 0 && self.platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], self.rules.flat);
-        stands || DOWN.iter().any(|&step| self.step(cell, step).is_some_and(|below| self.carries(below)))
+        self.stands(cell) || DOWN.iter().any(|&step| self.step(cell, step).is_some_and(|below| self.carries(below)))
     }
 
     /// The cells of the shortest column below a cell, from the top; none if it is blocked everywhere.

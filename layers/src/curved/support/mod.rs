@@ -7,6 +7,11 @@
 //! In each round every region of missed cells that hang together gets one column, below the lowest of its cells that has nothing under it, of several the one in their middle: the
 //! [shortest way down](column) to the plate, to the part, or to support that is there, so that columns become trees. Then part and support are grown
 //! anew. Rounds end when nothing is missed or no column can be added. Support that is missed itself is left out in the end.
+//!
+//! # Gaps
+//! So that support comes off, its columns touch the part with few cells ([`SupportOptions::contact`]), or end a few levels short of it
+//! ([`SupportOptions::gap`]). The cells of a gap are grown and audited like all others, and stay empty when it comes to surfaces. That is the rule by which
+//! a gap counts as support: a cell is carried by what lies no more than so many empty levels below it.
 
 mod column;
 mod mesh;
@@ -29,15 +34,20 @@ use std::ops::ControlFlow;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct SupportOptions {
     /// Width of a column, in cells. Default 3: with less it is not stiff enough to print on, with more it costs material. Columns are
-    /// as wide only where they do not touch the part: they touch it with one cell a level, so that they break off.
+    /// as wide only where they do not touch the part: there they are as wide as `contact`.
     pub width: u32,
+    /// Width of a column where it touches the part, in cells: 1, so that it breaks off. No more than `width`.
+    pub contact: u32,
+    /// Levels that stay empty between a column and the part above it, and below it where it stands on the part: 0. Material bridges one
+    /// of the height of a bead, not more. A column of no more levels than its gaps is printed whole.
+    pub gap: u32,
     /// Rounds at most. Default 8. Each grows all cells anew; the parts that we know take one or two.
     pub rounds: u32,
 }
 
 impl Default for SupportOptions {
     fn default() -> Self {
-        SupportOptions { width: 3, rounds: 8 }
+        SupportOptions { width: 3, contact: 1, gap: 0, rounds: 8 }
     }
 }
 
@@ -51,6 +61,22 @@ pub enum SupportError {
         /// The width, in cells.
         width: u32,
     },
+    /// Columns that touch the part nowhere, or are wider there than elsewhere.
+    #[error(
+        "support that touches the part with {contact} cells: it must be 1 or more, and at most the width of {width}"
+    )]
+    Contact {
+        /// The width where it touches, in cells.
+        contact: u32,
+        /// The width elsewhere.
+        width: u32,
+    },
+    /// A gap higher than any column is wide.
+    #[error("a gap of {gap} cells between support and part: it must be at most {}", SupportOptions::MAX_WIDTH)]
+    Gap {
+        /// The gap, in cells.
+        gap: u32,
+    },
     /// The part cannot be grown with its support.
     #[error(transparent)]
     Growth(#[from] GrowthError),
@@ -60,19 +86,32 @@ pub enum SupportError {
 }
 
 impl SupportOptions {
-    /// Greatest width of a column, in cells.
+    /// Greatest width of a column and greatest gap, in cells.
     pub const MAX_WIDTH: u32 = 64;
+
+    fn check(&self) -> Result<(), SupportError> {
+        let SupportOptions { width, contact, gap, .. } = *self;
+        if !(1..=SupportOptions::MAX_WIDTH).contains(&width) {
+            return Err(SupportError::Width { width });
+        }
+        if !(1..=width).contains(&contact) {
+            return Err(SupportError::Contact { contact, width });
+        }
+        if gap > SupportOptions::MAX_WIDTH { Err(SupportError::Gap { gap }) } else { Ok(()) }
+    }
 }
 
 /// A part with its support.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Supported {
-    /// The cells of part and support together, as [`Cells`] takes them.
+    /// The cells of part and support together, gaps included, as [`Cells`] takes them.
     pub rows: Vec<u64>,
     /// The order of both. What it misses belongs to the part.
     pub growth: Growth,
     /// The cells of the support, by rising number; they are all in the order.
     pub support: Vec<u32>,
+    /// The cells between support and part that stay empty, by rising number; they are in the order as well.
+    pub gap: Vec<u32>,
     /// Cells that straight columns from the plate would have, below all cells that were missed: to compare with.
     pub straight_cells: usize,
     /// Rounds that it took.
@@ -123,11 +162,9 @@ pub fn add_support(
     grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Option<Supported>, SupportError> {
-    if !(1..=SupportOptions::MAX_WIDTH).contains(&options.width) {
-        return Err(SupportError::Width { width: options.width });
-    }
+    options.check()?;
     let straight_cells = straight_columns(cells, &growth.missed_cells());
-    let mut support = CellSet::none(cells);
+    let mut columns = Columns { support: CellSet::none(cells), gap: CellSet::none(cells) };
     let mut missed = growth.missed_cells();
     let mut best: Option<Supported> = None;
     for round in 1..=options.rounds {
@@ -135,17 +172,14 @@ pub fn add_support(
         if progress(Progress { stage: "support", done, total }).is_break() {
             return Err(GrowthError::Cancelled.into());
         }
-        let added = columns_below(cells, platform, rules, &missed, &support, options.width);
-        if added.is_empty() {
+        if !columns.add_below(cells, platform, rules, &missed, options) {
             break;
         }
-        added.into_iter().for_each(|cell| _ = support.insert(cell));
-        let of_round = grown(cells, &support, grow)?;
+        let of_round = grown(cells, &columns.support, grow)?;
         missed = of_round.missed_cells();
         missed.retain(|&cell| cells.contains(cells.position(cell)));
         if missed.len() < best.as_ref().map_or(growth.missed.len(), |best| best.growth.missed.len()) {
-            let support: Vec<u32> = support.iter().filter(|&cell| is_built(&of_round, cell)).collect();
-            best = Some(of_part(cells, of_round, support, straight_cells, round));
+            best = Some(of_part(cells, of_round, &columns, straight_cells, round));
         }
         if missed.is_empty() {
             break;
@@ -159,12 +193,17 @@ fn is_built(growth: &Growth, cell: u32) -> bool {
 }
 
 /// Part and support, less the support that was missed: without it the order is the same.
-fn of_part(cells: &Cells, mut growth: Growth, support: Vec<u32>, straight_cells: usize, rounds: u32) -> Supported {
+fn of_part(cells: &Cells, mut growth: Growth, columns: &Columns, straight_cells: usize, rounds: u32) -> Supported {
+    let built = columns.support.iter().filter(|&cell| is_built(&growth, cell));
+    let (mut gap, mut support): (Vec<u32>, Vec<u32>) = built.partition(|&cell| columns.gap.contains(cell));
+    if support.is_empty() {
+        std::mem::swap(&mut gap, &mut support);
+    }
     growth.missed.retain(|missed| cells.contains(cells.position(missed.cell)));
     let mut united = CellSet::of(cells);
-    support.iter().for_each(|&cell| _ = united.insert(cell));
+    support.iter().chain(&gap).for_each(|&cell| _ = united.insert(cell));
     let rows = united.rows().flatten().copied().collect();
-    Supported { rows, growth, support, straight_cells, rounds }
+    Supported { rows, growth, support, gap, straight_cells, rounds }
 }
 
 /// Grows the part with its support.
@@ -179,33 +218,52 @@ fn grown(
     Ok(grow(&Cells::new(cells.dims(), &rows)?)?)
 }
 
-/// A column below the lowest hanging cell of each region of missed cells: new cells, each once.
-fn columns_below(
-    cells: &Cells,
-    platform: &Platform,
-    rules: &Rules,
-    missed: &[u32],
-    support: &CellSet,
-    width: u32,
-) -> Vec<u32> {
-    let mut built = CellSet::of(cells);
-    built.remove_all(missed.iter().copied());
-    let mut regions = CellSet::none(cells);
-    missed.iter().filter(|&&cell| cells.contains(cells.position(cell))).for_each(|&cell| _ = regions.insert(cell));
-    let runs = Runs::new(&regions, rules.neighbours);
-    let mut ground = Ground { cells, platform, rules, built: &built, support: support.clone() };
-    let mut added = Vec::new();
-    for region in 0..runs.count() {
-        let hanging =
-            middle_first(cells, runs.cells(|piece| piece == region).filter(|&cell| hangs(&ground, cell)).collect());
-        let Some(column) = hanging.into_iter().find_map(|cell| ground.column_below(cell)) else { continue };
-        for cell in thickened(&ground, &column, width) {
-            if ground.support.insert(cell) {
-                added.push(cell);
+/// The columns so far.
+struct Columns {
+    /// All their cells.
+    support: CellSet,
+    /// Those of them that stay empty.
+    gap: CellSet,
+}
+
+impl Columns {
+    /// Adds a column below the lowest hanging cell of each region of missed cells; whether there is any new cell.
+    fn add_below(
+        &mut self,
+        cells: &Cells,
+        platform: &Platform,
+        rules: &Rules,
+        missed: &[u32],
+        options: &SupportOptions,
+    ) -> bool {
+        let mut built = CellSet::of(cells);
+        built.remove_all(missed.iter().copied());
+        let mut regions = CellSet::none(cells);
+        missed.iter().filter(|&&cell| cells.contains(cells.position(cell))).for_each(|&cell| _ = regions.insert(cell));
+        let runs = Runs::new(&regions, rules.neighbours);
+        let mut ground = Ground { cells, platform, rules, built: &built, support: self.support.clone() };
+        let mut is_new = false;
+        for region in 0..runs.count() {
+            let hanging =
+                middle_first(cells, runs.cells(|piece| piece == region).filter(|&cell| hangs(&ground, cell)).collect());
+            let Some(column) = hanging.into_iter().find_map(|cell| ground.column_below(cell)) else { continue };
+            let bottom = column.last().filter(|&&end| ground.lands_on_part(end)).map_or(0, |_| options.gap as usize);
+            let (top, levels) = (options.gap as usize, thickened(&ground, &column, options));
+            let printed = if top + bottom < levels.len() { top..levels.len() - bottom } else { 0..levels.len() };
+            for (level, cells) in levels.into_iter().enumerate() {
+                for cell in cells {
+                    is_new |= ground.support.insert(cell);
+                    if printed.contains(&level) {
+                        self.gap.remove(cell);
+                    } else if !self.support.contains(cell) {
+                        self.gap.insert(cell);
+                    }
+                    self.support.insert(cell);
+                }
             }
         }
+        is_new
     }
-    added
 }
 
 /// The cells lowest first, and in each level those first that are nearest to the middle of the lowest ones.
@@ -229,15 +287,15 @@ fn hangs(ground: &Ground, cell: u32) -> bool {
     ground.cells.position(cell)[2] > 0 && !DOWN.iter().any(is_below)
 }
 
-/// A column and the cells around it, but for those that touch the part.
-fn thickened(ground: &Ground, column: &[u32], width: u32) -> Vec<u32> {
-    let (low, high) = (-((width - 1) as i32 / 2), (width / 2) as i32);
-    let is_free = |cell: u32| {
-        let touches = |&step: &[i32; 3]| ground.step(cell, step).is_some_and(|beside| ground.is_of_part(beside));
-        !ground.is_of_part(cell) && !ground.rules.neighbours.offsets().iter().any(touches)
+/// A column and the cells around it, level by level. Those that touch the part are nearer to its middle.
+fn thickened(ground: &Ground, column: &[u32], options: &SupportOptions) -> Vec<Vec<u32>> {
+    let ends = |width: u32| -((width - 1) as i32 / 2)..=(width / 2) as i32;
+    let [all, touching] = [options.width, options.contact].map(ends);
+    let touches = |cell: u32| {
+        let is_beside = |&step: &[i32; 3]| ground.step(cell, step).is_some_and(|beside| ground.is_of_part(beside));
+        ground.rules.neighbours.offsets().iter().any(is_beside)
     };
-    let mut all = Vec::new();
-    for &core in column {
+    let thick = |&core: &u32| {
         let mut of_level = vec![core];
         let mut done = 0;
         // From neighbour to neighbour, so that nothing stands apart.
@@ -246,15 +304,18 @@ fn thickened(ground: &Ground, column: &[u32], width: u32) -> Vec<u32> {
             for step in [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0]] {
                 let Some(next) = ground.step(cell, step) else { continue };
                 let (from, to) = (ground.cells.position(core), ground.cells.position(next));
-                let is_within = (0..2).all(|k| (low..=high).contains(&(to[k] as i32 - from[k] as i32)));
-                if is_within && is_free(next) && !of_level.contains(&next) {
+                let is_within = |ends: &std::ops::RangeInclusive<i32>| {
+                    (0..2).all(|k| ends.contains(&(to[k] as i32 - from[k] as i32)))
+                };
+                let is_free = is_within(&all) && !ground.is_of_part(next) && (is_within(&touching) || !touches(next));
+                if is_free && !of_level.contains(&next) {
                     of_level.push(next);
                 }
             }
         }
-        all.extend(of_level);
-    }
-    all
+        of_level
+    };
+    column.iter().map(thick).collect()
 }
 
 /// Empty cells below the lowest missed cell of each column of the grid.

@@ -13,6 +13,8 @@
 //! 18 -                       or none: it is missed
 //! support 1                  only with support: so many lines follow, a cell each that is support, by rising number
 //! 18
+//! gap 1                      only with gaps between support and part: likewise
+//! 19
 //! nozzle 1 0.7853981633974483 8 20 1.5707963267948966 0.5    only with cells judged by the nozzle: tip flat (mm), half angle (rad), height of the
 //!                            cone (mm), block (mm), tilt limit (rad), margin (cells)
 //! directions 1               so many lines follow: a cell, and the direction from the tip to the block
@@ -63,6 +65,8 @@ pub struct SavedField {
 pub struct PrintAids {
     /// The cells that are support, by rising number. They are among those of the field.
     pub support: Vec<u32>,
+    /// The cells between support and part that stay empty, by rising number. They are among those of the field, too.
+    pub gap: Vec<u32>,
     /// The nozzle.
     pub rule: NozzleRule,
     /// Cells judged by it, by rising number.
@@ -234,7 +238,7 @@ impl SavedField {
         }
         let mut of_part = self.rows.clone();
         let words = cells.words_per_row();
-        for &cell in &self.aids.support {
+        for &cell in self.aids.support.iter().chain(&self.aids.gap) {
             let (row, x) = ((cell / cells.dims()[0]) as usize, cell % cells.dims()[0]);
             let word = of_part.get_mut(row * words + x as usize / 64).ok_or(OtherCells::Cells)?;
             *word &= !(1 << (x % 64));
@@ -280,10 +284,10 @@ impl SavedField {
                 None => writeln!(out, "{cell} -")?,
             }
         }
-        let PrintAids { support, rule, nozzle } = &self.aids;
-        if !support.is_empty() {
-            writeln!(out, "support {}", support.len())?;
-            support.iter().try_for_each(|cell| writeln!(out, "{cell}"))?;
+        let PrintAids { support, gap, rule, nozzle } = &self.aids;
+        for (key, cells) in [("support", support), ("gap", gap)].into_iter().filter(|(_, cells)| !cells.is_empty()) {
+            writeln!(out, "{key} {}", cells.len())?;
+            cells.iter().try_for_each(|cell| writeln!(out, "{cell}"))?;
         }
         if !nozzle.is_empty() {
             let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin } = rule;
@@ -415,20 +419,28 @@ impl<R: BufRead> Lines<R> {
         found.ok_or_else(|| self.unlike(expected))
     }
 
+    /// The cells of a list that begins at this line, if it does; then goes on to the next line.
+    fn list(&mut self, key: &str, cells: &[(u32, f64)], grid: u64) -> Result<Vec<u32>, ReadFieldError> {
+        let mut list = Vec::new();
+        if self.text.split(' ').next() == Some(key) {
+            let count = self.count(key, "a word and a number of cells")?;
+            for _ in 0..count {
+                self.next()?;
+                let Ok(cell) = self.text.parse::<u32>() else { return Err(self.unlike("the number of a cell")) };
+                self.check_built(cells, grid, cell, list.last().copied())?;
+                list.push(cell);
+            }
+            self.next()?;
+        }
+        Ok(list)
+    }
+
     /// The support and the directions of the nozzle, if there are any, and the end. `cells` are those of the field, with their values.
     fn aids(&mut self, cells: &[(u32, f64)], grid: u64) -> Result<PrintAids, ReadFieldError> {
         let mut aids = PrintAids::default();
         self.next()?;
-        if self.text.starts_with("support ") {
-            let count = self.count("support", "`support` and the number of its cells")?;
-            for _ in 0..count {
-                self.next()?;
-                let Ok(cell) = self.text.parse::<u32>() else { return Err(self.unlike("a cell of the support")) };
-                self.check_built(cells, grid, cell, aids.support.last().copied())?;
-                aids.support.push(cell);
-            }
-            self.next()?;
-        }
+        aids.support = self.list("support", cells, grid)?;
+        aids.gap = self.list("gap", cells, grid)?;
         if self.text.starts_with("nozzle ") {
             let numbers = self.text.split(' ').skip(1).map(number).collect::<Option<Vec<f64>>>();
             let Some([tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin]) =

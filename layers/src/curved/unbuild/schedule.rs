@@ -24,12 +24,18 @@ use std::ops::ControlFlow;
 /// A plane, the cells that rely on it, and the candidates that wait because of it.
 struct Guard {
     plane: Plane,
-    /// The cells that are not built, and some that are: height over the plane, number. The lowest is not built.
-    relying: BinaryHeap<Reverse<(i64, u32)>>,
-    /// Whatever is built has to stay below this height.
-    limit: i64,
+    /// The cells that are not built, and some that are, the lowest last: height over the plane, number. The lowest is not built.
+    relying: Vec<(i64, u32)>,
     /// Candidates on or above the limit: height, number.
     parked: BinaryHeap<Reverse<(i64, u32)>>,
+}
+
+/// What candidates are held against, by itself: all guards before a candidate are looked at.
+#[derive(Clone, Copy)]
+struct Wall {
+    normal: [i64; 3],
+    /// Whatever is built has to stay below this height.
+    limit: i64,
 }
 
 /// A cell next to what is built, and how many of the guards it has yet to pass, from the first.
@@ -43,6 +49,8 @@ struct Schedule {
     centres: Centres,
     /// By rising bound.
     guards: Vec<Guard>,
+    /// One for each guard.
+    walls: Vec<Wall>,
     /// Where each plane is among the guards.
     guard_of: Vec<usize>,
     /// The first guard that some cell still relies on.
@@ -112,22 +120,21 @@ impl Schedule {
         by_bound.sort_by_key(|&plane| removal.planes[plane].bound);
         let mut guard_of = vec![0; by_bound.len()];
         by_bound.iter().enumerate().for_each(|(guard, &plane)| guard_of[plane] = guard);
-        let mut relying: Vec<Vec<Reverse<(i64, u32)>>> = vec![Vec::new(); by_bound.len()];
+        let mut relying: Vec<Vec<(i64, u32)>> = vec![Vec::new(); by_bound.len()];
         for cell in cells.iter().filter(|&cell| removal.plane_of[cell as usize] != NONE) {
             let plane = removal.plane_of[cell as usize] as usize;
-            relying[plane].push(Reverse((dot(removal.planes[plane].normal, centres.of(cell)), cell)));
+            relying[plane].push((dot(removal.planes[plane].normal, centres.of(cell)), cell));
         }
-        let guards = by_bound
-            .iter()
-            .map(|&at| {
-                let relying = BinaryHeap::from(std::mem::take(&mut relying[at]));
-                let plane = removal.planes[at];
-                Guard { limit: limit(&plane, &relying), plane, relying, parked: BinaryHeap::new() }
-            })
-            .collect();
+        let (mut guards, mut walls) = (Vec::with_capacity(by_bound.len()), Vec::with_capacity(by_bound.len()));
+        for at in by_bound {
+            let (plane, mut relying) = (removal.planes[at], std::mem::take(&mut relying[at]));
+            relying.sort_unstable_by(|a, b| b.cmp(a));
+            walls.push(Wall { normal: plane.normal, limit: limit(&plane, &relying) });
+            guards.push(Guard { plane, relying, parked: BinaryHeap::new() });
+        }
         let waiting = CellSet::of(cells);
         let Removal { ranks, plane_of, .. } = removal;
-        Schedule { ranks, plane_of, centres, guards, guard_of, first: 0, waiting }
+        Schedule { ranks, plane_of, centres, guards, walls, guard_of, first: 0, waiting }
     }
 
     /// How many guards have a bound below the rank of the cell; all of them for a cell without one.
@@ -138,8 +145,8 @@ impl Schedule {
 
     /// The last of the first `before` guards that keeps a cell at `p` from being built.
     fn guard_against(&self, p: [i32; 3], before: usize) -> Option<usize> {
-        let guards = self.guards.get(self.first..before)?;
-        let against = guards.iter().rposition(|guard| dot(guard.plane.normal, p) >= guard.limit)?;
+        let walls = self.walls.get(self.first..before)?;
+        let against = walls.iter().rposition(|wall| dot(wall.normal, p) >= wall.limit)?;
         Some(self.first + against)
     }
 
@@ -189,11 +196,11 @@ impl Schedule {
         let at = self.guard_of[plane as usize];
         let guard = &mut self.guards[at];
         let relies = |cell: u32| self.waiting.contains(cell) && self.plane_of[cell as usize] == plane;
-        while guard.relying.peek().is_some_and(|lowest| !relies(lowest.0.1)) {
+        while guard.relying.last().is_some_and(|&(_, lowest)| !relies(lowest)) {
             guard.relying.pop();
         }
-        guard.limit = limit(&guard.plane, &guard.relying);
-        let limit = guard.limit;
+        let limit = limit(&guard.plane, &guard.relying);
+        self.walls[at].limit = limit;
         // A limit never comes down again, so guards that were passed stay passed.
         while let Some(&Reverse((_, freed))) = self.guards[at].parked.peek().filter(|parked| parked.0.0 < limit) {
             self.guards[at].parked.pop();
@@ -207,6 +214,6 @@ impl Schedule {
 }
 
 /// The height that what is built has to stay below.
-fn limit(plane: &Plane, relying: &BinaryHeap<Reverse<(i64, u32)>>) -> i64 {
-    relying.peek().map_or(i64::MAX, |lowest| lowest.0.0 + plane.margin)
+fn limit(plane: &Plane, relying: &[(i64, u32)]) -> i64 {
+    relying.last().map_or(i64::MAX, |&(lowest, _)| lowest + plane.margin)
 }

@@ -1,6 +1,6 @@
 //! Freed directions along a path, smooth.
 //!
-//! 1. Each waypoint that gouges gets its least tilt.
+//! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there.
 //! 2. Where neighbours then differ by more than the limit, one is turned toward the other, on along the path until the
 //!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
@@ -14,7 +14,7 @@
 use super::built::{after, before};
 use super::deepest::{Contact, Scene, Stand};
 use super::{Gouge, GougingOptions};
-use crate::surface::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
+use crate::surface::orientation::{DirectionHints, ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3};
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
@@ -80,6 +80,7 @@ struct Step {
 struct Walker<'a> {
     scene: &'a Scene<'a>,
     options: &'a GougingOptions,
+    hints: &'a DirectionHints,
     steps: Vec<Step>,
     stack: Vec<(f64, u32)>,
     /// What is near a way.
@@ -87,7 +88,13 @@ struct Walker<'a> {
 }
 
 /// Sets a path free.
-pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &GougingOptions) -> FreedPath {
+pub(super) fn freed(
+    scene: &Scene,
+    path: &ToolPath,
+    start: Start,
+    options: &GougingOptions,
+    hints: &DirectionHints,
+) -> FreedPath {
     let step = |(k, (&waypoint, before)): (usize, (&Waypoint, u32))| Step {
         waypoint,
         wanted: waypoint.direction,
@@ -98,7 +105,7 @@ pub(super) fn freed(scene: &Scene, path: &ToolPath, start: Start, options: &Goug
     };
     let before = before(&path.waypoints, start.path);
     let steps = path.waypoints.iter().zip(before).enumerate().map(step).collect();
-    let mut walker = Walker { scene, options, steps, stack: Vec::new(), near: Vec::new() };
+    let mut walker = Walker { scene, options, hints, steps, stack: Vec::new(), near: Vec::new() };
     let gouging_before = (0..walker.steps.len()).filter(|&k| walker.free(k)).count();
     if gouging_before > 0 {
         for _ in 0..INSERTIONS {
@@ -144,7 +151,7 @@ impl Walker<'_> {
         if self.is_free(k, &direction) {
             return false;
         }
-        if let Some(direction) = self.least_tilt(k, direction, self.options.max_tilt) {
+        if let Some(direction) = self.least_tilt_or_known(self.stand(k), direction) {
             self.steps[k].waypoint.direction = direction;
             return true;
         }
@@ -153,7 +160,7 @@ impl Walker<'_> {
         let mut allowed = open;
         while open - closed > DEEPER_STEP {
             let stand = Stand { allowed, ..self.stand(k) };
-            match self.scene.least_tilt(stand, direction, self.options.max_tilt, &mut self.stack) {
+            match self.least_tilt_or_known(stand, direction) {
                 Some(direction) => {
                     self.steps[k].waypoint.direction = direction;
                     open = allowed;
@@ -167,6 +174,13 @@ impl Walker<'_> {
                 closed + (open - closed).min(2.0 * (closed - self.options.allowed_depth) + 2.0 * DEEPER_STEP) / 2.0;
         }
         true
+    }
+
+    /// The free direction nearest to the one wanted; where all are too far from that, the one nearest to the direction known for the place.
+    fn least_tilt_or_known(&mut self, stand: Stand, wanted: UnitVector3<f64>) -> Option<UnitVector3<f64>> {
+        let limit = self.options.max_tilt;
+        let known = |stack: &mut _| self.scene.least_tilt(stand, self.hints.at(stand.tip)?, limit, stack);
+        self.scene.least_tilt(stand, wanted, limit, &mut self.stack).or_else(|| known(&mut self.stack))
     }
 
     fn turn(&self, k: usize, other: usize) -> f64 {
@@ -313,7 +327,7 @@ impl Walker<'_> {
         // Earlier layers are finished before the first waypoint of this one.
         let earlier = Stand { before: after(layer), ..stand };
         let wanted = self.steps[waypoint].wanted;
-        let own_layer = self.scene.least_tilt(earlier, wanted, self.options.max_tilt, &mut self.stack).is_some();
+        let own_layer = self.least_tilt_or_known(earlier, wanted).is_some();
         Some(Gouge { path: 0, waypoint, obstacle, depth, part, own_layer })
     }
 }

@@ -40,7 +40,8 @@ use std::ops::ControlFlow;
 pub struct GougingOptions {
     /// How deep the nozzle may enter a layer, as a share of its height: a quarter.
     pub allowed_depth: f64,
-    /// No direction is tilted farther than this: 90 degrees, in radians.
+    /// No direction is tilted farther than this from the one wanted, or from the one that is known for the place
+    /// ([`LayerStack::with_hints`]): 90 degrees, in radians.
     pub max_tilt: f64,
     /// Directions of neighbours may differ by this: 10 degrees, in radians.
     pub max_turn: f64,

@@ -199,11 +199,11 @@ impl Resolving<'_> {
         let work = |_: usize, &(k, place): &(usize, usize)| {
             let path = &orders[k][place].laid.path;
             let start = Start { path: starts[k][place], layer: starts[k][0] };
-            let there = freed(&forward, path, start, self.options);
+            let there = freed(&forward, path, start, self.options, &self.stack.hints);
             if there.left.is_empty() || !(self.options.own_layer && self.options.reverse) {
                 return there;
             }
-            let back = freed(&backward, &path.reversed(), start, self.options);
+            let back = freed(&backward, &path.reversed(), start, self.options, &self.stack.hints);
             if back.left.len() >= there.left.len() {
                 return there;
             }

@@ -25,8 +25,7 @@ pub(in crate::surface) fn mark(layers: &mut [Option<FilledLayer>], surfaces: &[L
             continue;
         }
         let (paths, surface, below) = (&before.paths.paths, &surfaces[above], above as u32 - 1);
-        let solid =
-            Below::new(paths, surface, |path| path.points.first().is_some_and(|point| point.kind != BeadKind::Infill));
+        let solid = Below::new(paths, surface, |path| path.points.first().is_some_and(|point| !point.kind.is_sparse()));
         let points = layer.paths.paths.iter_mut().flat_map(|path| &mut path.points);
         for point in points.filter(|point| point.kind == BeadKind::Skin) {
             let (p, reach) = (point.at.position, ON * thickness(surface, point.at.triangle));

@@ -33,28 +33,33 @@ const GROWTH: f64 = 1.0;
 /// A column this near to the edge of a triangle, as a share of the triangle, meets it: edges are no cracks.
 const EDGE: f64 = 1e-9;
 
-/// Where all layers are in the part.
+/// Where layers are in the part.
 #[derive(Default)]
 pub(in crate::surface) struct Sites<'a> {
-    pub of_layer: Vec<Site>,
+    /// Of those that were asked for.
+    pub of_layer: Vec<Option<Site>>,
     /// The layers without curves; none if there are no skins.
     pub stack: Option<LayerStack<'a>>,
 }
 
-/// Where each layer is in the part.
+/// Where some layers are in the part.
 pub(in crate::surface) fn sites<'a>(
     surfaces: &[LayerSurface<'a>],
+    is_wanted: impl Fn(usize) -> bool + Sync,
     options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Sites<'a>, FillLayersError> {
     let skin = options.infill.skin as usize;
     let stack = (skin > 0).then(|| LayerStack::with_curves(surfaces.iter().map(built).collect())).transpose()?;
     let work = |layer: usize, surface: &LayerSurface| {
+        if !is_wanted(layer) {
+            return None;
+        }
         let counts = match &stack {
             Some(stack) => covered(stack, surface, layer, skin),
             None => vec![0.0; surface.vertices.len()],
         };
-        Site { layer, skin: grown(surface, &counts, skin, GROWTH * options.bead) }
+        Some(Site { layer, skin: grown(surface, &counts, skin, GROWTH * options.bead) })
     };
     let of_layer = parallel::map(surfaces, "skin", progress, work).ok_or(FillLayersError::Cancelled)?;
     Ok(Sites { of_layer, stack })

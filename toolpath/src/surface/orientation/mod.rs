@@ -11,6 +11,7 @@
 //!
 //! The nozzle is not looked at yet: see [`LayerStack::resolve_gouging`] for that.
 
+mod hints;
 mod resample;
 mod share;
 mod smooth;
@@ -21,6 +22,7 @@ use super::kind::BeadKind;
 use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
+pub use hints::{DirectionHints, HintError};
 use nalgebra::{Point3, UnitVector3};
 use resample::Line;
 pub(super) use smooth::{ROUNDING, along, angle, between, part_way};

@@ -8,6 +8,7 @@ mod tree;
 mod triangle;
 
 use super::kind::BeadKind;
+use super::orientation::DirectionHints;
 use super::parallel;
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -186,6 +187,8 @@ pub struct LayerStack<'a> {
     normals: Vec<Vec<Vector3<f64>>>,
     /// Edges of the boundaries, those at the corners of a triangle together.
     pub(super) rims: Vec<[Point3<f64>; 2]>,
+    /// Directions that are known ([`LayerStack::with_hints`]).
+    pub(super) hints: DirectionHints,
 }
 
 /// The surface of a layer at a point.
@@ -260,7 +263,13 @@ impl<'a> LayerStack<'a> {
         }
         let tree = Tree::new(all);
         let keys = Keys::new(&tree, tree.triangles().iter().map(|triangle| triangle.layer).collect());
-        Ok(LayerStack { layers, tree, keys, normals, rims })
+        Ok(LayerStack { layers, tree, keys, normals, rims, hints: DirectionHints::default() })
+    }
+
+    /// The same layers with directions in which the nozzle is known to get to some places. Where [`LayerStack::resolve_gouging`] finds no free
+    /// direction within its limit of the one wanted, it looks for the one nearest to what is known there.
+    pub fn with_hints(self, hints: DirectionHints) -> Self {
+        LayerStack { hints, ..self }
     }
 
     /// How many triangles have an area.

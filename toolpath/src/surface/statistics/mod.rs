@@ -17,6 +17,7 @@
 //! Covered and overlapping shares converge with the step of the raster; a share of a region with a smooth outline of
 //! length `l` is off by less than `l * step` and by far less on average.
 
+mod and;
 mod crossing;
 mod curve;
 mod fillable;
