@@ -134,7 +134,7 @@ impl Head {
             corners.map(|p| Vector3::new(p.coords.dot(&u), p.coords.dot(&v), p.coords.dot(direction)))
         };
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
-        for p in part.clone().flat_map(|corners| seen(corners)) {
+        for p in part.clone().flat_map(seen) {
             (low, high) = (low.inf(&p), high.sup(&p));
         }
         if low.x > high.x {
@@ -244,6 +244,7 @@ fn clipped(polygon: &[Vector3<f64>], axis: usize, low: f64, high: f64) -> Vec<Ve
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // whole numbers
 mod tests {
     use super::*;
 
