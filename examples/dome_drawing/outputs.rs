@@ -9,6 +9,9 @@ use curvlay_examples::output::{OutputError, OutputFolder};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_examples::viewer::{Mesh, Model, Step};
+use curvlay_kinematics::nalgebra::Point3;
+use curvlay_kinematics::program::DomeOptions;
 use curvlay_toolpath::drawing::{StrokeKind, save_drawing, write_dxf};
 use std::io::{self, Write};
 
@@ -228,6 +231,46 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
     Ok(summary)
 }
 
+/// The design as it is printed on the dome.
+fn build(args: &Args, planned: &Planned) -> Model {
+    let speed = DomeOptions::default().print_mm_s;
+    let mut steps = Vec::new();
+    for (path, on_surface) in (0..).zip(&planned.strokes) {
+        let stroke = planned.flat(on_surface);
+        let kind = match stroke.kind {
+            StrokeKind::Outline => 0,
+            StrokeKind::Fill => 1,
+            StrokeKind::Open => 2,
+        };
+        let back = on_surface.points[..usize::from(stroke.closed).min(on_surface.points.len())].iter();
+        let mut last: Option<Point3<f64>> = None;
+        for at in on_surface.points.iter().chain(back) {
+            let (width, height, direction) = (stroke.width, args.layer_height_mm, *at.normal);
+            let seconds = last.map_or(0.0, |last| (at.position - last).norm() / speed);
+            let kind = if last.is_some() { kind } else { Step::TRAVEL };
+            steps.push(Step {
+                tip: at.position,
+                direction,
+                width,
+                height,
+                kind,
+                layer: on_surface.layer,
+                path,
+                seconds,
+            });
+            last = Some(at.position);
+        }
+    }
+    let (vertices, triangles) = pictures::mesh_of(planned);
+    Model {
+        name: "a drawing on a dome".to_owned(),
+        layers: vec![Mesh { vertices, triangles }],
+        kinds: ["outline", "fill", "open contour"].map(str::to_owned).to_vec(),
+        steps,
+        ..Model::default()
+    }
+}
+
 fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings, drawn: &[Vec<u8>]) -> Report {
     let mut report = Report::new("A drawing on a dome");
     findings.report(&mut report);
@@ -242,6 +285,7 @@ fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings
         layers.row([name, count.to_string()]);
     }
     report.table("Layers of the file", &layers);
+    report.viewer(&build(args, planned));
     let captions = [
         "the entities of the file, a colour each",
         "joined contours: closed ones dark, open ones orange",

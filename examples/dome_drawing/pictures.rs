@@ -112,8 +112,16 @@ fn line(scene: &mut Scene, points: &[Point2<f64>], closed: bool, half: f64, colo
     }
 }
 
-/// The surface under the design, in rings.
+/// Draws the surface under the design.
 fn surface(scene: &mut Scene, planned: &Planned, colour: impl Fn(Point2<f64>) -> Rgb) {
+    patches(planned, |on, middle| {
+        let colour = colour(middle);
+        scene.triangles([([on[0], on[1], on[2]], colour), ([on[0], on[2], on[3]], colour)]);
+    });
+}
+
+/// The surface under the design in patches, ring by ring: the corners of each, and the middle of it in the design.
+fn patches(planned: &Planned, mut each: impl FnMut([Point3<f64>; 4], Point2<f64>)) {
     let (rings, sides) = (40u32, 120u32);
     let reach =
         planned.contours.iter().flat_map(|contour| &contour.points).map(|at| at.coords.norm()).fold(1.0, f64::max);
@@ -124,15 +132,26 @@ fn surface(scene: &mut Scene, planned: &Planned, colour: impl Fn(Point2<f64>) ->
     for ring in 0..rings {
         for k in 0..sides {
             let corners = [place(ring, k), place(ring + 1, k), place(ring + 1, k + 1), place(ring, k + 1)];
-            let on: Option<Vec<Point3<f64>>> =
-                corners.iter().map(|at| planned.projection.of(&planned.carrier, at).map(|hit| hit.position)).collect();
-            let middle = middle_of(&corners);
-            if let Some(on) = on {
-                let colour = colour(middle);
-                scene.triangles([([on[0], on[1], on[2]], colour), ([on[0], on[2], on[3]], colour)]);
+            let on: Vec<Point3<f64>> = corners
+                .iter()
+                .filter_map(|at| planned.projection.of(&planned.carrier, at).map(|hit| hit.position))
+                .collect();
+            if let Ok(on) = on.try_into() {
+                each(on, middle_of(&corners));
             }
         }
     }
+}
+
+/// The surface under the design as triangles.
+pub fn mesh_of(planned: &Planned) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    patches(planned, |on, _| {
+        let first = vertices.len() as u32;
+        vertices.extend(on);
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    });
+    (vertices, triangles)
 }
 
 fn middle_of(corners: &[Point2<f64>; 4]) -> Point2<f64> {

@@ -4,15 +4,19 @@
 use super::{Args, Base, Made, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::{Findings, percent};
-use curvlay_examples::motion::{Moved, Printed};
+use curvlay_examples::motion::{Moved, Printed, shown};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
-use curvlay_layers::planar::Solid;
+use curvlay_examples::viewer::{self, Mark, Marks, Model};
+use curvlay_layers::planar::{FlatLayer, Solid};
 use curvlay_trajectory::print::FaultKind;
 use std::io::{self, Write};
 use std::time::Instant;
+
+/// Red, green and blue of what is left out.
+const LEFT_OUT: [u8; 3] = [150, 60, 200];
 
 /// The most steps of which there is a picture.
 const SHOWN: usize = 24;
@@ -255,6 +259,24 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
     Ok(summary)
 }
 
+/// The parts as they are printed.
+fn build(made: &Made, printed: &Printed) -> Model {
+    let sheet =
+        |layer: &FlatLayer| viewer::Mesh { vertices: layer.vertices.clone(), triangles: layer.triangles.clone() };
+    let left_out = printed.plan.resolved.left_out.iter().map(|piece| Mark { at: piece.tip, path: None });
+    let marks = Marks { what: "paths left out".to_owned(), colour: LEFT_OUT, places: left_out.collect() };
+    let mesh = &made.divided.mesh;
+    Model {
+        name: "RoboFDM".to_owned(),
+        part: viewer::Mesh { vertices: mesh.vertices.clone(), triangles: mesh.triangles.clone() },
+        layers: printed.layers.iter().flat_map(|part| part.layers.iter().map(sheet)).collect(),
+        kinds: shown::kinds(),
+        steps: shown::steps(&printed.plan.resolved.paths, &printed.plan.deposition.moves),
+        marks: vec![marks].into_iter().filter(|marks| !marks.places.is_empty()).collect(),
+        ..Model::default()
+    }
+}
+
 fn report(args: &Args, made: &Made, findings: &Findings, parts: &[u8], steps: &[Vec<u8>]) -> Report {
     let mut report = Report::new("RoboFDM");
     findings.report(&mut report);
@@ -266,6 +288,7 @@ fn report(args: &Args, made: &Made, findings: &Findings, parts: &[u8], steps: &[
     ));
     report.table("Parts", &parts_table(made));
     report.table("This run, beside Table 2.1 of the dissertation", &comparison(args, made));
+    made.printed.iter().for_each(|printed| _ = report.viewer(&build(made, printed)));
     report.picture("all parts, in the order of their colours", parts);
     let all = made.divided.parts.parts.len();
     let captions: Vec<String> = (1..=steps.len()).map(|step| format!("part {step} of {all}")).collect();

@@ -9,19 +9,9 @@ use curvlay_examples::motion::shown;
 use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Robot, Step};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet};
-use curvlay_toolpath::surface::{BeadKind, MoveKind, ToolPath};
+use curvlay_toolpath::surface::ToolPath;
 use curvlay_trajectory::print::LegKind;
 use nalgebra::{Point3, Vector3};
-
-/// Kinds of beads, and their names in the viewer.
-const KINDS: [(BeadKind, &str); 6] = [
-    (BeadKind::Wall, "wall"),
-    (BeadKind::Solid, "solid"),
-    (BeadKind::Skin, "skin"),
-    (BeadKind::Bridge, "bridge"),
-    (BeadKind::Infill, "infill"),
-    (BeadKind::Support, "support"),
-];
 
 /// Colours of findings: red for what fails most prints, then orange, violet, blue, grey.
 const RED: [u8; 3] = [216, 40, 40];
@@ -49,7 +39,7 @@ pub fn model(job: &Job, results: &Results) -> Model {
         plate: field.platform.corners().iter().map(corner).collect(),
         layers: surfaces.iter().flat_map(|run| run.sheets.iter().map(mesh)).collect(),
         ends: surfaces.iter().flat_map(ends).collect(),
-        kinds: KINDS.map(|(_, name)| name.to_owned()).to_vec(),
+        kinds: shown::kinds(),
         marks: missed(field).into_iter().collect(),
         nozzle: Some(shown::nozzle(&job.setup.cell.equipment().model().nozzle)),
         density_g_cm3: job.args.settings.material_density_g_cm3,
@@ -57,7 +47,7 @@ pub fn model(job: &Job, results: &Results) -> Model {
     };
     if let Some(machine) = machine {
         model.marks.extend(found(machine));
-        model.steps = steps(machine);
+        model.steps = shown::steps(&machine.resolved.paths, &machine.deposition.moves);
         if let Some(motion) = motion {
             // What the robot does, not what it was asked to do.
             (model.steps, model.robot) = of_run!(motion, run => moved(run, &machine.resolved.paths));
@@ -107,25 +97,6 @@ fn found(run: &MachineRun) -> [Marks; 5] {
     ]
 }
 
-fn kind(bead: BeadKind) -> u8 {
-    let at = KINDS.iter().position(|(kind, _)| *kind == bead);
-    at.map_or(Step::TRAVEL, |at| at as u8)
-}
-
-/// What the machine file says.
-fn steps(run: &MachineRun) -> Vec<Step> {
-    let paths = &run.resolved.paths;
-    let step = |step: &curvlay_toolpath::surface::Move| {
-        let path = paths.get(step.path)?;
-        let waypoint = path.waypoints.get(step.waypoint)?;
-        let kind = if step.kind == MoveKind::Print { kind(step.bead.unwrap_or_default()) } else { Step::TRAVEL };
-        let (tip, direction, seconds) = (step.tip, *step.direction, step.seconds);
-        let (width, height, layer) = (waypoint.width, waypoint.height, path.layer);
-        Some(Step { tip, direction, width, height, kind, layer, path: step.path as u32, seconds })
-    };
-    run.deposition.moves.iter().filter_map(step).collect()
-}
-
 /// What the robot does, from knot to knot, and how it stands.
 fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
     run: &MotionRun<N, F, W>,
@@ -152,7 +123,7 @@ fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
             let (width, height) = of_path.map_or((0.0, 0.0), |waypoint| (waypoint.width, waypoint.height));
             // From rest it starts where the last one ended.
             let lays = prints && knot > 0;
-            let bead = of_path.map_or(Step::TRAVEL, |waypoint| kind(waypoint.kind));
+            let bead = of_path.map_or(Step::TRAVEL, |waypoint| shown::kind(waypoint.kind));
             if let Some(pose) = run.cell.nozzle_on_part(joints) {
                 let pose = part_frame * pose;
                 let (tip, direction) = (pose * Point3::origin(), pose * Vector3::z());

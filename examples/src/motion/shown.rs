@@ -1,7 +1,8 @@
-//! Workcells and motions as the [viewer](crate::viewer) takes them.
+//! Workcells, tool paths and motions as the [viewer](crate::viewer) takes them.
 
 use crate::viewer::{Model, Nozzle, Robot, Stance, Step};
 use curvlay_kinematics::workcell::{Held, NozzleModel, Workcell};
+use curvlay_toolpath::surface::{BeadKind, Move, MoveKind, ToolPath};
 use curvlay_trajectory::Trajectory;
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -10,6 +11,40 @@ const STANCES: usize = 8_000;
 
 /// Width and height of the line that stands for a path without beads, in millimetres.
 const LINE_MM: f64 = 0.8;
+
+/// Kinds of beads, and their names in the viewer.
+const KINDS: [(BeadKind, &str); 7] = [
+    (BeadKind::Wall, "wall"),
+    (BeadKind::Solid, "solid"),
+    (BeadKind::Support, "support"),
+    (BeadKind::Skin, "skin"),
+    (BeadKind::Bridge, "bridge"),
+    (BeadKind::Infill, "infill"),
+    (BeadKind::SparseSupport, "sparse support"),
+];
+
+/// The names of the kinds of beads.
+pub fn kinds() -> Vec<String> {
+    KINDS.map(|(_, name)| name.to_owned()).to_vec()
+}
+
+/// The kind of a bead.
+pub fn kind(bead: BeadKind) -> u8 {
+    KINDS.iter().position(|(kind, _)| *kind == bead).map_or(Step::TRAVEL, |at| at as u8)
+}
+
+/// What a machine file says.
+pub fn steps(paths: &[ToolPath], moves: &[Move]) -> Vec<Step> {
+    let step = |step: &Move| {
+        let path = paths.get(step.path)?;
+        let waypoint = path.waypoints.get(step.waypoint)?;
+        let kind = if step.kind == MoveKind::Print { kind(step.bead.unwrap_or_default()) } else { Step::TRAVEL };
+        let (tip, direction, seconds) = (step.tip, *step.direction, step.seconds);
+        let (width, height, layer) = (waypoint.width, waypoint.height, path.layer);
+        Some(Step { tip, direction, width, height, kind, layer, path: step.path as u32, seconds })
+    };
+    moves.iter().filter_map(step).collect()
+}
 
 /// Takes every so-manieth of `knots` postures, so that there are not more than a viewer needs.
 pub fn stride(knots: usize) -> usize {
