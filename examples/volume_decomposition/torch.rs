@@ -19,7 +19,7 @@ pub fn print(args: &Args, divided: &[Divided], bars: &Bars) -> Result<Printed, F
     let plain = typed_name(args.shape);
     let of = divided.iter().find(|of| of.name == plain).or(divided.first());
     let Some(of) = of else { return Err(Failure::new("there is no part")) };
-    if of.result.parts.iter().next().is_none_or(|first| first.direction.dot(&Vector3::z()) < 1.0 - 1e-9) {
+    if of.result.parts.first().is_none_or(|first| first.direction.dot(&Vector3::z()) < 1.0 - 1e-9) {
         return Err(Failure::new("--rapid prints a part as it stands: leave out --base best, or turn it with --up"));
     }
     // Onto the plate.

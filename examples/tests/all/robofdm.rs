@@ -88,9 +88,10 @@ fn a_mesh_becomes_programs() {
     let programs = fs::read_dir(&path).unwrap().filter(|file| {
         file.as_ref().is_ok_and(|file| file.path().extension().is_some_and(|ending| ending == "script"))
     });
-    let count = programs.count() as f64;
-    assert_eq!(count, figure("program_files"));
-    assert_eq!(count, 1.0 + figure("filament_changes") + figure("missing_transfers"));
+    let whole = |key: &str| figures[key].as_u64().unwrap();
+    let count = programs.count() as u64;
+    assert_eq!(count, whole("program_files"));
+    assert_eq!(count, 1 + whole("filament_changes") + whole("missing_transfers"));
     assert!(path.join("print_001_filament_1.script").exists());
     assert!(fs::read_to_string(path.join("report.html")).unwrap().matches("data:image/png;base64,").count() >= 3);
 
