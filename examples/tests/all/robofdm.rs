@@ -88,7 +88,8 @@ fn a_mesh_becomes_programs() {
     let programs = fs::read_dir(&path).unwrap().filter(|file| {
         file.as_ref().is_ok_and(|file| file.path().extension().is_some_and(|ending| ending == "script"))
     });
-    let (count, whole) = (programs.count() as u64, |key: &str| figure(key) as u64);
+    let whole = |key: &str| figures[key].as_u64().unwrap();
+    let count = programs.count() as u64;
     assert_eq!(count, whole("program_files"));
     assert_eq!(count, 1 + whole("filament_changes") + whole("missing_transfers"));
     assert!(path.join("print_001_filament_1.script").exists());

@@ -203,7 +203,8 @@ pub fn tune(
 ) -> Result<Decomposition, RoboFdmError> {
     options.check()?;
     let Some(root) = sequence.parts.first() else { return Err(RoboFdmError::Empty) };
-    let mut state = State::whole(solid, root.direction, options);
+    let whole = State::whole(solid, root.direction, options);
+    let mut state = whole.clone();
     let before = state.risky();
     let tell =
         |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
@@ -214,6 +215,10 @@ pub fn tune(
     let mut after = [state.risky(); 3];
     tell("merging", 0, 1)?;
     state.merge();
+    // Segments of a solid that needs no support may well need some.
+    if state.risky() > before {
+        state = whole;
+    }
     after[1] = state.risky();
     let (mut risky, mut known, mut halvings) = (after[1], Promises::new(), 0);
     while risky > options.goal * before && state.nodes.len() < options.max_parts {

@@ -53,6 +53,7 @@ fn the_arms_of_a_tee_become_parts_that_need_no_support() {
     assert!(parts.risky_mm2() <= 0.05 * parts.risky_before_mm2, "{} of {}", parts.risky_mm2(), parts.risky_before_mm2);
     let [planes, merged, cut] = parts.risky_after_phases_mm2;
     assert!(merged <= planes * (1.0 + 1e-9) && cut <= merged * (1.0 + 1e-9));
+    assert!(merged <= parts.risky_before_mm2);
     assert!((cut - parts.risky_mm2()).abs() < 1e-6);
     for (at, part) in parts.parts.iter().enumerate().skip(1) {
         assert!(part.seam_mm2 > 0.0 && !part.on.is_empty() && part.on.iter().all(|&on| on < at));
@@ -171,6 +172,16 @@ fn a_wedge_leans_out_as_far_as_the_angle_lets_it() {
     // Nineteen layers, each leaning out half a millimetre, of which the tangent is held.
     let free = 0.5 - 0.5 * 40f64.to_radians().tan() * 1.02;
     assert!((unsupported(40.0) - 19.0 * 10.0 * free).abs() < 0.5, "{}", unsupported(40.0));
+}
+
+#[test]
+fn a_solid_that_needs_no_support_stays_whole() {
+    // A T on its head: along the planes of its arms there is risky area, in one piece there is none.
+    let mut shape = tee();
+    let high = shape.points.iter().map(|p| p.z).fold(f64::MIN, f64::max);
+    shape.points.iter_mut().for_each(|p| *p = Point3::new(p.x, 20.0 - p.y, high - p.z));
+    let parts = decomposed(&shape, &tuning()).unwrap();
+    assert!(parts.risky_mm2() <= parts.risky_before_mm2 && parts.risky_after_phases_mm2[1] <= parts.risky_before_mm2);
 }
 
 #[test]
