@@ -1,0 +1,64 @@
+//! Curves judged by figures that know nothing of how they were made.
+
+use super::super::kind::BeadKind;
+use super::super::mesh::SurfaceMesh;
+use super::super::parallel;
+use super::super::paths::{BEAD_WIDTHS, LayerPaths, SurfacePath};
+use super::super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
+use super::{FillLayersError, FilledLayer, LayerSurface};
+use crate::Progress;
+use nalgebra::Point3;
+use std::ops::ControlFlow;
+
+/// Figures of the solid curves of a layer.
+pub(super) fn statistics(
+    mesh: &SurfaceMesh,
+    paths: &LayerPaths,
+    [bead, reach_mm]: [f64; 2],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<PathStatistics, StatisticsError> {
+    // What not even the narrowest bead could cover counts as unfillable.
+    let narrowest = BEAD_WIDTHS[0] * bead;
+    let fits = reach_mm >= narrowest / 2.0;
+    let min_width_mm = if fits { narrowest } else { 0.0 };
+    let is_solid = |path: &&SurfacePath| path.points.first().is_none_or(|point| point.kind != BeadKind::Infill);
+    let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> =
+        paths.paths.iter().filter(is_solid).map(|path| path.line()).collect();
+    let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
+    let options = StatisticsOptions { min_width_mm, ..StatisticsOptions::default() };
+    let mut statistics = path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)?;
+    if !fits {
+        // All of it: no need to look for places that discs of a hundred times the surface cover.
+        (statistics.unfillable_fraction, statistics.filled_fraction) = (1.0, 1.0);
+    }
+    Ok(statistics)
+}
+
+/// Judges layers anew whose curves have changed.
+pub(super) fn judge_again(
+    layers: &mut [Option<FilledLayer>],
+    changed: &[usize],
+    (surfaces, solid): (&[LayerSurface], &[Option<SurfaceMesh>]),
+    bead: f64,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<(), FillLayersError> {
+    let report = |p: Progress| progress(Progress { stage: "coverage", ..p });
+    let judge = |FilledLayer { paths, reach_mm, .. }: &FilledLayer, layer: usize| {
+        if let Some(solid) = &solid[layer] {
+            return Ok(statistics(solid, paths, [bead, *reach_mm], &report)?);
+        }
+        let surface = &surfaces[layer];
+        let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
+        Ok(statistics(&mesh, paths, [bead, *reach_mm], &report)?)
+    };
+    let judged = parallel::map(changed, "fill", progress, |_, &layer| {
+        layers[layer].as_ref().map(|filled| judge(filled, layer)).transpose()
+    });
+    for (&layer, judged) in changed.iter().zip(judged.ok_or(FillLayersError::Cancelled)?) {
+        let judged = judged.map_err(|error| FillLayersError::of(layer, error))?;
+        if let (Some(filled), Some(statistics)) = (&mut layers[layer], judged) {
+            filled.statistics = statistics;
+        }
+    }
+    Ok(())
+}
