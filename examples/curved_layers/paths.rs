@@ -75,22 +75,30 @@ pub fn range(
         }
         ControlFlow::Continue(())
     };
-    fill_range(&surfaces.surfaces(), range, options, &progress).map_err(failed)
+    fill_range(&surfaces.surfaces(), range, options, &progress).map_err(|error| failed(error, || None))
 }
 
-fn failed(error: FillLayersError) -> Failure {
+/// `thinnest_mm`: of the walls of the part, for those who have to take another bead.
+fn failed(error: FillLayersError, thinnest_mm: impl FnOnce() -> Option<f64>) -> Failure {
     match error {
+        FillLayersError::NothingFits { bead, widest_mm, fits_mm } => {
+            let thinnest = thinnest_mm().map_or(String::new(), |mm| format!("the thinnest wall is {mm:.3} mm, and "));
+            failure(format!(
+                "a bead of {bead} mm fits nowhere: {thinnest}layers are {widest_mm:.3} mm wide at most; take a --bead of {fits_mm:.3} mm or less"
+            ))
+        }
         FillLayersError::Layer { layer, error } => failure(format!("layer {}: {error}", layer + 1)),
         error => failure(error),
     }
 }
 
-/// Fills the surfaces, but for those that are filled already.
+/// Fills the surfaces, but for those that are filled already. `thinnest_mm`: of the walls of the part; asked for where no bead fits.
 pub fn run(
     options: &PathOptions,
     surfaces: &SurfacesRun,
     filled: Vec<Option<FilledLayer>>,
     bars: &Bars,
+    thinnest_mm: impl FnOnce() -> Option<f64>,
 ) -> Result<PathsRun, Failure> {
     let (start, clock) = (Instant::now(), StageClock::default());
     let progress = |p: curvlay_toolpath::Progress| {
@@ -101,7 +109,8 @@ pub fn run(
         }
         ControlFlow::Continue(())
     };
-    let mut filled = fill_rest(&surfaces.surfaces(), filled, options, &progress).map_err(failed)?;
+    let mut filled =
+        fill_rest(&surfaces.surfaces(), filled, options, &progress).map_err(|error| failed(error, thinnest_mm))?;
     for (layer, sheet) in surfaces.printed.iter().enumerate() {
         filled.set_kind(layer, BeadKind::Support, |triangle| triangle as usize >= sheet.part_triangles);
     }

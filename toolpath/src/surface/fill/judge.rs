@@ -3,7 +3,7 @@
 use super::super::kind::BeadKind;
 use super::super::mesh::SurfaceMesh;
 use super::super::parallel;
-use super::super::paths::{BEAD_WIDTHS, LayerPaths, SurfacePath};
+use super::super::paths::{BEAD_WIDTHS, LayerPaths, PathOptions, SurfacePath};
 use super::super::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
 use super::{FillLayersError, FilledLayer, LayerSurface};
 use crate::Progress;
@@ -14,7 +14,8 @@ use std::ops::ControlFlow;
 pub(super) fn statistics(
     mesh: &SurfaceMesh,
     paths: &LayerPaths,
-    [bead, reach_mm]: [f64; 2],
+    &PathOptions { bead, coverage, .. }: &PathOptions,
+    reach_mm: f64,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<PathStatistics, StatisticsError> {
     // What not even the narrowest bead could cover counts as unfillable.
@@ -25,9 +26,9 @@ pub(super) fn statistics(
     let lines: Vec<(Vec<Point3<f64>>, Vec<f64>)> =
         paths.paths.iter().filter(is_solid).map(|path| path.line()).collect();
     let curves: Vec<_> = lines.iter().map(|(points, widths)| BeadCurve { points, widths }).collect();
-    let options = StatisticsOptions { min_width_mm, ..StatisticsOptions::default() };
+    let options = StatisticsOptions { min_width_mm, coverage, ..StatisticsOptions::default() };
     let mut statistics = path_statistics(mesh.vertices(), mesh.triangles(), &curves, &options, progress)?;
-    if !fits {
+    if coverage && !fits {
         // All of it: no need to look for places that discs of a hundred times the surface cover.
         (statistics.unfillable_fraction, statistics.filled_fraction) = (1.0, 1.0);
     }
@@ -39,17 +40,17 @@ pub(super) fn judge_again(
     layers: &mut [Option<FilledLayer>],
     changed: &[usize],
     (surfaces, solid): (&[LayerSurface], &[Option<SurfaceMesh>]),
-    bead: f64,
+    options: &PathOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<(), FillLayersError> {
     let report = |p: Progress| progress(Progress { stage: "coverage", ..p });
     let judge = |FilledLayer { paths, reach_mm, .. }: &FilledLayer, layer: usize| {
         if let Some(solid) = &solid[layer] {
-            return Ok(statistics(solid, paths, [bead, *reach_mm], &report)?);
+            return Ok(statistics(solid, paths, options, *reach_mm, &report)?);
         }
         let surface = &surfaces[layer];
         let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
-        Ok(statistics(&mesh, paths, [bead, *reach_mm], &report)?)
+        Ok(statistics(&mesh, paths, options, *reach_mm, &report)?)
     };
     let judged = parallel::map(changed, "fill", progress, |_, &layer| {
         layers[layer].as_ref().map(|filled| judge(filled, layer)).transpose()

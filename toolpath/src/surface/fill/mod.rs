@@ -189,7 +189,7 @@ fn fill_at(
             (None, true) => PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() },
             (solid, _) => {
                 let solid = solid.as_ref().unwrap_or(&mesh);
-                statistics(solid, &paths, [options.bead, reach_mm], &report("coverage"))?
+                statistics(solid, &paths, options, reach_mm, &report("coverage"))?
             }
         };
         mark("coverage", 1)?;
@@ -346,9 +346,9 @@ pub fn fill_rest(
         solid.push(of_layer.flatten());
     }
     let changed = keep_carriers(&mut layers, surfaces, options.bead);
-    judge_again(&mut layers, &changed, (surfaces, &solid), options.bead, progress)?;
+    judge_again(&mut layers, &changed, (surfaces, &solid), options, progress)?;
     if let Some(stack) = &stack {
-        infill::mark(&mut layers, surfaces, stack);
+        infill::mark(&mut layers, surfaces, options.bead, stack);
     }
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     let reach = layers

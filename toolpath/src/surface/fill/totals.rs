@@ -16,10 +16,13 @@ pub struct LeftOutParts {
     pub volume_mm3: f64,
 }
 
-/// Figures of all layers. Fractions are of the area of all surfaces.
+/// Figures of all layers. Fractions are of the area of all surfaces; they are 0, and so is the largest gap, if they are not looked for
+/// ([`PathOptions::coverage`](super::super::PathOptions::coverage)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FillTotals {
+    /// Area of all surfaces, less what is sparse.
+    pub area_mm2: f64,
     /// Connected regions that a bead fits into.
     pub regions: usize,
     /// Curves.
@@ -66,7 +69,7 @@ pub struct FillTotals {
 
 impl FilledLayers {
     /// Volume of what beads cover, in cubic millimetres: covered area by the thickness of the layer; of sparse infill the volume of its
-    /// beads.
+    /// beads. Of solid layers nothing without [`PathOptions::coverage`](super::super::PathOptions::coverage).
     ///
     /// # Arguments
     /// * `surfaces`: those that were filled.
@@ -141,6 +144,7 @@ impl FilledLayers {
             totals.sharp_turns += statistics.sharp_turns;
             totals.self_crossings += statistics.self_crossings;
         }
+        totals.area_mm2 = area;
         totals.jumps = totals.curves.saturating_sub(1);
         if area > 0.0 {
             let fillable = area - totals.unfillable_fraction;
