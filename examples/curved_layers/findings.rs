@@ -136,7 +136,9 @@ fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
 /// Of the paths.
 fn of_paths(run: &PathsRun, findings: &mut Findings) {
     let totals = &run.totals;
-    let (too_thin, unfillable) = (&run.too_thin, totals.unfillable_fraction);
+    let too_thin = &run.too_thin;
+    // Without statistics only pieces that get no bead at all are known, not the tips of others.
+    let unfillable = totals.unfillable_fraction.max(too_thin.area_mm2 / totals.area_mm2.max(f64::MIN_POSITIVE));
     if unfillable > NOTABLE_SHARE {
         let what = format!("no bead of {:.3} mm fits into a part of the layers", run.bead_mm);
         let amount = format!(

@@ -1,5 +1,6 @@
 //! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
 
+use crate::Args;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
@@ -24,8 +25,8 @@ pub struct MachineRun {
     pub deposition: Deposition,
     /// Beads that lie on nothing.
     pub support: BeadSupport,
-    /// Area that beads cover by the thickness of the layer there.
-    pub covered_mm3: f64,
+    /// Area that beads cover by the thickness of the layer there, if that is measured.
+    pub covered_mm3: Option<f64>,
     /// The longest path as the closest points have it, unfiltered, to compare with.
     pub unfiltered: Option<ToolPath>,
     pub times: Times,
@@ -68,7 +69,7 @@ pub fn run(
     nozzle: &Nozzle,
     options: &PrintOptions,
     support: &SupportOptions,
-    compare: bool,
+    args: &Args,
     surfaces: &SurfacesRun,
     paths: &PathsRun,
     bars: &Bars,
@@ -93,9 +94,9 @@ pub fn run(
         travels: clock.on_the_clock(&["travel"]),
         support: clock.on_the_clock(&["support"]),
     };
-    let covered_mm3 = paths.filled.covered_mm3(&layers);
+    let covered_mm3 = args.has_statistics().then(|| paths.filled.covered_mm3(&layers));
     let mut run = MachineRun { before, resolved, travels, deposition, support, covered_mm3, unfiltered: None, times };
-    if let Some(longest) = run.longest().filter(|_| compare) {
+    if let Some(longest) = run.longest().filter(|_| args.compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
         let unfiltered = stack.orient(&options, &progress)?;
         // Paths may have been cut.

@@ -39,6 +39,7 @@ use curvlay_layers::curved::Rules;
 use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
+use curvlay_voxel::inspect::thinner_than;
 use estimate::Memory;
 use field::{FieldOptions, FieldRun};
 use machine::MachineRun;
@@ -122,6 +123,10 @@ struct Args {
     /// Makes what the report compares with: surfaces of plain hop counts, directions of the nozzle without any filter
     #[arg(long, help_heading = "Run")]
     compare: bool,
+    /// Measures what beads cover, cover twice and spill, by a raster, which takes longer than the paths; so does --compare, and so do runs
+    /// with --voxels, --cell or --resume
+    #[arg(long, help_heading = "Run")]
+    statistics: bool,
     /// Memory in gigabytes that a stage may take; one that is estimated to take more is refused before it begins
     #[arg(long, value_name = "GB", default_value_t = 8.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = "Run")]
     max_memory: f64,
@@ -257,7 +262,7 @@ impl Args {
     fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {
         let (bead, pattern) = (self.bead(height_mm).map_err(failure)?, self.pattern.of_surface());
         let &Args { least_gap: min_gap, join_distance, least_length: min_length, least_width: min_width, .. } = self;
-        let infill = self.settings.infill();
+        let (infill, coverage) = (self.settings.infill(), self.has_statistics());
         Ok(PathOptions {
             bead,
             pattern,
@@ -266,6 +271,7 @@ impl Args {
             min_length,
             min_width,
             infill,
+            coverage,
             ..PathOptions::default()
         })
     }
@@ -274,6 +280,11 @@ impl Args {
     fn fill(&self, part: PathOptions, surfaces: &SurfacesRun) -> LayerFill {
         let density = self.complete.support_density / 100.0;
         LayerFill { part, support: surfaces.support.as_ref().map(|_| part.for_support(density)) }
+    }
+
+    /// Whether what beads cover is measured: asked for, or in a run for research.
+    fn has_statistics(&self) -> bool {
+        self.statistics || self.compare || self.has_cells()
     }
 
     fn support_options(&self) -> SupportOptions {
@@ -376,7 +387,7 @@ const NEEDS: [(Stage, &str); 4] = [
     (Stage::Surfaces, "coherent compare"),
     (
         Stage::Paths,
-        "bead_mm merge density_percent support_density walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length least_width",
+        "statistics bead_mm merge density_percent support_density walls skin_layers infill_pattern infill_turn_deg pattern least_gap join_distance least_length least_width",
     ),
     (
         Stage::Gcode,
@@ -555,13 +566,18 @@ impl Job<'_> {
                     [] => Vec::new(),
                     files => ranges::read(files, &surfaces.surfaces(), &fill).map_err(failure)?,
                 };
-                results.paths = Some(paths::run(&fill, surfaces, filled, bars)?);
+                let thinnest_mm = || {
+                    let Mesh { vertices, triangles } = &self.part.mesh;
+                    let thin = thinner_than(vertices, triangles, 2.0 * options.bead).ok()?;
+                    thin.thinnest.map(|(mm, _)| mm)
+                };
+                results.paths = Some(paths::run(&fill, surfaces, filled, bars, thinnest_mm)?);
             }
             (Stage::Gcode, Some(paths), _) => {
                 let options = args.print_options();
                 memory.holds_waypoints(&options, args.stage >= Stage::Motion, paths)?;
                 let support = args.support_options();
-                results.machine = Some(machine::run(nozzle, &options, &support, args.compare, surfaces, paths, bars)?);
+                results.machine = Some(machine::run(nozzle, &options, &support, args, surfaces, paths, bars)?);
             }
             (Stage::Motion, Some(paths), Some(machine)) => {
                 let (filament_mm, args) = (args.settings.deposition().filament_diameter, &args.motion);

@@ -76,7 +76,7 @@ pub fn range(
         }
         ControlFlow::Continue(())
     };
-    filled(fill, surfaces, range, &progress).map_err(failed)
+    filled(fill, surfaces, range, &progress).map_err(|error| failed(error, || None))
 }
 
 /// Part and support of a range of layers, each filled in its own way.
@@ -94,19 +94,27 @@ fn filled(
     Ok(both.map(|((part, support), surface)| FilledLayer::with_support(part, support, surface)).collect())
 }
 
-fn failed(error: FillLayersError) -> Failure {
+/// `thinnest_mm`: of the walls of the part, for those who have to take another bead.
+fn failed(error: FillLayersError, thinnest_mm: impl FnOnce() -> Option<f64>) -> Failure {
     match error {
+        FillLayersError::NothingFits { bead, widest_mm, fits_mm } => {
+            let thinnest = thinnest_mm().map_or(String::new(), |mm| format!("the thinnest wall is {mm:.3} mm, and "));
+            failure(format!(
+                "a bead of {bead} mm fits nowhere: {thinnest}layers are {widest_mm:.3} mm wide at most; take a --bead of {fits_mm:.3} mm or less"
+            ))
+        }
         FillLayersError::Layer { layer, error } => failure(format!("layer {}: {error}", layer + 1)),
         error => failure(error),
     }
 }
 
-/// Fills the surfaces, but for those that are filled already.
+/// Fills the surfaces, but for those that are filled already. `thinnest_mm`: of the walls of the part; asked for where no bead fits.
 pub fn run(
     fill: &LayerFill,
     surfaces: &SurfacesRun,
     given: Vec<Option<FilledLayer>>,
     bars: &Bars,
+    thinnest_mm: impl FnOnce() -> Option<f64>,
 ) -> Result<PathsRun, Failure> {
     let (start, clock) = (Instant::now(), StageClock::default());
     let progress = |p: curvlay_toolpath::Progress| {
@@ -119,10 +127,12 @@ pub fn run(
     };
     let all = surfaces.surfaces();
     let given = match fill.support {
-        Some(_) if given.is_empty() => filled(fill, surfaces, 0..all.len(), &progress).map_err(failed)?,
+        Some(_) if given.is_empty() => {
+            filled(fill, surfaces, 0..all.len(), &progress).map_err(|error| failed(error, || None))?
+        }
         _ => given,
     };
-    let filled = fill_rest(&all, given, &fill.part, &progress).map_err(failed)?;
+    let filled = fill_rest(&all, given, &fill.part, &progress).map_err(|error| failed(error, thinnest_mm))?;
     clock.stop();
     let [geodesic, paths, statistics] = ["distance", "curves", "coverage"].map(|stage| clock.of_threads(&[stage]));
     let times = Times { geodesic, paths, statistics, order: clock.on_the_clock(&["order"]), wall: start.elapsed() };

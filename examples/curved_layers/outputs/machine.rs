@@ -162,8 +162,11 @@ pub fn summary(
         .set("left_out_pieces", resolved.left_out.len())?
         .set("left_out_mm", run.lengths_mm()[1])?
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
-        .set("extruded_mm3", deposition.extruded_mm3)?
-        .set("covered_mm3", run.covered_mm3)?
+        .set("extruded_mm3", deposition.extruded_mm3)?;
+    if let Some(covered_mm3) = run.covered_mm3 {
+        summary.set("covered_mm3", covered_mm3)?;
+    }
+    summary
         .set("filament_mm", deposition.filament_mm)?
         .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
         .set("filament_cost", cost.map_or_else(|| "none".into(), Value::from))?
@@ -189,6 +192,8 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
     let turns = |turns: &curvlay_toolpath::surface::Turns| {
         format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
     };
+    let on = run.covered_mm3.map_or(String::new(), |covered_mm3| format!(" on {covered_mm3:.1} mm3"));
+    let extruded = format!("{:.1} mm3{on}", deposition.extruded_mm3);
     table
         .row(["filled".to_owned(), filled(field, paths, run)])
         .row(["waypoints".to_owned(), run.waypoints().to_string()])
@@ -199,7 +204,7 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
             "tilted".to_owned(),
             format!("{}, by at most {:.1} degrees", resolved.tilted, resolved.max_tilt.to_degrees()),
         ])
-        .row(["extruded".to_owned(), format!("{:.1} mm3 on {:.1} mm3", deposition.extruded_mm3, run.covered_mm3)])
+        .row(["extruded".to_owned(), extruded])
         .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
         .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
         .row(["travels".to_owned(), travels(run)])

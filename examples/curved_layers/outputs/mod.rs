@@ -180,7 +180,7 @@ fn tables(job: &Job, results: &Results) -> [Table; 5] {
     let [of_field, of_surfaces, of_paths, of_machine, of_motion] = &mut tables;
     field::rows(job.args, job.part, field, of_field);
     surfaces.iter().for_each(|run| surfaces::rows(run, of_surfaces));
-    paths.iter().for_each(|run| paths::rows(run, of_paths));
+    paths.iter().for_each(|run| paths::rows(job.args, run, of_paths));
     let written = machine.iter().zip(&files.gcode).zip(paths);
     written.for_each(|((run, written), paths)| machine::rows(field, paths, run, written, of_machine));
     motion.iter().for_each(|motion| of_run!(motion, run => motion::rows(run, of_motion)));

@@ -77,22 +77,26 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("infill_density", args.settings.infill().density)?
         .set("achieved_density", if totals.sparse.volume_mm3 > 0.0 { totals.sparse.density() } else { 1.0 })?
         .set("bridged_mm", run.bridges.length_mm)?
-        .set("max_bridge_mm", run.bridges.longest_mm)?
-        .set("covered_fraction", totals.covered_fraction)?
-        .set("overlap_fraction", totals.overlap_fraction)?
-        .set("spill_fraction", totals.spill_fraction)?
-        .set("unfillable_fraction", totals.unfillable_fraction)?
+        .set("max_bridge_mm", run.bridges.longest_mm)?;
+    if args.has_statistics() {
+        summary
+            .set("covered_fraction", totals.covered_fraction)?
+            .set("overlap_fraction", totals.overlap_fraction)?
+            .set("spill_fraction", totals.spill_fraction)?
+            .set("unfillable_fraction", totals.unfillable_fraction)?
+            .set("filled_fraction", totals.filled_fraction)?
+            .set("largest_gap_mm", totals.max_gap_mm)?;
+    }
+    summary
         .set("too_thin_parts", run.too_thin.parts)?
         .set("too_thin_mm3", run.too_thin.volume_mm3)?
-        .set("filled_fraction", totals.filled_fraction)?
-        .set("largest_gap_mm", totals.max_gap_mm)?
         .set("sharp_turns", totals.sharp_turns)?
         .set("self_crossings", totals.self_crossings)?
         .set("layers_with_even_beads", totals.uniform_layers)?;
     Ok(())
 }
 
-pub fn rows(run: &PathsRun, table: &mut Table) {
+pub fn rows(args: &Args, run: &PathsRun, table: &mut Table) {
     let (totals, times) = (&run.totals, &run.times);
     let share = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
     if totals.sparse.volume_mm3 > 0.0 {
@@ -125,13 +129,17 @@ pub fn rows(run: &PathsRun, table: &mut Table) {
         .row([
             "jumps".to_owned(),
             format!("{}, {:.1} mm in all; {:.1} mm as found", totals.jumps, run.filled.travel_mm, run.filled.given_mm),
-        ])
-        .row(["covered".to_owned(), share(totals.covered_fraction)])
-        .row(["covered twice".to_owned(), share(totals.overlap_fraction)])
-        .row(["past the boundary".to_owned(), share(totals.spill_fraction)])
-        .row(["no bead fits".to_owned(), share(totals.unfillable_fraction)])
-        .row(["covered of the rest".to_owned(), share(totals.filled_fraction)])
-        .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.max_gap_mm)])
+        ]);
+    if args.has_statistics() {
+        table
+            .row(["covered".to_owned(), share(totals.covered_fraction)])
+            .row(["covered twice".to_owned(), share(totals.overlap_fraction)])
+            .row(["past the boundary".to_owned(), share(totals.spill_fraction)])
+            .row(["no bead fits".to_owned(), share(totals.unfillable_fraction)])
+            .row(["covered of the rest".to_owned(), share(totals.filled_fraction)])
+            .row(["largest gap".to_owned(), format!("{:.3} mm wide", totals.max_gap_mm)]);
+    }
+    table
         .row(["sharp turns".to_owned(), totals.sharp_turns.to_string()])
         .row(["crossings".to_owned(), totals.self_crossings.to_string()])
         .row([

@@ -1044,6 +1044,7 @@ fn beads_that_fit_nowhere_are_refused_with_a_reason() {
     let output = run_with(&[]);
     let (status, line) = status_and_line(&output);
     assert!(status == 1 && line.contains("a bead of 1 mm fits nowhere"), "{status} {line}");
+    assert!(line.contains("the thinnest wall is 0.300 mm"), "{line}");
     assert!(String::from_utf8_lossy(&output.stderr).contains("walls are thinner than a cell of 1.000 mm"));
     // The stages before have written what they made.
     assert_eq!((&summary(&out)["stage"], &summary(&out)["stage_done"]), (&"gcode".into(), &"surfaces".into()));

@@ -443,6 +443,48 @@ fn empty_layers_are_no_cover() {
     assert!(filled.layers[2].is_none());
 }
 
+/// Lengths of the runs of bridge or skin with the other one on both sides, from the point before to the point after.
+fn runs_between(path: &SurfacePath) -> Vec<f64> {
+    let count = path.points.len();
+    let kind = |k: usize| path.points[k % count].kind;
+    let arc = |from: usize, to: usize| {
+        let leg = |k: usize| (path.points[(k + 1) % count].at.position - path.points[k % count].at.position).norm();
+        (from..to).map(leg).sum::<f64>()
+    };
+    let ends = if path.closed { 1..count + 1 } else { 1..count };
+    let flips: Vec<usize> = ends.filter(|&k| kind(k - 1) != kind(k)).collect();
+    let mut pairs: Vec<[usize; 2]> = flips.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    if let (true, Some(first), Some(last)) = (path.closed && flips.len() > 1, flips.first(), flips.last()) {
+        pairs.push([*last, first + count]);
+    }
+    let is_skin = |k: usize| matches!(kind(k), BeadKind::Skin | BeadKind::Bridge);
+    let pairs = pairs.into_iter().filter(|&[from, to]| kind(from - 1) == kind(to) && is_skin(from) && is_skin(to));
+    pairs.map(|[from, to]| arc(from - 1, to)).collect()
+}
+
+/// Only figures of areas are left out, and whether fitted beads cross is still known.
+#[test]
+fn without_coverage_the_paths_are_the_same() {
+    let part = Part::new((0..4).map(|k| plate(12, k)));
+    for infill in [InfillOptions::default(), InfillOptions { density: 0.2, skin: 1, ..InfillOptions::default() }] {
+        let all = part.filled(infill);
+        let options = PathOptions { bead: BEAD, infill, coverage: false, ..PathOptions::default() };
+        let bare = fill_layers(&part.surfaces(), &options, &go_on).unwrap();
+        for (all, bare) in all.layers.iter().flatten().zip(bare.layers.iter().flatten()) {
+            assert_eq!((&all.paths, all.uniform), (&bare.paths, bare.uniform));
+            let lengths = |of: &curvlay_toolpath::surface::PathStatistics| {
+                (of.path_mm, of.area_mm2, of.self_crossings, of.sharp_turns)
+            };
+            assert_eq!(lengths(&all.statistics), lengths(&bare.statistics));
+        }
+        let (totals, bare) = (all.totals(), bare.totals());
+        assert!(totals.covered_fraction > 0.9 && totals.filled_fraction > 0.9);
+        let areas = [bare.covered_fraction, bare.overlap_fraction, bare.unfillable_fraction, bare.max_gap_mm];
+        assert!(areas.into_iter().all(|area| area <= 0.0), "{areas:?}");
+        assert_eq!((totals.curves, totals.path_mm, totals.area_mm2), (bare.curves, bare.path_mm, bare.area_mm2));
+    }
+}
+
 #[test]
 fn first_skins_over_rows_are_bridges() {
     let part = Part::new((0..10).map(|k| plate(24, k)));
@@ -462,6 +504,9 @@ fn first_skins_over_rows_are_bridges() {
         let points = filled.layers[layer].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
         assert_eq!(points.filter(|point| point.kind == BeadKind::Bridge).count() > 0, layer == 8);
     }
+    // Kinds do not flicker: what lies between two others of one kind is longer than five beads, around the end of closed curves as well.
+    let paths = filled.layers.iter().flatten().flat_map(|layer| &layer.paths.paths);
+    assert!(paths.flat_map(runs_between).all(|length| length > 5.0 * BEAD));
     let plan = filled.plan(&part.surfaces(), &Nozzle::default(), &PrintOptions::default(), &go_on).unwrap();
     let support = check_support(&plan.resolved.paths, HEIGHT, &SupportOptions::default(), &go_on).unwrap();
     assert!(support.unsupported.is_empty(), "{:?}", support.unsupported);

@@ -1,6 +1,7 @@
 //! Freed directions along a path, smooth.
 //!
-//! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there.
+//! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there. What decides whether a path is printed from its start or its end is known after this
+//!    step; all others are done once.
 //! 2. Where neighbours then differ by more than the limit, one is turned toward the other, on along the path until the
 //!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
@@ -16,6 +17,7 @@ use super::deepest::{Contact, Scene, Stand};
 use super::{Gouge, GougingOptions};
 use crate::surface::orientation::{DirectionHints, ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3};
+use std::f64::consts::FRAC_PI_2;
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
@@ -39,6 +41,9 @@ const AROUND: usize = 8;
 /// Turns of a direction by less than this in step 4, in radians, are not worth a check.
 const SMALL: f64 = 0.004;
 
+/// A path whose waypoints are tilted one by one: step 1.
+pub(super) struct Tilted<'a>(Walker<'a>);
+
 /// A path set free.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreedPath {
@@ -55,13 +60,6 @@ pub(super) struct FreedPath {
     pub reversed: bool,
 }
 
-/// Numbers of the first waypoints of a path and of its layer.
-#[derive(Clone, Copy)]
-pub(super) struct Start {
-    pub path: u32,
-    pub layer: u32,
-}
-
 /// A waypoint on its way.
 #[derive(Clone, Copy)]
 struct Step {
@@ -71,6 +69,8 @@ struct Step {
     before: u32,
     /// No tilt frees it.
     stuck: bool,
+    /// It gouged as it was given.
+    gouged: bool,
     /// Its number in the path given; none if it was put between here.
     given: Option<usize>,
     /// The directions of the step before and of this one when the way between them was looked at and found free.
@@ -87,48 +87,100 @@ struct Walker<'a> {
     near: Vec<u32>,
 }
 
-/// Sets a path free.
-pub(super) fn freed(
-    scene: &Scene,
+/// Tilts the waypoints of a path that gouge, each by itself.
+pub(super) fn tilted<'a>(
+    scene: &'a Scene<'a>,
     path: &ToolPath,
-    start: Start,
-    options: &GougingOptions,
-    hints: &DirectionHints,
-) -> FreedPath {
-    let step = |(k, (&waypoint, before)): (usize, (&Waypoint, u32))| Step {
-        waypoint,
-        wanted: waypoint.direction,
-        before,
-        stuck: false,
-        given: Some(k),
-        looked: None,
-    };
-    let before = before(&path.waypoints, start.path);
-    let steps = path.waypoints.iter().zip(before).enumerate().map(step).collect();
-    let mut walker = Walker { scene, options, hints, steps, stack: Vec::new(), near: Vec::new() };
-    let gouging_before = (0..walker.steps.len()).filter(|&k| walker.free(k)).count();
-    if gouging_before > 0 {
-        for _ in 0..INSERTIONS {
-            walker.ramp();
-            if !walker.insert() {
-                break;
+    start: u32,
+    options: &'a GougingOptions,
+    hints: &'a DirectionHints,
+) -> Tilted<'a> {
+    let mut walker = Walker::new(scene, path, start, options, hints);
+    walker.tilt();
+    Tilted(walker)
+}
+
+impl<'a> Tilted<'a> {
+    /// Waypoints that no tilt frees and that stay.
+    pub fn left(&self) -> usize {
+        self.0.steps.iter().filter(|step| step.is_left()).count()
+    }
+
+    /// The same path from its end to its start, if fewer waypoints are left that way.
+    pub fn reversed(&self, scene: &'a Scene<'a>, path: &ToolPath, start: u32) -> Option<Tilted<'a>> {
+        let mut walker = Walker::new(scene, &path.reversed(), start, self.0.options, self.0.hints);
+        let (mut left, most, last) = (0, self.left(), path.waypoints.len() - 1);
+        // Those first that are stuck the other way: most are in this one, too, and there is no need to look at the others.
+        let stuck = self.0.steps.iter().zip(0..).filter(|(step, _)| step.is_left());
+        for k in stuck.map(|(_, k)| last - k) {
+            let direction = walker.steps[k].waypoint.direction;
+            if !walker.is_free(k, &direction) {
+                walker.tilt_at(k);
+                left += usize::from(walker.steps[k].stuck);
+            }
+            if left >= most {
+                return None;
             }
         }
-        walker.ramp();
-        walker.means();
-        // A turn that is listed is better than waypoints in it that gouge.
-        walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
+        walker.tilt();
+        let reversed = Tilted(walker);
+        (reversed.left() < most).then_some(reversed)
     }
-    for _ in 0..DIVISIONS {
-        if !walker.divide() {
-            break;
+
+    /// Sets the path free; `layer` is the number of the first waypoint of its layer.
+    pub fn freed(self, layer: u32) -> FreedPath {
+        let Tilted(mut walker) = self;
+        let given = walker.steps.len();
+        let gouging_before = walker.steps.iter().filter(|step| step.gouged).count();
+        if gouging_before > 0 {
+            (0..given).filter(|&k| walker.steps[k].stuck).collect::<Vec<_>>().into_iter().for_each(|k| walker.sink(k));
+            for _ in 0..INSERTIONS {
+                walker.ramp();
+                if !walker.insert() {
+                    break;
+                }
+            }
+            walker.ramp();
+            walker.means();
+            // A turn that is listed is better than waypoints in it that gouge.
+            walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
         }
-        walker.ramp();
+        for _ in 0..DIVISIONS {
+            if !walker.divide() {
+                break;
+            }
+            walker.ramp();
+        }
+        let (kept, all) = (walker.steps.iter().filter(|step| step.given.is_some()).count(), walker.steps.len());
+        let (added, taken_out) = (all - kept, given - kept);
+        FreedPath { gouging_before, added, taken_out, ..walker.finish(layer) }
     }
-    let given = |steps: &[Step]| steps.iter().filter(|step| step.given.is_some()).count();
-    let (kept, all) = (given(&walker.steps), walker.steps.len());
-    let (added, taken_out) = (all - kept, path.waypoints.len() - kept);
-    FreedPath { gouging_before, added, taken_out, ..walker.finish(start.layer) }
+}
+
+impl Step {
+    fn new(waypoint: Waypoint, before: u32, given: Option<usize>) -> Self {
+        Step { waypoint, wanted: waypoint.direction, before, stuck: false, gouged: false, given, looked: None }
+    }
+
+    /// Whether no tilt frees it, and it is not taken out.
+    fn is_left(&self) -> bool {
+        self.stuck && !self.waypoint.added
+    }
+}
+
+impl<'a> Walker<'a> {
+    fn new(
+        scene: &'a Scene<'a>,
+        path: &ToolPath,
+        start: u32,
+        options: &'a GougingOptions,
+        hints: &'a DirectionHints,
+    ) -> Self {
+        let before = before(&path.waypoints, start);
+        let steps = path.waypoints.iter().zip(before).enumerate();
+        let steps = steps.map(|(k, (&waypoint, before))| Step::new(waypoint, before, Some(k))).collect();
+        Walker { scene, options, hints, steps, stack: Vec::new(), near: Vec::new() }
+    }
 }
 
 impl Walker<'_> {
@@ -145,17 +197,45 @@ impl Walker<'_> {
         self.scene.least_tilt(self.stand(k), wanted, limit, &mut self.stack)
     }
 
-    /// Step 1 for a waypoint; whether it gouged.
-    fn free(&mut self, k: usize) -> bool {
+    /// Step 1. The way to a waypoint and both its ends share one look, and a way that is free is not looked at again in step 6.
+    fn tilt(&mut self) {
+        for k in 0..self.steps.len() {
+            if self.steps[k].gouged {
+                continue;
+            }
+            // From a waypoint that was tilted the way turns far.
+            let shares =
+                k > 0 && !self.steps[k - 1].gouged && self.turn(k - 1, k) <= self.options.max_turn.min(FRAC_PI_2);
+            let direction = self.steps[k].waypoint.direction;
+            let is_free = if shares {
+                let [last, step] = [k - 1, k].map(|k| self.steps[k]);
+                self.gather(&last, &step, step.before);
+                let is_free = self.scene.is_free_of(&self.near, self.stand(k), &direction);
+                if is_free && self.is_free_between(&last, &step) {
+                    self.steps[k].looked = Some([last.waypoint.direction, direction]);
+                }
+                is_free
+            } else {
+                self.is_free(k, &direction)
+            };
+            if !is_free {
+                self.tilt_at(k);
+            }
+        }
+    }
+
+    /// Tilts a waypoint that gouges.
+    fn tilt_at(&mut self, k: usize) {
         let direction = self.steps[k].waypoint.direction;
-        if self.is_free(k, &direction) {
-            return false;
-        }
-        if let Some(direction) = self.least_tilt_or_known(self.stand(k), direction) {
-            self.steps[k].waypoint.direction = direction;
-            return true;
-        }
-        self.steps[k].stuck = true;
+        let tilted = self.least_tilt_or_known(self.stand(k), direction);
+        let step = &mut self.steps[k];
+        (step.gouged, step.stuck) = (true, tilted.is_none());
+        step.waypoint.direction = tilted.unwrap_or(direction);
+    }
+
+    /// Gives a waypoint that no tilt frees the direction that is least deep.
+    fn sink(&mut self, k: usize) {
+        let direction = self.steps[k].waypoint.direction;
         let (mut closed, mut open) = (self.options.allowed_depth, DEEPEST);
         let mut allowed = open;
         while open - closed > DEEPER_STEP {
@@ -173,7 +253,18 @@ impl Walker<'_> {
             allowed =
                 closed + (open - closed).min(2.0 * (closed - self.options.allowed_depth) + 2.0 * DEEPER_STEP) / 2.0;
         }
-        true
+    }
+
+    /// Frees a waypoint that was put between.
+    fn free(&mut self, k: usize) {
+        let direction = self.steps[k].waypoint.direction;
+        if self.is_free(k, &direction) {
+            return;
+        }
+        self.tilt_at(k);
+        if self.steps[k].stuck {
+            self.sink(k);
+        }
     }
 
     /// The free direction nearest to the one wanted; where all are too far from that, the one nearest to the direction known for the place.
@@ -224,8 +315,7 @@ impl Walker<'_> {
         for step in old {
             if let Some(last) = self.steps.last().copied() {
                 for waypoint in between(&last.waypoint, &step.waypoint, limit) {
-                    let (wanted, before) = (waypoint.direction, last.before);
-                    self.steps.push(Step { waypoint, wanted, before, stuck: false, given: None, looked: None });
+                    self.steps.push(Step::new(waypoint, last.before, None));
                     self.free(self.steps.len() - 1);
                 }
             }
@@ -271,8 +361,9 @@ impl Walker<'_> {
                 let ends = [&last, &step].map(|step| step.waypoint.direction);
                 // What was found free is free as long as nobody turns.
                 if step.looked != Some(ends) {
-                    self.gather(&last, &step);
-                    let put = LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
+                    self.gather(&last, &step, last.before);
+                    let is_free = self.near.is_empty() && self.is_above_plate(&last, &step);
+                    let put = !is_free && LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
                     step.looked = (!put).then_some(ends);
                     any |= put;
                 }
@@ -282,15 +373,37 @@ impl Walker<'_> {
         any
     }
 
-    /// What the nozzle may gouge between two waypoints.
-    fn gather(&mut self, last: &Step, step: &Step) {
+    /// Whether nothing near is gouged where legs are looked at.
+    fn is_free_between(&self, last: &Step, step: &Step) -> bool {
+        if self.near.is_empty() && self.is_above_plate(last, step) {
+            return true;
+        }
+        LOOKS.iter().filter_map(|&share| part_way(&last.waypoint, &step.waypoint, share)).all(|waypoint| {
+            let stand = Stand { tip: waypoint.tip, before: last.before, allowed: self.options.allowed_depth };
+            self.scene.is_free_of(&self.near, stand, &waypoint.direction)
+        })
+    }
+
+    fn is_above_plate(&self, last: &Step, step: &Step) -> bool {
+        let end = |step: &Step| {
+            let stand = Stand { tip: step.waypoint.tip, before: step.before, allowed: self.options.allowed_depth };
+            (stand, step.waypoint.direction)
+        };
+        self.scene.above_plate_along([last, step].map(end))
+    }
+
+    /// What the nozzle may gouge from one waypoint to another, both included, with what has a key below `before`.
+    fn gather(&mut self, last: &Step, step: &Step, before: u32) {
         self.near.clear();
         let Some(middle) = part_way(&last.waypoint, &step.waypoint, 0.5) else { return };
-        let stand = Stand { tip: middle.tip, before: last.before, allowed: self.options.allowed_depth };
+        let stand = Stand { tip: middle.tip, before, allowed: self.options.allowed_depth };
         // Half of both, and a little for rounding.
-        let moves = 0.5 * (step.waypoint.tip - last.waypoint.tip).norm() + NEAR_ROUNDING;
+        let moves = 0.5 * (step.waypoint.tip - last.waypoint.tip);
+        let along = moves.dot(&middle.direction).abs();
+        let across = (moves.norm_squared() - along * along).max(0.0).sqrt();
+        let moves = [along, across].map(|moves| moves + NEAR_ROUNDING);
         let turns = 0.5 * angle(&last.waypoint.direction, &step.waypoint.direction) + NEAR_ROUNDING;
-        self.scene.near(stand, &middle.direction, [moves, turns], &mut self.near);
+        self.scene.near(stand, &middle.direction, moves, turns, &mut self.near);
     }
 
     /// Puts a waypoint that is free a share of the way from one to another, if the nozzle gouges there; whether it did.
@@ -298,7 +411,7 @@ impl Walker<'_> {
         let Some(waypoint) = part_way(&last.waypoint, &step.waypoint, share) else { return false };
         let k = self.steps.len();
         let wanted = waypoint.direction;
-        self.steps.push(Step { waypoint, wanted, before: last.before, stuck: false, given: None, looked: None });
+        self.steps.push(Step::new(waypoint, last.before, None));
         let is_free = self.scene.is_free_of(&self.near, self.stand(k), &wanted);
         let tilted = if is_free { None } else { self.least_tilt(k, wanted, self.options.max_tilt) };
         match tilted {

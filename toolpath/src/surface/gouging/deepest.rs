@@ -12,11 +12,13 @@
 //! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
 //! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
 //!
-//! Most of the time goes into the tree, so poses on one short way share one walk: it gathers the leaves that some pose may come near, and
-//! each pose looks at these alone. What it finds is the same.
+//! Most of the time goes into the tree, so poses on one short way share one walk: it gathers the triangles that some pose may come near, and
+//! each pose looks at these alone. What it finds is the same. A tip goes along the layer, so the flat below it hardly nears what it moves
+//! over: each face of the nozzle is bounded by itself, by how far the tip goes along the axis and across it, and there is
+//! mostly nothing left to look at.
 
 use super::Obstacle;
-use super::nozzle::{Nozzle, NozzlePart};
+use super::nozzle::{Nozzle, NozzlePart, Sway};
 use crate::surface::stack::{Keys, LayerStack, Node, Tree, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
@@ -120,11 +122,18 @@ impl Seeker<'_> {
     }
 
     /// No point of a triangle has less clearance than this.
-    fn least(&self, corners: &[Point3<f64>; 3]) -> f64 {
+    fn least(&self, corners: &[Point3<f64>; 3], sway: &Sway) -> f64 {
         let middle = centroid(corners);
         let (z, rho, out) = self.place(middle);
         let to_corners = corners.map(|corner| corner - middle);
-        self.nozzle.least_over(z, rho, to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]))
+        self.nozzle.least_over(z, rho, sway, to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]))
+    }
+
+    /// Nor any point of the sheets in a box.
+    fn least_in(&self, node: &Node, sway: &Sway) -> f64 {
+        let (z, rho, out) = self.place(node.middle);
+        let reach = |along: f64, across: f64| node.half.dot(&(self.direction * along + out * across).abs());
+        self.nozzle.least_around(z, rho, sway, reach) - self.stand.offset(node.height)
     }
 
     /// The square of the distance of a point of a triangle to the boundary of its layer, as far as it is near.
@@ -142,7 +151,7 @@ impl Seeker<'_> {
     fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
         let corners = base.map(|(corner, normal)| corner + normal * offset);
         let needed = self.stand.clearance(triangle.height);
-        let least = self.least(&corners) - needed;
+        let least = self.least(&corners, &Sway::default()) - needed;
         if least >= self.bound {
             return false;
         }
@@ -187,9 +196,7 @@ fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
 
 impl Walk for Seeker<'_> {
     fn bound(&self, node: &Node) -> f64 {
-        let (z, rho, out) = self.place(node.middle);
-        let reach = |along: f64, across: f64| node.half.dot(&(self.direction * along + out * across).abs());
-        self.nozzle.least_around(z, rho, reach) - self.stand.offset(node.height)
+        self.least_in(node, &Sway::default())
     }
 
     fn matters(&self, bound: f64) -> bool {
@@ -199,7 +206,7 @@ impl Walk for Seeker<'_> {
     fn see(&mut self, triangle: &Triangle) -> bool {
         let offset = self.stand.offset(triangle.height);
         // Sheets are no farther than that from the triangle.
-        if self.least(&triangle.corners) - offset >= self.bound {
+        if self.least(&triangle.corners, &Sway::default()) - offset >= self.bound {
             return false;
         }
         let base = [0, 1, 2].map(|k| (triangle.corners[k], triangle.normals[k]));
@@ -211,25 +218,36 @@ impl Walk for Seeker<'_> {
 /// A seeker whose nozzle moves: what no pose on the way comes near does not matter.
 struct Sweeper<'a> {
     at: Seeker<'a>,
-    /// How far the tip goes from where it is, in millimetres, and how far the direction turns, in radians.
-    moves: f64,
+    /// How far the tip goes from where it is along the direction and across it, in millimetres, and how far the direction turns, in radians.
+    along: f64,
+    across: f64,
     turns: f64,
 }
 
-impl Walk for Sweeper<'_> {
-    /// Seen from the nozzle a point moves by no more than the tip, and its distance from there times the turn; clearance changes by no
-    /// more than that.
-    fn bound(&self, node: &Node) -> f64 {
-        let reach = (node.middle - self.at.stand.tip).norm() + node.half.norm();
-        self.at.bound(node) - self.moves - self.turns * reach
+impl Sweeper<'_> {
+    /// How far the nozzle is from where it is, seen from points no farther from its tip than `reach`: a turn moves them by no more than
+    /// their distance from the tip, wherever that is on the way, times the turn.
+    fn sway(&self, reach: f64) -> Sway {
+        let &Sweeper { along, across, turns, .. } = self;
+        Sway { along, across, turned: turns * (reach + along + across) }
     }
 
-    fn matters(&self, bound: f64) -> bool {
-        self.at.matters(bound)
+    /// Whether no pose on the way comes near a box.
+    fn clears_box(&self, node: &Node) -> bool {
+        let radius = node.half.norm() + self.at.stand.offset(node.height);
+        let sway = self.sway((node.middle - self.at.stand.tip).norm() + radius);
+        // Most are so far away that a ball around them is clear.
+        let (z, rho, _) = self.at.place(node.middle);
+        let is_far = self.at.nozzle.clearance(z, rho) >= radius + sway.along + sway.across + sway.turned;
+        is_far || self.at.least_in(node, &sway) >= 0.0
     }
 
-    fn see(&mut self, triangle: &Triangle) -> bool {
-        self.at.see(triangle)
+    /// Whether no pose on the way comes near a triangle.
+    fn clears(&self, triangle: &Triangle) -> bool {
+        let offset = self.at.stand.offset(triangle.height);
+        let squares = triangle.corners.map(|corner| (corner - self.at.stand.tip).norm_squared());
+        let reach = squares.into_iter().fold(0.0, f64::max).sqrt() + offset;
+        self.at.least(&triangle.corners, &self.sway(reach)) - offset >= 0.0
     }
 }
 
@@ -257,21 +275,44 @@ impl<'a> Scene<'a> {
         Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any }
     }
 
-    /// What a nozzle may gouge on a way: for [`Scene::is_free_of`].
+    /// The triangles that a nozzle may gouge on a way: for [`Scene::is_free_of`].
     ///
     /// # Arguments
     /// * `stand`, `direction`: a pose on the way.
-    /// * `moves`: no pose has its tip farther away than this, in millimetres.
+    /// * `moves`: no pose has its tip farther away than this, along the direction and across it, in millimetres.
     /// * `turns`: nor another direction by more than this, in radians.
-    pub fn near(&self, stand: Stand, direction: &UnitVector3<f64>, [moves, turns]: [f64; 2], leaves: &mut Vec<u32>) {
-        let sweeper = Sweeper { at: self.seeker(stand, direction, 0.0, true), moves, turns };
-        self.tree.leaves(self.keys, stand.before, &sweeper, leaves);
+    pub fn near(
+        &self,
+        stand: Stand,
+        direction: &UnitVector3<f64>,
+        [along, across]: [f64; 2],
+        turns: f64,
+        near: &mut Vec<u32>,
+    ) {
+        let sweeper = Sweeper { at: self.seeker(stand, direction, 0.0, true), along, across, turns };
+        near.clear();
+        let clears = |node: &Node| sweeper.clears_box(node);
+        self.tree.each(self.keys, stand.before, clears, |number, triangle| {
+            if !sweeper.clears(triangle) {
+                near.push(number);
+            }
+        });
     }
 
-    /// As [`Scene::is_free`], at a pose on a way with the same built and allowed, given what is near it.
-    pub fn is_free_of(&self, leaves: &[u32], stand: Stand, direction: &UnitVector3<f64>) -> bool {
+    /// As [`Scene::is_free`], at a pose on a way with no more built and the same allowed, given the triangles near it.
+    pub fn is_free_of(&self, near: &[u32], stand: Stand, direction: &UnitVector3<f64>) -> bool {
         let mut seeker = self.seeker(stand, direction, 0.0, true);
-        self.above_plate(stand, direction) && !self.tree.any_in(self.keys, stand.before, &mut seeker, leaves)
+        let triangles = self.tree.triangles();
+        let is_there = |t: &&u32| self.keys.of_triangle[**t as usize] < stand.before;
+        self.above_plate(stand, direction) && !near.iter().filter(is_there).any(|&t| seeker.see(&triangles[t as usize]))
+    }
+
+    /// Whether the nozzle keeps off the plate all along a straight way on which its direction turns evenly: nothing in between is lower, or
+    /// leans more than one of the ends, since directions up to a right angle from the upright make a convex cap.
+    pub fn above_plate_along(&self, [from, to]: [(Stand, UnitVector3<f64>); 2]) -> bool {
+        let lower = if from.0.tip.z < to.0.tip.z { from.0 } else { to.0 };
+        let leaning = if from.1.z < to.1.z { from.1 } else { to.1 };
+        self.above_plate(lower, &leaning)
     }
 
     /// A point that lacks clearance nearly as much as the worst one.

@@ -322,7 +322,7 @@ impl LayerStack<'_> {
             turns: Turns::default(),
             sharp: Vec::new(),
         };
-        for (k, Place { laid, first, freed: done }) in places.into_iter().enumerate() {
+        for (k, Place { laid, first, freed: done, .. }) in places.into_iter().enumerate() {
             resolved.reversed.extend(done.reversed.then_some(k));
             resolved.laid_first.extend(first.then_some(k));
             resolved.added += done.added;

@@ -63,6 +63,16 @@ impl std::fmt::Display for NozzlePart {
     }
 }
 
+/// How far a nozzle may be from a pose, to all sides, in millimetres: in the plane of the axis and a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sway {
+    /// Along its direction, and across it.
+    pub along: f64,
+    pub across: f64,
+    /// How far a turn of its direction moves it at the point.
+    pub turned: f64,
+}
+
 /// Why there is no such nozzle.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -214,12 +224,20 @@ impl Nozzle {
     /// No less than this is the clearance in a body around a point at (`z`, `rho`), if it reaches as far as `reach` tells
     /// (to both sides) in a direction given by what it has of the axis and of the ray from the axis to the point.
     ///
-    /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the point.
-    pub(super) fn least_around(&self, z: f64, rho: f64, reach: impl Fn(f64, f64) -> f64) -> f64 {
-        let up = reach(1.0, 0.0);
-        let side = (rho - self.tip_radius) * self.cos - z * self.sin;
+    /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the point. A nozzle that sways takes from each
+    /// distance what its line moves.
+    pub(super) fn least_around(&self, z: f64, rho: f64, sway: &Sway, reach: impl Fn(f64, f64) -> f64) -> f64 {
+        let [by_along, by_across, by_side] = self.swayed(sway);
+        let up = reach(1.0, 0.0) + by_along;
+        let side = (rho - self.tip_radius) * self.cos - z * self.sin - by_side;
         let cone = (-z - up).max(z - self.cone_height - up).max(side - reach(-self.sin, self.cos));
-        cone.min((self.cone_height - z - up).max(rho - self.block_radius - reach(0.0, 1.0)))
+        cone.min((self.cone_height - z - up).max(rho - self.block_radius - reach(0.0, 1.0) - by_across))
+    }
+
+    /// How far the flat ends, the side of the block and that of the cone move against a point.
+    fn swayed(&self, sway: &Sway) -> [f64; 3] {
+        let Sway { along, across, turned } = *sway;
+        [along + turned, across + turned, across * self.cos + along * self.sin + turned]
     }
 
     /// No less than this is the clearance within a triangle whose middle is at (`z`, `rho`), if its corners are higher by
@@ -227,13 +245,14 @@ impl Nozzle {
     ///
     /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the middle; that is least at
     /// a corner.
-    pub(super) fn least_over(&self, z: f64, rho: f64, corners: [[f64; 2]; 3]) -> f64 {
+    pub(super) fn least_over(&self, z: f64, rho: f64, sway: &Sway, corners: [[f64; 2]; 3]) -> f64 {
+        let [by_along, by_across, by_side] = self.swayed(sway);
         let least =
             |up: f64, out: f64| corners.map(|[z, rho]| up * z + out * rho).into_iter().fold(f64::INFINITY, f64::min);
-        let side = (rho - self.tip_radius) * self.cos - z * self.sin + least(-self.sin, self.cos);
-        let (lower, upper) = (least(-1.0, 0.0), least(1.0, 0.0));
+        let side = (rho - self.tip_radius) * self.cos - z * self.sin + least(-self.sin, self.cos) - by_side;
+        let (lower, upper) = (least(-1.0, 0.0) - by_along, least(1.0, 0.0) - by_along);
         let cone = (lower - z).max(side).max(z - self.cone_height + upper);
-        cone.min((self.cone_height - z + lower).max(rho - self.block_radius + least(0.0, 1.0)))
+        cone.min((self.cone_height - z + lower).max(rho - self.block_radius + least(0.0, 1.0) - by_across))
     }
 
     /// The angle from a point, `distance` from the tip, within which no direction may lie if the point is to keep a

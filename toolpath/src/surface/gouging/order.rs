@@ -8,10 +8,13 @@
 //! Laid early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
 //! waypoints are left; then what is left is cut out in turn.
 //!
+//! Only what may have changed is looked at again: the pieces, what is left of their paths, and the paths that were laid before these; for all
+//! that comes later the same is built. When something is left out, only paths with waypoints that were not free.
+//!
 //! Where the nozzle would at last be deeper than a layer, a machine would not scratch it but run into it. Such pieces are
 //! left out. Everything else is as free without them, or freer.
 
-use super::along::{FreedPath, Start, freed};
+use super::along::{FreedPath, tilted};
 use super::built::{Laid, built, touched};
 use super::deepest::Scene;
 use super::{Gouge, GougingError, GougingOptions, LeftOut, Nozzle};
@@ -39,11 +42,13 @@ pub(super) struct Place {
     /// Whether it is laid before what is left of the curves of the layer.
     pub first: bool,
     pub freed: FreedPath,
+    /// Whether it is still to be set free, or once more.
+    open: bool,
 }
 
 impl Place {
     fn new(path: ToolPath, first: bool) -> Self {
-        Place { laid: Laid { path, touched: Vec::new() }, first, freed: FreedPath::default() }
+        Place { laid: Laid { path, touched: Vec::new() }, first, freed: FreedPath::default(), open: true }
     }
 }
 
@@ -62,10 +67,19 @@ fn left(order: &Order) -> usize {
     order.iter().map(|place| place.freed.left.len()).sum()
 }
 
+/// Pieces that are cut out of the paths of a layer.
+struct Cut {
+    pieces: Vec<(ToolPath, Gouge)>,
+    /// What is left of the paths.
+    rest: Order,
+    /// So many of these are of the last path that was cut, or come before it.
+    changed: usize,
+}
+
 /// Cuts out the pieces of paths around the waypoints left that are `bad`: these and the rest. Those of a path that touch are
 /// one, with the deepest gouge of all, its waypoint numbered in the piece.
-fn cut(order: &Order, bad: impl Fn(&Place, &Gouge) -> bool) -> (Vec<(ToolPath, Gouge)>, Order) {
-    let (mut cut, mut rest) = (Vec::new(), Vec::new());
+fn cut(order: &Order, bad: impl Fn(&Place, &Gouge) -> bool) -> Cut {
+    let mut cut = Cut { pieces: Vec::new(), rest: Vec::new(), changed: 0 };
     for place in order {
         let (path, first) = (&place.laid.path, place.first);
         let (mut from, last) = (0, path.waypoints.len() - 1);
@@ -74,18 +88,24 @@ fn cut(order: &Order, bad: impl Fn(&Place, &Gouge) -> bool) -> (Vec<(ToolPath, G
             ToolPath { waypoints: path.waypoints[from..=to].to_vec(), closed, ..*path }
         };
         let left = place.freed.left.iter().filter(|(_, gouge)| bad(place, gouge));
-        for (start, end, gouge) in pieces(path, left) {
+        let pieces = pieces(path, left);
+        if pieces.is_empty() {
+            cut.rest.push(place.clone());
+            continue;
+        }
+        for (start, end, gouge) in pieces {
             if from < start {
-                rest.push(Place::new(part(from, start), first));
+                cut.rest.push(Place::new(part(from, start), first));
             }
-            cut.push((part(start, end), Gouge { waypoint: gouge.waypoint - start, ..gouge }));
+            cut.pieces.push((part(start, end), Gouge { waypoint: gouge.waypoint - start, ..gouge }));
             from = end;
         }
         if from < last {
-            rest.push(Place::new(part(from, last), first));
+            cut.rest.push(Place::new(part(from, last), first));
         }
+        cut.changed = cut.rest.len();
     }
-    (cut, rest)
+    cut
 }
 
 /// Pieces around waypoints, from the sample before to the one after: first and last waypoint, and the deepest gouge.
@@ -133,8 +153,9 @@ impl Resolving<'_> {
         for _ in 0..ROUNDS {
             let mut before = Vec::new();
             for k in open {
-                let (pieces, mut rest) = cut(&orders[k], |_, gouge| gouge.own_layer);
+                let Cut { pieces, mut rest, changed } = cut(&orders[k], |_, gouge| gouge.own_layer);
                 if !pieces.is_empty() {
+                    rest[..changed].iter_mut().for_each(|place| place.open = true);
                     let mut order: Order = pieces.into_iter().map(|(path, _)| Place::new(path, true)).collect();
                     order.append(&mut rest);
                     before.push((k, std::mem::replace(&mut orders[k], order)));
@@ -164,8 +185,9 @@ impl Resolving<'_> {
                 let too_deep = |place: &Place, gouge: &Gouge| {
                     gouge.depth > self.options.max_depth * place.freed.waypoints[gouge.waypoint].height
                 };
-                let (pieces, rest) = cut(order, too_deep);
+                let Cut { pieces, mut rest, .. } = cut(order, too_deep);
                 if !pieces.is_empty() {
+                    rest.iter_mut().for_each(|place| place.open |= !place.freed.left.is_empty());
                     left_out.extend(pieces.iter().filter_map(|(piece, gouge)| LeftOut::new(piece, gouge)));
                     *order = rest;
                     open.push(k);
@@ -181,10 +203,11 @@ impl Resolving<'_> {
         }
     }
 
-    /// Sets the paths of some layers free. The others count for what is built by then: what comes of them does not
+    /// Sets the open paths of some layers free. The others count for what is built by then: what comes of them does not
     /// depend on the orders of other layers.
     fn free(&self, orders: &mut [Order], which: &[usize]) -> Result<(), GougingError> {
-        let places = |k: usize| (0..orders[k].len()).map(move |place| (k, place));
+        let is_open = |&(k, place): &(usize, usize)| orders[k][place].open;
+        let places = |k: usize| (0..orders[k].len()).map(move |place| (k, place)).filter(is_open);
         let wanted: Vec<(usize, usize)> = which.iter().flat_map(|&k| places(k)).collect();
         if self.options.own_layer {
             let work = |_: usize, &(k, place): &(usize, usize)| touched(self.stack, &orders[k][place].laid.path);
@@ -198,21 +221,20 @@ impl Resolving<'_> {
         let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
         let work = |_: usize, &(k, place): &(usize, usize)| {
             let path = &orders[k][place].laid.path;
-            let start = Start { path: starts[k][place], layer: starts[k][0] };
-            let there = freed(&forward, path, start, self.options, &self.stack.hints);
-            if there.left.is_empty() || !(self.options.own_layer && self.options.reverse) {
-                return there;
-            }
-            let back = freed(&backward, &path.reversed(), start, self.options, &self.stack.hints);
-            if back.left.len() >= there.left.len() {
-                return there;
-            }
+            let (start, layer) = (starts[k][place], starts[k][0]);
+            let there = tilted(&forward, path, start, self.options, &self.stack.hints);
+            let may_turn = there.left() > 0 && self.options.own_layer && self.options.reverse;
+            let back = may_turn.then(|| there.reversed(&backward, path, start)).flatten();
+            let Some(back) = back else { return there.freed(layer) };
+            let back = back.freed(layer);
             let last = path.waypoints.len() - 1;
             let left = back.left.iter().rev().map(|&(k, gouge)| (last - k, gouge)).collect();
             FreedPath { reversed: true, left, ..back }
         };
         let found = parallel::map(&wanted, "gouging", self.progress, work).ok_or(GougingError::Cancelled)?;
-        wanted.iter().zip(found).for_each(|(&(k, place), found)| orders[k][place].freed = found);
+        for (&(k, place), found) in wanted.iter().zip(found) {
+            (orders[k][place].freed, orders[k][place].open) = (found, false);
+        }
         Ok(())
     }
 }

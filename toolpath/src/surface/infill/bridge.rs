@@ -12,12 +12,21 @@ use nalgebra::Point3;
 /// below is one away.
 const ON: f64 = 1.5;
 
+/// A run of skin between bridges, or of a bridge between skins, that is no longer than this, in beads, is of the same kind as what is
+/// around it: a machine changes fan and speed at each. The same as for short curves.
+const SHORT_RUN: f64 = 5.0;
+
 /// Places along a bead are this far apart, in widths.
 const STEP: f64 = 0.25;
 
 /// Says of points of skins that they are over sparse infill: [`BeadKind::Bridge`]. There the layer before has a surface, but no bead of
-/// anything solid.
-pub(in crate::surface) fn mark(layers: &mut [Option<FilledLayer>], surfaces: &[LayerSurface], stack: &LayerStack) {
+/// anything solid. Short runs go with what is around them.
+pub(in crate::surface) fn mark(
+    layers: &mut [Option<FilledLayer>],
+    surfaces: &[LayerSurface],
+    bead: f64,
+    stack: &LayerStack,
+) {
     for above in 1..layers.len() {
         let (before, rest) = layers.split_at_mut(above);
         let (Some(before), Some(layer)) = (&before[above - 1], &mut rest[0]) else { continue };
@@ -33,6 +42,10 @@ pub(in crate::surface) fn mark(layers: &mut [Option<FilledLayer>], surfaces: &[L
             if !solid.carries(p, reach) && is_over() {
                 point.kind = BeadKind::Bridge;
             }
+        }
+        for path in &mut layer.paths.paths {
+            path.absorb(BeadKind::Skin, BeadKind::Bridge, SHORT_RUN * bead);
+            path.absorb(BeadKind::Bridge, BeadKind::Skin, SHORT_RUN * bead);
         }
     }
 }

@@ -112,6 +112,10 @@ pub struct PathOptions {
     /// What is solid and what is not: all is, by default. [`LevelField::paths`] fills a surface solid in any case; the rest is for
     /// [`fill_layers`](super::fill_layers).
     pub infill: InfillOptions,
+    /// Whether [`fill_layers`](super::fill_layers) finds what beads cover: yes. Else only lengths, turns and crossings are found, and the
+    /// shares of areas are 0 ([`StatisticsOptions::coverage`](super::StatisticsOptions::coverage)); the paths are the same. It takes
+    /// longer than the paths.
+    pub coverage: bool,
 }
 
 impl Default for PathOptions {
@@ -126,6 +130,7 @@ impl Default for PathOptions {
             min_width: 0.5,
             max_points: 1 << 25,
             infill: InfillOptions::default(),
+            coverage: true,
         }
     }
 }

@@ -227,28 +227,22 @@ impl Tree {
 }
 
 impl Tree {
-    /// Leaves with a triangle with a key below `before` that matter, and all boxes above them do: what a [`Tree::walk`] that finds nothing
-    /// looks at.
-    pub fn leaves(&self, by: &Keys, before: u32, state: &impl Walk, leaves: &mut Vec<u32>) {
-        leaves.clear();
+    /// Hands over all triangles with a key below `before` in boxes that are not passed over, with their numbers.
+    pub fn each(&self, by: &Keys, before: u32, passes: impl Fn(&Node) -> bool, mut see: impl FnMut(u32, &Triangle)) {
         let mut open: Vec<u32> = Vec::with_capacity(DEEPEST);
         open.extend((!self.nodes.is_empty()).then_some(0));
         while let Some(at) = open.pop() {
             let node = &self.nodes[at as usize];
-            if by.of_node[at as usize][0] >= before || !state.matters(state.bound(node)) {
+            if by.of_node[at as usize][0] >= before || passes(node) {
                 continue;
             }
-            if node.count > 0 { leaves.push(at) } else { open.extend([node.first, at + 1]) }
+            if node.count == 0 {
+                open.extend([node.first, at + 1]);
+            }
+            for triangle in node.range().filter(|&triangle| by.of_triangle[triangle] < before) {
+                see(triangle as u32, &self.triangles[triangle]);
+            }
         }
-    }
-
-    /// Whether a look at a triangle of some leaves with a key below `before` says to stop; those that do not matter are passed over.
-    pub fn any_in(&self, by: &Keys, before: u32, state: &mut impl Walk, leaves: &[u32]) -> bool {
-        leaves.iter().any(|&leaf| {
-            let node = &self.nodes[leaf as usize];
-            state.matters(state.bound(node))
-                && node.range().any(|t| by.of_triangle[t] < before && state.see(&self.triangles[t]))
-        })
     }
 }
 

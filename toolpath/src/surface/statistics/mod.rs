@@ -63,6 +63,9 @@ pub struct StatisticsOptions {
     /// The least width of a bead that is admissible, in millimetres: what none of this width can cover counts as
     /// unfillable. Zero, so that nothing does.
     pub min_width_mm: f64,
+    /// Whether to look at areas: yes. Else only lengths, turns and crossings are found: the shares of what is
+    /// covered, covered twice, spilled, unfillable and filled are 0, there is no largest gap, and there are no samples.
+    pub coverage: bool,
     /// `in_width_range` counts widths from the first to the second; in millimetres, all of them.
     #[cfg_attr(feature = "serde", serde(with = "crate::infinite::pair"))]
     pub width_range_mm: [f64; 2],
@@ -75,6 +78,7 @@ impl Default for StatisticsOptions {
             max_samples: 1 << 26,
             sharp_turn: std::f64::consts::FRAC_PI_3,
             min_width_mm: 0.0,
+            coverage: true,
             width_range_mm: [0.0, f64::INFINITY],
         }
     }
@@ -316,7 +320,7 @@ pub fn path_statistics(
     curves.iter().enumerate().try_for_each(|(number, curve)| check_curve(number, curve))?;
     let sheet = Sheet::new(vertices, triangles)?;
     let step = mean_width(curves).map_or(sheet.area.sqrt() / STEPS_WITHOUT_BEADS, |w| w / options.samples_per_width);
-    let mut raster = Raster::new(&sheet, step, options.max_samples)?;
+    let raster = options.coverage.then(|| Raster::new(&sheet, step, options.max_samples)).transpose()?;
     let report =
         |stage, done: usize, total: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
 
@@ -335,6 +339,9 @@ pub fn path_statistics(
     let rounds: Vec<f32> = laid.iter().map(|l| if l.closed { l.widths as f32 } else { f32::INFINITY }).collect();
     let pieces: Vec<curve::Piece> = laid.iter_mut().flat_map(|l| std::mem::take(&mut l.pieces)).collect();
 
+    let mut statistics = of_curves(&sheet, curves, &laid, &pieces, &closed);
+    statistics.step_mm = step;
+    let Some(mut raster) = raster else { return Ok(statistics) };
     let mut walker = Walker::new(&sheet);
     let mut spilled = 0.0;
     for (done, piece) in pieces.iter().enumerate() {
@@ -361,18 +368,32 @@ pub fn path_statistics(
     let twice = raster.area(|sample| raster.is_twice(sample));
     let unfillable = raster.area(|sample| out_of_reach[sample]);
     let filled = raster.area(|sample| !raster.is_bare(sample) && !out_of_reach[sample]);
-    let (jumps, jump_mm) = jumps(curves);
-    let each: Vec<CurveStatistics> = laid.iter().map(|l| l.statistics).collect();
-    let sum = |of: fn(&curve::Laid) -> f64| laid.iter().map(of).fold(0.0, |a, b| a + b);
-    let bead_area_mm2 = sum(|l| l.bead);
     Ok(PathStatistics {
-        area_mm2: sheet.area,
         covered_fraction: once / sheet.area,
         unfillable_fraction: (unfillable / sheet.area).min(1.0),
         filled_fraction: if unfillable < sheet.area { filled / (sheet.area - unfillable) } else { 1.0 },
         overlap_fraction: twice / sheet.area,
         spill_fraction: spilled.max(0.0) / sheet.area,
         largest_gap,
+        samples: raster.samples(),
+        ..statistics
+    })
+}
+
+/// What is known of curves without looking at areas.
+fn of_curves(
+    sheet: &Sheet,
+    curves: &[BeadCurve],
+    laid: &[curve::Laid],
+    pieces: &[curve::Piece],
+    closed: &[bool],
+) -> PathStatistics {
+    let (jumps, jump_mm) = jumps(curves);
+    let each: Vec<CurveStatistics> = laid.iter().map(|l| l.statistics).collect();
+    let sum = |of: fn(&curve::Laid) -> f64| laid.iter().map(of).fold(0.0, |a, b| a + b);
+    let bead_area_mm2 = sum(|l| l.bead);
+    PathStatistics {
+        area_mm2: sheet.area,
         curves: curves.iter().filter(|c| !c.points.is_empty()).count(),
         jumps,
         jump_mm,
@@ -380,13 +401,12 @@ pub fn path_statistics(
         bead_area_mm2,
         in_width_range: if bead_area_mm2 > 0.0 { sum(|l| l.in_range) / bead_area_mm2 } else { 0.0 },
         sharp_turns: each.iter().map(|e| e.sharp_turns).sum(),
-        self_crossings: crossing::count(&sheet, &pieces, &closed),
+        self_crossings: crossing::count(sheet, pieces, closed),
         entry_exit_mm: each.iter().map(|e| e.entry_exit_mm).fold(0.0, f64::max),
         off_surface_mm: sum(|l| l.statistics.off_surface_mm),
-        step_mm: step,
-        samples: raster.samples(),
         each,
-    })
+        ..PathStatistics::default()
+    }
 }
 
 fn check_options(options: &StatisticsOptions) -> Result<(), StatisticsError> {
