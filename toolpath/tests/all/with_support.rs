@@ -8,7 +8,7 @@ use curvlay_toolpath::surface::{
 use std::ops::{ControlFlow, Range};
 
 /// Of all triangles.
-const THICKNESS: [f64; 4096] = [0.8; 4096];
+static THICKNESS: [f64; 4096] = [0.8; 4096];
 
 type Sheet = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
