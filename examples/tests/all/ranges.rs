@@ -140,7 +140,8 @@ fn sparse_layers_and_support_put_together_are_one_run() {
     let path = |name: &str| place.join(name).display().to_string();
     let fill = ["--density", "30", "--walls", "1", "--skin", "1", "--support-density", "20"];
     let support = ["--support-width", "7", "--support-contact", "5", "--support-gap", "1"];
-    let one = [&["--mesh", mesh.as_str(), "--cell", "2", "--bead", "1"][..], &fill, &["--layer-height", "1"]].concat();
+    let one =
+        [&["--mesh", mesh.as_str(), "--cell", "2", "--bead", "1.2"][..], &fill, &["--layer-height", "1"]].concat();
     let output = run(&[&one[..], &support, &["--nozzle-growth", "off", "--out", &path("one")]].concat());
     assert!(matches!(output.status.code(), Some(0 | 3)), "{}", line(&output));
     let figures = common::summary(&place.join("one"));
@@ -153,7 +154,7 @@ fn sparse_layers_and_support_put_together_are_one_run() {
     assert!(fs::read_to_string(&field).unwrap().contains("\ngap "));
 
     let on = |more: &[&str]| {
-        let common = ["--mesh", mesh.as_str(), "--resume", &field, "--bead", "1", "--layer-height", "1"];
+        let common = ["--mesh", mesh.as_str(), "--resume", &field, "--bead", "1.2", "--layer-height", "1"];
         run(&[&common[..], more].concat())
     };
     for (name, layers) in [("a", "1/2"), ("b", "2/2")] {

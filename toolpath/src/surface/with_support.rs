@@ -51,10 +51,9 @@ impl FilledLayer {
     /// let square = |x: f64, z: f64| [[x, 0.0], [x + 20.0, 0.0], [x + 20.0, 20.0], [x, 20.0]].map(|[x, y]| Point3::new(x, y, z));
     /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
     /// let points = [0.4, 1.2, 2.0].map(|z| [square(0.0, z), square(30.0, z)].concat());
-    /// let surfaces = |points: std::ops::Range<usize>, count: usize| points_of(points, count);
-    /// # let points_of = |range: std::ops::Range<usize>, count: usize| [0, 1, 2].map(|k| LayerSurface {
-    /// #     vertices: &points[k][range.clone()], triangles: &triangles[..count], thickness: &[0.8; 4][..count],
-    /// # });
+    /// let surfaces = |range: std::ops::Range<usize>, count: usize| [0, 1, 2].map(|k| LayerSurface {
+    ///     vertices: &points[k][range.clone()], triangles: &triangles[..count], thickness: &[0.8; 4][..count],
+    /// });
     /// let (part, support, both) = (surfaces(0..4, 2), surfaces(4..8, 2), surfaces(0..8, 4));
     /// let (options, go) = (PathOptions::default(), |_| Continue(()));
     /// let of_part = fill_range(&part, 0..3, &options, &go)?;
