@@ -113,7 +113,7 @@ fn ranges_of_layers_put_together_are_one_run() {
     let last = figures["surfaces"].as_u64().unwrap() / 3;
     refused(&["--merge", &a, &b, &a, &c], 1, &format!("layers 1..{last} are in "));
     refused(&["--merge", &b], 1, &format!("no file has layers 1..{last}, "));
-    refused(&["--merge", &a, &b, &c, "--bead", "2.5"], 1, "--least-length must be the same");
+    refused(&["--merge", &a, &b, &c, "--bead", "2.5"], 1, "must be the same in all runs");
     refused(&["--merge", &a, &b, &c, "--layer-height", "1.5"], 1, "on other surfaces");
     refused(&["--merge", &mesh], 1, "wants the paths.jsonl");
     refused(&["--merge", &path("no-such-file")], 1, "no-such-file");

@@ -138,6 +138,10 @@ fn order(size: usize, entries: &[(u32, u32, f64)]) -> Option<Vec<usize>> {
     let mut pairs: Vec<(u32, u32)> = entries.iter().map(|&(row, column, _)| (column, row)).collect();
     pairs.sort_unstable();
     pairs.dedup();
+    // Not positive definite: a row has no entry on the diagonal. `amd` takes them for granted.
+    if pairs.iter().filter(|(column, row)| column == row).count() < size {
+        return None;
+    }
     let starts: Vec<i64> =
         (0..=size).map(|k| pairs.partition_point(|&(column, _)| (column as usize) < k) as i64).collect();
     let rows: Vec<i64> = pairs.iter().map(|&(_, row)| i64::from(row)).collect();
