@@ -4,6 +4,7 @@
 use super::{Args, Base, Made, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::{Findings, percent};
+use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{Moved, Printed, shown};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -31,7 +32,7 @@ pub fn write(
     folder.clear(is_ours)?;
     let divided = &made.divided;
     for (k, part) in divided.parts.parts.iter().enumerate() {
-        folder.write_with(&format!("part_{:02}.stl", k + 1), |out| write_stl(&part.solid, out))?;
+        folder.write_with(&format!("part_{:02}.stl", k + 1), |out| mesh_of(&part.solid).write_stl(out))?;
     }
     folder.write_with("parts.csv", |out| write_parts(made, out))?;
     if let Some(printed) = &made.printed {
@@ -70,21 +71,8 @@ fn is_ours(name: &str) -> bool {
         || ["parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"].contains(&name)
 }
 
-/// Binary STL.
-fn write_stl(solid: &Solid, out: &mut dyn Write) -> io::Result<()> {
-    out.write_all(&[b' '; 80])?;
-    out.write_all(&(solid.triangles().len() as u32).to_le_bytes())?;
-    for triangle in 0..solid.triangles().len() {
-        let [a, b, c] = solid.corners(triangle);
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
-        for v in [normal, a.coords, b.coords, c.coords] {
-            for x in v.iter() {
-                out.write_all(&(*x as f32).to_le_bytes())?;
-            }
-        }
-        out.write_all(&[0; 2])?;
-    }
-    Ok(())
+fn mesh_of(solid: &Solid) -> Mesh {
+    Mesh { vertices: solid.vertices().to_vec(), triangles: solid.triangles().to_vec() }
 }
 
 fn write_parts(made: &Made, out: &mut dyn Write) -> io::Result<()> {

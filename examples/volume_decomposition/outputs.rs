@@ -5,6 +5,7 @@ use super::volumes::Divided;
 use super::{Args, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Findings;
+use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::Printed;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -25,7 +26,8 @@ pub fn write(
     folder.clear(is_ours)?;
     for of in divided {
         for (k, part) in of.result.parts.iter().enumerate() {
-            folder.write_with(&format!("{}_part_{:02}.stl", of.name, k + 1), |out| write_stl(&part.solid, out))?;
+            folder
+                .write_with(&format!("{}_part_{:02}.stl", of.name, k + 1), |out| mesh_of(&part.solid).write_stl(out))?;
         }
     }
     folder.write_with("parts.csv", |out| write_parts(divided, out))?;
@@ -51,21 +53,8 @@ fn is_ours(name: &str) -> bool {
         || ["parts.csv", "separations.csv", "features.csv", "report.html"].contains(&name)
 }
 
-/// Binary STL.
-fn write_stl(solid: &Solid, out: &mut dyn Write) -> io::Result<()> {
-    out.write_all(&[b' '; 80])?;
-    out.write_all(&(solid.triangles().len() as u32).to_le_bytes())?;
-    for triangle in 0..solid.triangles().len() {
-        let [a, b, c] = solid.corners(triangle);
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
-        for v in [normal, a.coords, b.coords, c.coords] {
-            for x in v.iter() {
-                out.write_all(&(*x as f32).to_le_bytes())?;
-            }
-        }
-        out.write_all(&[0; 2])?;
-    }
-    Ok(())
+fn mesh_of(solid: &Solid) -> Mesh {
+    Mesh { vertices: solid.vertices().to_vec(), triangles: solid.triangles().to_vec() }
 }
 
 fn write_parts(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
