@@ -2,7 +2,7 @@
 //! the drawing (`viewer.js`), and where there is none the pictures of the report remain.
 //!
 //! A [`Model`] is plain data in millimetres. [`Model::to_html`] gives the section: the controls (`viewer.html`), the figures as JSON, the
-//! numbers as columns that are [quantised and deflated](columns), and the script.
+//! numbers as columns that are quantised and deflated (`columns`), and the script.
 
 mod columns;
 mod gltf;

@@ -37,7 +37,7 @@ pub struct FillTotals {
     pub short_left: usize,
     /// Length of these.
     pub short_left_mm: f64,
-    /// Beads of strips narrower than three quarters of a bead that are laid since something lies on them ([`PathOptions::min_width`]).
+    /// Beads of strips narrower than three quarters of a bead that are laid since something lies on them ([`PathOptions::min_width`](super::super::PathOptions::min_width)).
     pub narrow_curves: usize,
     /// Length of these.
     pub narrow_mm: f64,
