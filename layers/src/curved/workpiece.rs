@@ -15,8 +15,8 @@ use super::rules::Rules;
 use super::strategy::Strategy;
 use super::support::SupportError;
 use super::surface::{
-    ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError,
-    UniformField, coherent_field, contour, extend, measure_spacing_within, uniform_field,
+    BorderSmoothing, ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices,
+    UniformError, UniformField, coherent_field, contour, extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer, slices};
@@ -391,7 +391,8 @@ impl Workpiece<'_> {
         begin("trim", progress)?;
         let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * asked_mm);
         begin("contour", progress)?;
-        let untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
+        let mut untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
+        untrimmed.iter_mut().for_each(|surface| surface.smooth_border(self.cell_mm, BorderSmoothing::default()));
         begin("trim", progress)?;
         let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
         let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
