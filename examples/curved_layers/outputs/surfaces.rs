@@ -72,6 +72,7 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("boundary_at_missed_mm", boundary.at_missed_mm)?
         .set("boundary_at_waits_mm", boundary.at_waits_mm)?
         .set("boundary_at_holes_mm", boundary.at_holes_mm)?
+        .set("border_turning_deg_per_mm", border_turning(run))?
         .set("slivers", run.sheets.iter().map(|sheet| sheet.slivers).sum::<usize>())?
         .set("surface_crossings_found", run.clipped.found.crossing)?
         .set("surface_crossings", run.clipped.left.crossing)?
@@ -83,11 +84,19 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set("spacing_std_mm", spacing.std_mm)?
         .set("spacing_p05_mm", spacing.p05_mm)?
         .set("spacing_p95_mm", spacing.p95_mm)?
-        .set("squeezed_share", spacing.squeezed_share)?;
+        .set("squeezed_share", spacing.squeezed_share)?
+        .set("thickness_share", run.thickness_share())?;
     if let Some(plain) = &run.plain_spacing {
         summary.set("plain_spacing_mean_mm", plain.mean_mm)?.set("plain_spacing_std_mm", plain.std_mm)?;
     }
     Ok(())
+}
+
+/// How much surfaces turn where they end inside the part, in degrees a millimetre; 0 where none does.
+fn border_turning(run: &SurfacesRun) -> f64 {
+    let turning: f64 = run.sheets.iter().map(|sheet| sheet.border_turning()).sum();
+    let length: f64 = run.sheets.iter().map(|sheet| sheet.border_mm).sum();
+    if length > 0.0 { turning.to_degrees() / length } else { 0.0 }
 }
 
 pub fn rows(run: &SurfacesRun, table: &mut Table) {
@@ -102,6 +111,10 @@ pub fn rows(run: &SurfacesRun, table: &mut Table) {
         table.row(["spacing, hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)]);
     }
     table
+        .row([
+            "0.5 to 1.5 layer heights thick".to_owned(),
+            format!("{:.2} % of the area", 100.0 * run.thickness_share()),
+        ])
         .row(["off the mesh".to_owned(), format!("{:.1e} mm at most", boundary.error_mm)])
         .row([
             "ends inside".to_owned(),

@@ -148,6 +148,7 @@ fn surfaces_end_on_the_mesh_and_fill_it() {
     assert!(figure("boundary_error_mm") <= 1e-6 && figure("boundary_at_missed_mm") == 0.0);
     assert!((figure("layer_volume_mm3") / figure("volume_mm3") - 1.0).abs() < 0.03, "{}", figure("layer_volume_mm3"));
     assert!((figure("spacing_mean_mm") - 1.5).abs() < 0.05 && figure("squeezed_share") == 0.0);
+    assert!(figure("thickness_share") > 0.98 && figure("thickness_share") <= 1.0, "{}", figure("thickness_share"));
     assert!(figures["plain_spacing_mean_mm"].is_null());
     let read = |folder: &str, name: &str| fs::read_to_string(Path::new(folder).join(name)).unwrap();
     let obj = read(&first, "layers.obj");

@@ -65,4 +65,4 @@ pub use rules::{Neighbours, Rules, RulesError};
 pub use strategy::Strategy;
 pub use support::{CellMesh, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 pub use unbuild::{UnbuildOptions, unbuild};
-pub use workpiece::{LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};
+pub use workpiece::{EVEN_THICKNESS, LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};

@@ -15,8 +15,8 @@ use super::rules::Rules;
 use super::strategy::Strategy;
 use super::support::SupportError;
 use super::surface::{
-    ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices, UniformError,
-    UniformField, coherent_field, contour, extend, measure_spacing_within, uniform_field,
+    BorderSmoothing, ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices,
+    UniformError, UniformField, coherent_field, contour, extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer, slices};
@@ -34,6 +34,10 @@ const BORDER_EDGE: f64 = 0.1;
 
 /// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
 const MIN_THICKNESS: f64 = 0.02;
+
+/// A layer counts as evenly thick where a bead is this many times as thick as the layer height, from and to: what
+/// extrusion can make up for.
+pub const EVEN_THICKNESS: [f64; 2] = [0.5, 1.5];
 
 /// A part to be layered: its mesh, the cells made of it, and what it stands on.
 #[derive(Clone, Copy, Debug)]
@@ -387,7 +391,8 @@ impl Workpiece<'_> {
         begin("trim", progress)?;
         let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * asked_mm);
         begin("contour", progress)?;
-        let untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
+        let mut untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
+        untrimmed.iter_mut().for_each(|surface| surface.smooth_border(self.cell_mm, BorderSmoothing::default()));
         begin("trim", progress)?;
         let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
         let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
@@ -509,6 +514,40 @@ impl LayerSurfaces {
     /// they share a corner.
     pub fn pieces(&self) -> usize {
         self.sheets.iter().map(pieces).sum()
+    }
+
+    /// Share of the area of all surfaces where a bead is within [`EVEN_THICKNESS`] times the layer height thick; 0 without any area.
+    ///
+    /// # Example
+    /// ```
+    /// # use curvlay_layers::curved::{LayerBoundary, LayerSurfaces, surface::Spacing, trim::{Clipped, TrimmedSheet}};
+    /// # use curvlay_layers::nalgebra::Point3;
+    /// // Layers of 0.4 mm; a triangle of 3 mm2 is 0.5 mm thick, one of 1 mm2 is 0.1 mm thick.
+    /// let vertices = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0], [2.0, 1.0, 0.0]].map(Point3::from).to_vec();
+    /// let sheet = TrimmedSheet { vertices, triangles: vec![[0, 1, 2], [1, 3, 2]], ..TrimmedSheet::default() };
+    /// let mut surfaces = LayerSurfaces {
+    ///     height_mm: 0.4,
+    ///     sheets: vec![sheet],
+    ///     thickness_mm: vec![vec![0.5, 0.1]],
+    /// #   clipped: Clipped::default(), spacing: Spacing::default(), boundary: LayerBoundary::default(), missed_mm3: 0.0,
+    ///     // and what else there is
+    /// };
+    /// assert_eq!(surfaces.thickness_share(), 0.75);
+    /// surfaces.thickness_mm = vec![vec![0.7, 0.5]];
+    /// assert_eq!(surfaces.thickness_share(), 0.25);
+    /// ```
+    pub fn thickness_share(&self) -> f64 {
+        let even = EVEN_THICKNESS.map(|times| times * self.height_mm);
+        let (mut area_mm2, mut even_mm2) = (0.0, 0.0);
+        for (vertices, triangles, thickness) in self.iter() {
+            for (corners, thickness) in triangles.iter().zip(thickness) {
+                let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
+                let area = (b - a).cross(&(c - a)).norm() / 2.0;
+                area_mm2 += area;
+                even_mm2 += if (even[0]..=even[1]).contains(thickness) { area } else { 0.0 };
+            }
+        }
+        if area_mm2 > 0.0 { even_mm2 / area_mm2 } else { 0.0 }
     }
 
     /// Volume that the layers leave bare or cover twice, missed cells included, of a part of this volume.

@@ -15,6 +15,7 @@ mod plates;
 mod quality;
 mod robofdm;
 mod serde;
+mod smooth_border;
 mod support;
 mod surface;
 mod trimming;

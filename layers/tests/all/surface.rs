@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
+pub fn go(_: curvlay_layers::Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -44,7 +44,7 @@ fn slices(surfaces: &[Surface]) -> Vec<SurfaceSlices<'_>> {
 
 /// What is wrong with a surface: edges of more than two triangles or run through twice the same way, vertices at
 /// which more than one fan of triangles meets, triangles without height.
-fn faults(surface: &Surface) -> Vec<String> {
+pub fn faults(surface: &Surface) -> Vec<String> {
     let mut faults = Vec::new();
     let mut edges = BTreeMap::new();
     let mut around: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();
@@ -79,7 +79,7 @@ fn faults(surface: &Surface) -> Vec<String> {
     faults
 }
 
-fn area_of(surface: &Surface) -> f64 {
+pub fn area_of(surface: &Surface) -> f64 {
     let area = |t: &[u32; 3]| {
         let [p, q, r] = t.map(|v| surface.points[v as usize]);
         (q - p).cross(&(r - p)).norm() / 2.0
@@ -88,7 +88,7 @@ fn area_of(surface: &Surface) -> f64 {
 }
 
 /// A solid of up to 6 x 6 x 6 cells with a value at each; small steps, large jumps, and many equal values.
-fn wild() -> impl Strategy<Value = ([u32; 3], Vec<Option<f64>>)> {
+pub fn wild() -> impl Strategy<Value = ([u32; 3], Vec<Option<f64>>)> {
     let side = 1..=6u32;
     let value = prop_oneof![
         2 => Just(None),

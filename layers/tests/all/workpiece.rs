@@ -2,7 +2,8 @@
 
 use crate::common::{go, random_rows};
 use curvlay_layers::curved::surface::{
-    ContourError, LayerField, SavedField, UniformMethod, contour, extend, measure_spacing_within, uniform_field,
+    BorderSmoothing, ContourError, LayerField, SavedField, UniformMethod, contour, extend, measure_spacing_within,
+    uniform_field,
 };
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
@@ -161,7 +162,8 @@ fn by_steps(solid: &Solid, strategy: Strategy, height: f64) -> Steps {
     let field = uniform_field(&cells, &solid.platform, &rules, &growth.order, &missed, &go).unwrap().field;
     let extended = extend(&field, &cells);
     let fitted = extended.fitted_levels(&solid.vertices, &solid.triangles, CELL, Point3::origin(), height).unwrap();
-    let surfaces = contour(&extended, &fitted.levels, CELL, Point3::origin(), &go).unwrap();
+    let mut surfaces = contour(&extended, &fitted.levels, CELL, Point3::origin(), &go).unwrap();
+    surfaces.iter_mut().for_each(|surface| surface.smooth_border(CELL, BorderSmoothing::default()));
     let trimmer = Trimmer::new(&solid.vertices, &solid.triangles).unwrap().thinned(0.1 * height);
     let trimmed = surfaces.iter().map(|s| trimmer.trim(&s.points, &s.triangles, &go).unwrap());
     let mut sheets: Vec<_> = trimmed.collect();

@@ -7,7 +7,8 @@
 //! 2. [`extend`](extend()) continues the field by two rings of cells beyond the part.
 //! 3. [`contour`](contour()) draws the surfaces at [the levels of a layer height](ExtendedField::levels), or at [levels that fit
 //!    the part](ExtendedField::fitted_levels). They reach outside the part and are to be trimmed to its mesh.
-//! 4. [`measure_spacing`] says how far apart they lie, trimmed or not.
+//! 4. [`Surface::smooth_border`] takes the steps of cells out of their borders, before they are trimmed.
+//! 5. [`measure_spacing`] says how far apart they lie, trimmed or not.
 //!
 //! A field can be saved and taken up again ([`SavedField`]); fields and surfaces can be written for ParaView
 //! ([`write_field_vtk`], [`write_surfaces_vtk`]).
@@ -31,6 +32,7 @@ mod nozzle;
 mod plain;
 mod slices;
 mod slope;
+mod smooth;
 mod spacing;
 mod store;
 mod torn;
@@ -47,6 +49,7 @@ pub use lattice::{APART, JUMP};
 pub use nozzle::uniform_field_with_nozzle;
 pub use plain::plain_field;
 pub use slices::SurfaceSlices;
+pub use smooth::BorderSmoothing;
 pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, measure_spacing, measure_spacing_within};
 pub use store::{OtherCells, OtherMesh, PrintAids, ReadFieldError, SavedField, mesh_stamp};
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};

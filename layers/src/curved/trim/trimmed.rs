@@ -1,7 +1,8 @@
 //! What is left of a sheet.
 
 use crate::curved::surface::SurfaceSlices;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
+use std::collections::BTreeMap;
 
 /// The part of a sheet that lies inside a solid.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,6 +34,31 @@ impl TrimmedSheet {
     pub fn area(&self) -> f64 {
         let corners = self.triangles.iter().map(|corners| corners.map(|corner| self.vertices[corner as usize]));
         corners.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
+    }
+}
+
+impl TrimmedSheet {
+    /// How much the sheet's own border turns inside the solid, in radians: the sum, over the vertices where two edges of it meet, of the
+    /// angle between them. By [`border_mm`](Self::border_mm) it says whether the sheet ends along a smooth line or on a staircase.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::curved::trim::{BoundaryEdge, BoundaryKind, TrimmedSheet};
+    /// use curvlay_layers::nalgebra::Point3;
+    /// let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]].map(Point3::from).to_vec();
+    /// let edge = |ends| BoundaryEdge { ends, kind: BoundaryKind::Border };
+    /// let boundary = vec![edge([0, 1]), edge([1, 2]), BoundaryEdge { ends: [2, 0], kind: BoundaryKind::Mesh }];
+    /// let sheet = TrimmedSheet { vertices, triangles: vec![[0, 1, 2]], boundary, ..TrimmedSheet::default() };
+    /// assert!((sheet.border_turning() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    /// ```
+    pub fn border_turning(&self) -> f64 {
+        let along = |edge: &BoundaryEdge| {
+            let [from, to] = edge.ends.map(|end| self.vertices[end as usize]);
+            to - from
+        };
+        let border = || self.boundary.iter().filter(|edge| edge.kind == BoundaryKind::Border);
+        let before: BTreeMap<u32, Vector3<f64>> = border().map(|edge| (edge.ends[1], along(edge))).collect();
+        border().filter_map(|edge| Some(before.get(&edge.ends[0])?.angle(&along(edge)))).sum()
     }
 }
 
