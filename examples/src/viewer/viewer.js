@@ -77,24 +77,25 @@ function program(vertex, fragment) {
 // A bead is two triangles that face the eye: as wide as an elliptic cylinder looks from there, shaded as one. Steps come from a texture.
 const TUBE = `
   uniform highp usampler2D steps; uniform mat4 part, view; uniform vec3 low, eye; uniform float unit, travelWidth;
-  uniform vec2 sizes; uniform ivec2 layers; uniform int shown, base;
+  uniform vec2 sizes; uniform ivec2 layers; uniform int shown, base, stride;
   out vec3 across, toward; out float side, tint; flat out int id;
   uvec4 step_(int at) { return texelFetch(steps, ivec2(at & 2047, at >> 11), 0); }
   vec3 place(uvec4 s) { return (part * vec4(low + vec3(s.x & 65535u, s.x >> 16, s.y & 65535u) * unit, 1)).xyz; }
   void main() {
-    int segment = gl_VertexID / 6 + base, corner = gl_VertexID % 6;
+    // Every so-manieth step where frames would take long: straight from one to the next, on the same path.
+  int segment = gl_VertexID / 6 * stride + base, corner = gl_VertexID % 6;
     corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
-    uvec4 s = step_(segment + 1);
+    uvec4 from = step_(segment), s = step_(segment + stride);
     int kind = int(s.w & 255u), layer = int(s.y >> 16);
     bool travels = kind == 255;
-    if (layer < layers.x || layer > layers.y || (shown >> min(kind, 15) & 1) == 0) { gl_Position = vec4(2, 2, 2, 1); return; }
+    if (layer < layers.x || layer > layers.y || (shown >> min(kind, 15) & 1) == 0 || (stride > 1 && from.w >> 16 != s.w >> 16)) { gl_Position = vec4(2, 2, 2, 1); return; }
     vec2 f = vec2(s.z & 255u, s.z >> 8 & 255u) / 127.0 - 1.0;
     vec3 up = vec3(f, 1.0 - abs(f.x) - abs(f.y));
     float fold = max(-up.z, 0.0);
     up.xy += vec2(up.x < 0.0 ? fold : -fold, up.y < 0.0 ? fold : -fold);
     up = mat3(part) * normalize(up);
     vec2 half2 = travels ? vec2(travelWidth) : 0.5 * vec2(s.z >> 16 & 255u, s.z >> 24) * sizes;
-    vec3 a = place(step_(segment)), b = place(s);
+    vec3 a = place(from), b = place(s);
     vec3 axis = b - a;
     float longs = length(axis);
     axis = longs > 1e-6 ? axis / longs : vec3(1, 0, 0);
@@ -208,11 +209,12 @@ function start(columns) {
   const total = count ? T[count - 1] * tick : 0;
 
   // ---- buffers
-  // A texel of four words for each step: x, y, z, layer; direction, width, height; kind, colour.
+  // A texel of four words for each step: x, y, z, layer; direction, width, height; kind, colour, path.
   const ROW = 2048, rows = Math.max(1, Math.ceil(count / ROW)), octets = new Uint8Array(16 * ROW * rows), words = new Uint16Array(octets.buffer);
   for (let i = 0; i < count; i++) {
     words.set([X[i], Y[i], Z[i], L[i]], 8 * i);
     octets.set([U[i], V[i], W[i], H[i], K[i]], 16 * i + 8);
+    words[8 * i + 7] = P[i];
   }
   const parts = mesh(woven(columns, 'part'), columns['part.corner']);
   const sheets = mesh(woven(columns, 'sheet'), columns['sheet.corner']);
@@ -389,13 +391,15 @@ function start(columns) {
     gl.uniform1i(places.steps, 1);
     gl.uniform1f(places.travelWidth, 0.0006 * camera.far);
     gl.uniform1i(places.shown, mask);
+    const step = picking ? 1 : stride;
     gl.uniform1i(places.base, from);
+    gl.uniform1i(places.stride, step);
     gl.uniform1i(places.picking, picking ? 1 : 0);
     gl.bindVertexArray(bare);
-    gl.drawArrays(gl.TRIANGLES, 0, 6 * many);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * Math.max(Math.floor(many / step), 1));
   }
   const layerTone = layer => [...ramp(layers > 1 ? layer / (layers - 1) : 0).map(c => c / 255 * (layer % 2 ? 0.88 : 1)), 1];
-  let scale = 1, settled = 0;
+  let scale = 1, stride = 1, settled = 0;
   function draw() {
     const wide = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio * scale)), tall = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio * scale));
     if (canvas.width !== wide || canvas.height !== tall) { canvas.width = wide; canvas.height = tall; }
@@ -696,9 +700,9 @@ function start(columns) {
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits for it
       state.frameMs = performance.now() - begun;
       state.frames++;
-      if (state.frameMs > 60) scale = Math.max(0.4, 0.8 * scale);
+      if (state.frameMs > 60) [scale, stride] = [Math.max(0.4, 0.8 * scale), Math.min(16, 2 * stride)];
       settled = now;
-    } else if (scale < 1 && now - settled > 400) { scale = 1; draw(); }
+    } else if (stride > 1 && now - settled > 400) { scale = stride = 1; draw(); }
     requestAnimationFrame(frameOf);
   }
   find('busy').hidden = true;
