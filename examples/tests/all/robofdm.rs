@@ -33,18 +33,13 @@ fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
     Ok((place(name), outcome))
 }
 
-/// Writes a mesh as OBJ.
+/// Writes the first faces of a mesh as OBJ.
 fn obj(name: &str, mesh: &Mesh, faces: usize) -> PathBuf {
     fs::create_dir_all(place("files")).unwrap();
-    let mut text = String::new();
-    for p in &mesh.vertices {
-        text += &format!("v {} {} {}\n", p.x, p.y, p.z);
-    }
-    for [a, b, c] in mesh.triangles.iter().take(faces) {
-        text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
-    }
     let path = place("files").join(name);
-    fs::write(&path, text).unwrap();
+    let triangles = mesh.triangles.iter().take(faces).copied().collect();
+    let some = Mesh { vertices: mesh.vertices.clone(), triangles };
+    some.write_obj("for a test", &mut fs::File::create(&path).unwrap()).unwrap();
     path
 }
 
