@@ -176,8 +176,9 @@ pub fn stream(
     let job = (seconds % u64::from(MAX_NUMBER)) as u32 + 1;
     let link = LinkOptions { job, queue: args.queue, ..LinkOptions::default() };
     let messages = messages().chain([Ok(LinkMessage::Home)]);
-    let told = |progress: &LinkProgress| bars.update("stream", u64::from(progress.done), total);
-    stream::stream(address, messages, link, commands, told).map_err(|error| Failure::new(format!("--stream: {error}")))
+    let report = |progress: &LinkProgress| bars.update("stream", u64::from(progress.done), total);
+    stream::stream(address, messages, link, commands, report)
+        .map_err(|error| Failure::new(format!("--stream: {error}")))
 }
 
 /// The scene: the arm, the platform in its hand, and the nozzle.

@@ -3,6 +3,7 @@
 //! Brooks (2016), section 4.14.2. All that can go wrong is decided in `curvlay_kinematics::program::link`; here are only a TCP
 //! connection, which is made again when it breaks, the clock, and the commands of who stands beside the robot.
 
+use curvlay_examples::args::warn;
 use curvlay_kinematics::program::link::{LinkError, LinkMessage, LinkOptions, LinkProgress, LinkSender};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -57,20 +58,20 @@ pub const MAX_HEIGHT_MM: f64 = 50.0;
 
 /// Streams messages until the controller has done the last one.
 ///
-/// `told` hears how far it is after each reply.
+/// `report` gets how far it is after each reply.
 pub fn stream(
     address: &str,
     messages: impl Iterator<Item = Result<LinkMessage, LinkError>>,
     options: LinkOptions,
     commands: &Receiver<Command>,
-    mut told: impl FnMut(&LinkProgress),
+    mut report: impl FnMut(&LinkProgress),
 ) -> Result<LinkProgress, StreamError> {
     let link = |source, done| StreamError::Link { address: address.to_owned(), source, done };
     let mut sender = LinkSender::new(messages, options).map_err(|error| link(error, 0))?;
     let begin = Instant::now();
     loop {
         let mut socket = connect(address, &options)?;
-        let ended = converse(&mut sender, &mut socket, begin, commands, &mut told);
+        let ended = converse(&mut sender, &mut socket, begin, commands, &mut report);
         let progress = sender.progress();
         match ended {
             Ok(true) => return Ok(progress),
@@ -107,7 +108,7 @@ fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
     socket: &mut TcpStream,
     begin: Instant,
     commands: &Receiver<Command>,
-    told: &mut impl FnMut(&LinkProgress),
+    report: &mut impl FnMut(&LinkProgress),
 ) -> Result<bool, LinkError> {
     sender.connected()?;
     let mut line = Vec::new();
@@ -143,7 +144,7 @@ fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
             if byte == b'\n' || line.len() > LONGEST_REPLY {
                 sender.receive(&String::from_utf8_lossy(&line), begin.elapsed())?;
                 line.clear();
-                told(&sender.progress());
+                report(&sender.progress());
             }
         }
     }
@@ -157,7 +158,7 @@ pub fn commands_of_stdin() -> Receiver<Command> {
             match parse(&line) {
                 Some(command) if send.send(command).is_err() => break,
                 Some(_) => {}
-                None => eprintln!("`{}`: say pause, resume, or height and millimetres", line.trim()),
+                None => warn(format!("`{}`: say pause, resume, or height and millimetres", line.trim())),
             }
         }
     });

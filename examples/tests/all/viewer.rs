@@ -74,7 +74,8 @@ struct Browser {
     orders: File,
     answers: BufReader<File>,
     sent: u64,
-    session: Option<String>,
+    /// The page, as orders name it.
+    page: Option<String>,
     /// What the page said on its console, and errors nobody caught.
     said: Vec<String>,
 }
@@ -104,10 +105,10 @@ impl Browser {
             Command::new("sh").args(["-c", &script]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         let orders = File::options().write(true).open(orders).unwrap();
         let answers = BufReader::new(File::open(answers).unwrap());
-        let mut browser = Browser { child, orders, answers, sent: 0, session: None, said: Vec::new() };
+        let mut browser = Browser { child, orders, answers, sent: 0, page: None, said: Vec::new() };
         let target = browser.order("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
-        let session = browser.order("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
-        browser.session = session["sessionId"].as_str().map(str::to_owned);
+        let attached = browser.order("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
+        browser.page = attached["sessionId"].as_str().map(str::to_owned);
         for method in ["Runtime.enable", "Log.enable", "Page.enable"] {
             browser.order(method, json!({}));
         }
@@ -119,7 +120,7 @@ impl Browser {
     fn order(&mut self, method: &str, params: Value) -> Value {
         self.sent += 1;
         let mut order = json!({ "id": self.sent, "method": method, "params": params });
-        self.session.iter().for_each(|session| order["sessionId"] = json!(session));
+        self.page.iter().for_each(|page| order["sessionId"] = json!(page));
         self.orders.write_all(format!("{order}\0").as_bytes()).unwrap();
         loop {
             let mut message = Vec::new();
