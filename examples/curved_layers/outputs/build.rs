@@ -5,15 +5,15 @@ use crate::machine::MachineRun;
 use crate::motion::{MotionRun, of_run};
 use crate::surfaces::SurfacesRun;
 use crate::{Job, Results};
-use curvlay_examples::motion::shown;
+use curvlay_examples::motion::shown::{self, Played};
 use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Robot, Step};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet};
-use curvlay_toolpath::surface::ToolPath;
+use curvlay_toolpath::surface::{LayerSurface, ToolPath};
 use curvlay_trajectory::print::LegKind;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
-/// Colours of findings: red for what fails most prints, then orange, violet, blue, grey.
+/// Colours of findings, red, green and blue.
 const RED: [u8; 3] = [216, 40, 40];
 const ORANGE: [u8; 3] = [240, 140, 20];
 const VIOLET: [u8; 3] = [150, 60, 200];
@@ -37,10 +37,10 @@ pub fn model(job: &Job, results: &Results) -> Model {
         name: job.part.name.clone(),
         part,
         plate: field.platform.corners().iter().map(corner).collect(),
-        layers: surfaces.iter().flat_map(|run| run.sheets.iter().map(mesh)).collect(),
+        layers: surfaces.iter().flat_map(|run| run.surfaces()).map(mesh).collect(),
         ends: surfaces.iter().flat_map(ends).collect(),
         kinds: shown::kinds(),
-        marks: missed(field).into_iter().collect(),
+        marks: vec![missed(field)],
         nozzle: Some(shown::nozzle(&job.setup.cell.equipment().model().nozzle)),
         density_g_cm3: job.args.settings.material_density_g_cm3,
         ..Model::default()
@@ -57,8 +57,9 @@ pub fn model(job: &Job, results: &Results) -> Model {
     model
 }
 
-fn mesh(sheet: &TrimmedSheet) -> Mesh {
-    Mesh { vertices: sheet.vertices.clone(), triangles: sheet.triangles.clone() }
+/// A layer with its support, if there is any.
+fn mesh(surface: LayerSurface) -> Mesh {
+    Mesh { vertices: surface.vertices.to_vec(), triangles: surface.triangles.to_vec() }
 }
 
 /// Where the surfaces end inside the part.
@@ -71,11 +72,11 @@ fn ends(run: &SurfacesRun) -> Vec<(u32, [Point3<f64>; 2])> {
 }
 
 /// Cells that are not built.
-fn missed(field: &FieldRun) -> Option<Marks> {
+fn missed(field: &FieldRun) -> Marks {
     let grid = &field.solid.grid;
     let places =
         field.growth.missed.iter().map(|missed| Mark { at: grid.centre(grid.position(missed.cell)), path: None });
-    Some(Marks { what: "cells that are not built".to_owned(), colour: PINK, places: places.collect() })
+    Marks { what: "cells that are not built".to_owned(), colour: PINK, places: places.collect() }
 }
 
 /// What the checks of the paths found.
@@ -103,49 +104,23 @@ fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
     paths: &[ToolPath],
 ) -> (Vec<Step>, Option<Robot>) {
     let plan = &run.plan;
-    let part_frame = run.frame_part.inverse();
     let legs = || plan.legs(0..plan.runs.len());
-    let knots: usize = legs().map(|leg| leg.knots().len()).sum();
-    let stride = shown::stride(knots);
-    let (mut steps, mut stances) = (Vec::with_capacity(knots), Vec::new());
-    let (mut start, mut number) = (0.0, 0);
+    let mut played = Played::new(&run.cell, run.frame_part, legs().map(|leg| leg.knots().len()).sum());
     for leg in legs() {
-        let (layer, path) = (leg.run.layer, leg.run.path);
-        let waypoints = paths.get(path).map_or(&[][..], |path| &path.waypoints);
+        let waypoints = paths.get(leg.run.path).map_or(&[][..], |path| &path.waypoints);
         let prints = leg.kind == LegKind::Print;
         let mut passes = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
-        let (mut last, mut before) = (0, 0.0);
-        for (knot, (time, joints)) in leg.knots().iter().enumerate() {
+        let mut last = 0;
+        let bead = |knot: usize| {
             while let Some((_, waypoint)) = passes.next_if(|(passed, _)| prints && *passed <= knot) {
                 last = waypoint;
             }
-            let of_path = waypoints.get(last);
-            let (width, height) = of_path.map_or((0.0, 0.0), |waypoint| (waypoint.width, waypoint.height));
-            // From rest it starts where the last one ended.
-            let lays = prints && knot > 0;
-            let bead = of_path.map_or(Step::TRAVEL, |waypoint| shown::kind(waypoint.kind));
-            if let Some(pose) = run.cell.nozzle_on_part(joints) {
-                let pose = part_frame * pose;
-                let (tip, direction) = (pose * Point3::origin(), pose * Vector3::z());
-                let kind = if lays { bead } else { Step::TRAVEL };
-                steps.push(Step {
-                    tip,
-                    direction,
-                    width,
-                    height,
-                    kind,
-                    layer,
-                    path: path as u32,
-                    seconds: time - before,
-                });
-                before = *time;
-            }
-            if number % stride == 0 {
-                stances.extend(shown::stance(&run.cell, joints, &run.frame_part, start + time));
-            }
-            number += 1;
-        }
-        start += leg.duration();
+            let waypoint = waypoints.get(last)?;
+            let kind = if prints { shown::kind(waypoint.kind) } else { Step::TRAVEL };
+            Some((kind, [waypoint.width, waypoint.height]))
+        };
+        played.add((leg.run.layer, leg.run.path as u32), &leg.knots(), bead);
     }
-    (steps, Some(shown::robot(&run.cell, stances)))
+    let (steps, robot) = played.finish();
+    (steps, Some(robot))
 }

@@ -52,7 +52,7 @@ pub fn stride(knots: usize) -> usize {
 }
 
 /// How a workcell stands; `frame_part` maps the part to the frame of what carries it. None where a table is beyond its limits.
-pub fn stance<const N: usize, const F: usize, W: Workcell<N, F>>(
+fn stance<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     joints: &[f64; N],
     frame_part: &Isometry3<f64>,
@@ -70,48 +70,86 @@ pub fn stance<const N: usize, const F: usize, W: Workcell<N, F>>(
     Some(Stance { seconds, joints: joints.to_vec(), bones, part: stance.part * frame_part })
 }
 
-/// The robot of a workcell.
-pub fn robot<const N: usize, const F: usize, W: Workcell<N, F>>(cell: &W, stances: Vec<Stance>) -> Robot {
-    let (name, speeds) = (cell.equipment().name().to_owned(), cell.limits().velocity.to_vec());
-    Robot { name, speeds, stances, is_shown: false }
-}
-
 /// The nozzle of a workcell.
 pub fn nozzle(model: &NozzleModel) -> Nozzle {
     let &NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } = model;
     Nozzle { tip: tip_flat_mm, half_angle_deg: cone_half_angle_deg, cone: cone_height_mm, block: block_diameter_mm }
 }
 
-/// Motions one after the other, from knot to knot: where the nozzle goes on the part, and how the robot stands. The knots are those of
-/// what is executed, not waypoints.
-pub fn followed<const N: usize, const F: usize, W: Workcell<N, F>>(cell: &W, motions: &[Trajectory<N>]) -> Model {
-    let stride = stride(motions.iter().map(|motion| motion.times().len()).sum());
-    let (mut steps, mut stances, mut start, mut number) = (Vec::new(), Vec::new(), 0.0, 0);
-    for (path, motion) in (0..).zip(motions) {
-        let (first, last) = motion.span();
-        let mut before = first;
-        for (knot, (&time, joints)) in motion.times().iter().zip(motion.joints()).enumerate() {
-            if let Some(pose) = cell.nozzle_on_part(joints) {
-                let kind = if knot == 0 { Step::TRAVEL } else { 0 };
-                let (tip, direction, seconds) = (pose * Point3::origin(), pose * Vector3::z(), time - before);
-                steps.push(Step { tip, direction, width: LINE_MM, height: LINE_MM, kind, layer: 0, path, seconds });
-                before = time;
-            }
-            if number % stride == 0 {
-                stances.extend(stance(cell, joints, &Isometry3::identity(), start + time - first));
-            }
-            number += 1;
-        }
-        start += last - first;
+/// Motions that are executed one after the other, from knot to knot: where the nozzle goes on the part, and how the robot stands.
+pub struct Played<'a, W> {
+    cell: &'a W,
+    frame_part: Isometry3<f64>,
+    /// Every so-manieth knot has a stance.
+    stride: usize,
+    knots: usize,
+    seconds: f64,
+    steps: Vec<Step>,
+    stances: Vec<Stance>,
+}
+
+impl<'a, W> Played<'a, W> {
+    /// Nothing yet, of so many knots in all; `frame_part` maps the part to the frame of what carries it.
+    pub fn new(cell: &'a W, frame_part: Isometry3<f64>, knots: usize) -> Self {
+        let (steps, stances) = (Vec::with_capacity(knots), Vec::new());
+        Played { cell, frame_part, stride: stride(knots), knots: 0, seconds: 0.0, steps, stances }
     }
-    let mut robot = robot(cell, stances);
-    robot.is_shown = true;
+
+    /// Adds a motion along a path of a layer. Its knots are times since it began and joints; `bead` is asked for each of them in turn for the kind
+    /// of bead that ends there, its width and height. At the first knot it begins, so nothing is laid there.
+    pub fn add<const N: usize, const F: usize>(
+        &mut self,
+        (layer, path): (u32, u32),
+        knots: &[(f64, [f64; N])],
+        mut bead: impl FnMut(usize) -> Option<(u8, [f64; 2])>,
+    ) where
+        W: Workcell<N, F>,
+    {
+        let frame = self.frame_part.inverse();
+        let mut before = 0.0;
+        for (knot, (time, joints)) in knots.iter().enumerate() {
+            let (kind, [width, height]) = bead(knot).unwrap_or((Step::TRAVEL, [0.0; 2]));
+            if let Some(pose) = self.cell.nozzle_on_part(joints) {
+                let pose = frame * pose;
+                let (tip, direction) = (pose * Point3::origin(), pose * Vector3::z());
+                let kind = if knot == 0 { Step::TRAVEL } else { kind };
+                self.steps.push(Step { tip, direction, width, height, kind, layer, path, seconds: time - before });
+                before = *time;
+            }
+            if self.knots.is_multiple_of(self.stride) {
+                self.stances.extend(stance(self.cell, joints, &self.frame_part, self.seconds + time));
+            }
+            self.knots += 1;
+        }
+        self.seconds += knots.last().map_or(0.0, |(time, _)| *time);
+    }
+
+    /// The steps, and the robot.
+    pub fn finish<const N: usize, const F: usize>(self) -> (Vec<Step>, Robot)
+    where
+        W: Workcell<N, F>,
+    {
+        let (name, speeds) = (self.cell.equipment().name().to_owned(), self.cell.limits().velocity.to_vec());
+        (self.steps, Robot { name, speeds, stances: self.stances, is_shown: false })
+    }
+}
+
+/// Trajectories one after the other, for a path without beads.
+pub fn followed<const N: usize, const F: usize, W: Workcell<N, F>>(cell: &W, motions: &[Trajectory<N>]) -> Model {
+    let knots = motions.iter().map(|motion| motion.times().len()).sum();
+    let mut played = Played::new(cell, Isometry3::identity(), knots);
+    for (path, motion) in (0..).zip(motions) {
+        let (first, _) = motion.span();
+        let knots: Vec<_> = motion.times().iter().zip(motion.joints()).map(|(time, at)| (time - first, *at)).collect();
+        played.add((0, path), &knots, |_| Some((0, [LINE_MM; 2])));
+    }
+    let (steps, robot) = played.finish();
     Model {
         name: cell.equipment().name().to_owned(),
         kinds: vec!["path".to_owned()],
         steps,
         nozzle: Some(nozzle(&cell.equipment().model().nozzle)),
-        robot: Some(robot),
+        robot: Some(Robot { is_shown: true, ..robot }),
         ..Model::default()
     }
 }
