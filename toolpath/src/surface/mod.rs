@@ -19,6 +19,7 @@
 //! moves of the whole print.
 
 mod deposition;
+mod fiber;
 mod fill;
 mod geodesic;
 mod gouging;
@@ -46,6 +47,7 @@ mod with_support;
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
+pub use fiber::Tape;
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
     estimate_fill, fill_layer, fill_layers, fill_range, fill_rest,
