@@ -1,8 +1,8 @@
 //! Freed directions along a path, smooth.
 //!
 //! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there. What decides whether a path is printed from its start or its end is known after this
-//!    step; all others are done once. A waypoint that no tilt frees gets the direction that is least deep, and its tip is raised along that
-//!    as little as frees it, if the limit allows; it turns no more.
+//!    step; all others are done once. The tip of a waypoint that no tilt frees is raised along its direction, as little as frees it; it turns
+//!    no more. Where the limit leaves no such height, it gets the direction that is least deep.
 //! 2. Where neighbours then differ by more than the limit, one is turned toward the other, on along the path until the
 //!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
@@ -138,8 +138,9 @@ impl<'a> Tilted<'a> {
         let gouging_before = walker.steps.iter().filter(|step| step.gouged).count();
         if gouging_before > 0 {
             for k in 0..given {
-                if walker.steps[k].stuck {
+                if walker.steps[k].stuck && !walker.raise(k) {
                     walker.sink(k);
+                    // From that direction, another way up.
                     walker.raise(k);
                 }
             }
@@ -269,22 +270,20 @@ impl Walker<'_> {
         }
     }
 
-    /// Raises the tip of a waypoint that no tilt frees, as little as frees it (to [`LIFT_STEP`]), if the limit does.
-    fn raise(&mut self, k: usize) {
-        let sunk = self.steps[k];
+    /// Raises the tip of a waypoint that no tilt frees, as little as frees it (to [`LIFT_STEP`]); whether the limit does.
+    fn raise(&mut self, k: usize) -> bool {
+        let stuck = self.steps[k];
         let (mut low, mut high) = (0.0, self.options.max_lift);
-        let mut lift = high;
+        let Some(mut raised) = (high > 0.0).then(|| self.raised(&stuck, high)).flatten() else { return false };
         while high - low > LIFT_STEP {
-            match self.raised(&sunk, lift) {
-                Some(waypoint) => {
-                    (self.steps[k].waypoint, self.steps[k].stuck) = (waypoint, false);
-                    high = lift;
-                }
-                None if lift >= high => break,
+            let lift = (low + high) / 2.0;
+            match self.raised(&stuck, lift) {
+                Some(waypoint) => (high, raised) = (lift, waypoint),
                 None => low = lift,
             }
-            lift = (low + high) / 2.0;
         }
+        self.steps[k] = Step { waypoint: raised, stuck: false, ..stuck };
+        true
     }
 
     /// A waypoint that is stuck with its tip raised by a share of the layer's height, in its own direction or in one that is free up
@@ -314,9 +313,6 @@ impl Walker<'_> {
             return;
         }
         self.tilt_at(k);
-        if self.steps[k].stuck {
-            self.sink(k);
-        }
     }
 
     /// The free direction nearest to the one wanted; where all are too far from that, the one nearest to the direction known for the place.
