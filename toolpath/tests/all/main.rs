@@ -14,6 +14,7 @@ mod fit;
 mod fitted;
 mod gcode;
 mod gcode_common;
+mod gcode_fiber;
 mod gcode_fuzz;
 mod gcode_rotary;
 mod gcode_tags;
