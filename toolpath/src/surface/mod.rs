@@ -47,7 +47,10 @@ mod with_support;
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
-pub use fiber::Tape;
+pub use fiber::{
+    LayUp, LayerTapes, SandwichError, SandwichLayer, SandwichOptions, StiffnessError, Tape, TapeHead, TapeHeadError,
+    TapeInSection, arch_stiffness_n_mm, raise, sandwich, three_point_rigidity_nm2, with_tapes,
+};
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
     estimate_fill, fill_layer, fill_layers, fill_range, fill_rest,

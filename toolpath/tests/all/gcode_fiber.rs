@@ -91,10 +91,8 @@ fn the_words_to_the_letter() {
 /// Filament that the writer draws back by itself: before the tool changes, and back when the nozzle prints again.
 #[test]
 fn retractions_go_round_the_tapes() {
-    let own: Vec<Move> = sandwich()
-        .into_iter()
-        .filter(|step| !matches!(step, Move::Retract { .. } | Move::Prime { .. }))
-        .collect();
+    let own: Vec<Move> =
+        sandwich().into_iter().filter(|step| !matches!(step, Move::Retract { .. } | Move::Prime { .. })).collect();
     let options = WriteOptions { retraction: Some(Retraction::default()), dialect: IJK, ..BARE() };
     let file = written(&own, &options).unwrap();
     let at = |start: &str| file.lines().position(|line| line.starts_with(start)).unwrap();
