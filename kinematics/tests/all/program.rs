@@ -795,7 +795,7 @@ fn a_stream_passes_through_its_samples() {
                     tick += 1;
                 }
                 Step::Extruder(on) => switched.push((*on, 5.0 + f64::from(tick) * rate.seconds())),
-                Step::Move(_) | Step::FilamentSpeed(_) => panic!("not of this stream: {step:?}"),
+                Step::Move(_) | Step::FilamentSpeed(_) | Step::Signal { .. } => panic!("not of this stream: {step:?}"),
             }
         }
         // The end lies on a step, and is not lost to rounding.

@@ -1,6 +1,6 @@
 //! Layers of thermoplastic and tape in turn: the schedule, and the moves of a machine file.
 
-use crate::gcode_common::{BARE, read, travel, written};
+use crate::gcode_common::{BARE, read, written};
 use curvlay_toolpath::gcode::{FiberCommand, Mark, Move, Tool};
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::*;
@@ -214,7 +214,8 @@ fn a_sandwich_in_a_machine_file() {
     assert_eq!(order, "mpRxNmpRxNmpCxN");
     // Behind the last bead the nozzle backs off before the tool changes.
     let change = moves.iter().rposition(|step| *step == Move::Fiber(FiberCommand::Tool(Tool::Conductor))).unwrap();
-    assert_eq!(moves[change - 1], travel([50.0, 0.0, 11.96], direction, 80.0));
+    let Move::Travel { tip, .. } = moves[change - 1] else { panic!("it stays on the bead") };
+    assert!((tip - Point3::new(50.0, 0.0, 11.96)).norm() < 1e-9);
     let file = written(&moves, &BARE()).unwrap();
     let again = read(&file).unwrap();
     assert_eq!(again.iter().filter(of_tape).count(), moves.iter().filter(of_tape).count());

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, ExternalAxes, Payload, ReadError, Speed, Target, Zone};
+use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Target, Zone};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::fmt;
