@@ -47,7 +47,10 @@ mod with_support;
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
-pub use fiber::Tape;
+pub use fiber::{
+    CentreLine, DirectionError, DirectionField, LayerStress, Principal, Singularity, StressError, StressOptions, StressSample,
+    StripeError, Stripes, Tape, stripes,
+};
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
     estimate_fill, fill_layer, fill_layers, fill_range, fill_rest,
