@@ -48,8 +48,10 @@ pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
 pub use fiber::{
-    CentreLine, DirectionError, DirectionField, LayerStress, Principal, Singularity, StressError, StressOptions, StressSample,
-    StripeError, Stripes, Tape, stripes,
+    CentreLine, DirectionError, DirectionField, EmptyPlan, LayerStress, LeftOutTape, OffsetError, Principal,
+    PrincipalAngle, Singularity, StressError, StressOptions, StressSample, StripeError, Stripes, Tape, TapeCover,
+    TapeError, TapeLimit, TapeOptions, TapePlan, angle_to_principal, lay_tapes, lay_tapes_along, offset_lines,
+    plan_tapes, stripes,
 };
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,

@@ -185,17 +185,15 @@ fn chains(points: &[SurfacePoint], links: &[[u32; 2]]) -> Vec<CentreLine> {
             continue;
         }
         let (mut chain, mut at) = (Vec::new(), start as u32);
-        let mut closed = false;
         loop {
             seen[at as usize] = true;
             chain.push(points[at as usize]);
-            let onward = links[at as usize].into_iter().find(|&to| to != NONE && !seen[to as usize]);
-            let Some(to) = onward else {
-                closed = chain.len() > 2 && links[at as usize].contains(&(start as u32));
-                break;
-            };
-            at = to;
+            match links[at as usize].into_iter().find(|&to| to != NONE && !seen[to as usize]) {
+                Some(to) => at = to,
+                None => break,
+            }
         }
+        let closed = chain.len() > 2 && links[at as usize].contains(&(start as u32));
         if chain.len() > 1 {
             lines.push(CentreLine { points: chain, closed });
         }

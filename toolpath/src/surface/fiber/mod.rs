@@ -2,16 +2,27 @@
 
 mod direction;
 mod frame;
+mod insert;
 mod lines;
+mod measure;
 mod near;
+mod offsets;
+mod plan;
 mod samples;
+mod station;
 mod stress;
+mod strip;
 mod stripes;
 mod tape;
 mod walk;
 
 pub use direction::{DirectionError, DirectionField, Singularity};
 pub use lines::CentreLine;
+pub use measure::{PrincipalAngle, TapeCover, angle_to_principal};
+pub use offsets::{OffsetError, offset_lines};
+pub use plan::{
+    EmptyPlan, LeftOutTape, TapeError, TapeLimit, TapeOptions, TapePlan, lay_tapes, lay_tapes_along, plan_tapes,
+};
 pub use stress::{LayerStress, Principal, StressError, StressOptions, StressSample};
 pub use stripes::{StripeError, Stripes, stripes};
 pub use tape::Tape;
