@@ -49,9 +49,10 @@ pub use deposition::{
 };
 pub use fiber::{
     CentreLine, DirectionError, DirectionField, EmptyPlan, LayerStress, LeftOutTape, OffsetError, Principal,
-    PrincipalAngle, Singularity, StressError, StressOptions, StressSample, StripeError, Stripes, Tape, TapeCover,
-    TapeError, TapeLimit, TapeOptions, TapePlan, angle_to_principal, lay_tapes, lay_tapes_along, offset_lines,
-    plan_tapes, stripes,
+    PrincipalAngle, STRESS_CSV_HEADER, Singularity, StressError, StressFileError, StressOptions, StressSample,
+    StripeError, Stripes, Tape, TapeCover, TapeError, TapeLimit, TapeOptions, TapePlan, angle_to_principal, lay_tapes,
+    lay_tapes_along, offset_lines, plan_tapes, read_stress_csv, read_stress_frd, read_stress_vtk, stripes,
+    write_stress_csv,
 };
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,

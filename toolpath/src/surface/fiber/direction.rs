@@ -339,11 +339,15 @@ fn fill(mesh: &SurfaceMesh, frames: &Frames, doubled: &mut [Vector2<f64>]) -> Re
         let mut open = None;
         for v in (0..doubled.len()).filter(|&v| !known(&doubled[v]) && mesh.fan(v as u32).next().is_some()) {
             let carried = |&from: &u32| rotation(2.0 * frames.turn(from as usize, v)) * doubled[from as usize];
-            let near: Vec<Vector2<f64>> =
-                around(mesh, v as u32).filter(|&from| known(&doubled[from as usize])).map(|from| carried(&from)).collect();
+            let near: Vec<Vector2<f64>> = around(mesh, v as u32)
+                .filter(|&from| known(&doubled[from as usize]))
+                .map(|from| carried(&from))
+                .collect();
             match near.first() {
                 // Directions around a singular point cancel: any of them will do.
-                Some(&first) => filled.push((v, near.iter().sum::<Vector2<f64>>().try_normalize(1e-6).unwrap_or(first))),
+                Some(&first) => {
+                    filled.push((v, near.iter().sum::<Vector2<f64>>().try_normalize(1e-6).unwrap_or(first)))
+                }
                 None => open = open.or(Some(v)),
             }
         }

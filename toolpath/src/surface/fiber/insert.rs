@@ -180,7 +180,8 @@ pub(super) fn quartered(mesh: &SurfaceMesh, longest: f64, most: usize) -> Option
     let mut parents: Vec<u32> = (0..triangles.len() as u32).collect();
     let length = |vertices: &[Point3<f64>], a: u32, b: u32| (vertices[a as usize] - vertices[b as usize]).norm();
     let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
-    let too_long = |v: &[Point3<f64>], t: &[[u32; 3]]| t.iter().any(|t| edges(*t).iter().any(|&[a, b]| length(v, a, b) > longest));
+    let too_long =
+        |v: &[Point3<f64>], t: &[[u32; 3]]| t.iter().any(|t| edges(*t).iter().any(|&[a, b]| length(v, a, b) > longest));
     while too_long(&vertices, &triangles) {
         if triangles.len() > most / 4 {
             return None;

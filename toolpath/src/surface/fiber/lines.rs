@@ -95,7 +95,11 @@ pub(super) fn level_lines(mesh: &SurfaceMesh, value: impl Fn(u32) -> EdgeValue) 
             let edge = mesh.edge(h);
             let up = climbs[h as usize] * sign > 0;
             let range = (first[edge as usize]..first[edge as usize + 1]).map(|point| Crossing { point, up });
-            if edge == h { around.extend(range) } else { around.extend(range.rev()) }
+            if edge == h {
+                around.extend(range)
+            } else {
+                around.extend(range.rev())
+            }
             sign = if flips[h as usize] { -sign } else { sign };
         }
         if around.iter().all(Vec::is_empty) {

@@ -1,6 +1,7 @@
 //! Continuous fibre on a layer: tapes along a field of directions.
 
 mod direction;
+mod files;
 mod frame;
 mod insert;
 mod lines;
@@ -17,6 +18,9 @@ mod tape;
 mod walk;
 
 pub use direction::{DirectionError, DirectionField, Singularity};
+pub use files::{
+    STRESS_CSV_HEADER, StressFileError, read_stress_csv, read_stress_frd, read_stress_vtk, write_stress_csv,
+};
 pub use lines::CentreLine;
 pub use measure::{PrincipalAngle, TapeCover, angle_to_principal};
 pub use offsets::{OffsetError, offset_lines};

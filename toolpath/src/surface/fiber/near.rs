@@ -40,9 +40,10 @@ impl<'m> Layer<'m> {
     /// The normal at a point: those of the corners by their weights.
     pub(super) fn normal(&self, at: &SurfacePoint) -> UnitVector3<f64> {
         let corners = self.mesh.triangles()[at.triangle as usize];
-        let sum = corners.iter().zip(at.barycentric).fold(Vector3::zeros(), |sum: Vector3<f64>, (&v, weight)| {
-            sum + self.normals[v as usize] * weight
-        });
+        let sum = corners
+            .iter()
+            .zip(at.barycentric)
+            .fold(Vector3::zeros(), |sum: Vector3<f64>, (&v, weight)| sum + self.normals[v as usize] * weight);
         UnitVector3::try_new(sum, 0.0).unwrap_or_else(|| UnitVector3::new_normalize(cross(self.mesh, at.triangle)))
     }
 }

@@ -126,9 +126,8 @@ pub fn offset_lines(
         }
         let crossings = trace(&fine, points);
         let found = insert(&fine, &parents, &crossings, is_closed(points));
-        let (cut, cut_parents, chain) = found
-            .map_err(|at| OffsetError::CrossesItself { guide, at: at.into() })?
-            .map_err(OffsetError::Sliver)?;
+        let (cut, cut_parents, chain) =
+            found.map_err(|at| OffsetError::CrossesItself { guide, at: at.into() })?.map_err(OffsetError::Sliver)?;
         (fine, parents) = (cut, cut_parents);
         chains.push(chain);
     }
@@ -136,18 +135,21 @@ pub fn offset_lines(
     if edges.is_empty() {
         return Ok(Vec::new());
     }
-    let distance = SurfaceDistance::to(&fine, Sources { edges: &edges, vertices: &[] }, progress).map_err(|e| match e {
-        DistanceError::Cancelled => OffsetError::Cancelled,
-        other => other.into(),
-    })?;
+    let distance =
+        SurfaceDistance::to(&fine, Sources { edges: &edges, vertices: &[] }, progress).map_err(|e| match e {
+            DistanceError::Cancelled => OffsetError::Cancelled,
+            other => other.into(),
+        })?;
     let turns = |v: u32| distance.at_vertex(v) / spacing;
     let value = |h: u32| EdgeValue { ends: [turns(fine.tail(h)), turns(fine.head(h))], turns: 0, flips: false };
     let on_mesh = |p: &SurfacePoint| surface_point(mesh, parents[p.triangle as usize], p.position);
-    let mut lines: Vec<CentreLine> = chains.iter().filter_map(|chain| guide_line(mesh, &fine, &parents, chain)).collect();
-    lines.extend(level_lines(&fine, value).into_iter().map(|line| CentreLine {
-        points: line.points.iter().map(on_mesh).collect(),
-        closed: line.closed,
-    }));
+    let mut lines: Vec<CentreLine> =
+        chains.iter().filter_map(|chain| guide_line(mesh, &fine, &parents, chain)).collect();
+    lines.extend(
+        level_lines(&fine, value)
+            .into_iter()
+            .map(|line| CentreLine { points: line.points.iter().map(on_mesh).collect(), closed: line.closed }),
+    );
     Ok(lines)
 }
 

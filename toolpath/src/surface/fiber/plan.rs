@@ -21,6 +21,7 @@ use super::stripes::{StripeError, stripes};
 use super::tape::Tape;
 use super::walk::walk;
 use crate::Progress;
+use crate::surface::level_set::SurfacePoint;
 use crate::surface::mesh::SurfaceMesh;
 use nalgebra::Point3;
 use std::ops::ControlFlow;
@@ -74,7 +75,9 @@ pub enum TapeError {
         wanted: &'static str,
     },
     /// A centre line has a point that is not on the layer.
-    #[error("point {point} of centre line {line} is NaN, infinite or farther than a tape's width from the layer")]
+    #[error(
+        "point {point} of centre line {line} does not lie in its triangle of the layer, within the width of a tape"
+    )]
     BadLine {
         /// Number of the line.
         line: usize,
@@ -140,7 +143,9 @@ pub enum EmptyPlan {
     #[error("no line crosses the layer: it is narrower than the spacing")]
     NoLines,
     /// The layer is too short.
-    #[error("the longest piece of a line with room for a tape is {longest_mm:.3} mm, below the least length of {min_length} mm")]
+    #[error(
+        "the longest piece of a line with room for a tape is {longest_mm:.3} mm, below the least length of {min_length} mm"
+    )]
     Length {
         /// The longest piece.
         longest_mm: f64,
@@ -286,7 +291,7 @@ pub fn plan_tapes(
     let layer = Layer::new(mesh);
     let step = options.width / STEPS_A_WIDTH;
     let length: f64 = lines.iter().map(CentreLine::length).sum();
-    check_lines(&layer, lines, options.width)?;
+    check_lines(mesh, lines, options.width)?;
     if length / step > MOST_STEPS {
         return Err(TapeError::TooMany { width: options.width, length });
     }
@@ -376,7 +381,8 @@ impl Planner<'_> {
     fn lay(&mut self, line: usize, walked: &Walked) {
         let mut limits = self.limits(walked);
         for [first, last] in runs(&limits) {
-            let end_of = |k: Option<usize>| k.and_then(|k| limits.get(k).copied().flatten()).unwrap_or(TapeLimit::LineEnd);
+            let end_of =
+                |k: Option<usize>| k.and_then(|k| limits.get(k).copied().flatten()).unwrap_or(TapeLimit::LineEnd);
             let ends = [end_of(first.checked_sub(1)), end_of(Some(last + 1))];
             let stations = self.cut(&walked.stations, [first, last]);
             let length = |s: &[Station]| s.last().zip(s.first()).map_or(0.0, |(last, first)| last.arc - first.arc);
@@ -418,7 +424,9 @@ impl Planner<'_> {
                 let before = &walked.stations[k - 1];
                 let normal = before.normal.into_inner() + station.normal.into_inner();
                 let ends = [before.at.position, station.at.position];
-                Strip::new(ends, normal, self.options.width, 0, before.arc).into_iter().for_each(|strip| own.add(strip));
+                Strip::new(ends, normal, self.options.width, 0, before.arc)
+                    .into_iter()
+                    .for_each(|strip| own.add(strip));
             }
         }
         limits
@@ -561,16 +569,21 @@ fn check(options: &TapeOptions) -> Result<(), TapeError> {
     }
     match (0.0..=1.0).contains(&options.max_overlap) {
         true => Ok(()),
-        false => {
-            Err(TapeError::BadOption { option: "max_overlap", value: options.max_overlap, wanted: "a share from 0 to 1" })
-        }
+        false => Err(TapeError::BadOption {
+            option: "max_overlap",
+            value: options.max_overlap,
+            wanted: "a share from 0 to 1",
+        }),
     }
 }
 
-fn check_lines(layer: &Layer, lines: &[CentreLine], reach: f64) -> Result<(), TapeError> {
+fn check_lines(mesh: &SurfaceMesh, lines: &[CentreLine], reach: f64) -> Result<(), TapeError> {
     for (line, CentreLine { points, .. }) in lines.iter().enumerate() {
-        let on_layer = |p: Point3<f64>| p.iter().all(|c| c.abs() <= 1e100) && layer.nearest(p, reach).is_some();
-        if let Some(point) = points.iter().position(|p| !on_layer(p.position)) {
+        let on_layer = |p: &SurfacePoint| {
+            let there = (p.triangle as usize) < mesh.triangles().len();
+            there && (mesh.point(p.triangle, p.barycentric) - p.position).norm() <= reach
+        };
+        if let Some(point) = points.iter().position(|p| !on_layer(p)) {
             return Err(TapeError::BadLine { line, point });
         }
     }

@@ -96,7 +96,7 @@ pub struct LayerStress<'m> {
 }
 
 /// A tensor may differ from its transpose by this share of its largest entry: what files of seven digits round.
-const SYMMETRY: f64 = 1e-5;
+pub(super) const SYMMETRY: f64 = 1e-5;
 
 /// Numbers beyond this are refused: their squares must stay finite.
 const LARGEST: f64 = 1e100;

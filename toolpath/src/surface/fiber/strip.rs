@@ -4,6 +4,7 @@
 
 use nalgebra::{Point3, Vector3};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// A point lies under a strip only if it is at most this share of the width off its plane: layers bend, and may fold over themselves.
 const OFF_PLANE: f64 = 1.0 / 3.0;
@@ -17,6 +18,7 @@ pub(super) struct Strip {
     pub from: Point3<f64>,
     pub along: Vector3<f64>,
     pub normal: Vector3<f64>,
+    side: Vector3<f64>,
     pub length: f64,
     /// How far it reaches on at its two ends.
     pub reach: [f64; 2],
@@ -33,7 +35,8 @@ impl Strip {
         let length = along.norm();
         let along = along.try_normalize(0.0)?;
         let normal = (normal - along * normal.dot(&along)).try_normalize(1e-6)?;
-        Some(Strip { from: ends[0], along, normal, length, reach: [0.0; 2], half_width: width / 2.0, tape, arc })
+        let side = normal.cross(&along);
+        Some(Strip { from: ends[0], along, normal, side, length, reach: [0.0; 2], half_width: width / 2.0, tape, arc })
     }
 
     /// Lets two strips of one tape, one after the other, reach to where their outer corners meet.
@@ -48,11 +51,12 @@ impl Strip {
     pub(super) fn over(&self, p: Point3<f64>, normal: &Vector3<f64>) -> Option<f64> {
         let offset = p - self.from;
         let along = offset.dot(&self.along);
-        let there = along >= -self.reach[0] && along <= self.length + self.reach[1];
-        let across = offset.dot(&self.normal.cross(&self.along)).abs();
-        let off = offset.dot(&self.normal).abs();
-        let same = self.normal.dot(normal) > SAME_SIDE;
-        (there && across <= self.half_width && off <= 2.0 * OFF_PLANE * self.half_width && same).then_some(along)
+        let over = along >= -self.reach[0]
+            && along <= self.length + self.reach[1]
+            && offset.dot(&self.side).abs() <= self.half_width
+            && offset.dot(&self.normal).abs() <= 2.0 * OFF_PLANE * self.half_width
+            && self.normal.dot(normal) > SAME_SIDE;
+        over.then_some(along)
     }
 }
 
@@ -61,13 +65,30 @@ impl Strip {
 pub(super) struct StripGrid {
     cell: f64,
     strips: Vec<Strip>,
-    cells: HashMap<[i32; 3], Vec<u32>>,
+    cells: HashMap<[i32; 3], Vec<u32>, BuildHasherDefault<CellHasher>>,
+}
+
+/// Cells are looked up for every sample of a layer: three numbers mixed by one multiplication each.
+#[derive(Debug, Default)]
+struct CellHasher(u64);
+
+impl Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for four in bytes.chunks(4) {
+            let number = four.iter().rev().fold(0, |number, &byte| (number << 8) | u64::from(byte));
+            self.0 = (self.0.rotate_left(21) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        }
+    }
 }
 
 impl StripGrid {
     /// `width` of tapes and `step` between their points decide how wide a cell is.
     pub(super) fn new(width: f64, step: f64) -> Self {
-        StripGrid { cell: width.max(step), strips: Vec::new(), cells: HashMap::new() }
+        StripGrid { cell: width.max(step), strips: Vec::new(), cells: HashMap::default() }
     }
 
     fn cell_of(&self, p: Point3<f64>) -> [i32; 3] {
@@ -76,9 +97,10 @@ impl StripGrid {
 
     pub(super) fn add(&mut self, strip: Strip) {
         let number = self.strips.len() as u32;
-        let side = strip.normal.cross(&strip.along) * strip.half_width;
+        let side = strip.side * strip.half_width;
         let up = strip.normal * (2.0 * OFF_PLANE * strip.half_width);
-        let [start, end] = [strip.from - strip.along * strip.reach[0], strip.from + strip.along * (strip.length + strip.reach[1])];
+        let [start, end] =
+            [strip.from - strip.along * strip.reach[0], strip.from + strip.along * (strip.length + strip.reach[1])];
         let reach = side.abs() + up.abs();
         let low = self.cell_of(Point3::from(start.coords.inf(&end.coords) - reach));
         let high = self.cell_of(Point3::from(start.coords.sup(&end.coords) + reach));
@@ -101,7 +123,12 @@ impl StripGrid {
 }
 
 /// The strips of a tape.
-pub(super) fn strips_of(points: &[Point3<f64>], normals: &[nalgebra::UnitVector3<f64>], width: f64, tape: u32) -> Vec<Strip> {
+pub(super) fn strips_of(
+    points: &[Point3<f64>],
+    normals: &[nalgebra::UnitVector3<f64>],
+    width: f64,
+    tape: u32,
+) -> Vec<Strip> {
     let (mut strips, mut arc): (Vec<Strip>, f64) = (Vec::new(), 0.0);
     for (ends, normals) in points.windows(2).zip(normals.windows(2)) {
         let normal = normals[0].into_inner() + normals[1].into_inner();

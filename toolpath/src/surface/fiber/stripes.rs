@@ -41,7 +41,9 @@ pub enum StripeError {
         spacing: f64,
     },
     /// More lines than can be laid: the spacing is a slip of the unit.
-    #[error("a spacing of {spacing} mm makes about {crossings} points, above the limit of {most}: are the units right?")]
+    #[error(
+        "a spacing of {spacing} mm makes about {crossings} points, above the limit of {most}: are the units right?"
+    )]
     TooFine {
         /// The spacing.
         spacing: f64,
@@ -233,14 +235,11 @@ impl Solver<'_> {
     }
 
     /// The numbers, all of them unit; how many solves; and how much the last one changed.
-    fn solve(
-        &self,
-        field: &DirectionField,
-        spacing: f64,
-    ) -> Result<(Vec<Vector2<f64>>, [u32; 2], f64), StripeError> {
+    fn solve(&self, field: &DirectionField, spacing: f64) -> Result<(Vec<Vector2<f64>>, [u32; 2], f64), StripeError> {
         let total: f64 = self.areas.iter().sum();
         let tick = |done: u32| {
-            let step = Progress { stage: "stripes", done: done.into(), total: (POWER_ITERATIONS + PHASE_ITERATIONS).into() };
+            let step =
+                Progress { stage: "stripes", done: done.into(), total: (POWER_ITERATIONS + PHASE_ITERATIONS).into() };
             if (self.progress)(step).is_break() { Err(StripeError::Cancelled) } else { Ok(()) }
         };
         tick(0)?;
