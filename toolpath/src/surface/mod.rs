@@ -48,8 +48,13 @@ pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
 pub use fiber::{
-    LayUp, LayerTapes, SandwichError, SandwichLayer, SandwichOptions, StiffnessError, Tape, TapeHead, TapeHeadError,
-    TapeInSection, arch_stiffness_n_mm, raise, sandwich, three_point_rigidity_nm2, with_tapes,
+    CentreLine, ConductorError, ConductorOptions, DirectionError, DirectionField, EmptyPlan, LayUp, LayerStress,
+    LayerTapes, LeftOutTape, OffsetError, Principal, PrincipalAngle, STRESS_CSV_HEADER, SandwichError, SandwichLayer,
+    SandwichOptions, Singularity, StiffnessError, StressError, StressFileError, StressOptions, StressSample,
+    StripeError, Stripes, Tape, TapeCover, TapeError, TapeHead, TapeHeadError, TapeInSection, TapeLimit, TapeOptions,
+    TapePlan, angle_to_principal, arch_stiffness_n_mm, conductor, lay_tapes, lay_tapes_along, offset_lines, plan_tapes,
+    raise, read_stress_csv, read_stress_frd, read_stress_vtk, sandwich, stripes, three_point_rigidity_nm2, with_tapes,
+    write_stress_csv,
 };
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
