@@ -4,6 +4,7 @@
 mod audit;
 mod cells_by_surface;
 mod common;
+mod elastic;
 mod field_file;
 mod growth;
 mod growth_twins;
