@@ -3,6 +3,7 @@
 
 mod cam;
 mod common;
+mod conductor;
 mod contacts;
 mod deposition;
 mod drawing_files;

@@ -11,7 +11,8 @@ fn patch_test() {
     let slope = [[1.0, 2.0, -0.5], [0.3, -1.5, 0.8], [-0.2, 0.6, 0.9]].map(|row| row.map(|k| k * 1e-3));
     let at = |node: [u32; 3]| slope.map(|row| (0..3).map(|k| row[k] * f64::from(node[k]) * cell_mm).sum::<f64>());
     let sides = solid.dims;
-    let all = || (0..=sides[2]).flat_map(move |z| (0..=sides[1]).flat_map(move |y| (0..=sides[0]).map(move |x| [x, y, z])));
+    let all =
+        || (0..=sides[2]).flat_map(move |z| (0..=sides[1]).flat_map(move |y| (0..=sides[0]).map(move |x| [x, y, z])));
     let is_border = |node: &[u32; 3]| (0..3).any(|k| node[k] == 0 || node[k] == sides[k]);
     let support = |node: [u32; 3]| {
         let point = node.map(|k| f64::from(k) * cell_mm);
