@@ -121,13 +121,11 @@ fn thermoplastic(
     let layers: Vec<Mesh> = (0..specimen.layers).map(middle).collect();
     let thickness = |mesh: &Mesh| vec![specimen.layer_mm; mesh.triangles.len()];
     let heights: Vec<Vec<f64>> = layers.iter().map(thickness).collect();
-    let surface = |(mesh, height): (&'_ Mesh, &'_ Vec<f64>)| (&mesh.vertices[..], &mesh.triangles[..], &height[..]);
-    let surfaces: Vec<LayerSurface> = layers.iter().zip(&heights).map(|pair| surface(pair).into()).collect();
+    let surfaces: Vec<LayerSurface> = layers.iter().zip(&heights).map(surface).collect();
     let options = PathOptions { bead: BEAD_MM, coverage: false, ..PathOptions::default() };
     let filled = fill_layers(&surfaces, &options, &progress)?;
     let curves: Vec<Vec<Curve>> = filled.layers.iter().map(|layer| layer.as_ref().map_or(Vec::new(), curves)).collect();
-    let lend = |(points, widths, closed): &'_ Curve| LayerCurve { points, widths, kinds: &[], closed: *closed };
-    let lent: Vec<Vec<LayerCurve>> = curves.iter().map(|curves| curves.iter().map(lend).collect()).collect();
+    let lent: Vec<Vec<LayerCurve>> = curves.iter().map(|curves| curves.iter().map(lent_curve).collect()).collect();
     let mould = specimen.mould();
     let below = mould.as_ref().map_or(Vec::new(), thickness);
     let mould = mould.as_ref().map(|Mesh { vertices, triangles }| BuiltLayer {
@@ -155,6 +153,14 @@ fn thermoplastic(
     raise(&mut resolved.paths, schedule)?;
     plan.deposition = deposit_along(&plan.resolved.paths, &plan.travels.ways, &options.deposition)?;
     Ok(plan)
+}
+
+fn surface<'a>((mesh, height): (&'a Mesh, &'a Vec<f64>)) -> LayerSurface<'a> {
+    (&mesh.vertices[..], &mesh.triangles[..], &height[..]).into()
+}
+
+fn lent_curve((points, widths, closed): &Curve) -> LayerCurve<'_> {
+    LayerCurve { points, widths, kinds: &[], closed: *closed }
 }
 
 fn curves(layer: &FilledLayer) -> Vec<Curve> {
