@@ -468,7 +468,7 @@ impl Planner<'_> {
     /// A station between two neighbours.
     fn between(&self, from: &Station, to: &Station, share: f64) -> Station {
         let place = from.at.position + (to.at.position - from.at.position) * share;
-        let at = self.layer.nearest(place, self.layer.mesh.diagonal()).unwrap_or(from.at);
+        let at = self.layer.nearest(place, f64::INFINITY).unwrap_or(from.at);
         let mix = |a: f64, b: f64| a + (b - a) * share;
         Station {
             at,

@@ -28,9 +28,8 @@ pub(super) fn stations(layer: &Layer, line: &CentreLine, step: f64, width: f64) 
     if points.len() < 2 {
         return Vec::new();
     }
-    let reach = layer.mesh.diagonal();
     // The nearest point of the layer is there: the layer is not empty.
-    let onto = |p: &mut SurfacePoint| *p = layer.nearest(p.position, reach).unwrap_or(*p);
+    let onto = |p: &mut SurfacePoint| *p = layer.nearest(p.position, f64::INFINITY).unwrap_or(*p);
     points.iter_mut().for_each(onto);
     for _ in 0..ROUNDS {
         smooth(&mut points, line.closed);
