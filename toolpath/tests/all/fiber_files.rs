@@ -68,7 +68,8 @@ fn nodes_of_calculix_have_their_stresses() {
     assert_eq!(samples[0], StressSample { point: Point3::new(4.0, 5.0, 6.0), stress });
     assert_eq!((samples[1].point, samples[1].stress[(0, 0)]), (Point3::new(0.0, 1.0, -2.0), 1.5));
     // Of two steps the last one counts.
-    let second = FRD.replace(" 9999\n", "") + &FRD[FRD.find("  100CL").unwrap()..].replace("1.50000E+00", "2.50000E+00");
+    let second =
+        FRD.replace(" 9999\n", "") + &FRD[FRD.find("  100CL").unwrap()..].replace("1.50000E+00", "2.50000E+00");
     assert_eq!(read_stress_frd(second.as_bytes()).unwrap()[1].stress[(0, 0)], 2.5);
     // The short format has five columns for a node.
     let short: String = FRD
@@ -115,19 +116,25 @@ fn bad_files_are_refused_with_the_line() {
         "line 24: `         NaN` is not a number between -1e100 and 1e100"
     );
     assert_eq!(frd(" -1        10 1.5", " -1        30 1.5"), "line 25: expected a node of the file, found `30`");
-    assert_eq!(frd(" -1        10 1.5", " -1       x10 1.5"), "line 25: expected the number of a node, found `       x10`");
+    assert_eq!(
+        frd(" -1        10 1.5", " -1       x10 1.5"),
+        "line 25: expected the number of a node, found `       x10`"
+    );
     assert!(frd("SXY", "SYX").starts_with("line 24: expected components SXX SYY SZZ SXY SYZ SZX"));
     assert!(frd("  1\n -1        10 0", "  2\n -1        10 0").starts_with("line 3: expected a block of text"));
     assert!(frd("-4  STRESS", "-4  STRAIN").starts_with("the file has no stresses"));
     assert_eq!(frd(" -3\n 9999\n", ""), "line 25: the file ends; expected the end -3 of a block of results");
-    assert_eq!(frd(" -3\n    3C", "    3C").split(',').next().unwrap(), "line 6: expected a node (-1) or the end of the block (-3)");
+    assert_eq!(
+        frd(" -3\n    3C", "    3C").split(',').next().unwrap(),
+        "line 6: expected a node (-1) or the end of the block (-3)"
+    );
 
     let vtk = |from, to| changed(VTK, from, to, |file| read_stress_vtk(file, None));
     assert_eq!(vtk("ASCII", "BINARY"), "line 3: expected `ASCII`: only text can be read, found `BINARY`");
     assert_eq!(vtk("# vtk", "# vts"), "line 1: expected `# vtk DataFile Version`, found `# vts DataFile Version 3.0`");
-    assert_eq!(vtk("7 8 9 1 2 3", "7 8 9 1 2"), "line 21: the file ends; expected a number");
-    assert_eq!(vtk("7 8 9", "7 inf 9"), "line 21: `inf` is not a number between -1e100 and 1e100");
-    assert_eq!(vtk("DIMENSIONS 2 1 2", "DIMENSIONS 2 2 2"), "line 21: 4 columns; there must be 8");
+    assert_eq!(vtk("7 8 9 1 2 3", "7 8 9 1 2"), "line 23: the file ends; expected a number");
+    assert_eq!(vtk("7 8 9", "7 inf 9"), "line 23: `inf` is not a number between -1e100 and 1e100");
+    assert_eq!(vtk("DIMENSIONS 2 1 2", "DIMENSIONS 2 2 2"), "line 23: 4 columns; there must be 8");
     assert!(vtk("S 6 4", "S 5 4").starts_with("the file has no stresses"));
     let tensors = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOINT_DATA 1\nTENSORS t float\n1 2 3 2 4 5 3 9 6\n";
     let skew = read_stress_vtk(tensors.as_bytes(), None).unwrap_err().to_string();
@@ -139,7 +146,10 @@ fn bad_files_are_refused_with_the_line() {
     let csv = |file: &str| read_stress_csv(file.as_bytes()).unwrap_err().to_string();
     assert_eq!(csv("# none\n\n"), "the file has no stresses: no line has a position and six components");
     assert_eq!(csv("1,2,3,4,5,6,7,8\n"), "line 1: 8 columns; there must be 9");
-    assert_eq!(csv("a,b,c,d,e,f,g,h,i\n\n1,2,3,4,5,6,7,8,nan"), "line 3: `nan` is not a number between -1e100 and 1e100");
+    assert_eq!(
+        csv("a,b,c,d,e,f,g,h,i\n\n1,2,3,4,5,6,7,8,nan"),
+        "line 3: `nan` is not a number between -1e100 and 1e100"
+    );
     assert_eq!(csv("1,2,3,4,5,6,7,8,9\nx,y,z,a,b,c,d,e,f"), "line 2: `x` is not a number between -1e100 and 1e100");
     assert!(csv(&"1".repeat(1 << 21)).starts_with("line 1: expected a line of text"));
 }

@@ -71,7 +71,8 @@ fn a_ring_of_closed_lines() {
     let found = stripes(&field, 2.0 * 1.09f64.sqrt(), &go_on).unwrap();
     check_lines(&mesh, &found);
     assert_eq!((found.lines.len(), found.singular_triangles.len()), (6, 0));
-    let mut radii: Vec<f64> = found.lines.iter().map(|l| l.points[0].position.x.hypot(l.points[0].position.y)).collect();
+    let mut radii: Vec<f64> =
+        found.lines.iter().map(|l| l.points[0].position.x.hypot(l.points[0].position.y)).collect();
     radii.sort_by(f64::total_cmp);
     assert!(found.lines.iter().all(|line| line.closed));
     // Half a spacing from the borders, which pull lines so.
@@ -86,10 +87,11 @@ fn lines_that_spread_get_others_between_them() {
     let field = DirectionField::from_fn(&mesh, |p| p.coords).unwrap();
     let found = stripes(&field, spacing, &go_on).unwrap();
     check_lines(&mesh, &found);
-    for radius in [10.0, 13.0, 16.0, 19.0, 22.0] {
-        let (count, wanted) = (crossings_of_circle(&found.lines, radius) as f64, TAU * radius / spacing);
-        assert!((count - wanted).abs() < 0.12 * wanted, "{count} lines at {radius}, {wanted}");
-    }
+    // New lines come where it costs least, so spacing varies from circle to circle; on the whole it is that asked for.
+    let off = [9.5, 11.0, 12.5, 14.0, 15.5, 17.0, 18.5, 20.0, 21.5, 23.0]
+        .map(|radius| crossings_of_circle(&found.lines, radius) as f64 * spacing / (TAU * radius) - 1.0);
+    assert!(off.iter().all(|off| off.abs() < 0.15), "{off:?}");
+    assert!(off.iter().sum::<f64>().abs() < 0.03 * off.len() as f64, "{off:?}");
     let inner = found.lines.iter().flat_map(|l| [&l.points[0], &l.points[l.points.len() - 1]]);
     let ends = inner.filter(|p| !at_border(&mesh, p)).count();
     let [least, most] = [8.1, 23.9].map(|radius| crossings_of_circle(&found.lines, radius));
@@ -109,8 +111,10 @@ fn a_band_with_half_a_twist() {
     };
     let vertices = (0..2 * n).flat_map(|i| (0..5).map(move |j| place(i, j))).collect();
     let at = |i: usize, j: usize| (i % (2 * n) * 5 + j) as u32;
-    let square = |i: usize, j: usize| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
-    let mesh = SurfaceMesh::new(vertices, (0..2 * n).flat_map(|i| (0..4).flat_map(move |j| square(i, j))).collect()).unwrap();
+    let square =
+        |i: usize, j: usize| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+    let mesh =
+        SurfaceMesh::new(vertices, (0..2 * n).flat_map(|i| (0..4).flat_map(move |j| square(i, j))).collect()).unwrap();
     let field = DirectionField::from_fn(&mesh, around).unwrap();
     let found = stripes(&field, 2.0, &go_on).unwrap();
     check_lines(&mesh, &found);
@@ -204,7 +208,7 @@ fn offsets_of_a_straight_guide() {
     let mut places: Vec<f64> = lines.iter().map(|line| place(&line.points[0])).collect();
     for line in &lines {
         let first = place(&line.points[0]);
-        assert!(line.points.iter().all(|p| (place(p) - first).abs() < 1e-6));
+        assert!(line.points.iter().all(|p| (place(p) - first).abs() < 1e-5));
         assert!([&line.points[0], &line.points[line.points.len() - 1]].iter().all(|p| at_border(&mesh, p)));
     }
     places.sort_by(f64::total_cmp);
@@ -213,7 +217,7 @@ fn offsets_of_a_straight_guide() {
         .map(|p| (p - Point3::new(3.0, 3.0, 0.0)).dot(&across) / 1.5);
     let wanted: Vec<f64> = (low.ceil() as i32..=high.floor() as i32).map(f64::from).collect();
     assert_eq!(places.iter().map(|p| p.round()).collect::<Vec<_>>(), wanted);
-    assert!(places.iter().all(|p| (p - p.round()).abs() < 1e-6));
+    assert!(places.iter().all(|p| (p - p.round()).abs() < 1e-5));
 }
 
 #[test]
@@ -221,16 +225,21 @@ fn offsets_of_curved_and_of_several_guides() {
     // A circle on a cone, closed: offsets are circles, the distance along the cone.
     let slope: f64 = 0.75;
     let mesh = ring(120, 20, [6.0, 26.0], slope);
-    let circle: Vec<_> = (0..=200).map(|k| {
-        let (sin, cos) = (TAU * f64::from(k % 200) / 200.0).sin_cos();
-        Point3::new(16.0 * cos, 16.0 * sin, slope * 16.0)
-    }).collect();
+    let circle: Vec<_> = (0..=200)
+        .map(|k| {
+            let (sin, cos) = (TAU * f64::from(k % 200) / 200.0).sin_cos();
+            Point3::new(16.0 * cos, 16.0 * sin, slope * 16.0)
+        })
+        .collect();
     let lines = offset_lines(&mesh, &[circle], 5.0, 0.2, &go_on).unwrap();
     assert_eq!(lines.len(), 5);
-    let mut radii: Vec<f64> = lines.iter().map(|line| {
-        assert!(line.closed);
-        line.points.iter().map(|p| p.position.x.hypot(p.position.y)).sum::<f64>() / line.points.len() as f64
-    }).collect();
+    let mut radii: Vec<f64> = lines
+        .iter()
+        .map(|line| {
+            assert!(line.closed);
+            line.points.iter().map(|p| p.position.x.hypot(p.position.y)).sum::<f64>() / line.points.len() as f64
+        })
+        .collect();
     radii.sort_by(f64::total_cmp);
     let step = 5.0 / (1.0 + slope * slope).sqrt();
     for (k, radius) in radii.iter().enumerate() {
@@ -261,7 +270,10 @@ fn bad_guides_are_refused() {
     assert!(matches!(refused(std::slice::from_ref(&sound), 1e-4), OffsetError::TooFine { .. }));
     let off = vec![p(1.0, 1.0), Point3::new(2.0, 2.0, 0.7)];
     assert_eq!(refused(&[off], 1.0), OffsetError::GuideOffLayer { guide: 0, point: 1, reach: 0.5 });
-    assert!(matches!(refused(&[vec![p(1.0, 1.0), p(f64::NAN, 2.0)]], 1.0), OffsetError::GuideOffLayer { point: 1, .. }));
+    assert!(matches!(
+        refused(&[vec![p(1.0, 1.0), p(f64::NAN, 2.0)]], 1.0),
+        OffsetError::GuideOffLayer { point: 1, .. }
+    ));
     let loop_back = vec![p(1.0, 5.0), p(8.0, 5.0), p(8.0, 8.0), p(4.0, 8.0), p(4.0, 1.0)];
     assert!(matches!(refused(&[loop_back], 1.0), OffsetError::CrossesItself { guide: 0, .. }));
     let stopped = offset_lines(&mesh, &[sound], 1.0, 0.5, &|_| ControlFlow::Break(()));

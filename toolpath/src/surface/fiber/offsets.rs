@@ -182,15 +182,28 @@ fn trace(mesh: &SurfaceMesh, points: &[Point3<f64>]) -> Vec<(u32, Point3<f64>)> 
     let near = |p: Point3<f64>| layer.nearest(p, f64::INFINITY);
     let Some(start) = points.first().and_then(|p| near(*p)) else { return Vec::new() };
     let (mut at, mut crossings, mut first, mut last) = (start, Vec::new(), None, None::<Vector3<f64>>);
-    for target in points[1..].iter().filter_map(|p| near(*p)) {
+    let mut go_to = |target: &Point3<f64>, crossings: &mut Vec<(u32, Point3<f64>)>| {
+        let Some(target) = near(*target) else { return };
         let way = target.position - at.position;
         let found = walk(mesh, &at, way, way.norm(), |h, p| crossings.push((h, p)));
         if let Some(found) = found.filter(|_| way.norm() > 0.0) {
             first = first.or(Some(way));
             (at, last) = (found.at, Some(found.direction));
         }
-    }
+    };
+    points[1..].iter().for_each(|target| go_to(target, &mut crossings));
     if is_closed(points) {
+        // On along the beginning, until the first edge is crossed again: an end on an edge lies on either side of it.
+        let once = crossings.len();
+        for target in &points[1..] {
+            go_to(target, &mut crossings);
+            let again =
+                crossings[once.min(crossings.len())..].iter().position(|c| Some(c.0) == crossings.first().map(|c| c.0));
+            if let Some(again) = again {
+                crossings.truncate(once + again);
+                break;
+            }
+        }
         return crossings;
     }
     if let Some(direction) = last {
