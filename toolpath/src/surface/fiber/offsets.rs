@@ -5,7 +5,7 @@
 //! spacing ([`LevelField`]). With several guides each place belongs to the nearest one. Where a guide meets the border at a slant, offsets bend around
 //! its end.
 //!
-//! Triangles are first cut into four until no edge is longer than the spacing: within a triangle a guide is straight.
+//! Triangles are first cut into four until no edge is longer than the spacing: within a triangle a guide is straight, and cuts its corners.
 
 use super::insert::{Chain, insert, quartered};
 use super::lines::CentreLine;

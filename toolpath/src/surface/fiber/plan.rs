@@ -352,8 +352,8 @@ struct Laid {
     ends: [TapeLimit; 2],
 }
 
-/// The order in which lines are laid: those first of which others would keep the smallest share from lying, then those with the most room. So of three
-/// lines with room for two the outer ones are laid, and what ends in between is cut and not what goes through.
+/// The order in which lines are laid: those first of which others would keep the smallest share from lying, then those with the most room. So what
+/// ends in between is cut and not what goes through.
 fn order(
     along: &[Walked],
     options: &TapeOptions,
