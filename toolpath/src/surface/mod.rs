@@ -13,6 +13,8 @@
 //!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] reports how deep a nozzle is in what is built, at any pose and
 //!   moment of the print.
 //! * [`check_support`]: which beads lie on nothing, judged by the paths as they are laid.
+//! * [`lay_tapes`]: tapes of continuous fibre along a [`DirectionField`], which may come from stresses ([`LayerStress`]), or along guide curves
+//!   ([`lay_tapes_along`]); [`angle_to_principal`] tells how well they follow the load.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 //!
 //! All of this in two calls: [`fill_layers`] fills the surfaces of a part and orders their curves, [`FilledLayers::plan`] plans the

@@ -20,7 +20,7 @@ impl Chain {
 }
 
 /// A crossing nearer to an end of an edge than this, as a share of its length, is at that vertex: no slivers.
-const AT_VERTEX: f64 = 1e-3;
+const AT_VERTEX: f64 = 1e-6;
 
 /// A mesh, the triangle of the layer of which each of its triangles is a part, and the chain in it.
 pub(super) type Inserted = (SurfaceMesh, Vec<u32>, Chain);

@@ -1,4 +1,14 @@
 //! Continuous fibre on a layer: tapes along a field of directions.
+//!
+//! Dai 2020, chapter 5, presses tapes of carbon fibre onto layers along paths that were drawn by hand. Here they are planned: from a direction at each
+//! place of a layer to lines of even spacing, and from lines to tapes with their ends.
+//!
+//! * `files`: stresses from CSV, VTK and CalculiX. `stress`: stresses at the vertices of a layer; `samples`: the nearest samples.
+//! * `direction`: fields of line directions, from a function, from stresses, or along guide curves; `frame`: directions as numbers.
+//! * `stripes`: lines along a field (Knöppel et al. 2015); `lines`: level lines of whole numbers.
+//! * `offsets`: guide curves and their geodesic offsets; `insert`: a curve as edges of the mesh.
+//! * `plan`: tapes along lines; `station`: lines in small steps; `strip`: tapes in cells. `measure`: what tapes cover.
+//! * `near`: nearest points and normals. `walk`: straight ways over a layer.
 
 mod conductor;
 mod direction;

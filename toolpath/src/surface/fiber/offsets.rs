@@ -2,17 +2,18 @@
 //!
 //! A guide curve is laid on the layer, and goes on straight from its ends to the border. Triangles that it crosses are cut along it (see
 //! `insert`), so that it is a chain of edges, and the exact distance to it (see [`SurfaceDistance`]) has its level lines at whole multiples of the
-//! spacing. With several guides each place belongs to the nearest one.
+//! spacing ([`LevelField`]). With several guides each place belongs to the nearest one. Where a guide meets the border at a slant, offsets bend around
+//! its end.
 //!
-//! Triangles are first cut into four until no edge is longer than the spacing: within a triangle a guide is straight, and the distance linear.
+//! Triangles are first cut into four until no edge is longer than the spacing: within a triangle a guide is straight, and cuts its corners.
 
 use super::insert::{Chain, insert, quartered};
-use super::lines::{CentreLine, EdgeValue, level_lines};
+use super::lines::CentreLine;
 use super::near::{Layer, surface_point};
 use super::walk::walk;
 use crate::Progress;
 use crate::surface::geodesic::{DistanceError, Sources, SurfaceDistance};
-use crate::surface::level_set::SurfacePoint;
+use crate::surface::level_set::{LevelField, LevelSetError, SurfacePoint};
 use crate::surface::mesh::{MeshError, SurfaceMesh};
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
@@ -65,6 +66,9 @@ pub enum OffsetError {
     /// The distance fails.
     #[error(transparent)]
     Distance(#[from] DistanceError),
+    /// The level sets of the distance fail.
+    #[error(transparent)]
+    Levels(#[from] LevelSetError),
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
@@ -72,6 +76,9 @@ pub enum OffsetError {
 
 /// Triangles after cutting, at most.
 const MOST_TRIANGLES: usize = 1 << 21;
+
+/// Lines run where the distance is a multiple of the spacing within about this share of it.
+const TOLERANCE: f64 = 0.01;
 
 /// A guide goes on straight for at most this many diagonals of the layer: a closed layer has no border.
 const MOST_DIAGONALS: f64 = 2.0;
@@ -140,17 +147,25 @@ pub fn offset_lines(
             DistanceError::Cancelled => OffsetError::Cancelled,
             other => other.into(),
         })?;
-    let turns = |v: u32| distance.at_vertex(v) / spacing;
-    let value = |h: u32| EdgeValue { ends: [turns(fine.tail(h)), turns(fine.head(h))], turns: 0, flips: false };
+    let field = LevelField::new(&distance, TOLERANCE * spacing, progress).map_err(levels_failed)?;
+    let farthest = distance.at_vertices().iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+    // The distance may have a summit inside a triangle, so one level more.
+    let levels: Vec<f64> = (1..=(farthest / spacing) as usize + 1).map(|k| k as f64 * spacing).collect();
     let on_mesh = |p: &SurfacePoint| surface_point(mesh, parents[p.triangle as usize], p.position);
     let mut lines: Vec<CentreLine> =
         chains.iter().filter_map(|chain| guide_line(mesh, &fine, &parents, chain)).collect();
+    let rings = field.level_sets(&levels).map_err(levels_failed)?.rings;
     lines.extend(
-        level_lines(&fine, value)
-            .into_iter()
-            .map(|line| CentreLine { points: line.points.iter().map(on_mesh).collect(), closed: line.closed }),
+        rings.iter().map(|ring| CentreLine { points: ring.points.iter().map(on_mesh).collect(), closed: ring.closed }),
     );
     Ok(lines)
+}
+
+fn levels_failed(error: LevelSetError) -> OffsetError {
+    match error {
+        LevelSetError::Cancelled => OffsetError::Cancelled,
+        other => other.into(),
+    }
 }
 
 fn check(mesh: &SurfaceMesh, guides: &[Vec<Point3<f64>>], reach: f64) -> Result<(), OffsetError> {
@@ -182,15 +197,28 @@ fn trace(mesh: &SurfaceMesh, points: &[Point3<f64>]) -> Vec<(u32, Point3<f64>)> 
     let near = |p: Point3<f64>| layer.nearest(p, f64::INFINITY);
     let Some(start) = points.first().and_then(|p| near(*p)) else { return Vec::new() };
     let (mut at, mut crossings, mut first, mut last) = (start, Vec::new(), None, None::<Vector3<f64>>);
-    for target in points[1..].iter().filter_map(|p| near(*p)) {
+    let mut go_to = |target: &Point3<f64>, crossings: &mut Vec<(u32, Point3<f64>)>| {
+        let Some(target) = near(*target) else { return };
         let way = target.position - at.position;
         let found = walk(mesh, &at, way, way.norm(), |h, p| crossings.push((h, p)));
         if let Some(found) = found.filter(|_| way.norm() > 0.0) {
             first = first.or(Some(way));
             (at, last) = (found.at, Some(found.direction));
         }
-    }
+    };
+    points[1..].iter().for_each(|target| go_to(target, &mut crossings));
     if is_closed(points) {
+        // On along the beginning, until the first edge is crossed again: an end on an edge lies on either side of it.
+        let once = crossings.len();
+        for target in &points[1..] {
+            go_to(target, &mut crossings);
+            let again =
+                crossings[once.min(crossings.len())..].iter().position(|c| Some(c.0) == crossings.first().map(|c| c.0));
+            if let Some(again) = again {
+                crossings.truncate(once + again);
+                break;
+            }
+        }
         return crossings;
     }
     if let Some(direction) = last {

@@ -7,8 +7,8 @@
 //! * both edges, half a width to the sides straight over the surface, are on the layer;
 //! * at most the permitted share of the width lies on tapes that are there, itself included.
 //!
-//! A tape is a run of such steps; its ends are found by halving the step to where it may no longer lie. Long lines come first, so that what ends in
-//! between is cut and not what goes through.
+//! A tape is a run of such steps; its ends are found by halving the step to where it may no longer lie. Lines that
+//! are least in the way of others come first.
 
 use super::direction::DirectionField;
 use super::lines::CentreLine;
@@ -301,10 +301,7 @@ pub fn plan_tapes(
         Walked { stations, limits, closed: line.closed }
     });
     let along = along.ok_or(TapeError::Cancelled)?;
-    let mut order: Vec<usize> = (0..lines.len()).collect();
-    let room = |walked: &Walked| walked.limits.iter().filter(|limit| limit.is_none()).count();
-    order.sort_by_key(|&line| std::cmp::Reverse(room(&along[line])));
-
+    let order = order(&along, options, progress)?;
     let mut planner = Planner {
         layer: &layer,
         options,
@@ -355,6 +352,46 @@ struct Laid {
     ends: [TapeLimit; 2],
 }
 
+/// The order in which lines are laid: those first of which others would keep the smallest share from lying, then those with the most room. So what
+/// ends in between is cut and not what goes through.
+fn order(
+    along: &[Walked],
+    options: &TapeOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<usize>, TapeError> {
+    let mut all = StripGrid::new(options.width, options.width / STEPS_A_WIDTH);
+    for (line, walked) in along.iter().enumerate() {
+        for [first, last] in runs(&walked.limits) {
+            strips(&walked.stations[first..=last], options.width, line as u32)
+                .into_iter()
+                .for_each(|strip| all.add(strip));
+        }
+    }
+    let lines: Vec<u32> = (0..along.len() as u32).collect();
+    let keys = crate::surface::parallel::map(&lines, "order", progress, |_, &line| {
+        let walked = &along[line as usize];
+        let free = walked.stations.iter().zip(&walked.limits).filter(|(_, limit)| limit.is_none());
+        let (mut room, mut taken) = (0usize, 0.0);
+        for (station, _) in free {
+            room += 1;
+            let over = |place: Point3<f64>| all.over(place, &station.normal).any(|(strip, _)| strip.tape != line);
+            let share = covered(station, options.width, over);
+            taken += if share > options.max_overlap { share } else { 0.0 };
+        }
+        (if room > 0 { taken / room as f64 } else { 0.0 }, room)
+    });
+    let keys = keys.ok_or(TapeError::Cancelled)?;
+    let mut order: Vec<usize> = (0..along.len()).collect();
+    order.sort_by(|&a, &b| keys[a].0.total_cmp(&keys[b].0).then(keys[b].1.cmp(&keys[a].1)));
+    Ok(order)
+}
+
+/// The strips of a run of stations.
+fn strips(stations: &[Station], width: f64, tape: u32) -> Vec<Strip> {
+    let (points, normals): (Vec<_>, Vec<_>) = stations.iter().map(|s| (s.at.position, s.normal)).unzip();
+    strips_of(&points, &normals, width, tape)
+}
+
 struct Planner<'a> {
     layer: &'a Layer<'a>,
     options: &'a TapeOptions,
@@ -390,8 +427,7 @@ impl Planner<'_> {
                 limits[first..=last].fill(Some(TapeLimit::Length));
                 continue;
             }
-            let (points, normals): (Vec<_>, Vec<_>) = stations.iter().map(|s| (s.at.position, s.normal)).unzip();
-            let strips = strips_of(&points, &normals, self.options.width, self.tapes.len() as u32);
+            let strips = strips(&stations, self.options.width, self.tapes.len() as u32);
             strips.into_iter().for_each(|strip| self.grid.add(strip));
             self.tapes.push(Laid { line, stations, ends });
         }
@@ -468,7 +504,7 @@ impl Planner<'_> {
     /// A station between two neighbours.
     fn between(&self, from: &Station, to: &Station, share: f64) -> Station {
         let place = from.at.position + (to.at.position - from.at.position) * share;
-        let at = self.layer.nearest(place, self.layer.mesh.diagonal()).unwrap_or(from.at);
+        let at = self.layer.nearest(place, f64::INFINITY).unwrap_or(from.at);
         let mix = |a: f64, b: f64| a + (b - a) * share;
         Station {
             at,

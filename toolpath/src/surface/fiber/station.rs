@@ -18,9 +18,12 @@ pub(super) struct Station {
     pub radius: f64,
 }
 
-/// Rounds of smoothing: level lines of a piecewise linear function have a kink at each edge. A round moves a line that bends with radius `r` by
-/// `step^2 / 4r`.
-const ROUNDS: usize = 4;
+/// Rounds of smoothing: level lines of a piecewise linear function have a kink at each edge.
+const ROUNDS: usize = 3;
+
+/// A round moves points by the first share towards the middle of their neighbours, and by the second one away again, so that bends keep their radius
+/// (Taubin, "A signal processing approach to fair surface design", SIGGRAPH 1995).
+const SHARES: [f64; 2] = [0.5, -0.52];
 
 /// The stations of a line; none if it has no length. A closed line has its first station again at the end.
 pub(super) fn stations(layer: &Layer, line: &CentreLine, step: f64, width: f64) -> Vec<Station> {
@@ -28,12 +31,11 @@ pub(super) fn stations(layer: &Layer, line: &CentreLine, step: f64, width: f64) 
     if points.len() < 2 {
         return Vec::new();
     }
-    let reach = layer.mesh.diagonal();
     // The nearest point of the layer is there: the layer is not empty.
-    let onto = |p: &mut SurfacePoint| *p = layer.nearest(p.position, reach).unwrap_or(*p);
+    let onto = |p: &mut SurfacePoint| *p = layer.nearest(p.position, f64::INFINITY).unwrap_or(*p);
     points.iter_mut().for_each(onto);
     for _ in 0..ROUNDS {
-        smooth(&mut points, line.closed);
+        SHARES.iter().for_each(|&share| smooth(&mut points, line.closed, share));
         points.iter_mut().for_each(onto);
     }
     let normals: Vec<_> = points.iter().map(|p| layer.normal(p)).collect();
@@ -84,15 +86,18 @@ fn resampled(line: &CentreLine, step: f64) -> Vec<SurfacePoint> {
     points
 }
 
-/// A round of smoothing: halfway to the middle of the neighbours. Ends stay.
-fn smooth(points: &mut [SurfacePoint], closed: bool) {
+/// Moves points by a share towards the middle of their neighbours. Ends stay.
+fn smooth(points: &mut [SurfacePoint], closed: bool, share: f64) {
     let last = points.len() - 1;
     let old: Vec<_> = points.iter().map(|p| p.position.coords).collect();
+    let moved = |before: usize, k: usize, after: usize| {
+        (old[k] * (1.0 - share) + (old[before] + old[after]) * (0.5 * share)).into()
+    };
     for k in 1..last {
-        points[k].position = (old[k] * 0.5 + (old[k - 1] + old[k + 1]) * 0.25).into();
+        points[k].position = moved(k - 1, k, k + 1);
     }
     if closed && last > 1 {
-        points[0].position = (old[0] * 0.5 + (old[last - 1] + old[1]) * 0.25).into();
+        points[0].position = moved(last - 1, 0, 1);
         points[last].position = points[0].position;
     }
 }

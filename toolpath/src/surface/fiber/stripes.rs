@@ -14,10 +14,10 @@
 //! | `s_ij = sgn <X_i, X_j>` | `Edge::flips` |
 //! | `sigma_ij` (eq. 9), `n` | [`EdgeValue`], and its climb around a triangle |
 //!
-//! Departures. The smallest eigenvector may be large in one part of the layer and close to nothing in another, where its phase is poor. So after the
-//! power iteration a few more solves follow with all numbers made unit in between, which is a step of the flow to phases of least energy. Borders along
-//! the direction pull phases to a half in these solves, so that a tape's edge, not its middle, lies at a border: a half is a half with either sign.
-//! Cotangent weights below zero are raised.
+//! Departures. The smallest eigenvector may be large in one part of the layer and close to nothing in another, where its phase is poor. So in each round
+//! of the power iteration all numbers are made unit, not their norm: a step of the flow to phases of least energy. Borders along the direction pull the
+//! phase to a half, so that a tape's edge, not its middle, lies at a border: a half is a half with either sign. Cotangent weights below zero are
+//! raised.
 
 use super::direction::DirectionField;
 use super::frame::{edge_weights, rotation};
@@ -67,26 +67,27 @@ pub struct Stripes {
     pub lines: Vec<CentreLine>,
     /// Triangles in which lines end, because they spread or because directions turn there.
     pub singular_triangles: Vec<u32>,
-    /// Solves of the power iteration, and those with unit numbers.
-    pub iterations: [u32; 2],
-    /// By how much the energy of the phases fell in the last solve, as a share of it.
+    /// Rounds of the power iteration.
+    pub rounds: u32,
+    /// By how much the energy of the phases changed in the last round, as a share of it.
     pub residual: f64,
 }
 
 /// Crossings of lines and edges that fit into memory and into 32 bits.
 const MOST_CROSSINGS: f64 = 1e8;
 
-/// Solves of the power iteration: the paper takes 20.
-const POWER_ITERATIONS: u32 = 20;
+/// Rounds of the power iteration: the paper takes 20.
+const ROUNDS: u32 = 20;
 
-/// Solves with unit numbers.
-const PHASE_ITERATIONS: u32 = 12;
+/// How far phases keep together in a round, in square roots of the area of the layer: all over it.
+const REACH: f64 = 10.0;
 
-/// How far phases keep together in a solve, in spacings.
-const PHASE_REACH: f64 = 4.0;
-
-/// How strongly borders along the direction pull, beside the layer itself.
+/// How strongly borders along the direction pull, beside the stripe next to them.
 const BORDER_PULL: f64 = 1.0;
+
+/// The pull of a border falls with this power of the cosine between border and direction: to a third at six degrees. Borders that lines cross must
+/// not pull: their phase runs.
+const PARALLEL: i32 = 200;
 
 struct Edge {
     from: usize,
@@ -106,7 +107,7 @@ struct Edge {
 /// [`StripeError`].
 ///
 /// # Cost
-/// Two sparse factorisations of some `n^1.5` operations for `n` triangles, and `O(n log n)` for each of some thirty solves. One thread; the result is
+/// A sparse factorisation of some `n^1.5` operations for `n` triangles, and `O(n log n)` for each of twenty solves. One thread; the result is
 /// the same on every run.
 ///
 /// # Example
@@ -139,7 +140,7 @@ pub fn stripes(
         return Err(StripeError::TooFine { spacing, crossings, most: MOST_CROSSINGS });
     }
     let solver = Solver { mesh, areas: vertex_areas(mesh), edges: &edges, progress };
-    let (psi, iterations, residual) = solver.solve(field, spacing)?;
+    let (psi, residual) = solver.solve(field, spacing)?;
 
     let phases: Vec<f64> = psi.iter().map(|z| turns(z)).collect();
     let mut edge_of = vec![u32::MAX; mesh.half_edges() as usize];
@@ -152,7 +153,7 @@ pub fn stripes(
         EdgeValue { ends: [start, end], turns, flips: edge.flips }
     };
     let singular_triangles = singular(mesh, &value);
-    Ok(Stripes { lines: level_lines(mesh, value), singular_triangles, iterations, residual })
+    Ok(Stripes { lines: level_lines(mesh, value), singular_triangles, rounds: ROUNDS, residual })
 }
 
 /// The phase of a number, in turns; never zero, which has no sign.
@@ -234,66 +235,48 @@ impl Solver<'_> {
         self.edges.iter().map(of).sum()
     }
 
-    /// The numbers, all of them unit; how many solves; and how much the last one changed.
-    fn solve(&self, field: &DirectionField, spacing: f64) -> Result<(Vec<Vector2<f64>>, [u32; 2], f64), StripeError> {
-        let total: f64 = self.areas.iter().sum();
+    /// The numbers, all of them unit, and how much the energy changed in the last round, as a share of it.
+    fn solve(&self, field: &DirectionField, spacing: f64) -> Result<(Vec<Vector2<f64>>, f64), StripeError> {
         let tick = |done: u32| {
-            let step =
-                Progress { stage: "stripes", done: done.into(), total: (POWER_ITERATIONS + PHASE_ITERATIONS).into() };
+            let step = Progress { stage: "stripes", done: done.into(), total: ROUNDS.into() };
             if (self.progress)(step).is_break() { Err(StripeError::Cancelled) } else { Ok(()) }
         };
         tick(0)?;
-        let pull = border_pull(field);
-        let hold = (TAU / (PHASE_REACH * spacing)).powi(2);
-        let _ = total;
-        let factors = self.factors(|v| hold * self.areas[v] + BORDER_PULL * pull[v] / spacing)?;
+        let pull: Vec<f64> = border_lengths(field).iter().map(|length| BORDER_PULL * length / spacing).collect();
+        let hold = (TAU / REACH).powi(2) / self.areas.iter().sum::<f64>();
+        let factors = self.factors(|v| hold * self.areas[v] + pull[v])?;
         // A start without any pattern, the same every time.
         let mut psi: Vec<Vector2<f64>> = (0..self.areas.len()).map(|v| start(v as u64)).collect();
-        for done in 0..POWER_ITERATIONS {
+        let (mut energy, mut residual) = (f64::INFINITY, 0.0);
+        for done in 0..ROUNDS {
             tick(done)?;
-            psi.iter_mut().zip(&self.areas).for_each(|(z, area)| *z *= *area);
-            factors.solve(&mut psi);
-            let norm = psi.iter().zip(&self.areas).map(|(z, area)| area * z.norm_squared()).sum::<f64>().sqrt();
-            psi.iter_mut().for_each(|z| *z /= norm);
-        }
-        unit(&mut psi);
-        let mut before = self.energy(&psi);
-        let mut residual = 0.0;
-        for done in 0..PHASE_ITERATIONS {
-            tick(POWER_ITERATIONS + done)?;
             for (v, z) in psi.iter_mut().enumerate() {
                 *z *= hold * self.areas[v];
-                z.x -= BORDER_PULL * pull[v] / spacing;
+                z.x -= pull[v];
             }
             factors.solve(&mut psi);
-            unit(&mut psi);
-            let energy = self.energy(&psi);
+            psi.iter_mut().for_each(|z| *z = z.try_normalize(0.0).unwrap_or_else(Vector2::x));
+            let before = std::mem::replace(&mut energy, self.energy(&psi));
             residual = if energy > 0.0 { (before - energy).abs() / energy } else { 0.0 };
-            before = energy;
         }
-        Ok((psi, [POWER_ITERATIONS, PHASE_ITERATIONS], residual))
+        Ok((psi, residual))
     }
 }
 
-fn unit(psi: &mut [Vector2<f64>]) {
-    psi.iter_mut().for_each(|z| *z = z.try_normalize(0.0).unwrap_or_else(Vector2::x));
-}
-
 /// Length of the border at each vertex that runs along the direction of the field.
-fn border_pull(field: &DirectionField) -> Vec<f64> {
+fn border_lengths(field: &DirectionField) -> Vec<f64> {
     let mesh = field.mesh();
-    let mut pull = vec![0.0; mesh.vertices().len()];
+    let mut lengths = vec![0.0; mesh.vertices().len()];
     for h in mesh.boundary_half_edges() {
         let [from, to] = [mesh.tail(h), mesh.head(h)].map(|v| v as usize);
         let along: Vector3<f64> = mesh.vertices()[to] - mesh.vertices()[from];
         let length = along.norm();
         for v in [from, to] {
             let cosine = along.dot(&field.directions()[v]) / length;
-            // Falls to a quarter at some 20 degrees: a border that crosses the stripes has no say.
-            pull[v] += 0.5 * length * cosine.powi(24);
+            lengths[v] += 0.5 * length * cosine.powi(PARALLEL);
         }
     }
-    pull
+    lengths
 }
 
 /// A unit number without any pattern (SplitMix64, Steele, Lea, Flood 2014).
