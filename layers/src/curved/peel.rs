@@ -95,7 +95,7 @@ pub fn peel(
     rules: &Rules,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<SheetField, PeelError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     let mut skin = Skin::new(cells, platform, rules, rules.depth()?)?;
     let mut rest = CellSet::of(cells);
     let mut sheets = vec![0; cells.dims().iter().map(|&side| side as usize).product()];

