@@ -39,7 +39,9 @@ pub enum PlatformError {
     #[error("the mould holds no centre of a cell: place it in the grid of the part, and take cells smaller than it")]
     EmptyMould,
     /// The mould reaches beyond the grid.
-    #[error("the mould reaches from {low:?} to {high:?} cells, beyond a grid of {dims:?}: take a grid that holds it too")]
+    #[error(
+        "the mould reaches from {low:?} to {high:?} cells, beyond a grid of {dims:?}: take a grid that holds it too"
+    )]
     MouldBeyondGrid {
         /// Lower corner of the box around the mould, in cells.
         low: [f64; 3],

@@ -23,11 +23,20 @@ pub(super) fn standing(cells: &Cells, platform: &Platform, rules: &Rules) -> Res
         return Ok(cells.iter().take_while(|&cell| cell < level).filter(is_carried).collect());
     };
     let mould = CellSet::of(&mould);
+    let is_on_mould = |&cell: &u32| mould.around(cell, &FACES).next().is_some();
+    let buried = buried(cells, platform, rules)?;
+    let stands = cells.iter().filter(|cell| *cell < level && is_carried(cell) || is_on_mould(cell));
+    Ok(stands.filter(|cell| buried.binary_search(cell).is_err()).collect())
+}
+
+/// The cells that lie inside the hull of the platform and its mould, by rising number: no order builds them. There are none without a mould.
+pub(super) fn buried(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Vec<u32>, GrowthError> {
+    if platform.mould().is_none() {
+        return Ok(Vec::new());
+    }
     let hull = hull_of_platform(platform, rules, rules.depth()?)?;
     let centres = Centres::new(cells, rules);
-    let is_on_mould = |&cell: &u32| mould.around(cell, &FACES).next().is_some();
-    let stands = cells.iter().filter(|cell| *cell < level && is_carried(cell) || is_on_mould(cell));
-    Ok(stands.filter(|&cell| !hull.is_deep(centres.of(cell))).collect())
+    Ok(cells.iter().filter(|&cell| hull.is_deep(centres.of(cell))).collect())
 }
 
 /// Those of `cells` that a chain of neighbours joins to one of `feet`, which are among them.

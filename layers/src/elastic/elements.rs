@@ -18,7 +18,8 @@ impl Elements {
     ///
     /// * `fixed`: for each node the bits of the components that are fixed.
     pub(super) fn fine(cube: &Stiffness, corners: &[[u32; 8]], fixed: &[u8]) -> Self {
-        let mask = |nodes: &[u32; 8]| (0..8).fold(0u32, |mask, k| mask | u32::from(fixed[nodes[k] as usize]) << (3 * k));
+        let mask =
+            |nodes: &[u32; 8]| (0..8).fold(0u32, |mask, k| mask | u32::from(fixed[nodes[k] as usize]) << (3 * k));
         let (keys, of_cell) = pooled(corners.iter().map(mask));
         let matrices = keys.iter().map(|mask| {
             let is_free = |row: usize| mask >> row & 1 == 0;

@@ -31,7 +31,9 @@ pub enum ElasticError {
         poisson: f64,
     },
     /// The tolerance or the number of iterations is none.
-    #[error("a tolerance of {tolerance} within {max_iterations} iterations: it must lie above 0 and below 1, with one iteration at least")]
+    #[error(
+        "a tolerance of {tolerance} within {max_iterations} iterations: it must lie above 0 and below 1, with one iteration at least"
+    )]
     Options {
         /// The tolerance that was asked for.
         tolerance: f64,
@@ -87,7 +89,9 @@ pub enum ElasticError {
         of: usize,
     },
     /// The supports let a piece slide or turn.
-    #[error("the supports leave {free} of 6 rigid motions free to a piece of {cells} cells: fix more axes, or nodes that are not on a line")]
+    #[error(
+        "the supports leave {free} of 6 rigid motions free to a piece of {cells} cells: fix more axes, or nodes that are not on a line"
+    )]
     Loose {
         /// Independent motions that are left.
         free: usize,
@@ -95,7 +99,9 @@ pub enum ElasticError {
         cells: usize,
     },
     /// The residual did not become small enough.
-    #[error("no convergence: the relative residual is {residual:.1e} after {iterations} iterations; allow more, or a larger tolerance")]
+    #[error(
+        "no convergence: the relative residual is {residual:.1e} after {iterations} iterations; allow more, or a larger tolerance"
+    )]
     NoConvergence {
         /// Iterations made.
         iterations: u32,

@@ -174,7 +174,10 @@ impl Coarsest {
         let len = 3 * operator.len();
         let mut matrix = DMatrix::zeros(len, len);
         let is_free = |row: usize| fixed.get(row / 3).is_none_or(|bits| bits >> (row % 3) & 1 == 0);
-        operator.entries().filter(|&(i, j, _)| is_free(i) && is_free(j)).for_each(|(i, j, value)| matrix[(i, j)] += value);
+        operator
+            .entries()
+            .filter(|&(i, j, _)| is_free(i) && is_free(j))
+            .for_each(|(i, j, value)| matrix[(i, j)] += value);
         for k in 0..len {
             // Fixed, or a component that moves nothing but what is fixed.
             if matrix[(k, k)] <= 0.0 {

@@ -45,7 +45,13 @@ fn cube(material: &Material, h: f64) -> DMatrix<f64> {
 }
 
 /// Displacements of all nodes of the grid that are corners of cells, by dense elimination.
-fn slow(solid: &Solid, cells: &Cells, h: f64, material: &Material, push: &[(u32, Vector3<f64>)]) -> Vec<(u32, Vector3<f64>)> {
+fn slow(
+    solid: &Solid,
+    cells: &Cells,
+    h: f64,
+    material: &Material,
+    push: &[(u32, Vector3<f64>)],
+) -> Vec<(u32, Vector3<f64>)> {
     let corners = |cell: u32| {
         let [x, y, z] = cells.position(cell);
         [0, 1, 2, 3, 4, 5, 6, 7].map(|k| solid.node([x + (k & 1), y + (k >> 1 & 1), z + (k >> 2)]))

@@ -81,13 +81,17 @@ fn numbers_that_are_none() {
         assert!(matches!(bar().solve(1.0, material, &[plate()], &[PULL]), Err(ElasticError::Material { .. })));
     }
     for cell_mm in [0.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(bar().solve(cell_mm, Material::default(), &[plate()], &[PULL]), Err(ElasticError::Cell { .. })));
+        assert!(matches!(
+            bar().solve(cell_mm, Material::default(), &[plate()], &[PULL]),
+            Err(ElasticError::Cell { .. })
+        ));
     }
 }
 
 #[test]
 fn supports_that_contradict_each_other() {
-    let moved = Support { region: Region { low_mm: [0.0; 3], high_mm: [0.0; 3] }, displacement_mm: [None, Some(0.1), None] };
+    let moved =
+        Support { region: Region { low_mm: [0.0; 3], high_mm: [0.0; 3] }, displacement_mm: [None, Some(0.1), None] };
     let error = refused(&bar(), &[plate(), moved], &[PULL]);
     let known = ElasticError::Contradiction { support: 1, node: [0, 0, 0], axis: 1, first: 0.0, second: 0.1 };
     assert_eq!(error, known);
@@ -99,7 +103,8 @@ fn no_cell_no_convergence_and_no_patience() {
     let solid = Solid::new([9, 9, 9], |_| true);
     let cells = solid.cells();
     let supports = [plate()];
-    let part = ElasticPart { cells: &cells, cell_mm: 1.0, material: Material::default(), supports: &supports, loads: &[PULL] };
+    let part =
+        ElasticPart { cells: &cells, cell_mm: 1.0, material: Material::default(), supports: &supports, loads: &[PULL] };
     let options = ElasticOptions { max_iterations: 2, ..ElasticOptions::default() };
     assert!(matches!(solve_elastic(&part, &options, &go), Err(ElasticError::NoConvergence { iterations: 2, .. })));
     let options = ElasticOptions { tolerance: 0.0, ..ElasticOptions::default() };

@@ -4,9 +4,7 @@ use super::Solid;
 use crate::common::go;
 use curvlay_layers::curved::surface::{LayerField, plain_field};
 use curvlay_layers::curved::{GrowthOptions, LayerOrder, Platform, Rules, audit, grow, surface::uniform_field};
-use curvlay_layers::elastic::{
-    FollowError, FollowOptions, Load, Material, Region, Support, load_angle, load_field,
-};
+use curvlay_layers::elastic::{FollowError, FollowOptions, Load, Material, Region, Support, load_angle, load_field};
 
 /// Built level by level.
 fn level(solid: &Solid) -> LayerField {
@@ -38,29 +36,28 @@ fn far_from_stress_the_field_is_the_base() {
     assert!(cells.iter().all(|cell| sheets.value(cell) >= 1) && sheets.highest() >= 6);
 }
 
-/// A bracket: a post with an arm that is loaded at its end. The default layers stand across the arm; those that follow the load hold its
-/// direction better, and can be built.
+/// A wall that is pushed along its top, on a platform that is not much larger: bending pulls its ends upright, where the default layers are level.
+/// Those that follow the load come nearer to the stress by half, and can be built.
 #[test]
-fn layers_of_a_bracket_follow_the_load() {
-    let solid = Solid::new([26, 5, 16], |[x, _, z]| x < 7 || z >= 9);
+fn layers_of_a_wall_follow_the_load() {
+    let solid = Solid::new([40, 6, 24], |_| true);
     let cells = solid.cells();
-    let push = Load::Force { region: Region::plane(0, 26.0), newtons: [0.0, 0.0, -10.0] };
+    let push = Load::Force { region: Region::plane(2, 24.0), newtons: [10.0, 0.0, 0.0] };
     let plate = Support::fixed(Region::plane(2, 0.0));
     let stresses = solid.solve(1.0, Material::default(), &[plate], &[push]).unwrap().stresses_mpa;
-    let (platform, rules) = (Platform::under(&cells, 40.0).unwrap(), Rules::default());
+    let (platform, rules) = (Platform::under(&cells, 0.0).unwrap(), Rules::default());
     let grown = |governor: Option<&_>| {
         let growth = grow(&cells, &platform, &rules, &GrowthOptions::default(), governor, &go).unwrap();
-        let missed = growth.missed_cells();
-        assert!(audit(&cells, &platform, &rules, &growth.order, &missed, &go).unwrap().is_ok());
-        (missed.len(), uniform_field(&cells, &platform, &rules, &growth.order, &missed, &go).unwrap().field)
+        assert!(growth.missed.is_empty());
+        assert!(audit(&cells, &platform, &rules, &growth.order, &[], &go).unwrap().is_ok());
+        uniform_field(&cells, &platform, &rules, &growth.order, &[], &go).unwrap().field
     };
-    let (missed, default) = grown(None);
-    assert_eq!(missed, 0);
+    let default = grown(None);
     let field = load_field(&cells, &stresses, &default, &FollowOptions::default(), &go).unwrap();
-    let (missed, followed) = grown(Some(&field.sheets()));
+    let followed = grown(Some(&field.sheets()));
     let degrees = |field: &LayerField| load_angle(&cells, &stresses, field, 0.1).unwrap().mean.to_degrees();
     let (before, after) = (degrees(&default), degrees(&followed));
-    assert!(after < before / 2.0 && missed * 100 < cells.count(), "{before} -> {after}, {missed} missed");
+    assert!(before > 60.0 && after < 0.6 * before, "{before} -> {after}");
 }
 
 #[test]
@@ -68,7 +65,8 @@ fn what_is_refused() {
     let solid = Solid::new([3, 3, 3], |_| true);
     let (cells, base) = (solid.cells(), level(&solid));
     let sound = vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 27];
-    let find = |stresses: &[[f64; 6]], options: FollowOptions| load_field(&cells, stresses, &base, &options, &go).unwrap_err();
+    let find =
+        |stresses: &[[f64; 6]], options: FollowOptions| load_field(&cells, stresses, &base, &options, &go).unwrap_err();
     assert_eq!(find(&sound[1..], FollowOptions::default()), FollowError::Stresses { stresses: 26, cells: 27 });
     let mut broken = sound.clone();
     broken[4][5] = f64::NAN;
