@@ -12,6 +12,7 @@
 
 mod elements;
 mod error;
+mod follow;
 mod given;
 mod held;
 mod material;
@@ -23,6 +24,7 @@ mod solve;
 mod transfer;
 
 pub use error::{ElasticError, Given};
+pub use follow::{FollowError, FollowOptions, LoadAngle, LoadField, load_angle, load_field};
 pub use given::{Load, Region, Support};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
 

@@ -51,10 +51,6 @@ impl Points {
         Points::new(dims, ids)
     }
 
-    pub(super) fn dims(&self) -> [u32; 3] {
-        self.dims
-    }
-
     pub(super) fn len(&self) -> usize {
         self.ids.len()
     }

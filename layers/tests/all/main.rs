@@ -9,6 +9,7 @@ mod field_file;
 mod growth;
 mod growth_twins;
 mod impossible;
+mod mould;
 mod nozzle;
 mod orient;
 mod planar;

@@ -69,54 +69,56 @@ fn a_column_carries_its_weight() {
 }
 
 /// S. P. Timoshenko, J. N. Goodier, *Theory of Elasticity*, and Cowper's shear coefficient (J. Appl. Mech. 33(2), 1966) for a rectangle: a beam
-/// clamped at one end, with a force across at the other, bends by P L³ / 3 E I + P L / k G A. Within 2 % with 2 cells across, 0.5 % with
-/// 4: without the inner modes of the cells it would be 12 % and 4 %.
+/// clamped at one end, with a force across at the other, bends by P L³ / 3 E I + P L / k G A. Within 1 % with 2 cells across and within 0.5 % with
+/// 4. Poisson's ratio is 0, since a clamp that keeps the end from getting thinner is stiffer than that of the beam.
 #[test]
 fn a_cantilever_bends_as_timoshenko_says() {
-    let (young_mpa, poisson) = (3500.0, 0.3);
-    let (length, width, depth, force) = (40.0, 4.0, 4.0, 10.0);
-    let shear_modulus = young_mpa / (2.0 * (1.0 + poisson));
-    let coefficient = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson);
-    let inertia = width * depth * depth * depth / 12.0;
+    let young_mpa = 3500.0;
+    let (length, depth, force) = (40.0, 4.0, 10.0);
+    let (area, inertia) = (depth * depth, depth * depth * depth * depth / 12.0);
+    let (coefficient, shear_modulus) = (10.0 / 12.0, young_mpa / 2.0);
     let known = force * length * length * length / (3.0 * young_mpa * inertia)
-        + force * length / (coefficient * shear_modulus * width * depth);
-    for (across, tolerance) in [(2, 0.02), (4, 0.005)] {
-        let cell_mm = depth / f64::from(across);
+        + force * length / (coefficient * shear_modulus * area);
+    let mut off = Vec::new();
+    for (across, tolerance) in [(2, 0.01), (4, 0.005)] {
         let solid = Solid::new([10 * across, across, across], |_| true);
         let clamp = Support::fixed(Region::plane(0, 0.0));
         let push = Load::Force { region: Region::plane(0, length), newtons: [0.0, 0.0, -force] };
-        let material = Material { young_mpa, poisson };
-        let elastic = solid.solve(cell_mm, material, &[clamp], &[push]).unwrap();
+        let material = Material { young_mpa, poisson: 0.0 };
+        let elastic = solid.solve(depth / f64::from(across), material, &[clamp], &[push]).unwrap();
         let end = elastic.displacement(solid.node([10 * across, across / 2, across / 2])).unwrap()[2];
         assert!((-end / known - 1.0).abs() < tolerance, "{across} cells across: {end} mm, known {known}");
         assert!(elastic.iterations < 40, "{} iterations", elastic.iterations);
+        off.push((-end / known - 1.0).abs());
     }
+    assert!(off[1] < off[0], "{off:?}");
 }
 
 /// G. Kirsch, "Die Theorie der Elasticität und die Bedürfnisse der Festigkeitslehre", Zeitschrift des VDI 42, 1898: a round hole in a wide plate
-/// that is pulled by S. Across the hole the stress along the pull is S/2 (2 + a²/r² + 3 a⁴/r⁴): three times S at its edge. Within 7 % from a
-/// cell and a half off the edge on, where it is 2.2 S: the hole is a staircase, and the plate is 12 radii wide.
+/// that is pulled by S. Across the hole the stress along the pull is S/2 (2 + a²/r² + 3 a⁴/r⁴): three times S at its edge. From a cell and a
+/// half off the edge on within 10 % with a hole of 8 cells across its radius, and within 8 % with one of 16: its border is a staircase.
 #[test]
 fn a_hole_raises_the_stress_as_kirsch_says() {
-    // A quarter of the plate, 48 x 48 cells; the hole has a radius of 8.
-    let radius = 8.0;
-    let from_middle = |[x, y, _]: [u32; 3]| (f64::from(x) + 0.5).hypot(f64::from(y) + 0.5);
-    let solid = Solid::new([48, 48, 1], |cell| from_middle(cell) > radius);
-    let held = |axis: usize| {
-        let mut displacement_mm = [None; 3];
-        displacement_mm[axis] = Some(0.0);
-        Support { region: Region::plane(axis, 0.0), displacement_mm }
+    let kirsch = |share: f64| (2.0 + share.powi(2) + 3.0 * share.powi(4)) / 2.0;
+    let worst = |radius: u32| {
+        // A quarter of a plate of 14 radii.
+        let side = 7 * radius;
+        let from_middle = |[x, y, _]: [u32; 3]| (f64::from(x) + 0.5).hypot(f64::from(y) + 0.5);
+        let solid = Solid::new([side, side, 1], |cell| from_middle(cell) > f64::from(radius));
+        let held = |axis: usize| {
+            let mut displacement_mm = [None; 3];
+            displacement_mm[axis] = Some(0.0);
+            Support { region: Region::plane(axis, 0.0), displacement_mm }
+        };
+        let pull = Load::Traction { region: Region::plane(0, f64::from(side)), mpa: [1.0, 0.0, 0.0] };
+        let material = Material { young_mpa: 1000.0, poisson: 0.3 };
+        let elastic = solid.solve(1.0, material, &[held(0), held(1), held(2)], &[pull]).unwrap();
+        let off = |y: u32| {
+            let stress = elastic.stress(solid.cells().id([0, y, 0])).unwrap()[0];
+            (stress / kirsch(f64::from(radius) / (f64::from(y) + 0.5)) - 1.0).abs()
+        };
+        (radius + 1..3 * radius).map(off).fold(0.0, f64::max)
     };
-    let pull = Load::Traction { region: Region::plane(0, 48.0), mpa: [1.0, 0.0, 0.0] };
-    let material = Material { young_mpa: 1000.0, poisson: 0.3 };
-    let elastic = solid.solve(1.0, material, &[held(0), held(1), held(2)], &[pull]).unwrap();
-    let mut largest: f64 = 0.0;
-    for y in 9..24 {
-        let stress = elastic.stress(solid.cells().id([0, y, 0])).unwrap()[0];
-        let share = radius / (f64::from(y) + 0.5);
-        let known = (2.0 + share.powi(2) + 3.0 * share.powi(4)) / 2.0;
-        assert!((stress / known - 1.0).abs() < 0.07, "at {y}.5: {stress}, known {known}");
-        largest = largest.max(stress);
-    }
-    assert!(largest > 2.0, "{largest}");
+    let off = [8, 16].map(worst);
+    assert!(off[0] < 0.10 && off[1] < 0.08, "{off:?}");
 }

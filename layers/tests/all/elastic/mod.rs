@@ -3,6 +3,7 @@
 mod closed_forms;
 mod dense_twin;
 mod errors;
+mod follow;
 
 use curvlay_layers::curved::Cells;
 use curvlay_layers::elastic::{
