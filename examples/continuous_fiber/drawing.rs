@@ -5,7 +5,7 @@ use super::tapes::Planned;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::render::{Camera, INK, Image, Rgb, Scene, ramp};
-use curvlay_toolpath::surface::TapePlan;
+use curvlay_toolpath::surface::{Tape, TapePlan};
 
 /// Pixels of a picture.
 const SIZE: [u32; 2] = [900, 560];
@@ -13,6 +13,7 @@ const SIZE: [u32; 2] = [900, 560];
 const LAYER: Rgb = [214, 219, 226];
 /// The sides and layers of a specimen.
 const BODY: Rgb = [226, 229, 234];
+const WIRE: Rgb = [232, 98, 20];
 /// Strokes of direction over the longest side of a layer.
 const STROKES: f64 = 60.0;
 /// Strokes are lifted by this share of their distance, so that the layer does not hide them.
@@ -90,10 +91,16 @@ fn camera(layer: &LoadedLayer) -> Camera {
 }
 
 /// Tapes on a layer.
-pub fn tapes(layer: &LoadedLayer, min_radius: f64) -> Vec<u8> {
+pub fn tapes(layer: &LoadedLayer, wires: &[Tape], min_radius: f64) -> Vec<u8> {
     let mut scene = Scene::new(camera(layer));
     scene.mesh(layer.surface.vertices(), layer.surface.triangles(), LAYER);
     draw_tapes(&mut scene, &layer.plan, min_radius, 0.3);
+    for wire in wires {
+        for (ends, normals) in wire.points.windows(2).zip(wire.normals.windows(2)) {
+            let [a, b] = [0, 1].map(|k| ends[k] + normals[k].into_inner() * wire.width);
+            scene.bar(a, b, wire.width / 2.0, WIRE);
+        }
+    }
     with_words(&scene.draw(SIZE[0], SIZE[1]), &radius_words(min_radius))
 }
 

@@ -17,6 +17,7 @@ mod outputs;
 mod predict;
 mod specimens;
 mod tapes;
+mod wires;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
@@ -27,7 +28,7 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_toolpath::surface::{SandwichOptions, TapeHead, TapeOptions};
+use curvlay_toolpath::surface::{ConductorOptions, SandwichOptions, Tape, TapeHead, TapeOptions};
 use layer::LoadedLayer;
 use motion::Moved;
 use predict::{Predictions, predict};
@@ -69,6 +70,9 @@ pub struct Args {
     /// Young's modulus of the part in GPa [default: 3.5, PLA]; it scales displacements, not stresses
     #[arg(long = "young", value_name = "GPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     young_gpa: Option<f64>,
+    /// Wires on the loaded layer: a point x,y,z a line in mm of the file of the part, an empty line between two wires
+    #[arg(long = "wire", value_name = "FILE", help_heading = LOAD)]
+    wires: Option<PathBuf>,
     /// Width of the tapes on the loaded layer in millimetres
     #[arg(long = "tape-width", value_name = "MM", default_value_t = 5.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = TAPES)]
     tape_width_mm: f64,
@@ -206,6 +210,7 @@ pub struct Run {
     specimens: Vec<Planned>,
     predictions: Predictions,
     layer: LoadedLayer,
+    wires: Vec<Tape>,
     moved: Option<Moved>,
     plan_time: Duration,
     findings: Findings,
@@ -268,6 +273,9 @@ fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
         None => layer::arc(&arc.specimen, &args.tape_options(), args.smoothing_mm(), bars)?,
     };
     plan_time += layer.plan_time;
+    let wire_options = ConductorOptions { thickness: args.tape_thickness_mm, ..ConductorOptions::default() };
+    let on_layer = |path: &PathBuf| wires::on_layer(path, &layer.surface, &wire_options);
+    let wires = args.wires.as_ref().map_or(Ok(Vec::new()), on_layer)?;
     let moved = (args.stage == Stage::Motion).then(|| motion::plan(arc, &cell, &args.head(), bars)).transpose()?;
     for planned in &specimens {
         judge(planned, &tape_options, &mut findings);
@@ -275,7 +283,7 @@ fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
     judge_layer(&layer, &mut findings);
     moved.iter().for_each(|moved| judge_motion(moved, &mut findings));
     judge_predictions(&predictions, &mut findings);
-    Ok(Run { specimens, predictions, layer, moved, plan_time, findings })
+    Ok(Run { specimens, predictions, layer, wires, moved, plan_time, findings })
 }
 
 /// What the tapes of a specimen must reach: share covered, and share covered twice.

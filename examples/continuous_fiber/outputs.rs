@@ -10,7 +10,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::gcode::{Move, Tool, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{LayerTapes, TapePlan};
+use curvlay_toolpath::surface::{LayerTapes, Tape, TapePlan};
 use std::io::{self, Write};
 use std::time::Instant;
 
@@ -34,9 +34,13 @@ pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> R
     for planned in &run.specimens {
         written(&format!("{}.gcode", planned.specimen.name), &planned.moves)?;
     }
-    if !run.layer.plan.tapes.is_empty() {
-        let (tapes, lift) = (run.layer.plan.tapes.clone(), run.layer.lift);
-        let moves = args.head().moves(&LayerTapes { layer: 0, tool: Tool::Roller, lift, tapes })?;
+    let loaded = [(Tool::Roller, &run.layer.plan.tapes), (Tool::Conductor, &run.wires)];
+    if loaded.iter().any(|(_, tapes)| !tapes.is_empty()) {
+        let head = args.head();
+        let moves = loaded.map(|(tool, tapes)| {
+            head.moves(&LayerTapes { layer: 0, tool, lift: run.layer.lift, tapes: tapes.clone() })
+        });
+        let moves = moves.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         written("layer.gcode", &moves)?;
     }
     for (name, bytes) in run.moved.iter().flat_map(|moved| &moved.files) {
@@ -150,7 +154,7 @@ impl Pictures {
         let caption = format!("{}: greatest principal stress in the layer, {}", layer.name, layer.source);
         list.push(("layer_stress.png".to_owned(), caption, drawing::stress(layer)));
         let caption = format!("{}: tapes by steering radius", layer.name);
-        list.push(("layer.png".to_owned(), caption, drawing::tapes(layer, args.min_radius_mm)));
+        list.push(("layer.png".to_owned(), caption, drawing::tapes(layer, &run.wires, args.min_radius_mm)));
         Pictures(list)
     }
 }
@@ -241,6 +245,8 @@ fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
         .set("layer_min_radius_mm", layer.plan.min_radius_mm.min(STRAIGHT_MM))?
         .set("layer_left_out_mm", layer.plan.left_out.iter().map(|piece| piece.length_mm).sum::<f64>())?
         .set("layer_singular_points", layer.singular_points)?
+        .set("wires", run.wires.len())?
+        .set("wire_mm", run.wires.iter().map(Tape::length).sum::<f64>())?
         .set("layer_worst_covered_fraction", layer.angle.covered_fraction)?
         .set("layer_empty", layer.plan.empty.map_or(String::new(), |empty| empty.to_string()))?;
     if let Some((cells, iterations, time)) = layer.solved {
