@@ -25,7 +25,7 @@ fn ring(n: usize, rows: usize, radii: [f64; 2], slope: f64) -> SurfaceMesh {
     let at = |i: usize, j: usize| (j * n + i % n) as u32;
     let cut = |i: usize, j: usize| {
         let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
-        if j % 2 == 0 { [[a, d, b], [d, c, b]] } else { [[a, d, c], [a, c, b]] }
+        if j.is_multiple_of(2) { [[a, d, b], [d, c, b]] } else { [[a, d, c], [a, c, b]] }
     };
     SurfaceMesh::new(vertices, (0..rows).flat_map(|j| (0..n).flat_map(move |i| cut(i, j))).collect()).unwrap()
 }

@@ -65,8 +65,11 @@ fn off_triangle(mesh: &SurfaceMesh, corners: &[u32; 3], p: &Point3<f64>) -> f64 
     if inside { (p - a).dot(&normal).abs() } else { edges.into_iter().fold(f64::INFINITY, f64::min) }
 }
 
-/// The four corners of each piece of a tape on a plane.
-fn rectangles(plan: &TapePlan) -> Vec<Vec<([f64; 2], [f64; 2], f64, f64)>> {
+/// A piece of a tape on a plane: its start, direction, length and half width.
+type Rectangle = ([f64; 2], [f64; 2], f64, f64);
+
+/// The pieces of each tape.
+fn rectangles(plan: &TapePlan) -> Vec<Vec<Rectangle>> {
     let of = |tape: &curvlay_toolpath::surface::Tape| {
         let piece = |ends: &[Point3<f64>]| {
             let along = (ends[1] - ends[0]).normalize();
@@ -84,7 +87,7 @@ fn slow_cover(plan: &TapePlan, low: [f64; 2], high: [f64; 2], samples: usize) ->
     for k in 0..samples * samples {
         let at = [(k % samples, 0), (k / samples, 1)]
             .map(|(n, axis)| low[axis] + (high[axis] - low[axis]) * (n as f64 + 0.5) / samples as f64);
-        let under = |piece: &([f64; 2], [f64; 2], f64, f64)| {
+        let under = |piece: &Rectangle| {
             let (from, along, length, half) = piece;
             let [x, y] = [at[0] - from[0], at[1] - from[1]];
             let (forth, side) = (x * along[0] + y * along[1], x * along[1] - y * along[0]);

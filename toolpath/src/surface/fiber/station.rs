@@ -93,8 +93,8 @@ fn smooth(points: &mut [SurfacePoint], closed: bool, share: f64) {
     let moved = |before: usize, k: usize, after: usize| {
         (old[k] * (1.0 - share) + (old[before] + old[after]) * (0.5 * share)).into()
     };
-    for k in 1..last {
-        points[k].position = moved(k - 1, k, k + 1);
+    for (k, point) in points.iter_mut().enumerate().take(last).skip(1) {
+        point.position = moved(k - 1, k, k + 1);
     }
     if closed && last > 1 {
         points[0].position = moved(last - 1, 0, 1);

@@ -142,7 +142,7 @@ pub fn stripes(
     let solver = Solver { mesh, areas: vertex_areas(mesh), edges: &edges, progress };
     let (psi, residual) = solver.solve(field, spacing)?;
 
-    let phases: Vec<f64> = psi.iter().map(|z| turns(z)).collect();
+    let phases: Vec<f64> = psi.iter().map(turns).collect();
     let mut edge_of = vec![u32::MAX; mesh.half_edges() as usize];
     let lower = (0..mesh.half_edges()).filter(|&h| mesh.edge(h) == h);
     lower.zip(0..).for_each(|(h, edge)| edge_of[h as usize] = edge);

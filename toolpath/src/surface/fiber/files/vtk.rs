@@ -38,7 +38,10 @@ pub fn read_stress_vtk(input: impl BufRead, name: Option<&str>) -> Result<Vec<St
                 words.need("the type of the points")?;
                 points = Some(words.numbers::<3>(count)?);
             }
-            "DIMENSIONS" => grid.dims = Some(words.three("a dimension")?),
+            "DIMENSIONS" => {
+                let [x, y, z] = [words.count("a dimension")?, words.count("a dimension")?, words.count("a dimension")?];
+                grid.dims = Some([x, y, z]);
+            }
             "ORIGIN" => grid.origin = words.three("an origin")?,
             "SPACING" | "ASPECT_RATIO" => grid.spacing = words.three("a spacing")?,
             "POINT_DATA" => at_points = Some(words.count("the number of points")?),
@@ -65,7 +68,7 @@ pub fn read_stress_vtk(input: impl BufRead, name: Option<&str>) -> Result<Vec<St
 /// Points without a list.
 #[derive(Default)]
 struct Grid {
-    dims: Option<[f64; 3]>,
+    dims: Option<[u64; 3]>,
     origin: [f64; 3],
     spacing: [f64; 3],
 }
@@ -79,13 +82,10 @@ fn samples<R: BufRead>(
     let points = match (points, grid.dims) {
         (Some(points), _) => points,
         (None, Some(dims)) => {
-            let count = dims.iter().product::<f64>();
-            if count != tensors.len() as f64 {
-                return Err(StressFileError::Columns {
-                    line: words.lines.line,
-                    found: tensors.len(),
-                    wanted: count as usize,
-                });
+            let count = dims.iter().fold(1, |count: u64, &n| count.saturating_mul(n));
+            if count != tensors.len() as u64 {
+                let (line, wanted) = (words.lines.line, usize::try_from(count).unwrap_or(usize::MAX));
+                return Err(StressFileError::Columns { line, found: tensors.len(), wanted });
             }
             let [nx, ny, _] = dims.map(|n| n as usize);
             let place = |k: usize| [k % nx, k / nx % ny, k / nx / ny];
