@@ -1,7 +1,6 @@
 //! An isotropic material, and how a cube of it resists.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SymmetricEigen, Vector3};
-use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Stiffness of a cube: rows and columns are its 8 corners times x, y and z. Corner `k` lies at `x = k & 1`, `y = k >> 1 & 1`, `z = k >> 2`.
 pub(super) type Stiffness = SMatrix<f64, 24, 24>;
@@ -169,7 +168,7 @@ pub fn von_mises(stress: &[f64; 6]) -> f64 {
     let [xx, yy, zz, xy, yz, zx] = *stress;
     let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
     let shear = xy * xy + yz * yz + zx * zx;
-    (normal + 6.0 * shear).sqrt() * FRAC_1_SQRT_2
+    (normal / 2.0 + 3.0 * shear).sqrt()
 }
 
 #[cfg(test)]
@@ -205,7 +204,7 @@ mod tests {
         let [first, second, third] = principal_stresses(&[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
         assert!((first.stress_mpa.abs() - 2.0).abs() < 1e-12 && (first.stress_mpa + second.stress_mpa).abs() < 1e-12);
         assert!(third.stress_mpa.abs() < 1e-12 && (third.direction.z - 1.0).abs() < 1e-12);
-        assert!((first.direction.x.abs() - FRAC_1_SQRT_2).abs() < 1e-12);
+        assert!((first.direction.x.abs() - 0.5f64.sqrt()).abs() < 1e-12);
         assert!((von_mises(&[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]) - 12f64.sqrt()).abs() < 1e-12);
     }
 }

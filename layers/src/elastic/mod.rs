@@ -162,8 +162,7 @@ pub fn solve_elastic(
     if outcome.cancelled {
         return Err(ElasticError::Cancelled);
     }
-    // Not a number counts as no convergence, too.
-    if !(outcome.residual <= tolerance) {
+    if outcome.residual.is_nan() || outcome.residual > tolerance {
         return Err(ElasticError::NoConvergence { iterations: outcome.iterations, residual: outcome.residual });
     }
     u.iter_mut().zip(&moved).for_each(|(u, moved)| multigrid::add(u, *moved));
