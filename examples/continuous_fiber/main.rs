@@ -14,6 +14,7 @@ mod drawing;
 mod layer;
 mod motion;
 mod outputs;
+mod planar;
 mod predict;
 mod specimens;
 mod tapes;
@@ -31,6 +32,7 @@ use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_toolpath::surface::{ConductorOptions, SandwichOptions, Tape, TapeHead, TapeOptions};
 use layer::LoadedLayer;
 use motion::Moved;
+use planar::Planar;
 use predict::{Predictions, predict};
 use rayon::ThreadPoolBuilder;
 use specimens::Specimen;
@@ -208,6 +210,7 @@ impl Args {
 /// What came of it.
 pub struct Run {
     specimens: Vec<Planned>,
+    planar: Planar,
     predictions: Predictions,
     layer: LoadedLayer,
     wires: Vec<Tape>,
@@ -262,6 +265,9 @@ fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
         plan_time += planned.plan_time;
         specimens.push(planned);
     }
+    let curved = specimens.iter().find(|planned| planned.specimen.is_curved());
+    let planar = curved.map(|planned| planar::plan(&planned.specimen, nozzle, bars)).transpose()?;
+    let planar = planar.unwrap_or_else(|| unreachable!("one of them is curved"));
     let [dumbbell, bar, arc] = &specimens[..] else { unreachable!("there are three") };
     let predictions = predict(&[
         (dumbbell.specimen, &dumbbell.schedule),
@@ -280,10 +286,12 @@ fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
     for planned in &specimens {
         judge(planned, &tape_options, &mut findings);
     }
+    let amount = format!("{:.1} mm of {} mm", planar.longest_tape_mm, arc.specimen.tape_mm[0]);
+    findings.add(Severity::Noted, "the longest tape for which a planar layer of the arc has room", amount, "");
     judge_layer(&layer, &mut findings);
     moved.iter().for_each(|moved| judge_motion(moved, &mut findings));
     judge_predictions(&predictions, &mut findings);
-    Ok(Run { specimens, predictions, layer, wires, moved, plan_time, findings })
+    Ok(Run { specimens, planar, predictions, layer, wires, moved, plan_time, findings })
 }
 
 /// What the tapes of a specimen must reach: share covered, and share covered twice.

@@ -34,6 +34,9 @@ pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> R
     for planned in &run.specimens {
         written(&format!("{}.gcode", planned.specimen.name), &planned.moves)?;
     }
+    if !run.planar.moves.is_empty() {
+        written("arc_planar.gcode", &run.planar.moves)?;
+    }
     let loaded = [(Tool::Roller, &run.layer.plan.tapes), (Tool::Conductor, &run.wires)];
     if loaded.iter().any(|(_, tapes)| !tapes.is_empty()) {
         let head = args.head();
@@ -194,6 +197,9 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
             summary.set(key, prediction.ours)?.set(&format!("measured_{key}"), prediction.measured)?;
         }
     }
+    summary
+        .set("arc_planar_layers", run.planar.layers)?
+        .set("arc_planar_longest_tape_mm", run.planar.longest_tape_mm)?;
     of_layer(run, &mut summary)?;
     if let Some(moved) = &run.moved {
         summary
@@ -246,7 +252,7 @@ fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
         .set("layer_left_out_mm", layer.plan.left_out.iter().map(|piece| piece.length_mm).sum::<f64>())?
         .set("layer_singular_points", layer.singular_points)?
         .set("wires", run.wires.len())?
-        .set("wire_mm", run.wires.iter().map(Tape::length).sum::<f64>())?
+        .set("wire_mm", run.wires.iter().map(Tape::length).fold(0.0, |sum, mm| sum + mm))?
         .set("layer_worst_covered_fraction", layer.angle.covered_fraction)?
         .set("layer_empty", layer.plan.empty.map_or(String::new(), |empty| empty.to_string()))?;
     if let Some((cells, iterations, time)) = layer.solved {

@@ -188,6 +188,21 @@ proptest! {
     }
 }
 
+/// A plate with a row of triangles so flat that their cotangents are 1e9, as a border trimmed to a skin has them.
+#[test]
+fn slivers_do_not_make_fields_unsolvable() {
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0], [2.0, -1e-9]];
+    let mut vertices: Vec<Point3<f64>> = corners.iter().map(|[x, y]| Point3::new(*x, *y, 0.0)).collect();
+    let flat = SurfaceMesh::new(vertices.clone(), vec![[0, 1, 2], [0, 2, 3], [0, 4, 1]]).unwrap();
+    let field = DirectionField::from_fn(&flat, |_| Vector3::new(1.0, 1.0, 0.0)).unwrap().smoothed(2.0).unwrap();
+    assert!(field.directions().iter().all(|d| between(d, &Vector3::new(1.0, 1.0, 0.0)) < 1e-6));
+    vertices[4].y = 0.0;
+    if let Ok(none) = SurfaceMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3], [0, 4, 1]]) {
+        let field = DirectionField::from_fn(&none, |_| Vector3::x()).unwrap().smoothed(2.0);
+        assert!(field.is_ok());
+    }
+}
+
 #[test]
 fn stresses_make_a_field() {
     // Bending about a hole: tension on one side, compression on the other, both along x; in the middle nothing is known.
