@@ -5,9 +5,12 @@
 //!
 //! The blade stands before the roller, so the tape is cut while that much of it is still to be laid: `blade` is the length of the shortest tape.
 //!
+//! Between tapes, and to and from the nozzle's work, the head goes over all that is built: straight up, across at a height that is clear, and down
+//! again. Tapes are few, so a longer way costs little.
+//!
 //! ```text
-//! M2730 P1 tool     M2734 heat     for each tape: above its start, M2731 feed, down, M2732 press, lay, M2735 cut, lay the rest,
-//!                                  M2732 S0, off it     M2733 S0     M2730 P0 back to the nozzle
+//! M2730 P1 tool     M2734 heat     for each tape: over its start, M2731 feed, down, M2732 press, lay, M2735 cut, lay the rest,
+//!                                  M2732 S0, off it and up     M2733 S0     M2730 P0 back to the nozzle
 //! ```
 
 use super::Tape;
@@ -28,7 +31,8 @@ pub struct TapeHead {
     pub lay_feed: f64,
     /// Speed of the ways between tapes in mm/s: 80.
     pub travel_feed: f64,
-    /// How far the roller backs off along the normal between tapes, in millimetres: 10.
+    /// How far the roller backs off along the normal at both ends of a tape, and how high it goes over all that is built on its way, in
+    /// millimetres: 10.
     pub hop: f64,
 }
 
@@ -118,7 +122,8 @@ impl TapeHead {
         }
     }
 
-    /// The moves of the tapes of a layer, from the change of the tool to that back to the nozzle; none for no tape.
+    /// The moves of the tapes of a layer, from the change of the tool to that back to the nozzle; none for no tape. On its way from tape to tape
+    /// the head goes over these tapes; [`with_tapes`] knows what else is built.
     ///
     /// # Errors
     /// [`TapeHeadError`]; a tape that is shorter than the blade allows is one.
@@ -142,6 +147,11 @@ impl TapeHead {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn moves(&self, layer: &LayerTapes) -> Result<Vec<Move>, TapeHeadError> {
+        self.moves_over(layer, f64::NEG_INFINITY)
+    }
+
+    /// The same over what is built up to a height over the plate.
+    fn moves_over(&self, layer: &LayerTapes, built_z: f64) -> Result<Vec<Move>, TapeHeadError> {
         self.check()?;
         if layer.tool == Tool::Nozzle {
             return Err(TapeHeadError::Tool { layer: layer.layer });
@@ -149,21 +159,30 @@ impl TapeHead {
         if !layer.lift.is_finite() {
             return Err(TapeHeadError::Layer { layer: layer.layer });
         }
+        for (number, tape) in layer.tapes.iter().enumerate() {
+            self.check_tape(layer, number, tape)?;
+        }
+        let clear_z = self.clear_z(layer, built_z);
         let mut moves = Vec::new();
         let fiber = |command: FiberCommand| Move::Fiber(command);
         for (number, tape) in layer.tapes.iter().enumerate() {
-            self.check_tape(layer, number, tape)?;
             if number == 0 {
                 moves.push(fiber(FiberCommand::Tool(layer.tool)));
                 moves.extend(self.heat(self.celsius, true));
             }
-            self.lay(tape, layer.lift, &mut moves);
+            self.lay(tape, layer.lift, clear_z, &mut moves);
         }
         if !moves.is_empty() {
             moves.extend(self.heat(0.0, false));
             moves.push(fiber(FiberCommand::Tool(Tool::Nozzle)));
         }
         Ok(moves)
+    }
+
+    /// A height that is clear of what is built up to another one, and of tapes.
+    fn clear_z(&self, layer: &LayerTapes, built_z: f64) -> f64 {
+        let tops = layer.tapes.iter().flat_map(|tape| (0..tape.points.len()).map(|k| contact(tape, layer.lift, k).0.z));
+        tops.fold(built_z, f64::max) + self.hop
     }
 
     /// A cold roller has no temperature to wait for.
@@ -186,16 +205,16 @@ impl TapeHead {
     }
 
     /// A tape: above its start, down, along it with a cut on the way, and off it.
-    fn lay(&self, tape: &Tape, lift: f64, moves: &mut Vec<Move>) {
-        let contact =
-            |k: usize| (tape.points[k] + tape.normals[k].into_inner() * (lift + tape.thickness), tape.normals[k]);
+    fn lay(&self, tape: &Tape, lift: f64, clear_z: f64, moves: &mut Vec<Move>) {
+        let contact = |k: usize| contact(tape, lift, k);
         let above = |(tip, direction): (Point3<f64>, UnitVector3<f64>)| Move::Travel {
             tip: tip + direction.into_inner() * self.hop,
             direction,
             feed_mm_s: self.travel_feed,
         };
         let (start, end) = (contact(0), contact(tape.points.len() - 1));
-        moves.push(above(start));
+        let high = |to: Move| over(to, clear_z);
+        moves.extend([high(above(start)), above(start)]);
         moves.push(Move::Fiber(FiberCommand::Feed { length_mm: self.blade }));
         moves.push(Move::Travel { tip: start.0, direction: start.1, feed_mm_s: self.travel_feed });
         moves.push(Move::Fiber(FiberCommand::Press { newtons: self.force_n }));
@@ -218,7 +237,22 @@ impl TapeHead {
             left -= piece;
             moves.push(lay(contact(k)));
         }
-        moves.extend([Move::Fiber(FiberCommand::Press { newtons: 0.0 }), above(end)]);
+        moves.extend([Move::Fiber(FiberCommand::Press { newtons: 0.0 }), above(end), high(above(end))]);
+    }
+}
+
+/// Where the roller touches a tape, on top of it, and how it stands.
+fn contact(tape: &Tape, lift: f64, k: usize) -> (Point3<f64>, UnitVector3<f64>) {
+    (tape.points[k] + tape.normals[k].into_inner() * (lift + tape.thickness), tape.normals[k])
+}
+
+/// A travel, raised to a height over the plate unless it is higher.
+fn over(travel: Move, z: f64) -> Move {
+    match travel {
+        Move::Travel { tip, direction, feed_mm_s } => {
+            Move::Travel { tip: Point3::new(tip.x, tip.y, tip.z.max(z)), direction, feed_mm_s }
+        }
+        other => other,
     }
 }
 
@@ -267,11 +301,10 @@ pub fn with_tapes(
     if let Some(pair) = tapes.windows(2).find(|pair| pair[1].layer < pair[0].layer) {
         return Err(TapeHeadError::Layer { layer: pair[1].layer });
     }
-    let blocks: Vec<(u32, Vec<Move>)> =
-        tapes.iter().map(|layer| Ok((layer.layer, head.moves(layer)?))).collect::<Result<_, TapeHeadError>>()?;
-    let mut blocks = blocks.into_iter().peekable();
-    let (hop, feed_mm_s) = (head.hop, head.travel_feed);
-    let mut bead = None;
+    tapes.iter().try_for_each(|layer| head.moves(layer).map(|_| ()))?;
+    let (mut tapes, head) = (tapes.to_vec().into_iter().peekable(), *head);
+    // The last place of the nozzle, the highest bead, and the height at which the head has left the tapes.
+    let (mut at, mut built_z, mut left_z) = (None, f64::NEG_INFINITY, None);
     let all = moves.into_iter().map(Some).chain([None]).flat_map(move |step| {
         let mut due = Vec::new();
         let next = match step {
@@ -279,19 +312,29 @@ pub fn with_tapes(
             None => u32::MAX,
             _ => 0,
         };
-        while let Some((_, moves)) = blocks.next_if(|(layer, _)| *layer < next) {
-            // The nozzle leaves a bead before the tool changes.
-            if let Some((tip, direction)) = bead.take().filter(|_| !moves.is_empty()) {
-                let direction: UnitVector3<f64> = direction;
-                due.push(Move::Travel { tip: tip + direction.into_inner() * hop, direction, feed_mm_s });
+        while let Some(layer) = tapes.next_if(|layer| layer.layer < next) {
+            // They have been checked.
+            let moves = head.moves_over(&layer, built_z).unwrap_or_default();
+            let clear_z = head.clear_z(&layer, built_z);
+            if let Some((tip, direction)) = at.take().filter(|_| !moves.is_empty()) {
+                due.push(over(Move::Travel { tip, direction, feed_mm_s: head.travel_feed }, clear_z));
             }
+            left_z = if moves.is_empty() { left_z } else { Some(clear_z) };
             due.extend(moves);
         }
-        bead = match step {
-            Some(Move::Print { tip, direction, .. }) => Some((tip, direction)),
-            Some(Move::Travel { .. } | Move::Lay { .. } | Move::Home) => None,
-            _ => bead,
-        };
+        match step {
+            Some(Move::Print { tip, direction, .. }) => {
+                at = Some((tip, direction));
+                built_z = f64::max(built_z, tip.z);
+            }
+            Some(travel @ Move::Travel { tip, direction, .. }) => {
+                // Over where the nozzle goes on, and down there.
+                due.extend(left_z.take().map(|z| over(travel, z)));
+                at = Some((tip, direction));
+            }
+            Some(Move::Home) => (at, left_z) = (None, None),
+            _ => {}
+        }
         due.into_iter().chain(step)
     });
     Ok(all)
