@@ -3,10 +3,10 @@
 //! The roller looks along the tape: its tool angle is given. Where the roller is mounted about its axis is chosen so that the most waypoints are in
 //! reach. The body of the workcell's nozzle stands for that of the roller.
 
+use super::specimens::joined;
 use super::tapes::Planned;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, programs};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::centred_on_plate;
@@ -156,11 +156,7 @@ fn cells_of(planned: &Planned, bars: &Bars) -> Result<(Voxelisation, Vec<Vec<u32
     let specimen = &planned.specimen;
     let mut mesh = specimen.solid();
     if let Some(mould) = specimen.mould_solid() {
-        let count = mesh.vertices.len() as u32;
-        mesh = Mesh {
-            triangles: mesh.triangles.into_iter().chain(mould.triangles.iter().map(|t| t.map(|v| v + count))).collect(),
-            vertices: mesh.vertices.into_iter().chain(mould.vertices).collect(),
-        };
+        mesh = joined(mesh, mould);
     }
     let voxels = VoxelOptions { resolution: Resolution::Cell(CELL_MM), ..VoxelOptions::default() };
     let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &|p| bars.show(p.stage, p.done, p.total))?;

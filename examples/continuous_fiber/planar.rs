@@ -6,8 +6,8 @@ use super::specimens::Specimen;
 use super::tapes::BEAD_MM;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{UnitVector3, Vector3};
-use curvlay_layers::planar::{Solid, flat_layers};
 use curvlay_toolpath::gcode::Move;
 use curvlay_toolpath::surface::{
     DirectionField, LayerSurface, Nozzle, PathOptions, PrintOptions, SurfaceMesh, Tape, TapeOptions, fill_layers,
@@ -24,35 +24,38 @@ pub struct Planar {
     pub longest_tape_mm: f64,
 }
 
-/// Slices the arc and plans its print, with its ends on the plate.
+/// Cuts the arc, which stands on its ends, and plans its print.
 pub fn plan(specimen: &Specimen, nozzle: Option<&Nozzle>, bars: &Bars) -> Result<Planar, Failure> {
-    let mut mesh = specimen.solid();
-    let low = mesh.bounds().map_or(0.0, |[low, _]| low.z);
-    mesh.vertices.iter_mut().for_each(|vertex| vertex.z -= low);
-    let solid = Solid::new(&mesh.vertices, &mesh.triangles).map_err(Failure::new)?;
-    let flat = flat_layers(&solid, &Vector3::z(), specimen.layer_mm)?;
+    let standing = specimen.standing_mm();
+    let count = (standing / specimen.layer_mm).round().max(1.0);
+    let height = standing / count;
+    let layers: Vec<Mesh> = (0..count as u32).map(|k| specimen.section_at((f64::from(k) + 0.5) * height)).collect();
     let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
     // Any tape that fits, however short.
     let [_, width] = specimen.tape_mm;
     let options = TapeOptions { width, spacing: width, min_length: width, ..TapeOptions::default() };
     let mut longest_tape_mm: f64 = 0.0;
-    for layer in &flat.layers {
+    for layer in &layers {
         let surface = SurfaceMesh::new(layer.vertices.clone(), layer.triangles.clone())?;
         let field = DirectionField::from_fn(&surface, |_| Vector3::x())?;
         let plan = lay_tapes(&field, &options, &progress)?;
         longest_tape_mm = plan.tapes.iter().map(Tape::length).fold(longest_tape_mm, f64::max);
     }
-    let moves = nozzle.map_or(Ok(Vec::new()), |nozzle| -> Result<Vec<Move>, Failure> {
-        let surfaces: Vec<LayerSurface> = flat
-            .layers
-            .iter()
-            .map(|layer| (&layer.vertices[..], &layer.triangles[..], &layer.thickness[..]).into())
-            .collect();
-        let options = PathOptions { bead: BEAD_MM, coverage: false, ..PathOptions::default() };
-        let filled = fill_layers(&surfaces, &options, &progress)?;
-        let up: Vec<UnitVector3<f64>> = vec![Vector3::z_axis(); surfaces.len()];
-        let plan = filled.stack(&surfaces)?.plan_along(&up, nozzle, &PrintOptions::default(), &progress)?;
-        Ok(marked_moves(&plan.deposition.moves, &plan.resolved.paths).collect())
-    })?;
-    Ok(Planar { layers: flat.layers.len(), moves, longest_tape_mm })
+    let moves = nozzle.map(|nozzle| moves(&layers, height, nozzle, bars)).transpose()?.unwrap_or_default();
+    Ok(Planar { layers: layers.len(), moves, longest_tape_mm })
+}
+
+fn moves(layers: &[Mesh], height: f64, nozzle: &Nozzle, bars: &Bars) -> Result<Vec<Move>, Failure> {
+    let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
+    let thickness: Vec<Vec<f64>> = layers.iter().map(|layer| vec![height; layer.triangles.len()]).collect();
+    let surfaces: Vec<LayerSurface> = layers
+        .iter()
+        .zip(&thickness)
+        .map(|(layer, thickness)| (&layer.vertices[..], &layer.triangles[..], &thickness[..]).into())
+        .collect();
+    let options = PathOptions { bead: BEAD_MM, coverage: false, ..PathOptions::default() };
+    let filled = fill_layers(&surfaces, &options, &progress)?;
+    let up: Vec<UnitVector3<f64>> = vec![Vector3::z_axis(); surfaces.len()];
+    let plan = filled.stack(&surfaces)?.plan_along(&up, nozzle, &PrintOptions::default(), &progress)?;
+    Ok(marked_moves(&plan.deposition.moves, &plan.resolved.paths).collect())
 }

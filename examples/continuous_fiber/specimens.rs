@@ -147,6 +147,33 @@ impl Specimen {
         self.sheet(length / 2.0, &|_| width / 2.0, height)
     }
 
+    /// How high an arc is that stands on its ends.
+    pub fn standing_mm(&self) -> f64 {
+        match self.shape {
+            Shape::Arc { radius, half_angle, .. } => radius + self.section_mm()[1] - radius * half_angle.cos(),
+            _ => self.section_mm()[1],
+        }
+    }
+
+    /// The plane section of an arc at a height above its ends: between its two cylinders and its two end faces.
+    pub fn section_at(&self, z: f64) -> Mesh {
+        let Shape::Arc { radius, half_angle, .. } = self.shape else {
+            return Mesh { vertices: Vec::new(), triangles: Vec::new() };
+        };
+        let over = radius * half_angle.cos() + z;
+        let chord = |r: f64| (r * r - over * over).max(0.0).sqrt();
+        let (inner, outer) = (chord(radius), chord(radius + self.section_mm()[1]).min(over * half_angle.tan()));
+        let half_width = |_: f64| self.section_mm()[0] / 2.0;
+        let place = |x: f64, y: f64| Point3::new(x, y, z);
+        let mut parts = Vec::new();
+        if inner <= 0.0 {
+            parts.push(sheet([-outer, outer], &half_width, &place));
+        } else if outer > inner {
+            parts.extend([[-outer, -inner], [inner, outer]].map(|span| sheet(span, &half_width, &place)));
+        }
+        parts.into_iter().fold(Mesh { vertices: Vec::new(), triangles: Vec::new() }, joined)
+    }
+
     /// The mould below an arc, which is wider and longer than it.
     pub fn mould(&self) -> Option<Mesh> {
         let Shape::Arc { radius, .. } = self.shape else { return None };
@@ -155,24 +182,7 @@ impl Specimen {
     }
 
     fn sheet(&self, half_length: f64, half_width: &dyn Fn(f64) -> f64, height: f64) -> Mesh {
-        let columns = (2.0 * half_length / STEP_MM).ceil().max(2.0) as u32;
-        let mut vertices = Vec::new();
-        for column in 0..=columns {
-            let x = half_length * (2.0 * f64::from(column) / f64::from(columns) - 1.0);
-            for row in 0..=ROWS {
-                let y = half_width(x) * (2.0 * f64::from(row) / f64::from(ROWS) - 1.0);
-                vertices.push(self.place(x, y, height));
-            }
-        }
-        let mut triangles = Vec::new();
-        for column in 0..columns {
-            for row in 0..ROWS {
-                let a = column * (ROWS + 1) + row;
-                let b = a + ROWS + 1;
-                triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
-            }
-        }
-        Mesh { vertices, triangles }
+        sheet([-half_length, half_length], half_width, &|x, y| self.place(x, y, height))
     }
 
     /// The closed solid.
@@ -193,6 +203,36 @@ impl Specimen {
             Shape::Arc { radius, .. } => p.x.hypot(p.z - (CROWN_MM - radius)) - radius,
             _ => p.z,
         }
+    }
+}
+
+/// A sheet of quads from one end to the other, as wide as it is at each place.
+fn sheet([from, to]: [f64; 2], half_width: &dyn Fn(f64) -> f64, place: &dyn Fn(f64, f64) -> Point3<f64>) -> Mesh {
+    let columns = ((to - from) / STEP_MM).ceil().max(2.0) as u32;
+    let mut vertices = Vec::new();
+    for column in 0..=columns {
+        let x = from + (to - from) * f64::from(column) / f64::from(columns);
+        let across = |row: u32| half_width(x) * (2.0 * f64::from(row) / f64::from(ROWS) - 1.0);
+        vertices.extend((0..=ROWS).map(|row| place(x, across(row))));
+    }
+    let mut triangles = Vec::new();
+    for column in 0..columns {
+        for row in 0..ROWS {
+            let a = column * (ROWS + 1) + row;
+            let b = a + ROWS + 1;
+            triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    Mesh { vertices, triangles }
+}
+
+/// Two meshes as one, not connected.
+pub fn joined(one: Mesh, other: Mesh) -> Mesh {
+    let count = one.vertices.len() as u32;
+    let others = other.triangles.iter().map(|corners| corners.map(|v| v + count));
+    Mesh {
+        triangles: one.triangles.iter().copied().chain(others).collect(),
+        vertices: one.vertices.iter().chain(&other.vertices).copied().collect(),
     }
 }
 

@@ -104,6 +104,10 @@ fn the_specimens_have_their_tapes() {
     // Theory beside the measured: an upper bound, and never less than the thermoplastic alone.
     assert_eq!((figure("measured_modulus_gpa"), figure("measured_rigidity_nm2")), (2.32, 0.671));
     assert!(figure("modulus_gpa") > 2.32 && figure("rigidity_nm2") > 0.671 && figure("arc_cr_cu") > 1.3);
+    // The chord just above the inner cylinder: 2 sqrt(64.2^2 - 60^2), and no layer lies right there.
+    let longest = figure("arc_planar_longest_tape_mm");
+    assert!(longest > 40.0 && longest <= 2.0 * (64.2f64.powi(2) - 3600.0).sqrt(), "{longest}");
+    assert!(moves(&path.join("arc_planar.gcode")).iter().any(|step| matches!(step, Move::Print { .. })));
     assert_eq!(figure("motion_faults"), 0.0);
     assert!(figure("motion_turn_deg") < 2.1 && figure("motion_deviation_mm") < 0.1);
     let script = fs::read(path.join("arc_tapes_001.script")).unwrap();
