@@ -114,6 +114,17 @@ fn a_bar_is_covered() {
     assert!(plan.ends.iter().flatten().all(|end| *end == TapeLimit::LineEnd) && plan.left_out.is_empty());
 }
 
+#[test]
+fn of_three_lines_with_room_for_two_the_outer_ones_are_laid() {
+    // Stripes are 4.3 mm apart here; the outer ones are moved off the borders, and the one in the middle has no room.
+    let mesh = strip([50, 4], 250.0, |_| 13.0, flat);
+    let plan = along_x(&mesh, &TapeOptions::default());
+    check_plan(&mesh, &plan, &TapeOptions::default());
+    assert_eq!(plan.tapes.len(), 2);
+    assert!((plan.cover.covered_fraction - 10.0 / 13.0).abs() < 0.02, "{:?}", plan.cover);
+    assert!(plan.left_out.iter().any(|piece| piece.limit == TapeLimit::Overlap));
+}
+
 /// Its arc: 75 degrees at 60 mm, 10 mm wide. Tapes bend over the cylinder, not in it.
 #[test]
 fn an_arc_is_covered() {

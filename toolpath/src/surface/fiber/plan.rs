@@ -296,7 +296,7 @@ pub fn plan_tapes(
         return Err(TapeError::TooMany { width: options.width, length });
     }
     let along = crate::surface::parallel::map(lines, "lines", progress, |_, line| {
-        let stations = stations(&layer, line, step, options.width);
+        let stations = stations(&layer, line, step, options.width, options.min_radius);
         let limits = stations.iter().map(|station| by_itself(mesh, station, options)).collect();
         Walked { stations, limits, closed: line.closed }
     });
