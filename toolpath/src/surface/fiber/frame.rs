@@ -4,7 +4,7 @@
 //! Crane, Pinkall, Schröder, "Globally optimal direction fields", ACM TOG 32(4), 2013: `n = 2`).
 
 use crate::surface::mesh::SurfaceMesh;
-use nalgebra::{Matrix2, Rotation3, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Two unit vectors across a unit normal, right-handed with it.
 pub(super) fn axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
@@ -16,9 +16,15 @@ pub(super) fn axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
 }
 
 /// Turns a vector as the tangent plane turns on the shortest way from one unit normal to another.
+///
+/// By Rodrigues' formula without the angle: `Rotation3::rotation_between` gives NaN for normals that differ by rounding alone.
 pub(super) fn carry(vector: Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+    let (axis, cosine) = (from.cross(to), from.dot(to));
     // Opposite normals have no shortest way; a vector stays as it is then.
-    Rotation3::rotation_between(from, to).map_or(vector, |turn| turn * vector)
+    if 1.0 + cosine <= f64::EPSILON {
+        return vector;
+    }
+    vector * cosine + axis.cross(&vector) + axis * (axis.dot(&vector) / (1.0 + cosine))
 }
 
 /// The frames of all vertices of a mesh.
@@ -82,4 +88,25 @@ pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
     // A triangle without area has no cotangents; `max` takes the number.
     weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT).min(MOST_WEIGHT));
     weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::carry;
+    use nalgebra::{Rotation3, Vector3};
+
+    #[test]
+    fn vectors_are_carried_as_by_the_shortest_rotation() {
+        let vectors = [[1.0, 0.0, 0.0], [0.3, -2.0, 0.7], [0.0, 0.6, 0.8]].map(Vector3::from);
+        let units = [[0.0, 0.0, 1.0], [1.0, 2.0, -0.5], [-0.2, 0.1, 3.0]].map(|v| Vector3::from(v).normalize());
+        for (from, to) in units.iter().flat_map(|from| units.iter().map(move |to| (from, to))).filter(|(a, b)| a != b) {
+            let turn = Rotation3::rotation_between(from, to).unwrap();
+            assert!(vectors.iter().all(|v| (turn * v - carry(*v, from, to)).norm() < 1e-12));
+        }
+        // Two normals of a layer of the bunny, which differ by rounding.
+        let from = Vector3::new(-0.180_330_273_886_256_58, 0.206_632_789_286_015_7, 0.961_656_842_492_158_8);
+        let to = Vector3::new(-0.180_330_273_886_257_3, 0.206_632_789_286_012_03, 0.961_656_842_492_159_5);
+        assert!(vectors.iter().all(|v| (v - carry(*v, &from, &to)).norm() < 1e-12));
+        assert_eq!(carry(vectors[1], &units[0], &-units[0]), vectors[1]);
+    }
 }
