@@ -171,8 +171,16 @@ fn tapes_that_cannot_be_laid() {
 fn a_sandwich_in_a_machine_file() {
     let direction = Vector3::z_axis();
     let (width, height, kind) = (1.0, 0.6, BeadKind::Solid);
-    let at =
-        |x: f64, z: f64| Waypoint { tip: Point3::new(x, 0.0, z), direction, width, height, arc: x, added: false, kind };
+    let at = |x: f64, z: f64| Waypoint {
+        tip: Point3::new(x, 0.0, z),
+        direction,
+        width,
+        height,
+        arc: x,
+        added: false,
+        lift: 0.0,
+        kind,
+    };
     let path = |layer: u32| {
         let z = 0.6 * f64::from(layer + 1);
         ToolPath { layer, curve: 0, closed: false, waypoints: vec![at(0.0, z), at(50.0, z)] }
