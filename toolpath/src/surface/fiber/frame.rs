@@ -70,11 +70,7 @@ pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
 /// an edge still holds its ends together.
 const LEAST_WEIGHT: f64 = 0.05;
 
-/// Weights above this are lowered to it: the cotangent of 1.1 degrees. Slivers, which layers that are trimmed to a skin have at their border, make them so large that
-/// rounding drowns all others, or infinite.
-const MOST_WEIGHT: f64 = 50.0;
-
-/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`LEAST_WEIGHT`], at most [`MOST_WEIGHT`].
+/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`LEAST_WEIGHT`].
 pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
     let mut weights = vec![0.0; mesh.half_edges() as usize];
     for h in 0..mesh.half_edges() {
@@ -85,8 +81,7 @@ pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
         let (u, v) = (a - c, b - c);
         weights[mesh.edge(h) as usize] += 0.5 * u.dot(&v) / u.cross(&v).norm();
     }
-    // A triangle without area has no cotangents; `max` takes the number.
-    weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT).min(MOST_WEIGHT));
+    weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT));
     weights
 }
 
