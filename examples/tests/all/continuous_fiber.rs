@@ -10,6 +10,7 @@ use crate::common::summary;
 use clap::Parser;
 use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::nalgebra::Point3;
 use curvlay_kinematics::program::{HeadSignal, Step, UrScriptReader};
 use curvlay_toolpath::gcode::{FiberCommand, GcodeReader, Move, ReadOptions, Tool};
 use example::Args;
@@ -85,7 +86,7 @@ fn the_specimens_have_their_tapes() {
         runs.dedup();
         assert_eq!(runs.iter().collect::<String>(), format!("{}p", "pt".repeat(tapes as usize)), "{name}");
         // The roller presses along the normal of what it rolls over: across its way.
-        let mut at = None;
+        let mut at: Option<Point3<f64>> = None;
         for step in &file {
             match step {
                 Move::Lay { tip, direction, .. } => {
