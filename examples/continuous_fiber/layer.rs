@@ -29,7 +29,7 @@ const REACH_CELLS: f64 = 3.0;
 const CELLS: u64 = 60_000;
 /// Load on the arc at its crown, in N, and how long it is along the arc, in mm.
 const CROWN_N: f64 = 100.0;
-const CROWN_MM: f64 = 3.0;
+const PRESSED_MM: f64 = 3.0;
 /// Edge of the cells of the arc in millimetres: one a layer.
 const ARC_CELL_MM: f64 = 0.6;
 /// What loads a part without options: so many newtons along x, on so much of its height from the top.
@@ -52,12 +52,23 @@ pub struct LoadedLayer {
     pub plan: TapePlan,
     /// How well they follow.
     pub angle: PrincipalAngle,
-    /// Cells of the solver, its iterations and its time; none with stresses of a file.
-    pub solved: Option<(usize, u32, Duration)>,
+    /// The work of the solver; none with stresses of a file.
+    pub solved: Option<Solved>,
     /// Time for directions and tapes.
     pub plan_time: Duration,
     /// Half the height of the layer, in millimetres: from its middle to its top.
     pub lift: f64,
+}
+
+/// The work of the solver.
+#[derive(Clone, Copy, Debug)]
+pub struct Solved {
+    /// Cells.
+    pub cells: usize,
+    /// Iterations.
+    pub iterations: u32,
+    /// On the clock.
+    pub time: Duration,
 }
 
 /// A solid as cells, held and loaded.
@@ -73,7 +84,7 @@ struct Loaded<'a> {
 
 impl Loaded<'_> {
     /// Stresses at the centres of cells, in the frame of the boxes.
-    fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, (usize, u32, Duration)), Failure> {
+    fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, Solved), Failure> {
         let grid = &self.solid.grid;
         let cells = Cells::new(grid.dims(), grid.rows())?;
         let material =
@@ -91,7 +102,7 @@ impl Loaded<'_> {
         let sample =
             |(&cell, stress): (&u32, &[f64; 6])| StressSample { point: place(cell), stress: stress_matrix(stress) };
         let samples = solved.cells.iter().zip(&solved.stresses_mpa).map(sample).collect();
-        Ok((samples, (solved.cells.len(), solved.iterations, time)))
+        Ok((samples, Solved { cells: solved.cells.len(), iterations: solved.iterations, time }))
     }
 
     /// A box of the user in the frame of the grid.
@@ -148,7 +159,7 @@ pub fn arc(specimen: &Specimen, options: &TapeOptions, smoothing: f64, bars: &Ba
     };
     let (left, right) = (edge(f64::NEG_INFINITY, 0.0), edge(0.0, f64::INFINITY));
     let slides = Support { region: right, displacement_mm: [None, Some(0.0), Some(0.0)] };
-    let half = CROWN_MM / 2.0;
+    let half = PRESSED_MM / 2.0;
     let crown =
         loaded.region(Boxed([[-half, f64::NEG_INFINITY, high.z - ARC_CELL_MM], [half, f64::INFINITY, f64::INFINITY]]));
     loaded.supports = vec![Support::fixed(left), slides];

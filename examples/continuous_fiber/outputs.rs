@@ -1,5 +1,6 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
 
+use super::layer::Solved;
 use super::predict::{MEASURED_GPA, MEASURED_NM2, deflection_mm};
 use super::tapes::Planned;
 use super::{Args, Run, drawing};
@@ -99,8 +100,8 @@ fn radius(mm: f64) -> String {
 pub fn tapes(run: &Run) -> Table {
     let mut table =
         Table::new(["", "tapes", "mm", "covered", "twice", "least radius mm", "whole layer covered", "twice"]);
-    for Planned { specimen, filled, .. } in &run.specimens {
-        let Some(planned) = run.specimens.iter().find(|other| other.specimen == *specimen) else { continue };
+    for planned in &run.specimens {
+        let (specimen, filled) = (&planned.specimen, &planned.filled);
         let [covered, overlap, least] = planned.cover();
         table.row([
             specimen.title.to_owned(),
@@ -255,7 +256,7 @@ fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
         .set("wire_mm", run.wires.iter().map(Tape::length).fold(0.0, |sum, mm| sum + mm))?
         .set("layer_worst_covered_fraction", layer.angle.covered_fraction)?
         .set("layer_empty", layer.plan.empty.map_or(String::new(), |empty| empty.to_string()))?;
-    if let Some((cells, iterations, time)) = layer.solved {
+    if let Some(Solved { cells, iterations, time }) = layer.solved {
         summary.set("elastic_cells", cells)?.set("elastic_iterations", iterations)?.set_seconds("elastic_s", time)?;
     }
     Ok(())

@@ -302,7 +302,7 @@ pub fn with_tapes(
         return Err(TapeHeadError::Layer { layer: pair[1].layer });
     }
     tapes.iter().try_for_each(|layer| head.moves(layer).map(|_| ()))?;
-    let (mut tapes, head) = (tapes.to_vec().into_iter().peekable(), *head);
+    let (mut tapes, head) = (tapes.iter().peekable(), *head);
     // The last place of the nozzle, the highest bead, and the height at which the head has left the tapes.
     let (mut at, mut built_z, mut left_z) = (None, f64::NEG_INFINITY, None);
     let all = moves.into_iter().map(Some).chain([None]).flat_map(move |step| {
@@ -314,8 +314,8 @@ pub fn with_tapes(
         };
         while let Some(layer) = tapes.next_if(|layer| layer.layer < next) {
             // They have been checked.
-            let moves = head.moves_over(&layer, built_z).unwrap_or_default();
-            let clear_z = head.clear_z(&layer, built_z);
+            let moves = head.moves_over(layer, built_z).unwrap_or_default();
+            let clear_z = head.clear_z(layer, built_z);
             if let Some((tip, direction)) = at.take().filter(|_| !moves.is_empty()) {
                 due.push(over(Move::Travel { tip, direction, feed_mm_s: head.travel_feed }, clear_z));
             }
