@@ -14,6 +14,7 @@ pub mod gcode;
 #[cfg(feature = "serde")]
 mod infinite;
 mod progress;
+mod sparse;
 pub mod surface;
 
 pub use nalgebra;

@@ -13,6 +13,8 @@
 //!   of it ([`LayerStack::travels`]). [`LayerStack::contacts`] reports how deep a nozzle is in what is built, at any pose and
 //!   moment of the print.
 //! * [`check_support`]: which beads lie on nothing, judged by the paths as they are laid.
+//! * [`lay_tapes`]: tapes of continuous fibre along a [`DirectionField`], which may come from stresses ([`LayerStress`]), or along guide curves
+//!   ([`lay_tapes_along`]); [`angle_to_principal`] tells how well they follow the load.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as a plan of timed moves.
 //!
 //! All of this in two calls: [`fill_layers`] fills the surfaces of a part and orders their curves, [`FilledLayers::plan`] plans the
@@ -47,7 +49,15 @@ mod with_support;
 pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
-pub use fiber::Tape;
+pub use fiber::{
+    CentreLine, ConductorError, ConductorOptions, DirectionError, DirectionField, EmptyPlan, LayUp, LayerStress,
+    LayerTapes, LeftOutTape, OffsetError, Principal, PrincipalAngle, STRESS_CSV_HEADER, SandwichError, SandwichLayer,
+    SandwichOptions, Singularity, StiffnessError, StressError, StressFileError, StressOptions, StressSample,
+    StripeError, Stripes, Tape, TapeCover, TapeError, TapeHead, TapeHeadError, TapeInSection, TapeLimit, TapeOptions,
+    TapePlan, angle_to_principal, arch_stiffness_n_mm, conductor, lay_tapes, lay_tapes_along, offset_lines, plan_tapes,
+    raise, read_stress_csv, read_stress_frd, read_stress_vtk, sandwich, stripes, three_point_rigidity_nm2, with_tapes,
+    write_stress_csv,
+};
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,
     estimate_fill, fill_layer, fill_layers, fill_range, fill_rest,

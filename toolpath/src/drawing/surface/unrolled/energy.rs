@@ -6,8 +6,8 @@
 //! *As rigid as possible*: each triangle is turned as well as it can be (local), then all vertices follow from a Laplace system (global),
 //! again and again; the matrix stays the same (Liu et al. 2008, section 4).
 
-use super::cholesky::{Cholesky, Entries};
 use super::patch::Patch;
+use crate::sparse::{Cholesky, Entries};
 use nalgebra::Complex;
 
 type C = Complex<f64>;

@@ -6,7 +6,6 @@
 //!
 //! Departs from them: the patch is what looks up around the z axis; it comes to lie with its pole in the origin, turned as the drawing is.
 
-mod cholesky;
 mod energy;
 mod patch;
 
