@@ -18,12 +18,15 @@ mod contacts;
 mod crossing;
 mod cut;
 mod error;
+mod follow;
 mod head;
+mod merging;
 mod mixture;
 mod promise;
 mod segment;
 mod sequence;
 mod skeleton;
+mod split;
 mod state;
 mod tuning;
 
