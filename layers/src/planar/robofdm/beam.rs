@@ -14,7 +14,8 @@
 
 use super::error::RoboFdmError;
 use super::sequence::BuildSequence;
-use super::state::{Promises, Split, State, are_near};
+use super::split::Trial;
+use super::state::{Node, Promises, State, are_near};
 use super::tuning::{Decomposition, LEAST_GAIN, TuningOptions};
 use crate::Progress;
 use crate::planar::{CutPlane, Solid};
@@ -47,59 +48,139 @@ impl Default for BeamOptions {
 struct Member {
     state: State,
     known: Promises,
-    risky: f64,
-    seam: f64,
 }
 
 impl Member {
-    fn of(state: State, known: Promises) -> Self {
-        Member { risky: state.risky(), seam: state.seam(), state, known }
+    /// What ranks it: less risky first, then fewer parts, then less seam.
+    fn rank(&self) -> Rank {
+        Rank { risky: self.state.risky(), parts: self.state.nodes.len(), seam: self.state.seam() }
     }
 
-    /// Less risky first, then fewer parts, then less seam.
+    /// The most promising cuts, different from each other.
+    fn cuts(&mut self, least: f64, most: usize) -> Vec<(f64, usize, CutPlane)> {
+        let planes = self.state.planes(&mut self.known, least);
+        let cells: Vec<u32> = self.state.nodes.iter().map(|node| node.cell).collect();
+        self.known.retain(|cell, _| cells.contains(cell));
+        let spacing = self.state.options.spacing;
+        let mut cuts: Vec<(f64, usize, CutPlane)> = Vec::new();
+        for (promise, node, plane) in planes {
+            if cuts.len() == most {
+                break;
+            }
+            if !cuts.iter().any(|(_, other, known)| *other == node && are_near(known, &plane, spacing)) {
+                cuts.push((promise, node, plane));
+            }
+        }
+        cuts
+    }
+}
+
+/// What a partial result is judged by.
+#[derive(Clone, Copy)]
+struct Rank {
+    risky: f64,
+    parts: usize,
+    seam: f64,
+}
+
+impl Rank {
     fn order(&self, other: &Self) -> std::cmp::Ordering {
-        let parts = self.state.nodes.len().cmp(&other.state.nodes.len());
+        let parts = self.parts.cmp(&other.parts);
         self.risky.total_cmp(&other.risky).then(parts).then(self.seam.total_cmp(&other.seam))
     }
 
     /// The same cuts in another order, as far as that shows.
     fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
-        self.state.nodes.len() == other.state.nodes.len()
-            && near(self.risky, other.risky)
-            && near(self.seam, other.seam)
-    }
-
-    /// What comes of the most promising cuts.
-    fn children(&mut self, least: f64, branches: usize) -> Vec<Member> {
-        let planes = self.state.planes(&mut self.known, least);
-        let cells: Vec<u32> = self.state.nodes.iter().map(|node| node.cell).collect();
-        self.known.retain(|cell, _| cells.contains(cell));
-        let mut tried: Vec<(usize, CutPlane)> = Vec::new();
-        let mut children: Vec<Member> = Vec::new();
-        for (_, node, plane) in planes {
-            let spacing = self.state.options.spacing;
-            if tried.iter().any(|(other, known)| *other == node && are_near(known, &plane, spacing)) {
-                continue;
-            }
-            if tried.len() >= TRIALS * branches || children.len() >= branches {
-                break;
-            }
-            tried.push((node, plane));
-            let mut next = self.state.clone();
-            if next.split(node, &plane) == Split::Made {
-                let child = Member::of(next, self.known.clone());
-                if self.risky - child.risky >= least {
-                    children.push(child);
-                }
-            }
-        }
-        children
+        self.parts == other.parts && near(self.risky, other.risky) && near(self.seam, other.seam)
     }
 }
 
-/// Cuts that are tried for each that is wanted.
+/// A cut of a partial result that was not tried yet, and what would be left then if it keeps its promise.
+struct Candidate {
+    left: f64,
+    member: usize,
+    node: usize,
+    plane: CutPlane,
+}
+
+impl Candidate {
+    /// Tries the cut; `None` if it is worth nothing, or cannot be made.
+    fn tried(&self, beam: &[Member], least: f64) -> Option<(Rank, Trial)> {
+        let state = &beam[self.member].state;
+        let trial = state.tried(self.node, &self.plane)?;
+        let Node { risky, seam, .. } = state.nodes[self.node];
+        let rank = Rank {
+            risky: state.risky() - risky + trial.risky(),
+            parts: state.nodes.len() + trial.parts.len() - 1,
+            seam: state.seam() - seam + trial.seam(),
+        };
+        let counts = risky - trial.risky() >= least && state.trial_passes(self.node, &trial) && trial.is_sound();
+        counts.then_some((rank, trial))
+    }
+}
+
+/// Cuts that are noted for each that is wanted of a partial result.
 const TRIALS: usize = 3;
+
+/// Cuts that are tried at once. Constant, so that the result does not depend on threads.
+const AT_ONCE: usize = 8;
+
+/// The next partial results: cuts in the order of what they promise, until so many are made that are worth it and differ.
+fn next_beam(beam: &mut [Member], least: f64, options: &BeamOptions) -> Vec<Member> {
+    let of = |member: &mut Member| member.cuts(least, TRIALS * options.branches);
+    let cuts: Vec<_> = mapped_mut(beam, of);
+    let mut candidates = Vec::new();
+    for (member, cuts) in cuts.into_iter().enumerate() {
+        let risky = beam[member].state.risky();
+        let candidate = |(promise, node, plane)| Candidate { left: risky - promise, member, node, plane };
+        candidates.extend(cuts.into_iter().map(candidate));
+    }
+    // Stable: of equals that of the better partial result.
+    candidates.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let mut made: Vec<(Rank, &Candidate)> = Vec::new();
+    let mut of_member = vec![0; beam.len()];
+    for some in candidates.chunks(AT_ONCE) {
+        if made.len() >= options.width {
+            break;
+        }
+        let tried = mapped(some, |candidate| candidate.tried(beam, least).map(|(rank, _)| rank));
+        for (candidate, rank) in some.iter().zip(tried) {
+            let Some(rank) = rank else { continue };
+            if of_member[candidate.member] < options.branches && !made.iter().any(|(known, _)| known.is_like(&rank)) {
+                of_member[candidate.member] += 1;
+                made.push((rank, candidate));
+            }
+        }
+    }
+    made.sort_by(|a, b| a.0.order(&b.0));
+    made.truncate(options.width);
+    mapped(&made, |(_, candidate)| {
+        let mut member = beam[candidate.member].clone();
+        member.state.split(candidate.node, &candidate.plane);
+        member
+    })
+}
+
+#[cfg(feature = "rayon")]
+fn mapped<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+    items.par_iter().map(of).collect()
+}
+
+#[cfg(feature = "rayon")]
+fn mapped_mut<T: Send, R: Send>(items: &mut [T], of: impl Fn(&mut T) -> R + Sync + Send) -> Vec<R> {
+    items.par_iter_mut().map(of).collect()
+}
+
+#[cfg(not(feature = "rayon"))]
+fn mapped<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
+    items.iter().map(of).collect()
+}
+
+#[cfg(not(feature = "rayon"))]
+fn mapped_mut<T, R>(items: &mut [T], of: impl Fn(&mut T) -> R) -> Vec<R> {
+    items.iter_mut().map(of).collect()
+}
 
 /// Cuts a solid by a beam search.
 ///
@@ -159,28 +240,24 @@ pub fn beam_search(
     let up = options.direction / length;
     let whole = State::whole(solid, up, &options.tuning);
     let before = whole.risky();
-    let mut beam = vec![Member::of(whole.clone(), Promises::new())];
+    let member = |state: State| Member { state, known: Promises::new() };
+    let mut beam = vec![member(whole.clone())];
     if let Some(sequence) = sequence {
         let mut state = whole;
         state.follow(sequence, &|done, total| tell("planes", done, total))?;
         state.merge();
-        beam.push(Member::of(state, Promises::new()));
+        beam.push(member(state));
     }
-    beam.sort_by(Member::order);
+    beam.sort_by(|a, b| a.rank().order(&b.rank()));
     let mut best = beam[0].clone();
-    let first = best.risky;
+    let first = best.rank().risky;
     let (least, goal) = (LEAST_GAIN * before, options.tuning.goal * before);
     let mut halvings = 0;
-    while best.risky > goal {
+    while best.rank().risky > goal {
         tell("beam", best.state.nodes.len(), options.tuning.max_parts)?;
         beam.retain(|member| member.state.nodes.len() < options.tuning.max_parts);
-        let grow = |member: &mut Member| member.children(least, options.branches);
-        #[cfg(feature = "rayon")]
-        let grown: Vec<Vec<Member>> = beam.par_iter_mut().map(grow).collect();
-        #[cfg(not(feature = "rayon"))]
-        let grown: Vec<Vec<Member>> = beam.iter_mut().map(grow).collect();
-        let mut children: Vec<Member> = grown.into_iter().flatten().collect();
-        if children.is_empty() {
+        let next = next_beam(&mut beam, least, options);
+        if next.is_empty() {
             if halvings == options.tuning.halvings || beam.is_empty() {
                 break;
             }
@@ -193,11 +270,8 @@ pub fn beam_search(
             }
             continue;
         }
-        children.sort_by(Member::order);
-        children.dedup_by(|later, earlier| later.is_like(earlier));
-        children.truncate(options.width);
-        beam = children;
-        if beam[0].order(&best).is_lt() {
+        beam = next;
+        if beam[0].rank().order(&best.rank()).is_lt() {
             best = beam[0].clone();
         }
     }
