@@ -264,8 +264,7 @@ pub fn beam_search(
             // What is left takes finer planes, and a seam that pays less.
             halvings += 1;
             for member in &mut beam {
-                member.state.options.spacing /= 2.0;
-                member.state.options.seam_cost /= 2.0;
+                member.state.options = member.state.options.finer();
                 member.known.clear();
             }
             continue;

@@ -231,7 +231,7 @@ impl Map {
 
 /// A triangle that two strips have cut has seven corners: each of four lines adds one. The others are for rounding, which may make a line
 /// cross an edge that lies in it.
-const MAX_CORNERS: usize = 12;
+const MAX_CORNERS: usize = 9;
 
 /// A convex polygon.
 #[derive(Clone, Copy)]
@@ -254,15 +254,15 @@ impl Polygon {
     }
 
     /// What is left between two values of a coordinate (I. E. Sutherland and G. W. Hodgman, 1974).
-    fn clipped(self, axis: usize, low: f64, high: f64) -> Self {
+    fn clipped(&self, axis: usize, low: f64, high: f64) -> Self {
         if self.corners().iter().all(|p| low <= p[axis] && p[axis] <= high) {
-            return self;
+            return *self;
         }
         self.half(axis, low, 1.0).half(axis, high, -1.0)
     }
 
-    fn half(self, axis: usize, bound: f64, sign: f64) -> Self {
-        let mut kept = Polygon { count: 0, ..self };
+    fn half(&self, axis: usize, bound: f64, sign: f64) -> Self {
+        let mut kept = Polygon { corners: [Vector3::zeros(); MAX_CORNERS], count: 0 };
         for (k, a) in self.corners().iter().enumerate() {
             let b = &self.corners[(k + 1) % self.count];
             let [ha, hb] = [a, b].map(|p| (p[axis] - bound) * sign);

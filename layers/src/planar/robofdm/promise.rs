@@ -122,6 +122,8 @@ struct Surface {
     neighbours: Vec<u32>,
     /// For each cell beyond, whether it is earlier, and the vertices of the section with it.
     sections: Vec<(bool, Vec<u32>)>,
+    /// The vertices of what lies on earlier parts or on the platform.
+    supports: Vec<u32>,
 }
 
 impl Surface {
@@ -131,6 +133,7 @@ impl Surface {
         let mut places = Vec::new();
         let mut facets = Vec::with_capacity(walls.len());
         let mut sections: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let mut supports = Vec::new();
         for wall in walls {
             let mut corners = [0; 3];
             for k in 0..3 {
@@ -143,6 +146,9 @@ impl Surface {
             }
             if let Some(beyond) = wall.beyond {
                 sections.entry(beyond).or_default().extend(corners);
+            }
+            if judge.is_supported(wall) {
+                supports.extend(corners);
             }
             let vector = area_vector(&wall.places);
             facets.push(Facet {
@@ -172,7 +178,9 @@ impl Surface {
             (judge.earlier.contains(&beyond), vertices)
         };
         let sections = sections.into_iter().map(section).collect();
-        Surface { places, facets, first, neighbours, sections }
+        supports.sort_unstable();
+        supports.dedup();
+        Surface { places, facets, first, neighbours, sections, supports }
     }
 
     /// The facets whose loss to a part that is printed along a normal changes the risky area, and by how much.
@@ -239,12 +247,14 @@ impl Surface {
             })
             .collect();
 
+        // Where nothing is left that stands there is no cut.
+        let stands_to = self.supports.iter().map(|&v| heights[v as usize]).fold(f64::INFINITY, f64::min);
         let mut gains = Vec::new();
         let mut roots: Vec<u32> = Vec::new();
         // What facets that a plane crosses add to the piece of a root, and at which plane it is barred.
         let mut partly = vec![0.0; heights.len()];
         let mut barred_at = vec![u32::MAX; heights.len()];
-        for l in (0..count).rev() {
+        for l in (0..count).rev().take_while(|&l| offset(l) > stands_to) {
             // Above plane l is what lies above plane l + 1, and what has l + 1 planes below.
             let level = l as u32 + 1;
             for &v in by_level.of(l + 1) {

@@ -39,7 +39,8 @@ pub struct TuningOptions {
     pub normals: usize,
     /// Distance of the planes that are tried, in mm. Default 5, the paper's.
     pub spacing: f64,
-    /// How often that distance is halved, and with it the cost of seams, when no plane is worth a cut any more. Default 3; the paper has 0.
+    /// How often that distance is halved, and with it the cost of seams, and normals are doubled, when no plane is worth a cut any more.
+    /// Default 3; the paper has 0.
     pub halvings: u32,
     /// Whether no two base sections may intersect: constraint I to the letter. Default `false`: the section of a cut may end on the
     /// base plane of a part that is printed later. All that stands when that part is printed lies below its plane, so nothing is in
@@ -228,8 +229,7 @@ pub fn tune(
         } else if halvings < options.halvings {
             // What is left takes finer planes, and a seam that pays less.
             halvings += 1;
-            state.options.spacing /= 2.0;
-            state.options.seam_cost /= 2.0;
+            state.options = state.options.finer();
             known.clear();
         } else {
             break;
@@ -241,6 +241,16 @@ pub fn tune(
 }
 
 impl TuningOptions {
+    /// The next options when no plane is worth a cut any more.
+    pub(super) fn finer(&self) -> Self {
+        TuningOptions {
+            spacing: self.spacing / 2.0,
+            seam_cost: self.seam_cost / 2.0,
+            normals: 2 * self.normals,
+            ..*self
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), RoboFdmError> {
         self.head.map_or(Ok(()), |head| head.check())?;
         let named = [
