@@ -13,16 +13,17 @@
 //! rated for all offsets of a normal at once; the most promising ones, different from each other, are tried on the solid.
 
 use super::error::RoboFdmError;
+use super::parallel::mapped;
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
 use super::tuning::{Decomposition, LEAST_GAIN, TuningOptions};
 use crate::Progress;
+use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// How wide the search is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,14 +129,14 @@ const AT_ONCE: usize = 8;
 
 /// The next partial results: cuts in the order of what they promise, until so many are made that are worth it and differ.
 fn next_beam(beam: &mut [Member], least: f64, options: &BeamOptions) -> Vec<Member> {
-    let of = |member: &mut Member| member.cuts(least, TRIALS * options.branches);
-    let cuts: Vec<_> = mapped_mut(beam, of);
+    rate(beam, least);
     let mut candidates = Vec::new();
-    for (member, cuts) in cuts.into_iter().enumerate() {
-        let risky = beam[member].state.risky();
+    for (member, of) in beam.iter_mut().enumerate() {
+        let risky = of.state.risky();
         let candidate = |(promise, node, plane)| Candidate { left: risky - promise, member, node, plane };
-        candidates.extend(cuts.into_iter().map(candidate));
+        candidates.extend(of.cuts(least, TRIALS * options.branches).into_iter().map(candidate));
     }
+    let beam = &*beam;
     // Stable: of equals that of the better partial result.
     candidates.sort_by(|a, b| a.left.total_cmp(&b.left));
     let mut made: Vec<(Rank, &Candidate)> = Vec::new();
@@ -162,24 +163,27 @@ fn next_beam(beam: &mut [Member], least: f64, options: &BeamOptions) -> Vec<Memb
     })
 }
 
-#[cfg(feature = "rayon")]
-fn mapped<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
-    items.par_iter().map(of).collect()
-}
-
-#[cfg(feature = "rayon")]
-fn mapped_mut<T: Send, R: Send>(items: &mut [T], of: impl Fn(&mut T) -> R + Sync + Send) -> Vec<R> {
-    items.par_iter_mut().map(of).collect()
-}
-
-#[cfg(not(feature = "rayon"))]
-fn mapped<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
-    items.iter().map(of).collect()
-}
-
-#[cfg(not(feature = "rayon"))]
-fn mapped_mut<T, R>(items: &mut [T], of: impl Fn(&mut T) -> R) -> Vec<R> {
-    items.iter_mut().map(of).collect()
+/// Rates planes through the riskiest parts of all partial results. Many have a part in common: it is rated once.
+fn rate(beam: &mut [Member], least: f64) {
+    // A part is the same one if what is known of it is in the same place.
+    let mut wanted: Vec<(*const Vec<Wall>, Vec<(usize, usize)>)> = Vec::new();
+    for (at, Member { state, known }) in beam.iter().enumerate() {
+        for node in state.riskiest(least).into_iter().filter(|&node| !known.contains_key(&state.nodes[node].cell)) {
+            let place = Arc::as_ptr(&state.nodes[node].walls);
+            match wanted.iter_mut().find(|(known, _)| *known == place) {
+                Some((_, of)) => of.push((at, node)),
+                None => wanted.push((place, vec![(at, node)])),
+            }
+        }
+    }
+    let jobs: Vec<Vec<(usize, usize)>> = wanted.into_iter().map(|(_, of)| of).collect();
+    let rated = mapped(&jobs, |of| Arc::new(beam[of[0].0].state.rated(of[0].1, least)));
+    for (of, promises) in jobs.into_iter().zip(rated) {
+        for (at, node) in of {
+            let cell = beam[at].state.nodes[node].cell;
+            beam[at].known.insert(cell, Arc::clone(&promises));
+        }
+    }
 }
 
 /// Cuts a solid by a beam search.

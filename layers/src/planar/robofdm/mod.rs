@@ -22,6 +22,7 @@ mod follow;
 mod head;
 mod merging;
 mod mixture;
+mod parallel;
 mod promise;
 mod segment;
 mod sequence;

@@ -5,6 +5,7 @@
 //! cuts no section on it (constraint I). What does not depend on the normal is prepared once, and of a normal only facets that are
 //! risky in one of both directions are looked at.
 
+use super::parallel::mapped;
 use super::sequence::sphere;
 use super::tuning::TuningOptions;
 use crate::planar::CutPlane;
@@ -70,32 +71,31 @@ pub(super) fn promising(
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), up)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     let surface = Surface::new(walls, judge);
-    let mut planes = Vec::new();
     // Constraint II: those that look up.
     let tried = if options.head.is_some() { 2 * options.normals } else { options.normals };
-    for normal in sphere(2 * options.normals).take(tried).map(|n| turn * n) {
-        // Its section would be risky itself.
-        if normal.dot(&judge.direction) < judge.limit {
-            continue;
-        }
-        let saving = surface.saving(&normal, judge.limit, options.seam_cost);
+    // The section of others would be risky itself.
+    let normals: Vec<Vector3<f64>> = sphere(2 * options.normals)
+        .take(tried)
+        .map(|n| turn * n)
+        .filter(|normal| normal.dot(&judge.direction) >= judge.limit)
+        .collect();
+    let of_normal = |normal: &Vector3<f64>| {
+        let saving = surface.saving(normal, judge.limit, options.seam_cost);
         if saving.iter().map(|&(_, saved)| saved.max(0.0)).sum::<f64>() < least {
-            continue;
+            return Vec::new();
         }
         let mut pieces = Pieces::new(surface.places.len());
         if let Some(head) = options.head {
-            let is_in = head.in_platform(&normal, &foot, up);
-            pieces.blocked = surface.places.iter().map(is_in).collect();
+            pieces.blocked = surface.places.iter().map(head.in_platform(normal, &foot, up)).collect();
         }
-        let mut gains = surface.sweep(&normal, &saving, pieces, options);
+        let mut gains = surface.sweep(normal, &saving, pieces, options);
         gains.retain(|&(gain, _)| gain >= least);
         gains.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let made = gains
-            .into_iter()
-            .take(PLANES_PER_NORMAL)
-            .filter_map(|(gain, offset)| Some((gain, CutPlane::through(&Point3::from(normal * offset), &normal).ok()?)));
-        planes.extend(made);
-    }
+        gains.truncate(PLANES_PER_NORMAL);
+        let plane = |(gain, offset)| Some((gain, CutPlane::through(&Point3::from(normal * offset), normal).ok()?));
+        gains.into_iter().filter_map(plane).collect()
+    };
+    let mut planes = mapped(&normals, of_normal).concat();
     planes.sort_by(|a, b| b.0.total_cmp(&a.0));
     planes
 }
@@ -117,9 +117,10 @@ struct Facet {
 struct Surface {
     places: Vec<Point3<f64>>,
     facets: Vec<Facet>,
-    /// The neighbours of vertex `v` are those from number `first[v]` to `first[v + 1]`.
+    /// The neighbours of vertex `v` are those from number `first[v]` to `first[v + 1]`, in the order around it, each with the one before.
+    /// One without a neighbour before it begins an order anew; then that one is a vertex that is not there, behind the last one.
     first: Vec<u32>,
-    neighbours: Vec<u32>,
+    neighbours: Vec<[u32; 2]>,
     /// For each cell beyond, whether it is earlier, and the vertices of the section with it.
     sections: Vec<(bool, Vec<u32>)>,
     /// The vertices of what lies on earlier parts or on the platform.
@@ -159,19 +160,7 @@ impl Surface {
                 on_earlier: wall.beyond.is_some_and(|beyond| judge.earlier.contains(&beyond)),
             });
         }
-        // Each edge is passed in both directions, so each neighbour comes once.
-        let mut first = vec![0; places.len() + 1];
-        facets.iter().flat_map(|facet| facet.corners).for_each(|v| first[v as usize + 1] += 1);
-        (0..places.len()).for_each(|v| first[v + 1] += first[v]);
-        let mut next = first.clone();
-        let mut neighbours = vec![0; 3 * facets.len()];
-        for facet in &facets {
-            for k in 0..3 {
-                let at = &mut next[facet.corners[k] as usize];
-                neighbours[*at as usize] = facet.corners[(k + 1) % 3];
-                *at += 1;
-            }
-        }
+        let (first, neighbours) = neighbours(places.len(), &facets);
         let section = |(beyond, mut vertices): (u32, Vec<u32>)| {
             vertices.sort_unstable();
             vertices.dedup();
@@ -211,7 +200,7 @@ impl Surface {
         let count = ((high - low) / spacing) as usize;
         let offset = |l: usize| low + (l as f64 + 0.5) * spacing;
         // How many planes are below each vertex.
-        let levels: Vec<u32> = heights
+        let mut levels: Vec<u32> = heights
             .iter()
             .map(|h| {
                 let above = (h - low) / spacing - 0.5;
@@ -221,6 +210,8 @@ impl Surface {
             })
             .collect();
         let by_level = Buckets::new(count + 1, levels.iter().copied());
+        // The vertex that is not there is above nothing.
+        levels.push(0);
         // Facets by the planes that their lowest and highest corners lie above.
         let mut whole_at = vec![Vec::new(); count + 1];
         let mut crossed_at = vec![Vec::new(); count + 1];
@@ -258,8 +249,11 @@ impl Surface {
             // Above plane l is what lies above plane l + 1, and what has l + 1 planes below.
             let level = l as u32 + 1;
             for &v in by_level.of(l + 1) {
+                // Neighbours above that follow each other are joined by their own edge: one of them is enough.
                 let near = &self.neighbours[self.first[v as usize] as usize..self.first[v as usize + 1] as usize];
-                near.iter().filter(|&&w| levels[w as usize] >= level).for_each(|&w| pieces.join(w, v));
+                let is_above = |w: u32| levels[w as usize] >= level;
+                let news = near.iter().filter(|[w, before]| is_above(*w) && !is_above(*before));
+                news.for_each(|&[w, _]| pieces.join(w, v));
             }
             roots.extend(by_level.of(l + 1));
             roots.retain(|&v| pieces.parent[v as usize] == v);
@@ -288,6 +282,38 @@ impl Surface {
         }
         gains
     }
+}
+
+/// The neighbours of each vertex as [`Surface`] has them.
+fn neighbours(vertices: usize, facets: &[Facet]) -> (Vec<u32>, Vec<[u32; 2]>) {
+    let nobody = vertices as u32;
+    let mut first = vec![0; vertices + 1];
+    facets.iter().flat_map(|facet| facet.corners).for_each(|v| first[v as usize + 1] += 1);
+    (0..vertices).for_each(|v| first[v + 1] += first[v]);
+    let mut next = first.clone();
+    // A facet leads from one neighbour of its corner to the next one. Each edge is passed in both directions, so each neighbour comes once.
+    let mut steps = vec![[nobody; 2]; 3 * facets.len()];
+    for Facet { corners, .. } in facets {
+        for k in 0..3 {
+            let at = &mut next[corners[k] as usize];
+            steps[*at as usize] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+            *at += 1;
+        }
+    }
+    for v in 0..vertices {
+        let around = &mut steps[first[v] as usize..first[v + 1] as usize];
+        let [mut last, mut wanted] = [nobody; 2];
+        for k in 0..around.len() {
+            // Where none goes on, another fan of facets begins at the same vertex.
+            let next = (k..around.len()).find(|&at| around[at][0] == wanted);
+            last = if next.is_some() { last } else { nobody };
+            around.swap(k, next.unwrap_or(k));
+            let [from, to] = around[k];
+            around[k] = [from, last];
+            [last, wanted] = [from, to];
+        }
+    }
+    (first, steps)
 }
 
 /// Numbers by a key, those of a key in their own order.

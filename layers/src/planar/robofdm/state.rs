@@ -129,17 +129,25 @@ impl State {
         (0..node).filter(touches).collect()
     }
 
-    /// Planes through the riskiest parts by what each promises to save, the most first; none that promise less than `least`.
-    pub(super) fn planes(&self, known: &mut Promises, least: f64) -> Vec<(f64, usize, CutPlane)> {
+    /// The riskiest parts, in which planes are sought.
+    pub(super) fn riskiest(&self, least: f64) -> Vec<usize> {
         let mut riskiest: Vec<(f64, usize)> = self.nodes.iter().map(|node| node.risky).zip(0..).collect();
         riskiest.sort_by(|a, b| b.0.total_cmp(&a.0));
         riskiest.truncate(self.options.candidates);
+        riskiest.into_iter().filter(|(risky, _)| *risky >= least).map(|(_, node)| node).collect()
+    }
+
+    /// Planes through a part and what they promise to save, the most first; none that promise less than `least`.
+    pub(super) fn rated(&self, node: usize, least: f64) -> Vec<(f64, CutPlane)> {
+        let walls = &self.nodes[node].walls;
+        promising(walls, &self.judge(node, walls), self.foot, &self.up, &self.options, least)
+    }
+
+    /// Planes through the riskiest parts by what each promises to save, the most first; none that promise less than `least`.
+    pub(super) fn planes(&self, known: &mut Promises, least: f64) -> Vec<(f64, usize, CutPlane)> {
         let mut planes: Vec<(f64, usize, CutPlane)> = Vec::new();
-        for (_, node) in riskiest.into_iter().filter(|(risky, _)| *risky >= least) {
-            let promises = known.entry(self.nodes[node].cell).or_insert_with(|| {
-                let walls = &self.nodes[node].walls;
-                Arc::new(promising(walls, &self.judge(node, walls), self.foot, &self.up, &self.options, least))
-            });
+        for node in self.riskiest(least) {
+            let promises = known.entry(self.nodes[node].cell).or_insert_with(|| Arc::new(self.rated(node, least)));
             planes.extend(promises.iter().map(|&(gain, plane)| (gain, node, plane)));
         }
         planes.sort_by(|a, b| b.0.total_cmp(&a.0));
