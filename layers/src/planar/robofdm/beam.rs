@@ -17,7 +17,7 @@ use super::parallel::mapped;
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
-use super::tuning::{Decomposition, LEAST_GAIN, TuningOptions};
+use super::tuning::{Decomposition, TuningOptions, least_gain};
 use crate::Progress;
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Solid};
@@ -32,7 +32,7 @@ pub struct BeamOptions {
     pub tuning: TuningOptions,
     /// Direction in which the first part is printed, of any length. Default z.
     pub direction: Vector3<f64>,
-    /// Partial results that are kept. Default 10, that of Wu et al.
+    /// Partial results that are kept. Default 10, that of Wu et al. With each halving of [`TuningOptions::spacing`] it is halved, too.
     pub width: usize,
     /// Cuts that are tried on each of them. Default 6.
     pub branches: usize,
@@ -128,13 +128,13 @@ const TRIALS: usize = 3;
 const AT_ONCE: usize = 8;
 
 /// The next partial results: cuts in the order of what they promise, until so many are made that are worth it and differ.
-fn next_beam(beam: &mut [Member], least: f64, options: &BeamOptions) -> Vec<Member> {
+fn next_beam(beam: &mut [Member], least: f64, width: usize, branches: usize) -> Vec<Member> {
     rate(beam, least);
     let mut candidates = Vec::new();
     for (member, of) in beam.iter_mut().enumerate() {
         let risky = of.state.risky();
         let candidate = |(promise, node, plane)| Candidate { left: risky - promise, member, node, plane };
-        candidates.extend(of.cuts(least, TRIALS * options.branches).into_iter().map(candidate));
+        candidates.extend(of.cuts(least, TRIALS * branches).into_iter().map(candidate));
     }
     let beam = &*beam;
     // Stable: of equals that of the better partial result.
@@ -142,20 +142,20 @@ fn next_beam(beam: &mut [Member], least: f64, options: &BeamOptions) -> Vec<Memb
     let mut made: Vec<(Rank, &Candidate)> = Vec::new();
     let mut of_member = vec![0; beam.len()];
     for some in candidates.chunks(AT_ONCE) {
-        if made.len() >= options.width {
+        if made.len() >= width {
             break;
         }
         let tried = mapped(some, |candidate| candidate.tried(beam, least).map(|(rank, _)| rank));
         for (candidate, rank) in some.iter().zip(tried) {
             let Some(rank) = rank else { continue };
-            if of_member[candidate.member] < options.branches && !made.iter().any(|(known, _)| known.is_like(&rank)) {
+            if of_member[candidate.member] < branches && !made.iter().any(|(known, _)| known.is_like(&rank)) {
                 of_member[candidate.member] += 1;
                 made.push((rank, candidate));
             }
         }
     }
     made.sort_by(|a, b| a.0.order(&b.0));
-    made.truncate(options.width);
+    made.truncate(width);
     mapped(&made, |(_, candidate)| {
         let mut member = beam[candidate.member].clone();
         member.state.split(candidate.node, &candidate.plane);
@@ -255,18 +255,20 @@ pub fn beam_search(
     beam.sort_by(|a, b| a.rank().order(&b.rank()));
     let mut best = beam[0].clone();
     let first = best.rank().risky;
-    let (least, goal) = (LEAST_GAIN * before, options.tuning.goal * before);
-    let mut halvings = 0;
+    let goal = options.tuning.goal * before;
+    let (mut halvings, mut width) = (0, options.width);
     while best.rank().risky > goal {
         tell("beam", best.state.nodes.len(), options.tuning.max_parts)?;
         beam.retain(|member| member.state.nodes.len() < options.tuning.max_parts);
-        let next = next_beam(&mut beam, least, options);
+        let next = next_beam(&mut beam, least_gain(halvings) * before, width, options.branches);
         if next.is_empty() {
             if halvings == options.tuning.halvings || beam.is_empty() {
                 break;
             }
-            // What is left takes finer planes, and a seam that pays less.
+            // What is left takes finer planes, and a seam that pays less. Partial results differ little by now.
             halvings += 1;
+            width = width.div_ceil(2);
+            beam.truncate(width);
             for member in &mut beam {
                 member.state.options = member.state.options.finer();
                 member.known.clear();

@@ -2,6 +2,7 @@
 
 use super::error::RoboFdmError;
 use super::promise::Judge;
+use super::random::Random;
 use super::sequence::BuildSequence;
 use super::state::{Node, State};
 use crate::planar::solid::Wall;
@@ -9,19 +10,6 @@ use crate::planar::{CutPlane, Partition};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Numbers that look random and are the same each time (PCG, M. E. O'Neill 2014).
-struct Random(u64);
-
-impl Random {
-    /// Between -1 and 1.
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let mixed = ((self.0 >> 18) ^ self.0) >> 27;
-        let turned = (mixed as u32).rotate_right((self.0 >> 59) as u32);
-        f64::from(turned) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
-}
 
 /// What is left of a cell, what was taken off, and the section between both.
 struct Detached {
@@ -79,7 +67,7 @@ impl State {
         sequence: &BuildSequence,
         tell: &dyn Fn(usize, usize) -> Result<(), RoboFdmError>,
     ) -> Result<(), RoboFdmError> {
-        let mut random = Random(0x0b0e);
+        let mut random = Random::new();
         // Which node holds each part of the sequence.
         let mut node_of: Vec<(u32, usize)> = sequence.parts.first().map(|root| (root.part, 0)).into_iter().collect();
         for (done, part) in sequence.parts.iter().enumerate().skip(1) {
@@ -100,12 +88,11 @@ impl State {
         let mut largest = f64::INFINITY;
         let mut best: Option<(f64, CutPlane, Point3<f64>)> = None;
         for trial in 0..=self.options.perturbations {
-            let [x, y, z, by] = [0; 4].map(|_| if trial == 0 { 0.0 } else { random.signed() });
-            // An axis of any direction, a turn of any angle up to the largest.
-            let axis = Vector3::new(x, y, z).try_normalize(0.0).unwrap_or_default();
-            let turn = UnitQuaternion::from_scaled_axis(
-                axis * (self.options.max_turn * Vector3::new(x, y, z).norm().min(1.0)),
-            );
+            let (turn, by) = if trial == 0 {
+                (UnitQuaternion::identity(), 0.0)
+            } else {
+                (random.turn(self.options.max_turn), random.signed())
+            };
             let place = base + normal * (by * self.options.max_offset * self.diagonal);
             let Ok(plane) = CutPlane::through(&place, &(turn * normal)) else { continue };
             let looks_up = self.options.head.is_some() || plane.normal().dot(&self.up) > 0.0;

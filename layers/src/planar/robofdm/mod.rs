@@ -24,6 +24,7 @@ mod merging;
 mod mixture;
 mod parallel;
 mod promise;
+mod random;
 mod segment;
 mod sequence;
 mod skeleton;

@@ -5,6 +5,7 @@
 
 use super::error::RoboFdmError;
 use super::promise::{Judge, area_vector, promising};
+use super::random::Random;
 use super::split::{Trial, divide};
 use super::tuning::{PrintedPart, Seam, TuningOptions};
 use crate::planar::solid::Wall;
@@ -32,6 +33,13 @@ pub(super) struct Node {
 impl Node {
     pub(super) fn new(cell: u32, direction: Vector3<f64>, base: Option<CutPlane>) -> Self {
         Node { cell, direction, base, walls: Arc::default(), risky: 0.0, seam: 0.0 }
+    }
+
+    /// The middle of its box.
+    fn middle(&self) -> Point3<f64> {
+        let corners = self.walls.iter().flat_map(|wall| wall.places);
+        let box_of = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.inf(&p), high.sup(&p)]);
+        box_of.map_or(Point3::origin(), |[low, high]| low + (high - low) / 2.0)
     }
 }
 
@@ -181,7 +189,33 @@ impl State {
                 best = Some((saved, node, plane));
             }
         }
-        best.map(|(_, node, plane)| self.split(node, &plane)).is_some()
+        let Some((saved, node, plane)) = best else { return false };
+        let plane = self.refined(node, plane, saved);
+        self.split(node, &plane);
+        true
+    }
+
+    /// The best plane near one that saves so much: what rates planes knows only normals and offsets of a grid.
+    fn refined(&self, node: usize, mut plane: CutPlane, mut saved: f64) -> CutPlane {
+        let mut random = Random::new();
+        let TuningOptions { perturbations, max_turn, spacing, .. } = self.options;
+        for _ in 0..perturbations {
+            let normal = random.turn(max_turn) * plane.normal();
+            let looks_up = self.options.head.is_some() || normal.dot(&self.up) > 0.0;
+            // About the middle of the part, so that a turn moves the section little.
+            let middle = self.nodes[node].middle();
+            let place = middle - plane.normal() * (plane.height(&middle) + spacing / 2.0 * random.signed());
+            let Ok(near) = CutPlane::through(&place, &normal) else { continue };
+            if !looks_up {
+                continue;
+            }
+            let Some(trial) = self.tried(node, &near) else { continue };
+            let so_far = self.saved(node, &trial);
+            if so_far > saved && self.trial_passes(node, &trial) && trial.is_sound() {
+                (plane, saved) = (near, so_far);
+            }
+        }
+        plane
     }
 
     /// A cut of a part by a plane, on the part alone. `None` where it cuts nothing off that pays, or something would float.

@@ -25,7 +25,7 @@ pub struct TuningOptions {
     pub max_angle: f64,
     /// As in [`super::SequenceOptions::platform`], in mm.
     pub platform: f64,
-    /// Places that are tried for each plane. Default 16.
+    /// Places that are tried for each plane of the sequence, and for each plane of the fine decomposition. Default 16.
     pub perturbations: u32,
     /// How far a plane is moved at most, as a share of the box diagonal. Default 0.025, the paper's.
     pub max_offset: f64,
@@ -162,8 +162,14 @@ impl Decomposition {
     }
 }
 
-/// A cut is not worth its seam unless it saves this share of the first risky area.
-pub(super) const LEAST_GAIN: f64 = 5e-4;
+/// A cut is not worth its seam unless it saves this share of the first risky area. It is halved with the distance of planes: otherwise small
+/// areas that are left here and there add up to some percent; cuts that save less from the start make slivers.
+const LEAST_GAIN: f64 = 5e-4;
+
+/// What a cut must save, as a share of the first risky area.
+pub(super) fn least_gain(halvings: u32) -> f64 {
+    LEAST_GAIN / f64::from(2u32.pow(halvings.min(31)))
+}
 
 /// Cuts a solid along a sequence of planes and tunes the parts.
 ///
@@ -224,7 +230,7 @@ pub fn tune(
     let (mut risky, mut known, mut halvings) = (after[1], Promises::new(), 0);
     while risky > options.goal * before && state.nodes.len() < options.max_parts {
         tell("cuts", state.nodes.len(), options.max_parts)?;
-        if state.cut_finely(&mut known, LEAST_GAIN * before) {
+        if state.cut_finely(&mut known, least_gain(halvings) * before) {
             risky = state.risky();
         } else if halvings < options.halvings {
             // What is left takes finer planes, and a seam that pays less.
