@@ -9,7 +9,8 @@
 //! section, what is left below holds on to the platform or to what carries it (no piece floats), no section is cut, and the head meets
 //! nothing that stands ([`TuningOptions::head`]), or else the plane looks up.
 //!
-//! Departures. A plane cuts one part, not all that lies above it, and what is cut off may be cut again. What a plane would save is
+//! Departures. Where the search does not reach its goal, the fine decomposition of the best start, RoboFDM's own way, is tried as well, and the
+//! better result taken. A plane cuts one part, not all that lies above it, and what is cut off may be cut again. What a plane would save is
 //! rated for all offsets of a normal at once; the most promising ones, different from each other, are tried on the solid.
 
 use super::error::RoboFdmError;
@@ -17,7 +18,7 @@ use super::parallel::mapped;
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
-use super::tuning::{Decomposition, TuningOptions, least_gain};
+use super::tuning::{Decomposition, TuningOptions, decompose_finely, least_gain};
 use crate::Progress;
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Solid};
@@ -254,6 +255,7 @@ pub fn beam_search(
     }
     beam.sort_by(|a, b| a.rank().order(&b.rank()));
     let mut best = beam[0].clone();
+    let start = best.state.clone();
     let first = best.rank().risky;
     let goal = options.tuning.goal * before;
     let (mut halvings, mut width) = (0, options.width);
@@ -281,6 +283,13 @@ pub fn beam_search(
         }
     }
     let mut state = best.state;
+    if sequence.is_some() && state.risky() > goal {
+        let mut own = start;
+        decompose_finely(&mut own, before, &tell)?;
+        if own.risky() < state.risky() {
+            state = own;
+        }
+    }
     state.merge();
     let after = state.risky();
     Ok(Decomposition {

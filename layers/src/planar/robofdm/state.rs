@@ -162,8 +162,8 @@ impl State {
         planes
     }
 
-    /// Cuts one of the riskiest parts by the best plane. Whether that gained enough.
-    pub(super) fn cut_finely(&mut self, known: &mut Promises, least: f64) -> bool {
+    /// Cuts one of the riskiest parts by the best plane, or by the best one near it (`refines`). Whether that gained enough.
+    pub(super) fn cut_finely(&mut self, known: &mut Promises, least: f64, refines: bool) -> bool {
         let planes = self.planes(known, least);
         let mut best: Option<(f64, usize, CutPlane)> = None;
         let mut blocked: Vec<(usize, CutPlane)> = Vec::new();
@@ -190,7 +190,7 @@ impl State {
             }
         }
         let Some((saved, node, plane)) = best else { return false };
-        let plane = self.refined(node, plane, saved);
+        let plane = if refines { self.refined(node, plane, saved) } else { plane };
         self.split(node, &plane);
         true
     }
@@ -201,14 +201,13 @@ impl State {
         let TuningOptions { perturbations, max_turn, spacing, .. } = self.options;
         for _ in 0..perturbations {
             let normal = random.turn(max_turn) * plane.normal();
-            let looks_up = self.options.head.is_some() || normal.dot(&self.up) > 0.0;
+            if self.options.head.is_none() && normal.dot(&self.up) <= 0.0 {
+                continue;
+            }
             // About the middle of the part, so that a turn moves the section little.
             let middle = self.nodes[node].middle();
             let place = middle - plane.normal() * (plane.height(&middle) + spacing / 2.0 * random.signed());
             let Ok(near) = CutPlane::through(&place, &normal) else { continue };
-            if !looks_up {
-                continue;
-            }
             let Some(trial) = self.tried(node, &near) else { continue };
             let so_far = self.saved(node, &trial);
             if so_far > saved && self.trial_passes(node, &trial) && trial.is_sound() {

@@ -25,7 +25,7 @@ pub struct TuningOptions {
     pub max_angle: f64,
     /// As in [`super::SequenceOptions::platform`], in mm.
     pub platform: f64,
-    /// Places that are tried for each plane of the sequence, and for each plane of the fine decomposition. Default 16.
+    /// Places that are tried for each plane of the sequence, and for each plane of the fine decomposition once `spacing` is halved. Default 16.
     pub perturbations: u32,
     /// How far a plane is moved at most, as a share of the box diagonal. Default 0.025, the paper's.
     pub max_offset: f64,
@@ -227,23 +227,34 @@ pub fn tune(
         state = whole;
     }
     after[1] = state.risky();
-    let (mut risky, mut known, mut halvings) = (after[1], Promises::new(), 0);
-    while risky > options.goal * before && state.nodes.len() < options.max_parts {
-        tell("cuts", state.nodes.len(), options.max_parts)?;
-        if state.cut_finely(&mut known, least_gain(halvings) * before) {
-            risky = state.risky();
-        } else if halvings < options.halvings {
-            // What is left takes finer planes, and a seam that pays less.
-            halvings += 1;
-            state.options = state.options.finer();
-            known.clear();
-        } else {
-            break;
-        }
-    }
+    decompose_finely(&mut state, before, &tell)?;
     state.merge();
     after[2] = state.risky();
     Ok(Decomposition { parts: state.printed()?, risky_before_mm2: before, risky_after_phases_mm2: after })
+}
+
+/// Fine decomposition: the best cut of one of the riskiest parts, again and again.
+pub(super) fn decompose_finely(
+    state: &mut State,
+    before: f64,
+    tell: &dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError>,
+) -> Result<(), RoboFdmError> {
+    let (mut known, mut halvings) = (Promises::new(), 0);
+    while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
+        tell("cuts", state.nodes.len(), state.options.max_parts)?;
+        // Coarse cuts to the last bit leave corners that nothing takes off any more.
+        if state.cut_finely(&mut known, least_gain(halvings) * before, halvings > 0) {
+            continue;
+        }
+        if halvings == state.options.halvings {
+            break;
+        }
+        // What is left takes finer planes, and a seam that pays less.
+        halvings += 1;
+        state.options = state.options.finer();
+        known.clear();
+    }
+    Ok(())
 }
 
 impl TuningOptions {
