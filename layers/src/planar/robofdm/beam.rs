@@ -18,7 +18,7 @@ use super::parallel::mapped;
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
-use super::tuning::{Decomposition, TuningOptions, decompose_finely, least_gain};
+use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain};
 use crate::Progress;
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Solid};
@@ -284,8 +284,7 @@ pub fn beam_search(
     }
     let mut state = best.state;
     if sequence.is_some() && state.risky() > goal {
-        let mut own = start;
-        decompose_finely(&mut own, before, &tell)?;
+        let own = finely_decomposed(&start, before, &tell)?;
         if own.risky() < state.risky() {
             state = own;
         }

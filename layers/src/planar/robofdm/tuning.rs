@@ -25,7 +25,7 @@ pub struct TuningOptions {
     pub max_angle: f64,
     /// As in [`super::SequenceOptions::platform`], in mm.
     pub platform: f64,
-    /// Places that are tried for each plane of the sequence, and for each plane of the fine decomposition once `spacing` is halved. Default 16.
+    /// Places that are tried for each plane of the sequence, and for each cut of a fine decomposition that misses its goal without. Default 16.
     pub perturbations: u32,
     /// How far a plane is moved at most, as a share of the box diagonal. Default 0.025, the paper's.
     pub max_offset: f64,
@@ -227,23 +227,32 @@ pub fn tune(
         state = whole;
     }
     after[1] = state.risky();
-    decompose_finely(&mut state, before, &tell)?;
+    state = finely_decomposed(&state, before, &tell)?;
     state.merge();
     after[2] = state.risky();
     Ok(Decomposition { parts: state.printed()?, risky_before_mm2: before, risky_after_phases_mm2: after })
 }
 
-/// Fine decomposition: the best cut of one of the riskiest parts, again and again.
-pub(super) fn decompose_finely(
-    state: &mut State,
-    before: f64,
-    tell: &dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError>,
-) -> Result<(), RoboFdmError> {
-    let (mut known, mut halvings) = (Promises::new(), 0);
+/// Says what is done, and whether to go on.
+pub(super) type Tell<'a> = dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError> + Sync + 'a;
+
+/// Fine decomposition of a state; where it misses the goal also with each plane refined, if that is better. It may be worse: the best cut
+/// now is not always the best one in the end.
+pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
+    let plain = decomposed(state, before, false, tell)?;
+    if plain.risky() <= plain.options.goal * before {
+        return Ok(plain);
+    }
+    let refined = decomposed(state, before, true, tell)?;
+    Ok(if refined.risky() < plain.risky() { refined } else { plain })
+}
+
+/// The best cut of one of the riskiest parts, again and again.
+fn decomposed(state: &State, before: f64, refines: bool, tell: &Tell) -> Result<State, RoboFdmError> {
+    let (mut state, mut known, mut halvings) = (state.clone(), Promises::new(), 0);
     while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
         tell("cuts", state.nodes.len(), state.options.max_parts)?;
-        // Coarse cuts to the last bit leave corners that nothing takes off any more.
-        if state.cut_finely(&mut known, least_gain(halvings) * before, halvings > 0) {
+        if state.cut_finely(&mut known, least_gain(halvings) * before, refines) {
             continue;
         }
         if halvings == state.options.halvings {
@@ -254,7 +263,7 @@ pub(super) fn decompose_finely(
         state.options = state.options.finer();
         known.clear();
     }
-    Ok(())
+    Ok(state)
 }
 
 impl TuningOptions {
