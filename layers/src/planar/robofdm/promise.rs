@@ -200,7 +200,7 @@ impl Surface {
         let count = ((high - low) / spacing) as usize;
         let offset = |l: usize| low + (l as f64 + 0.5) * spacing;
         // How many planes are below each vertex.
-        let mut levels: Vec<u32> = heights
+        let levels: Vec<u32> = heights
             .iter()
             .map(|h| {
                 let above = (h - low) / spacing - 0.5;
@@ -210,8 +210,10 @@ impl Surface {
             })
             .collect();
         let by_level = Buckets::new(count + 1, levels.iter().copied());
-        // The vertex that is not there is above nothing.
-        levels.push(0);
+        // When the sweep comes to each vertex, and never to the one that is not there.
+        let mut turns = vec![u32::MAX; heights.len() + 1];
+        let swept = (0..=count).rev().flat_map(|level| by_level.of(level));
+        (0..).zip(swept).for_each(|(turn, &v)| turns[v as usize] = turn);
         // Facets by the planes that their lowest and highest corners lie above.
         let mut whole_at = vec![Vec::new(); count + 1];
         let mut crossed_at = vec![Vec::new(); count + 1];
@@ -247,13 +249,12 @@ impl Surface {
         let mut barred_at = vec![u32::MAX; heights.len()];
         for l in (0..count).rev().take_while(|&l| offset(l) > stands_to) {
             // Above plane l is what lies above plane l + 1, and what has l + 1 planes below.
-            let level = l as u32 + 1;
             for &v in by_level.of(l + 1) {
-                // Neighbours above that follow each other are joined by their own edge: one of them is enough.
+                // Neighbours from before that follow each other are joined by then, for they share an edge: one of them is enough.
                 let near = &self.neighbours[self.first[v as usize] as usize..self.first[v as usize + 1] as usize];
-                let is_above = |w: u32| levels[w as usize] >= level;
-                let news = near.iter().filter(|[w, before]| is_above(*w) && !is_above(*before));
-                news.for_each(|&[w, _]| pieces.join(w, v));
+                let was_before = |w: u32| turns[w as usize] < turns[v as usize];
+                let first = near.iter().filter(|[w, last]| was_before(*w) && !was_before(*last));
+                first.for_each(|&[w, _]| pieces.join(w, v));
             }
             roots.extend(by_level.of(l + 1));
             roots.retain(|&v| pieces.parent[v as usize] == v);
@@ -385,5 +386,130 @@ fn share_below(h: [f64; 3], z: f64) -> f64 {
         (z - h[0]).powi(2) / ((h[1] - h[0]) * (h[2] - h[0]))
     } else {
         1.0 - (h[2] - z).powi(2) / ((h[2] - h[1]) * (h[2] - h[0]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planar::{Partition, Solid};
+
+    /// A table of 40 by 8 mm on two legs, and a knob on it: walls of a cell, with the lower half of one leg cut off as an earlier part.
+    fn table() -> (Vec<Wall>, Judge) {
+        let inside = |x: usize, z: usize| {
+            let leg = z < 5 && (x < 2 || x > 7);
+            leg || z == 5 || (z < 8 && x == 4) || (z == 3 && x == 2)
+        };
+        let number = |x: usize, y: usize, z: usize| (x + 11 * (z + 9 * y)) as u32;
+        let mut points = Vec::new();
+        for y in 0..2 {
+            for z in 0..9 {
+                points.extend((0..11).map(|x| Point3::new(4.0 * x as f64, 8.0 * y as f64, 4.0 * z as f64)));
+            }
+        }
+        let mut faces = Vec::new();
+        let mut quad = |a: u32, b: u32, c: u32, d: u32| faces.extend([[a, b, c], [a, c, d]]);
+        let is_in = |x: i32, z: i32| (0..10).contains(&x) && (0..8).contains(&z) && inside(x as usize, z as usize);
+        for z in 0..8 {
+            for x in (0..10).filter(|&x| inside(x, z)) {
+                let [front, back] = [0, 1].map(|y| {
+                    [number(x, y, z), number(x + 1, y, z), number(x + 1, y, z + 1), number(x, y, z + 1)]
+                });
+                quad(front[0], front[1], front[2], front[3]);
+                quad(back[1], back[0], back[3], back[2]);
+                let beside = [(0, -1), (1, 0), (0, 1), (-1, 0)];
+                for (side, (dx, dz)) in beside.into_iter().enumerate() {
+                    if !is_in(x as i32 + dx, z as i32 + dz) {
+                        let next = (side + 1) % 4;
+                        quad(front[side], back[side], back[next], front[next]);
+                    }
+                }
+            }
+        }
+        let solid = Solid::new(&points, &faces).unwrap();
+        let mut partition = Partition::new(&solid);
+        let cut = partition.cut(&[0], &CutPlane::through(&Point3::new(0.0, 0.0, 10.0), &Vector3::z()).unwrap());
+        partition.merge(cut.above[0], cut.below[1]);
+        let judge = Judge {
+            earlier: vec![cut.below[0]],
+            direction: Vector3::z(),
+            floor: f64::NEG_INFINITY,
+            limit: -(0.5f64.sqrt()),
+        };
+        (partition.walls(cut.above[0]), judge)
+    }
+
+    /// What a plane saves: piece by piece, each found from scratch.
+    fn slow(walls: &[Wall], judge: &Judge, normal: &Vector3<f64>, offset: f64, options: &TuningOptions) -> f64 {
+        let upward = Judge { direction: *normal, floor: f64::NEG_INFINITY, ..judge.clone() };
+        let height = |p: &Point3<f64>| p.coords.dot(normal) - offset;
+        let is_above = |wall: &Wall, k: usize| height(&wall.places[k]) > 0.0;
+        if walls.iter().all(|wall| !judge.is_supported(wall) || (0..3).all(|k| height(&wall.places[k]) >= 0.0)) {
+            return 0.0;
+        }
+        let cuts_section = |beyond: u32| {
+            let of = || walls.iter().filter(|wall| wall.beyond == Some(beyond));
+            of().any(|wall| (0..3).any(|k| is_above(wall, k))) && of().any(|wall| (0..3).any(|k| !is_above(wall, k)))
+        };
+        let mut left: Vec<u32> =
+            walls.iter().flat_map(|wall| (0..3).filter(|&k| is_above(wall, k)).map(|k| wall.corners[k])).collect();
+        left.sort_unstable();
+        left.dedup();
+        let mut gain = 0.0;
+        while let Some(start) = left.pop() {
+            let mut piece = vec![start];
+            let mut at = 0;
+            while at < piece.len() {
+                let corners = |wall: &&Wall| wall.corners.contains(&piece[at]);
+                let near: Vec<u32> = walls.iter().filter(corners).flat_map(|wall| wall.corners).collect();
+                let (new, rest) = left.into_iter().partition(|v| near.contains(v));
+                left = rest;
+                let new: Vec<u32> = new;
+                piece.extend(new);
+                at += 1;
+            }
+            let of_piece = || walls.iter().filter(|wall| wall.corners.iter().any(|v| piece.contains(v)));
+            let is_barred = of_piece().any(|wall| {
+                let on_piece = (0..3).any(|k| is_above(wall, k) && piece.contains(&wall.corners[k]));
+                wall.beyond.is_some_and(|beyond| judge.earlier.contains(&beyond) && on_piece && cuts_section(beyond))
+            });
+            let saved: f64 = of_piece()
+                .map(|wall| {
+                    let change = f64::from(u8::from(judge.is_risky(wall))) - f64::from(u8::from(upward.is_risky(wall)));
+                    let vector = area_vector(&wall.places);
+                    let mut h = wall.places.map(|p| p.coords.dot(normal));
+                    h.sort_by(f64::total_cmp);
+                    (change * vector.norm() + options.seam_cost * vector.dot(normal)) * (1.0 - share_below(h, offset))
+                })
+                .sum();
+            if !is_barred && saved > 0.0 {
+                gain += saved;
+            }
+        }
+        gain
+    }
+
+    #[test]
+    fn a_sweep_saves_what_is_counted_plane_by_plane() {
+        let (walls, judge) = table();
+        let surface = Surface::new(&walls, &judge);
+        let (mut with_gain, mut compared) = (0, 0);
+        for seam_cost in [0.0, 0.1] {
+            let options = TuningOptions { spacing: 1.9, seam_cost, ..TuningOptions::default() };
+            for normal in sphere(40) {
+                let saving = surface.saving(&normal, judge.limit, seam_cost);
+                let gains = surface.sweep(&normal, &saving, Pieces::new(surface.places.len()), &options);
+                for (gain, offset) in gains {
+                    let expected = slow(&walls, &judge, &normal, offset, &options);
+                    assert!((gain - expected).abs() < 1e-9, "{normal:?} {offset}: {gain} {expected}");
+                    compared += 1;
+                    with_gain += usize::from(gain > 0.0);
+                }
+            }
+        }
+        assert!(with_gain > 100 && compared - with_gain > 100, "{with_gain} of {compared}");
+        // Planes below which nothing stands are not among them.
+        let least = promising(&walls, &judge, Point3::origin(), &Vector3::z(), &TuningOptions::default(), 1.0);
+        assert!(!least.is_empty() && least.iter().all(|(gain, _)| *gain >= 1.0));
     }
 }

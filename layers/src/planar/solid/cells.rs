@@ -475,3 +475,47 @@ impl Partition {
         shells.into_values().collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_cell_alone_is_cut_as_in_the_whole() {
+        let points: Vec<Point3<f64>> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from).into()).collect();
+        let faces = [
+            [0, 2, 3],
+            [0, 3, 1],
+            [4, 5, 7],
+            [4, 7, 6],
+            [0, 1, 5],
+            [0, 5, 4],
+            [2, 6, 7],
+            [2, 7, 3],
+            [0, 4, 6],
+            [0, 6, 2],
+            [1, 3, 7],
+            [1, 7, 5],
+        ];
+        let mut whole = Partition::new(&Solid::new(&points, &faces).unwrap());
+        let plane = |k: f64| {
+            let normal = Vector3::new((k * 1.7).sin(), (k * 2.9).cos(), (k * 0.7).sin() + 0.2);
+            CutPlane::through(&Point3::new(0.5, 0.4 + 0.02 * k, 0.5), &normal).unwrap()
+        };
+        for k in 0..12 {
+            let cells = whole.cells();
+            let cell = cells[k * 5 % cells.len()];
+            let mut alone = whole.only(&[cell]);
+            let next = plane(k as f64);
+            let cut = whole.cut(&[cell], &next);
+            assert_eq!(alone.cut(&[cell], &next), cut);
+            for piece in cut.above.into_iter().chain(cut.below) {
+                let [of_whole, of_alone] = [&whole, &alone].map(|partition| partition.walls(piece));
+                let seen = |walls: Vec<Wall>| walls.into_iter().map(|wall| (wall.places, wall.beyond)).collect::<Vec<_>>();
+                assert_eq!(seen(of_whole), seen(of_alone));
+            }
+        }
+        assert!(whole.cells().len() > 8);
+    }
+}
