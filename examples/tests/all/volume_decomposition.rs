@@ -12,6 +12,7 @@ use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::read_mesh;
 use curvlay_examples::shapes;
+use curvlay_kinematics::program::{Step, read_rapid};
 use curvlay_voxel::inspect::inspect;
 use example::Args;
 use std::fs;
@@ -113,6 +114,34 @@ fn a_mesh_is_divided_and_files_of_before_go() {
     assert_eq!((&figures["stuck_parts"], &figures["audit_ok"]), (&1.into(), &false.into()));
     assert!(figures["findings"].as_str().unwrap().contains("a part keeps its overhang"), "{}", figures["findings"]);
     assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("class=\"notice\""));
+}
+
+#[test]
+fn a_torch_prints_the_volumes() {
+    let ell = obj("ell.obj", &shapes::ell(), usize::MAX);
+    let words = ["--mesh", ell.to_str().unwrap(), "--rapid", "--layer", "10", "--bead", "15"];
+    let (path, outcome) = run("rapid", &words).unwrap();
+    let figures = summary(&path);
+    assert_eq!(outcome, Outcome::Done, "{}", figures["findings"]);
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    let section = page.split("## `volume_decomposition`").nth(1).unwrap().split("\n## ").next().unwrap();
+    for key in figures.keys() {
+        assert!(section.contains(&format!("`{key}`")), "{key} is not in formats.md");
+    }
+    let figure = |key: &str| figures[key].as_f64().unwrap();
+    assert!(figure("paths") >= 2.0 && figure("path_mm") > 1000.0 && figure("robot_min") > 1.0);
+    for key in ["missing_transfers", "unreachable_waypoints", "motion_faults"] {
+        assert_eq!(figure(key), 0.0, "{key}");
+    }
+    // The programs are read by the reader of RAPID, and move in both directions in which the L is printed.
+    assert_eq!(figure("program_files"), 1.0);
+    let open = |name: &str| fs::File::open(path.join(name)).map(std::io::BufReader::new);
+    let steps: Vec<Step> =
+        read_rapid(open("print_001.mod").unwrap(), open).unwrap().collect::<Result<_, _>>().unwrap();
+    assert!(steps.len() > 100, "{}", steps.len());
+    // Without a table to turn on the arm cannot print a part as it does not stand.
+    let error = run("rapid_best", &[&words[..], &["--base", "best"]].concat()).unwrap_err();
+    assert!(error.contains("as it stands"), "{error}");
 }
 
 #[test]

@@ -9,19 +9,22 @@
 //! section, what is left below holds on to the platform or to what carries it (no piece floats), no section is cut, and the head meets
 //! nothing that stands ([`TuningOptions::head`]), or else the plane looks up.
 //!
-//! Departures. A plane cuts one part, not all that lies above it, and what is cut off may be cut again. What a plane would save is
+//! Departures. Where the search does not reach its goal, the fine decomposition of the best start, RoboFDM's own way, is tried as well, and the
+//! better result taken. A plane cuts one part, not all that lies above it, and what is cut off may be cut again. What a plane would save is
 //! rated for all offsets of a normal at once; the most promising ones, different from each other, are tried on the solid.
 
 use super::error::RoboFdmError;
+use super::parallel::mapped;
 use super::sequence::BuildSequence;
-use super::state::{Promises, Split, State, are_near};
-use super::tuning::{Decomposition, LEAST_GAIN, TuningOptions};
+use super::split::Trial;
+use super::state::{Node, Promises, State, are_near};
+use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain};
 use crate::Progress;
+use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// How wide the search is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +33,7 @@ pub struct BeamOptions {
     pub tuning: TuningOptions,
     /// Direction in which the first part is printed, of any length. Default z.
     pub direction: Vector3<f64>,
-    /// Partial results that are kept. Default 10, that of Wu et al.
+    /// Partial results that are kept. Default 10, that of Wu et al. With each halving of [`TuningOptions::spacing`] it is halved, too.
     pub width: usize,
     /// Cuts that are tried on each of them. Default 6.
     pub branches: usize,
@@ -47,59 +50,142 @@ impl Default for BeamOptions {
 struct Member {
     state: State,
     known: Promises,
-    risky: f64,
-    seam: f64,
 }
 
 impl Member {
-    fn of(state: State, known: Promises) -> Self {
-        Member { risky: state.risky(), seam: state.seam(), state, known }
+    /// What ranks it: less risky first, then fewer parts, then less seam.
+    fn rank(&self) -> Rank {
+        Rank { risky: self.state.risky(), parts: self.state.nodes.len(), seam: self.state.seam() }
     }
 
-    /// Less risky first, then fewer parts, then less seam.
+    /// The most promising cuts, different from each other.
+    fn cuts(&mut self, least: f64, most: usize) -> Vec<(f64, usize, CutPlane)> {
+        let planes = self.state.planes(&mut self.known, least);
+        let cells: Vec<u32> = self.state.nodes.iter().map(|node| node.cell).collect();
+        self.known.retain(|cell, _| cells.contains(cell));
+        let spacing = self.state.options.spacing;
+        let mut cuts: Vec<(f64, usize, CutPlane)> = Vec::new();
+        for (promise, node, plane) in planes {
+            if cuts.len() == most {
+                break;
+            }
+            if !cuts.iter().any(|(_, other, known)| *other == node && are_near(known, &plane, spacing)) {
+                cuts.push((promise, node, plane));
+            }
+        }
+        cuts
+    }
+}
+
+/// What a partial result is judged by.
+#[derive(Clone, Copy)]
+struct Rank {
+    risky: f64,
+    parts: usize,
+    seam: f64,
+}
+
+impl Rank {
     fn order(&self, other: &Self) -> std::cmp::Ordering {
-        let parts = self.state.nodes.len().cmp(&other.state.nodes.len());
+        let parts = self.parts.cmp(&other.parts);
         self.risky.total_cmp(&other.risky).then(parts).then(self.seam.total_cmp(&other.seam))
     }
 
     /// The same cuts in another order, as far as that shows.
     fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
-        self.state.nodes.len() == other.state.nodes.len()
-            && near(self.risky, other.risky)
-            && near(self.seam, other.seam)
-    }
-
-    /// What comes of the most promising cuts.
-    fn children(&mut self, least: f64, branches: usize) -> Vec<Member> {
-        let planes = self.state.planes(&mut self.known, least);
-        let cells: Vec<u32> = self.state.nodes.iter().map(|node| node.cell).collect();
-        self.known.retain(|cell, _| cells.contains(cell));
-        let mut tried: Vec<(usize, CutPlane)> = Vec::new();
-        let mut children: Vec<Member> = Vec::new();
-        for (_, node, plane) in planes {
-            let spacing = self.state.options.spacing;
-            if tried.iter().any(|(other, known)| *other == node && are_near(known, &plane, spacing)) {
-                continue;
-            }
-            if tried.len() >= TRIALS * branches || children.len() >= branches {
-                break;
-            }
-            tried.push((node, plane));
-            let mut next = self.state.clone();
-            if next.split(node, &plane) == Split::Made {
-                let child = Member::of(next, self.known.clone());
-                if self.risky - child.risky >= least {
-                    children.push(child);
-                }
-            }
-        }
-        children
+        self.parts == other.parts && near(self.risky, other.risky) && near(self.seam, other.seam)
     }
 }
 
-/// Cuts that are tried for each that is wanted.
+/// A cut of a partial result that was not tried yet, and what would be left then if it keeps its promise.
+struct Candidate {
+    left: f64,
+    member: usize,
+    node: usize,
+    plane: CutPlane,
+}
+
+impl Candidate {
+    /// Tries the cut; `None` if it is worth nothing, or cannot be made.
+    fn tried(&self, beam: &[Member], least: f64) -> Option<(Rank, Trial)> {
+        let state = &beam[self.member].state;
+        let trial = state.tried(self.node, &self.plane)?;
+        let Node { risky, seam, .. } = state.nodes[self.node];
+        let rank = Rank {
+            risky: state.risky() - risky + trial.risky(),
+            parts: state.nodes.len() + trial.parts.len() - 1,
+            seam: state.seam() - seam + trial.seam(),
+        };
+        let counts = risky - trial.risky() >= least && state.trial_passes(self.node, &trial) && trial.is_sound();
+        counts.then_some((rank, trial))
+    }
+}
+
+/// Cuts that are noted for each that is wanted of a partial result.
 const TRIALS: usize = 3;
+
+/// Cuts that are tried at once. Constant, so that the result does not depend on threads.
+const AT_ONCE: usize = 8;
+
+/// The next partial results: cuts in the order of what they promise, until so many are made that are worth it and differ.
+fn next_beam(beam: &mut [Member], least: f64, width: usize, branches: usize) -> Vec<Member> {
+    rate(beam, least);
+    let mut candidates = Vec::new();
+    for (member, of) in beam.iter_mut().enumerate() {
+        let risky = of.state.risky();
+        let candidate = |(promise, node, plane)| Candidate { left: risky - promise, member, node, plane };
+        candidates.extend(of.cuts(least, TRIALS * branches).into_iter().map(candidate));
+    }
+    let beam = &*beam;
+    // Stable: of equals that of the better partial result.
+    candidates.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let mut made: Vec<(Rank, &Candidate)> = Vec::new();
+    let mut of_member = vec![0; beam.len()];
+    for some in candidates.chunks(AT_ONCE) {
+        if made.len() >= width {
+            break;
+        }
+        let tried = mapped(some, |candidate| candidate.tried(beam, least).map(|(rank, _)| rank));
+        for (candidate, rank) in some.iter().zip(tried) {
+            let Some(rank) = rank else { continue };
+            if of_member[candidate.member] < branches && !made.iter().any(|(known, _)| known.is_like(&rank)) {
+                of_member[candidate.member] += 1;
+                made.push((rank, candidate));
+            }
+        }
+    }
+    made.sort_by(|a, b| a.0.order(&b.0));
+    made.truncate(width);
+    mapped(&made, |(_, candidate)| {
+        let mut member = beam[candidate.member].clone();
+        member.state.split(candidate.node, &candidate.plane);
+        member
+    })
+}
+
+/// Rates planes through the riskiest parts of all partial results. Many have a part in common: it is rated once.
+fn rate(beam: &mut [Member], least: f64) {
+    // A part is the same one if what is known of it is in the same place.
+    let mut wanted: Vec<(*const Vec<Wall>, Vec<(usize, usize)>)> = Vec::new();
+    for (at, Member { state, known }) in beam.iter().enumerate() {
+        for node in state.riskiest(least).into_iter().filter(|&node| !known.contains_key(&state.nodes[node].cell)) {
+            let place = Arc::as_ptr(&state.nodes[node].walls);
+            match wanted.iter_mut().find(|(known, _)| *known == place) {
+                Some((_, of)) => of.push((at, node)),
+                None => wanted.push((place, vec![(at, node)])),
+            }
+        }
+    }
+    let jobs: Vec<Vec<(usize, usize)>> = wanted.into_iter().map(|(_, of)| of).collect();
+    let rated = mapped(&jobs, |of| Arc::new(beam[of[0].0].state.rated(of[0].1, least)));
+    for (of, promises) in jobs.into_iter().zip(rated) {
+        for (at, node) in of {
+            let cell = beam[at].state.nodes[node].cell;
+            beam[at].known.insert(cell, Arc::clone(&promises));
+        }
+    }
+}
 
 /// Cuts a solid by a beam search.
 ///
@@ -159,49 +245,50 @@ pub fn beam_search(
     let up = options.direction / length;
     let whole = State::whole(solid, up, &options.tuning);
     let before = whole.risky();
-    let mut beam = vec![Member::of(whole.clone(), Promises::new())];
+    let member = |state: State| Member { state, known: Promises::new() };
+    let mut beam = vec![member(whole.clone())];
     if let Some(sequence) = sequence {
         let mut state = whole;
         state.follow(sequence, &|done, total| tell("planes", done, total))?;
         state.merge();
-        beam.push(Member::of(state, Promises::new()));
+        beam.push(member(state));
     }
-    beam.sort_by(Member::order);
+    beam.sort_by(|a, b| a.rank().order(&b.rank()));
     let mut best = beam[0].clone();
-    let first = best.risky;
-    let (least, goal) = (LEAST_GAIN * before, options.tuning.goal * before);
-    let mut halvings = 0;
-    while best.risky > goal {
+    let start = best.state.clone();
+    let first = best.rank().risky;
+    let goal = options.tuning.goal * before;
+    let (mut halvings, mut width) = (0, options.width);
+    while best.rank().risky > goal {
         tell("beam", best.state.nodes.len(), options.tuning.max_parts)?;
         beam.retain(|member| member.state.nodes.len() < options.tuning.max_parts);
-        let grow = |member: &mut Member| member.children(least, options.branches);
-        #[cfg(feature = "rayon")]
-        let grown: Vec<Vec<Member>> = beam.par_iter_mut().map(grow).collect();
-        #[cfg(not(feature = "rayon"))]
-        let grown: Vec<Vec<Member>> = beam.iter_mut().map(grow).collect();
-        let mut children: Vec<Member> = grown.into_iter().flatten().collect();
-        if children.is_empty() {
+        let next = next_beam(&mut beam, least_gain(halvings) * before, width, options.branches);
+        if next.is_empty() {
             if halvings == options.tuning.halvings || beam.is_empty() {
                 break;
             }
-            // What is left takes finer planes, and a seam that pays less.
+            // What is left takes finer planes, and a seam that pays less. Partial results differ little by now.
             halvings += 1;
+            width = width.div_ceil(2);
+            beam.truncate(width);
             for member in &mut beam {
-                member.state.options.spacing /= 2.0;
-                member.state.options.seam_cost /= 2.0;
+                member.state.options = member.state.options.finer();
                 member.known.clear();
             }
             continue;
         }
-        children.sort_by(Member::order);
-        children.dedup_by(|later, earlier| later.is_like(earlier));
-        children.truncate(options.width);
-        beam = children;
-        if beam[0].order(&best).is_lt() {
+        beam = next;
+        if beam[0].rank().order(&best.rank()).is_lt() {
             best = beam[0].clone();
         }
     }
     let mut state = best.state;
+    if sequence.is_some() && state.risky() > goal {
+        let own = finely_decomposed(&start, before, &tell)?;
+        if own.risky() < state.risky() {
+            state = own;
+        }
+    }
     state.merge();
     let after = state.risky();
     Ok(Decomposition {

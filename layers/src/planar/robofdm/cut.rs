@@ -2,7 +2,8 @@
 //!
 //! Boykov, Veksler, Zabih, "Fast approximate energy minimization via graph cuts", IEEE Trans. PAMI 23(11), 2001; the graph
 //! of a step after Kolmogorov, Zabih, "What energy functions can be minimized via graph cuts?", IEEE Trans. PAMI 26(2), 2004.
-//! Flows by Dinic's algorithm. All costs are integers, so a minimum is one.
+//! Flows after Boykov, Kolmogorov, "An experimental comparison of min-cut/max-flow algorithms for energy minimization in vision", IEEE
+//! Trans. PAMI 26(9), 2004. All costs are integers, so a minimum is one.
 
 use std::collections::VecDeque;
 
@@ -37,7 +38,8 @@ impl FlowNetwork {
     /// left are those after the flow.
     ///
     /// # Cost
-    /// `O(n^2 m)` at worst, near linear on the dual graphs of meshes. The capacities must not add up to more than `u64` holds.
+    /// `O(n^2 m c)` at worst for a cut of `c`, near linear on the dual graphs of meshes. The capacities must not add up to more than
+    /// `u64` holds.
     ///
     /// # Example
     /// ```
@@ -48,65 +50,215 @@ impl FlowNetwork {
     /// assert_eq!(network.min_cut(0, 2), (3, vec![true, true, false]));
     /// ```
     pub fn min_cut(&mut self, source: usize, sink: usize) -> (u64, Vec<bool>) {
-        let mut flow = 0;
-        loop {
-            let levels = self.levels(source, sink);
-            if source == sink || levels[sink] == u32::MAX {
-                return (flow, levels.iter().map(|&level| level != u32::MAX).collect());
-            }
-            let mut next = vec![0usize; self.arcs.len()];
-            let mut path: Vec<u32> = Vec::new();
-            let mut at = source;
-            // Depth first over arcs that go up a level; arcs that lead nowhere are passed once.
-            loop {
-                if at == sink {
-                    let pushed = path.iter().map(|&arc| self.capacities[arc as usize]).min().unwrap_or(0);
-                    flow += pushed;
-                    let mut keep = path.len();
-                    for (i, &arc) in path.iter().enumerate().rev() {
-                        self.capacities[arc as usize] -= pushed;
-                        self.capacities[arc as usize ^ 1] += pushed;
-                        if self.capacities[arc as usize] == 0 {
-                            keep = i;
-                        }
-                    }
-                    at = self.heads[path[keep] as usize ^ 1] as usize;
-                    path.truncate(keep);
-                } else if let Some(&arc) = self.arcs[at].get(next[at]) {
-                    let to = self.heads[arc as usize] as usize;
-                    if self.capacities[arc as usize] > 0 && levels[to] == levels[at] + 1 {
-                        path.push(arc);
-                        at = to;
-                    } else {
-                        next[at] += 1;
-                    }
-                } else {
-                    let Some(arc) = path.pop() else { break };
-                    at = self.heads[arc as usize ^ 1] as usize;
-                    next[at] += 1;
+        let flow = if source == sink { 0 } else { Trees::new(self, source, sink).send() };
+        (flow, self.reached(source))
+    }
+
+    /// Which nodes can be reached from one over arcs with capacity.
+    fn reached(&self, from: usize) -> Vec<bool> {
+        let mut reached = vec![false; self.arcs.len()];
+        reached[from] = true;
+        let mut stack = vec![from];
+        while let Some(at) = stack.pop() {
+            for &arc in &self.arcs[at] {
+                let to = self.heads[arc as usize] as usize;
+                if self.capacities[arc as usize] > 0 && !std::mem::replace(&mut reached[to], true) {
+                    stack.push(to);
                 }
+            }
+        }
+        reached
+    }
+}
+
+/// Where a node of [`Trees`] hangs, if not on an arc: the root of a tree, cut off from its tree, or in none.
+const ROOT: u32 = u32::MAX;
+const ORPHAN: u32 = u32::MAX - 1;
+const FREE: u32 = u32::MAX - 2;
+
+/// The trees of Boykov and Kolmogorov: nodes that the source reaches, and nodes that reach the sink. Where the two touch there is a way to
+/// send flow; what that cuts off is hung on its tree again, so that no search starts from scratch.
+struct Trees<'a> {
+    network: &'a mut FlowNetwork,
+    /// Whether a node is in the tree of the sink, if it is in one.
+    of_sink: Vec<bool>,
+    /// The arc of each node to its parent.
+    parent: Vec<u32>,
+    /// Distance from the root as it was at a round.
+    distance: Vec<u32>,
+    round_of: Vec<u32>,
+    round: u32,
+    /// Nodes whose arcs may lead out of their tree.
+    active: VecDeque<u32>,
+    is_active: Vec<bool>,
+    orphans: VecDeque<u32>,
+}
+
+impl<'a> Trees<'a> {
+    fn new(network: &'a mut FlowNetwork, source: usize, sink: usize) -> Self {
+        let nodes = network.arcs.len();
+        let mut trees = Trees {
+            network,
+            of_sink: vec![false; nodes],
+            parent: vec![FREE; nodes],
+            distance: vec![0; nodes],
+            round_of: vec![0; nodes],
+            round: 0,
+            active: VecDeque::new(),
+            is_active: vec![false; nodes],
+            orphans: VecDeque::new(),
+        };
+        trees.of_sink[sink] = true;
+        for root in [source, sink] {
+            trees.parent[root] = ROOT;
+            trees.activate(root as u32);
+        }
+        trees
+    }
+
+    fn activate(&mut self, node: u32) {
+        if !std::mem::replace(&mut self.is_active[node as usize], true) {
+            self.active.push_back(node);
+        }
+    }
+
+    fn head(&self, arc: u32) -> usize {
+        self.network.heads[arc as usize] as usize
+    }
+
+    /// What can still flow on an arc of a node away from the root of its tree, or on its reverse for the tree of the sink.
+    fn outward(&self, arc: u32, of_sink: bool) -> u64 {
+        self.network.capacities[if of_sink { arc ^ 1 } else { arc } as usize]
+    }
+
+    /// Sends all that can flow.
+    fn send(mut self) -> u64 {
+        let mut flow = 0;
+        while let Some(&at) = self.active.front() {
+            if self.parent[at as usize] != FREE
+                && let Some(arc) = self.grow(at as usize)
+            {
+                self.round += 1;
+                flow += self.push(arc);
+                while let Some(orphan) = self.orphans.pop_front() {
+                    self.adopt(orphan as usize);
+                }
+                continue;
+            }
+            self.active.pop_front();
+            self.is_active[at as usize] = false;
+        }
+        flow
+    }
+
+    /// Hangs all free nodes that a node leads to on it. Returns an arc from the tree of the source to that of the sink, if there is one.
+    fn grow(&mut self, at: usize) -> Option<u32> {
+        let of_sink = self.of_sink[at];
+        for k in 0..self.network.arcs[at].len() {
+            let arc = self.network.arcs[at][k];
+            if self.outward(arc, of_sink) == 0 {
+                continue;
+            }
+            let to = self.head(arc);
+            let is_free = self.parent[to] == FREE;
+            if !is_free && self.of_sink[to] != of_sink {
+                return Some(if of_sink { arc ^ 1 } else { arc });
+            }
+            let is_nearer = || self.round_of[to] <= self.round_of[at] && self.distance[to] > self.distance[at] + 1;
+            if is_free || (self.parent[to] != ROOT && is_nearer()) {
+                self.of_sink[to] = of_sink;
+                self.parent[to] = arc ^ 1;
+                self.distance[to] = self.distance[at] + 1;
+                self.round_of[to] = self.round_of[at];
+            }
+            if is_free {
+                self.activate(to as u32);
+            }
+        }
+        None
+    }
+
+    /// Sends what fits along both trees and the arc between them; nodes behind arcs that are full then become orphans.
+    fn push(&mut self, between: u32) -> u64 {
+        // Arcs in the direction of the flow, and the node that hangs on each.
+        let mut way = vec![(between, usize::MAX)];
+        for (start, of_sink) in [(between ^ 1, false), (between, true)] {
+            let mut at = self.head(start);
+            while self.parent[at] != ROOT {
+                let arc = self.parent[at];
+                way.push((if of_sink { arc } else { arc ^ 1 }, at));
+                at = self.head(arc);
+            }
+        }
+        let pushed = way.iter().map(|&(arc, _)| self.network.capacities[arc as usize]).min().unwrap_or(0);
+        for (arc, node) in way {
+            self.network.capacities[arc as usize] -= pushed;
+            self.network.capacities[arc as usize ^ 1] += pushed;
+            if node != usize::MAX && self.network.capacities[arc as usize] == 0 {
+                self.parent[node] = ORPHAN;
+                self.orphans.push_back(node as u32);
+            }
+        }
+        pushed
+    }
+
+    /// Hangs an orphan on the neighbour in its tree that is nearest to the root; without one it is free, and what hangs on it are orphans.
+    fn adopt(&mut self, orphan: usize) {
+        let of_sink = self.of_sink[orphan];
+        let mut best: Option<(u32, u32)> = None;
+        let arcs = self.network.arcs[orphan].len();
+        for k in 0..arcs {
+            let arc = self.network.arcs[orphan][k];
+            let from = self.head(arc);
+            let is_kin = self.parent[from] != FREE && self.of_sink[from] == of_sink;
+            if is_kin
+                && self.outward(arc ^ 1, of_sink) > 0
+                && let Some(distance) = self.depth(from)
+                && best.is_none_or(|(least, _)| distance < least)
+            {
+                best = Some((distance, arc));
+            }
+        }
+        if let Some((distance, arc)) = best {
+            self.parent[orphan] = arc;
+            (self.distance[orphan], self.round_of[orphan]) = (distance + 1, self.round);
+            return;
+        }
+        self.parent[orphan] = FREE;
+        for k in 0..arcs {
+            let arc = self.network.arcs[orphan][k];
+            let near = self.head(arc);
+            if self.parent[near] == FREE || self.of_sink[near] != of_sink {
+                continue;
+            }
+            if self.outward(arc ^ 1, of_sink) > 0 {
+                self.activate(near as u32);
+            }
+            if self.parent[near] == arc ^ 1 {
+                self.parent[near] = ORPHAN;
+                self.orphans.push_back(near as u32);
             }
         }
     }
 
-    /// How many arcs each node is from the source, as far as the sink's level.
-    fn levels(&self, source: usize, sink: usize) -> Vec<u32> {
-        let mut levels = vec![u32::MAX; self.arcs.len()];
-        levels[source] = 0;
-        let mut queue = VecDeque::from([source]);
-        while let Some(at) = queue.pop_front() {
-            for &arc in &self.arcs[at] {
-                let to = self.heads[arc as usize] as usize;
-                if self.capacities[arc as usize] > 0 && levels[to] == u32::MAX {
-                    levels[to] = levels[at] + 1;
-                    queue.push_back(to);
-                }
+    /// How far a node is from the root of its tree; `None` if it hangs on an orphan.
+    fn depth(&mut self, from: usize) -> Option<u32> {
+        let (mut at, mut steps) = (from, 0);
+        let depth = loop {
+            match self.parent[at] {
+                ROOT => break steps,
+                ORPHAN | FREE => return None,
+                _ if self.round_of[at] == self.round => break steps + self.distance[at],
+                arc => (at, steps) = (self.head(arc), steps + 1),
             }
-            if at == sink {
-                break;
-            }
+        };
+        // What was passed need not be walked again in this round.
+        let (mut at, mut left) = (from, depth);
+        while self.parent[at] != ROOT && self.round_of[at] != self.round {
+            (self.round_of[at], self.distance[at]) = (self.round, left);
+            (at, left) = (self.head(self.parent[at]), left - 1);
         }
-        levels
+        Some(depth)
     }
 }
 
@@ -196,9 +348,14 @@ impl Labelling {
             }
         }
         for v in 0..labels.len() {
-            // The source side keeps, so the arc to the sink costs keeping.
-            network.connect(source, v, taking[v], 0);
-            network.connect(v, sink, keeping[v], 0);
+            // The source side keeps, so the arc to the sink costs keeping. What both cost is paid in any case.
+            let (take, keep) = (taking[v].saturating_sub(keeping[v]), keeping[v].saturating_sub(taking[v]));
+            if take > 0 {
+                network.connect(source, v, take, 0);
+            }
+            if keep > 0 {
+                network.connect(v, sink, keep, 0);
+            }
         }
         let (_, keeps) = network.min_cut(source, sink);
         labels.iter().zip(keeps).map(|(&label, keeps)| if keeps { label } else { alpha }).collect()

@@ -84,28 +84,33 @@ impl Head {
 
     /// Whether the head, its tip a layer over a place, is in the platform, by the lowest point of each of its edges: what that misses
     /// [`Head::meets`] finds.
-    pub(super) fn is_in_platform(
-        &self,
-        place: &Point3<f64>,
+    pub(super) fn in_platform(
+        self,
         direction: &Vector3<f64>,
         middle: &Point3<f64>,
         up: &Vector3<f64>,
-    ) -> bool {
-        if self.platform_radius <= 0.0 {
-            return false;
-        }
-        let rise = direction.dot(up);
+    ) -> impl Fn(&Point3<f64>) -> bool {
+        let (direction, middle, up) = (*direction, *middle, *up);
+        let rise = direction.dot(&up);
         // The lowest point of a circle around the axis lies this way from its middle.
         let across = (direction * rise - up).try_normalize(1e-9).unwrap_or_default();
-        let tip = place + direction * self.layer;
-        // The block has no end; so far up a head that looks down is below everything.
-        let far = 2.0 * (self.platform_radius + (tip - middle).norm());
-        let edges = [0.0, self.cone_height, self.cone_height + 1e-9, far];
-        edges.into_iter().any(|height| {
-            let lowest = tip + direction * height + across * self.radius(height) - middle;
-            let up_there = lowest.dot(up);
-            up_there < 0.0 && (lowest - up * up_there).norm() < self.platform_radius
-        })
+        let sink = across.dot(&up);
+        let edges = [0.0, self.cone_height, self.cone_height + 1e-9].map(|height| (height, self.radius(height)));
+        let widest = self.radius(f64::INFINITY);
+        move |place| {
+            if self.platform_radius <= 0.0 {
+                return false;
+            }
+            let tip = place + direction * self.layer - middle;
+            // The block has no end; so far up a head that looks down is below everything.
+            let far = 2.0 * (self.platform_radius + tip.norm());
+            let start = tip.dot(&up);
+            edges.into_iter().chain([(far, widest)]).any(|(height, radius)| {
+                let up_there = start + height * rise + radius * sink;
+                up_there < 0.0
+                    && (tip + direction * height + across * radius - up * up_there).norm() < self.platform_radius
+            })
+        }
     }
 
     /// The platform as triangles, around a point on it.
@@ -196,13 +201,13 @@ impl Map {
 
     /// Notes the heights of the corners of what each pixel sees of a triangle.
     fn draw(&mut self, corners: &[Vector3<f64>; 3], note: impl Fn(&mut f64, f64)) {
-        let rows = self.range(1, corners);
-        for y in rows {
-            let strip = clipped(corners, 1, self.line(1, y), self.line(1, y + 1));
+        let whole = Polygon::from(corners);
+        for y in self.range(1, &whole) {
+            let strip = whole.clipped(1, self.line(1, y), self.line(1, y + 1));
             for x in self.range(0, &strip) {
-                let piece = clipped(&strip, 0, self.line(0, x), self.line(0, x + 1));
+                let piece = strip.clipped(0, self.line(0, x), self.line(0, x + 1));
                 let known = &mut self.heights[x + y * self.count[0]];
-                piece.iter().for_each(|p| note(known, p.z));
+                piece.corners().iter().for_each(|p| note(known, p.z));
             }
         }
     }
@@ -212,10 +217,10 @@ impl Map {
     }
 
     /// The pixels along an axis that a polygon touches.
-    fn range(&self, axis: usize, polygon: &[Vector3<f64>]) -> std::ops::Range<usize> {
-        let low = polygon.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
-        let high = polygon.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
-        if polygon.is_empty() {
+    fn range(&self, axis: usize, polygon: &Polygon) -> std::ops::Range<usize> {
+        let along = || polygon.corners().iter().map(|p| p[axis]);
+        let (low, high) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
+        if polygon.count == 0 {
             return 0..0;
         }
         // Negative places become 0, those beyond the end the end.
@@ -224,12 +229,42 @@ impl Map {
     }
 }
 
-/// What is left of a convex polygon between two values of a coordinate (I. E. Sutherland and G. W. Hodgman, 1974).
-fn clipped(polygon: &[Vector3<f64>], axis: usize, low: f64, high: f64) -> Vec<Vector3<f64>> {
-    let half = |polygon: &[Vector3<f64>], bound: f64, sign: f64| {
-        let mut kept = Vec::with_capacity(polygon.len() + 2);
-        for (k, a) in polygon.iter().enumerate() {
-            let b = &polygon[(k + 1) % polygon.len()];
+/// A triangle that two strips have cut has seven corners: each of four lines adds one. The others are for rounding, which may make a line
+/// cross an edge that lies in it.
+const MAX_CORNERS: usize = 9;
+
+/// A convex polygon.
+#[derive(Clone, Copy)]
+struct Polygon {
+    corners: [Vector3<f64>; MAX_CORNERS],
+    count: usize,
+}
+
+impl From<&[Vector3<f64>; 3]> for Polygon {
+    fn from(&[a, b, c]: &[Vector3<f64>; 3]) -> Self {
+        let mut corners = [a; MAX_CORNERS];
+        (corners[1], corners[2]) = (b, c);
+        Polygon { corners, count: 3 }
+    }
+}
+
+impl Polygon {
+    fn corners(&self) -> &[Vector3<f64>] {
+        &self.corners[..self.count]
+    }
+
+    /// What is left between two values of a coordinate (I. E. Sutherland and G. W. Hodgman, 1974).
+    fn clipped(&self, axis: usize, low: f64, high: f64) -> Self {
+        if self.corners().iter().all(|p| low <= p[axis] && p[axis] <= high) {
+            return *self;
+        }
+        self.half(axis, low, 1.0).half(axis, high, -1.0)
+    }
+
+    fn half(&self, axis: usize, bound: f64, sign: f64) -> Self {
+        let mut kept = Polygon { corners: [Vector3::zeros(); MAX_CORNERS], count: 0 };
+        for (k, a) in self.corners().iter().enumerate() {
+            let b = &self.corners[(k + 1) % self.count];
             let [ha, hb] = [a, b].map(|p| (p[axis] - bound) * sign);
             if ha >= 0.0 {
                 kept.push(*a);
@@ -239,8 +274,14 @@ fn clipped(polygon: &[Vector3<f64>], axis: usize, low: f64, high: f64) -> Vec<Ve
             }
         }
         kept
-    };
-    half(&half(polygon, low, 1.0), high, -1.0)
+    }
+
+    fn push(&mut self, corner: Vector3<f64>) {
+        if self.count < MAX_CORNERS {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -18,12 +18,17 @@ mod contacts;
 mod crossing;
 mod cut;
 mod error;
+mod follow;
 mod head;
+mod merging;
 mod mixture;
+mod parallel;
 mod promise;
+mod random;
 mod segment;
 mod sequence;
 mod skeleton;
+mod split;
 mod state;
 mod tuning;
 

@@ -1,63 +1,61 @@
 //! Parts on their way: cells of a partition in the order in which they are printed, and what may be done to them.
 //!
-//! Perturbation, merging and cutting of section 2.4.3 of the dissertation, each of which keeps the constraints of [`super::tune`].
+//! Perturbation, merging and cutting of section 2.4.3 of the dissertation, each of which keeps the constraints of [`super::tune`]. What is
+//! known of a part is kept, and cuts are tried on the part alone, so that a trial costs as much as the part is large.
 
 use super::error::RoboFdmError;
 use super::promise::{Judge, area_vector, promising};
-use super::sequence::BuildSequence;
+use super::random::Random;
+use super::split::{Trial, divide};
 use super::tuning::{PrintedPart, Seam, TuningOptions};
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Partition, Solid};
-use nalgebra::{Point3, UnitQuaternion, Vector3};
-use std::collections::{BTreeMap, BTreeSet};
-
-/// Numbers that look random and are the same each time (PCG, M. E. O'Neill 2014).
-struct Random(u64);
-
-impl Random {
-    /// Between -1 and 1.
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let mixed = ((self.0 >> 18) ^ self.0) >> 27;
-        let turned = (mixed as u32).rotate_right((self.0 >> 59) as u32);
-        f64::from(turned) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
-}
+use nalgebra::{Point3, Vector3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Planes through a cell and what they promise to save. A cell that is cut has another number.
-pub(super) type Promises = BTreeMap<u32, Vec<(f64, CutPlane)>>;
+pub(super) type Promises = BTreeMap<u32, Arc<Vec<(f64, CutPlane)>>>;
 
+/// A part on its way. What is known of it holds until a cell that it touches changes: see [`State::refresh`].
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub(super) cell: u32,
     pub(super) direction: Vector3<f64>,
     pub(super) base: Option<CutPlane>,
+    /// The triangles around it.
+    pub(super) walls: Arc<Vec<Wall>>,
+    /// Risky area, and area on earlier parts.
+    pub(super) risky: f64,
+    pub(super) seam: f64,
+}
+
+impl Node {
+    pub(super) fn new(cell: u32, direction: Vector3<f64>, base: Option<CutPlane>) -> Self {
+        Node { cell, direction, base, walls: Arc::default(), risky: 0.0, seam: 0.0 }
+    }
+
+    /// The middle of its box.
+    fn middle(&self) -> Point3<f64> {
+        let corners = self.walls.iter().flat_map(|wall| wall.places);
+        let box_of = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.inf(&p), high.sup(&p)]);
+        box_of.map_or(Point3::origin(), |[low, high]| low + (high - low) / 2.0)
+    }
 }
 
 /// The parts in the order in which they are printed.
 #[derive(Clone)]
 pub(super) struct State {
-    pub(super) partition: Partition,
+    pub(super) partition: Arc<Partition>,
     pub(super) nodes: Vec<Node>,
     pub(super) options: TuningOptions,
-    up: Vector3<f64>,
+    pub(super) up: Vector3<f64>,
     /// The middle of the platform.
     foot: Point3<f64>,
-    diagonal: f64,
+    pub(super) diagonal: f64,
     volume: f64,
     /// The platform, where a head has to pass it.
     platform: Vec<[Point3<f64>; 3]>,
-}
-
-/// What came of a cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Split {
-    /// What is below stands, and something was cut off.
-    Made,
-    /// Nothing was cut off, or something would float or be no solid.
-    Unsound,
-    /// The head meets what stands.
-    Blocked,
 }
 
 /// Whether planes lead to about the same: normals less than 15 degrees apart, and less than two spacings between them.
@@ -74,77 +72,53 @@ impl State {
         let [low, high] = solid.bounds();
         let middle = low + (high - low) / 2.0;
         let foot = middle + up * (solid.extent(&up)[0] - middle.coords.dot(&up));
-        State {
-            partition: Partition::new(solid),
-            nodes: vec![Node { cell: 0, direction: up, base: None }],
+        let mut state = State {
+            partition: Arc::new(Partition::new(solid)),
+            nodes: vec![Node::new(0, up, None)],
             up,
             foot,
             options: *options,
             diagonal: (high - low).norm(),
             volume: solid.volume(),
             platform: options.head.map_or(Vec::new(), |head| head.platform(&foot, &up)),
+        };
+        state.refresh(&[]);
+        state
+    }
+
+    /// Finds anew what is known of parts that are new, and of those that touched a cell which is no more or has changed.
+    pub(super) fn refresh(&mut self, gone: &[u32]) {
+        let touched = |wall: &Wall| wall.beyond.is_some_and(|beyond| gone.contains(&beyond));
+        for node in 0..self.nodes.len() {
+            let Node { cell, walls, .. } = &self.nodes[node];
+            if walls.is_empty() || gone.contains(cell) || walls.iter().any(touched) {
+                let walls = self.partition.walls(*cell);
+                let judge = self.judge(node, &walls);
+                let (risky, seam) = (judge.risky(&walls), judge.seam(&walls));
+                self.nodes[node] = Node { walls: Arc::new(walls), risky, seam, ..self.nodes[node].clone() };
+            }
         }
     }
 
-    /// Cuts the whole solid along the perturbed planes of a sequence.
-    pub(super) fn follow(
-        &mut self,
-        sequence: &BuildSequence,
-        tell: &dyn Fn(usize, usize) -> Result<(), RoboFdmError>,
-    ) -> Result<(), RoboFdmError> {
-        let mut random = Random(0x0b0e);
-        // Which node holds each part of the sequence.
-        let mut node_of: Vec<(u32, usize)> = sequence.parts.first().map(|root| (root.part, 0)).into_iter().collect();
-        for (done, part) in sequence.parts.iter().enumerate().skip(1) {
-            tell(done, sequence.parts.len())?;
-            let holder = |p: u32| node_of.iter().find(|(known, _)| *known == p).map_or(0, |&(_, node)| node);
-            let parent = part.parent.map_or(0, holder);
-            let made = part.base.is_some_and(|base| self.perturbed(parent, &base, &part.direction, &mut random));
-            node_of.push((part.part, if made { self.nodes.len() - 1 } else { parent }));
-        }
-        Ok(())
-    }
-
-    /// Whether the head, if there is one to look at, passes all that stands when a part is printed.
-    pub(super) fn passes(&self, node: usize) -> bool {
+    /// Whether the head, if there is one to look at, passes all that stands, and the platform, when a part is printed.
+    pub(super) fn head_passes<'a>(
+        &self,
+        direction: &Vector3<f64>,
+        part: &[Wall],
+        standing: impl Iterator<Item = &'a [Wall]>,
+    ) -> bool {
         let Some(head) = self.options.head else { return true };
-        let walls = self.walls(node);
-        let earlier: Vec<Wall> = (0..node).flat_map(|node| self.walls(node)).collect();
-        let standing = earlier.iter().map(|wall| &wall.places).chain(&self.platform);
-        !head.meets(&self.nodes[node].direction, walls.iter().map(|wall| &wall.places), standing)
-    }
-
-    pub(super) fn walls(&self, node: usize) -> Vec<Wall> {
-        self.partition.walls(self.nodes[node].cell)
+        let standing = standing.flatten().map(|wall| &wall.places).chain(&self.platform);
+        !head.meets(direction, part.iter().map(|wall| &wall.places), standing)
     }
 
     pub(super) fn risky(&self) -> f64 {
-        (0..self.nodes.len()).map(|node| self.risky_of(node)).sum()
+        self.nodes.iter().map(|node| node.risky).sum()
     }
 
     /// Area of all seams.
     pub(super) fn seam(&self) -> f64 {
-        let of = |node: usize| {
-            let walls = self.walls(node);
-            self.judge(node, &walls).seam(&walls)
-        };
-        (0..self.nodes.len()).map(of).sum()
-    }
-
-    /// Risky area of all parts, and what their seams cost.
-    pub(super) fn cost(&self) -> f64 {
-        let of = |node: usize| {
-            let walls = self.walls(node);
-            let judge = self.judge(node, &walls);
-            judge.risky(&walls) + self.options.seam_cost * judge.seam(&walls)
-        };
-        (0..self.nodes.len()).map(of).sum()
-    }
-
-    /// Risky area of a part: of its surface while it is printed.
-    pub(super) fn risky_of(&self, node: usize) -> f64 {
-        let walls = self.walls(node);
-        self.judge(node, &walls).risky(&walls)
+        self.nodes.iter().map(|node| node.seam).sum()
     }
 
     pub(super) fn judge(&self, node: usize, walls: &[Wall]) -> Judge {
@@ -156,151 +130,47 @@ impl State {
         Judge { earlier, direction, floor, limit: -self.options.max_angle.sin() }
     }
 
-    /// Whether a plane cuts no section between a part and another one.
-    fn spares_sections(walls: &[Wall], plane: &CutPlane) -> bool {
-        let mut sides: BTreeMap<u32, [bool; 2]> = BTreeMap::new();
-        for wall in walls {
-            let Some(beyond) = wall.beyond else { continue };
-            let seen = sides.entry(beyond).or_default();
-            for side in wall.places.map(|p| plane.side(&p)) {
-                seen[0] |= side > 0;
-                seen[1] |= side < 0;
-            }
-        }
-        sides.values().all(|side| *side != [true; 2])
-    }
-
-    /// Separates from a node what lies above a plane at the section nearest to a point. Returns the area of the section. The new node comes last.
-    fn cut_off(&mut self, node: usize, plane: &CutPlane, near: &Point3<f64>) -> Option<f64> {
-        let cut = self.partition.cut(&[self.nodes[node].cell], plane);
-        let mut nearest: Option<(f64, u32, u32)> = None;
-        for &upper in &cut.above {
-            for wall in self.partition.walls(upper) {
-                let Some(lower) = wall.beyond.filter(|cell| cut.below.contains(cell)) else { continue };
-                let far = wall.places.iter().map(|p| (p - near).norm()).fold(f64::INFINITY, f64::min);
-                if nearest.is_none_or(|(least, ..)| far < least) {
-                    nearest = Some((far, upper, lower));
-                }
-            }
-        }
-        let found = nearest.map(|(_, upper, lower)| (upper, lower));
-        let (upper, lower) = found.unwrap_or_else(|| {
-            let all = cut.above.iter().chain(&cut.below).copied();
-            all.fold((u32::MAX, u32::MAX), |(_, first), cell| (u32::MAX, first.min(cell)))
-        });
-        // All other pieces go back to what they touch.
-        let mut rest: Vec<u32> = cut.above.into_iter().chain(cut.below).filter(|&c| c != upper && c != lower).collect();
-        while let Some(at) = rest.iter().position(|&piece| {
-            [lower, upper].into_iter().any(|cell| cell != u32::MAX && self.partition.shared_area(cell, piece) > 0.0)
-        }) {
-            let piece = rest.remove(at);
-            let to = if self.partition.shared_area(lower, piece) > 0.0 { lower } else { upper };
-            self.partition.merge(to, piece);
-        }
-        rest.into_iter().for_each(|piece| self.partition.merge(lower, piece));
-        self.nodes[node].cell = lower;
-        found?;
-        self.nodes.push(Node { cell: upper, direction: plane.normal(), base: Some(*plane) });
-        Some(self.partition.shared_area(lower, upper))
-    }
-
-    /// Cuts a part off a node by the best plane near the given one. Whether there is one that keeps the constraints.
-    fn perturbed(&mut self, node: usize, base: &Point3<f64>, normal: &Vector3<f64>, random: &mut Random) -> bool {
-        let walls = self.walls(node);
-        let mut largest = f64::INFINITY;
-        let mut best: Option<(f64, State)> = None;
-        for trial in 0..=self.options.perturbations {
-            let [x, y, z, by] = [0; 4].map(|_| if trial == 0 { 0.0 } else { random.signed() });
-            // An axis of any direction, a turn of any angle up to the largest.
-            let axis = Vector3::new(x, y, z).try_normalize(0.0).unwrap_or_default();
-            let turn = UnitQuaternion::from_scaled_axis(
-                axis * (self.options.max_turn * Vector3::new(x, y, z).norm().min(1.0)),
-            );
-            let place = base + normal * (by * self.options.max_offset * self.diagonal);
-            let Ok(plane) = CutPlane::through(&place, &(turn * normal)) else { continue };
-            let looks_up = self.options.head.is_some() || plane.normal().dot(&self.up) > 0.0;
-            let allowed = looks_up && Self::spares_sections(&walls, &plane);
-            // The first one also says how large the section is.
-            if !allowed && trial > 0 {
-                continue;
-            }
-            let mut next = self.clone();
-            let Some(section) = next.cut_off(node, &plane, &place) else { continue };
-            if trial == 0 {
-                largest = section * self.options.max_section;
-            }
-            let risky = next.risky_of(node) + next.risky_of(next.nodes.len() - 1);
-            let better = best.as_ref().is_none_or(|(least, _)| risky < *least);
-            if allowed && section <= largest && better && next.passes(next.nodes.len() - 1) {
-                best = Some((risky, next));
-            }
-        }
-        best.map(|(_, next)| *self = next).is_some()
-    }
-
-    /// Merges parts with earlier ones as long as nothing gets worse.
-    pub(super) fn merge(&mut self) {
-        loop {
-            let mut best: Option<(f64, State)> = None;
-            let risky = self.risky();
-            for later in 1..self.nodes.len() {
-                let touched = self.touched(later);
-                // What lies between them in the order must not carry the later one.
-                let Some(&earlier) = touched.last() else { continue };
-                let mut next = self.clone();
-                next.partition.merge(next.nodes[earlier].cell, next.nodes[later].cell);
-                next.nodes.remove(later);
-                let merged = next.risky();
-                // The earlier part grows, and more of it stands when those behind it are printed.
-                let enough = merged <= risky * (1.0 + 1e-12)
-                    && best.as_ref().is_none_or(|(least, _)| merged < *least)
-                    && next.partition.part(next.nodes[earlier].cell).is_ok()
-                    && (earlier..next.nodes.len()).all(|node| next.passes(node));
-                if enough {
-                    best = Some((merged, next));
-                }
-            }
-            match best {
-                Some((_, next)) => *self = next,
-                None => return,
-            }
-        }
-    }
-
     /// The earlier parts that a part touches, by rising number.
-    fn touched(&self, node: usize) -> Vec<usize> {
-        let walls = self.walls(node);
+    pub(super) fn touched(&self, node: usize) -> Vec<usize> {
+        let walls = &self.nodes[node].walls;
         let touches = |&earlier: &usize| walls.iter().any(|wall| wall.beyond == Some(self.nodes[earlier].cell));
         (0..node).filter(touches).collect()
     }
 
-    /// Planes through the riskiest parts by what each promises to save, the most first; none that promise less than `least`.
-    pub(super) fn planes(&self, known: &mut Promises, least: f64) -> Vec<(f64, usize, CutPlane)> {
-        let mut riskiest: Vec<(f64, usize)> = (0..self.nodes.len()).map(|node| (self.risky_of(node), node)).collect();
+    /// The riskiest parts, in which planes are sought.
+    pub(super) fn riskiest(&self, least: f64) -> Vec<usize> {
+        let mut riskiest: Vec<(f64, usize)> = self.nodes.iter().map(|node| node.risky).zip(0..).collect();
         riskiest.sort_by(|a, b| b.0.total_cmp(&a.0));
         riskiest.truncate(self.options.candidates);
+        riskiest.into_iter().filter(|(risky, _)| *risky >= least).map(|(_, node)| node).collect()
+    }
+
+    /// Planes through a part and what they promise to save, the most first; none that promise less than `least`.
+    pub(super) fn rated(&self, node: usize, least: f64) -> Vec<(f64, CutPlane)> {
+        let walls = &self.nodes[node].walls;
+        promising(walls, &self.judge(node, walls), self.foot, &self.up, &self.options, least)
+    }
+
+    /// Planes through the riskiest parts by what each promises to save, the most first; none that promise less than `least`.
+    pub(super) fn planes(&self, known: &mut Promises, least: f64) -> Vec<(f64, usize, CutPlane)> {
         let mut planes: Vec<(f64, usize, CutPlane)> = Vec::new();
-        for (_, node) in riskiest.into_iter().filter(|(risky, _)| *risky >= least) {
-            let promises = known.entry(self.nodes[node].cell).or_insert_with(|| {
-                let walls = self.walls(node);
-                promising(&walls, &self.judge(node, &walls), self.foot, &self.up, &self.options)
-            });
-            planes.extend(promises.iter().filter(|(gain, _)| *gain >= least).map(|&(gain, plane)| (gain, node, plane)));
+        for node in self.riskiest(least) {
+            let promises = known.entry(self.nodes[node].cell).or_insert_with(|| Arc::new(self.rated(node, least)));
+            planes.extend(promises.iter().map(|&(gain, plane)| (gain, node, plane)));
         }
         planes.sort_by(|a, b| b.0.total_cmp(&a.0));
         planes
     }
 
-    /// Cuts one of the riskiest parts by the best plane. Whether that gained enough.
-    pub(super) fn cut_finely(&mut self, known: &mut Promises, least: f64) -> bool {
+    /// Cuts one of the riskiest parts by the best plane, or by the best one near it (`refines`). Whether that gained enough.
+    pub(super) fn cut_finely(&mut self, known: &mut Promises, least: f64, refines: bool) -> bool {
         let planes = self.planes(known, least);
-        let before = self.cost();
-        let mut best: Option<(f64, State)> = None;
+        let mut best: Option<(f64, usize, CutPlane)> = None;
         let mut blocked: Vec<(usize, CutPlane)> = Vec::new();
         let mut trials = 0;
-        for (gain, node, plane) in planes {
+        for (promise, node, plane) in planes {
             // Those that follow promise less than what is there.
-            if trials == TRIALS || best.as_ref().is_some_and(|(so_far, _)| *so_far >= gain) {
+            if trials == TRIALS || best.is_some_and(|(so_far, ..)| so_far >= promise) {
                 break;
             }
             // Where the head is in the way it is so a little farther on.
@@ -308,79 +178,91 @@ impl State {
                 continue;
             }
             trials += 1;
-            let mut next = self.clone();
-            let made = next.split(node, &plane);
-            if made == Split::Blocked {
-                blocked.push((node, plane));
+            let Some(trial) = self.tried(node, &plane) else { continue };
+            let saved = self.saved(node, &trial);
+            if saved < least || best.is_some_and(|(so_far, ..)| saved <= so_far) {
+                continue;
             }
-            if made == Split::Made {
-                let gain = before - next.cost();
-                if gain >= least && best.as_ref().is_none_or(|(so_far, _)| gain > *so_far) {
-                    best = Some((gain, next));
-                }
+            if !self.trial_passes(node, &trial) {
+                blocked.push((node, plane));
+            } else if trial.is_sound() {
+                best = Some((saved, node, plane));
             }
         }
-        best.map(|(_, next)| *self = next).is_some()
+        let Some((saved, node, plane)) = best else { return false };
+        let plane = if refines { self.refined(node, plane, saved) } else { plane };
+        self.split(node, &plane);
+        true
     }
 
-    /// Cuts a part by a plane where that pays. What is above becomes parts of their own, printed right after it along the plane's
-    /// normal.
-    pub(super) fn split(&mut self, node: usize, plane: &CutPlane) -> Split {
-        let cell = self.nodes[node].cell;
-        let judge = self.judge(node, &self.walls(node));
-        let upward = Judge { direction: plane.normal(), floor: f64::NEG_INFINITY, ..judge.clone() };
-        let cut = self.partition.cut(&[cell], plane);
-        let stands = |piece: &u32| self.partition.walls(*piece).iter().any(|wall| judge.is_supported(wall));
-        let (standing, floating): (Vec<u32>, Vec<u32>) = cut.below.iter().partition(|piece| stands(piece));
-        let Some((&below, others)) = standing.split_first() else { return Split::Unsound };
-        let touched_below: BTreeSet<u32> =
-            cut.below.iter().flat_map(|&piece| self.partition.walls(piece)).filter_map(|wall| wall.beyond).collect();
-        let touched_below: BTreeSet<u32> = touched_below.into_iter().filter(|b| !cut.above.contains(b)).collect();
-        let pays = |&&piece: &&u32| {
-            let mut walls = self.partition.walls(piece);
-            // A section that the plane cuts has something of it on both sides.
-            let barring = |b: &u32| self.options.keep_sections_apart || judge.earlier.contains(b);
-            let spares = walls
-                .iter()
-                .filter_map(|w| w.beyond)
-                .filter(barring)
-                .all(|b| cut.below.contains(&b) || !touched_below.contains(&b));
-            let all = walls.len();
-            walls.retain(|wall| wall.beyond.is_none_or(|beyond| !cut.below.contains(&beyond)));
-            let section: f64 = cut.below.iter().map(|&below| self.partition.shared_area(piece, below)).sum();
-            spares
-                && walls.len() < all
-                && self.partition.volume(piece) >= self.options.min_piece * self.volume
-                && judge.risky(&walls) > upward.risky(&walls) + self.options.seam_cost * section
-        };
-        let (above, kept): (Vec<u32>, Vec<u32>) = cut.above.iter().partition(pays);
-        // What floats below hangs on something above: it is printed with that, if it is printed on its own.
-        for piece in floating {
-            let carrier = above.iter().find(|&&upper| self.partition.shared_area(upper, piece) > 0.0);
-            self.partition.merge(carrier.copied().unwrap_or(below), piece);
+    /// The best plane near one that saves so much: what rates planes knows only normals and offsets of a grid.
+    fn refined(&self, node: usize, mut plane: CutPlane, mut saved: f64) -> CutPlane {
+        let mut random = Random::new();
+        let TuningOptions { perturbations, max_turn, spacing, .. } = self.options;
+        for _ in 0..perturbations {
+            let normal = random.turn(max_turn) * plane.normal();
+            if self.options.head.is_none() && normal.dot(&self.up) <= 0.0 {
+                continue;
+            }
+            // About the middle of the part, so that a turn moves the section little.
+            let middle = self.nodes[node].middle();
+            let place = middle - plane.normal() * (plane.height(&middle) + spacing / 2.0 * random.signed());
+            let Ok(near) = CutPlane::through(&place, &normal) else { continue };
+            let Some(trial) = self.tried(node, &near) else { continue };
+            let so_far = self.saved(node, &trial);
+            if so_far > saved && self.trial_passes(node, &trial) && trial.is_sound() {
+                (plane, saved) = (near, so_far);
+            }
         }
-        others.iter().chain(&kept).for_each(|&piece| self.partition.merge(below, piece));
-        self.nodes[node].cell = below;
-        let new = above.into_iter().map(|cell| Node { cell, direction: plane.normal(), base: Some(*plane) });
-        let new: Vec<Node> = new.collect();
-        let count = new.len();
-        let made = !new.is_empty() && self.partition.volume(below) >= self.options.min_piece * self.volume;
-        let sound =
-            made && self.partition.part(below).is_ok() && new.iter().all(|n| self.partition.part(n.cell).is_ok());
+        plane
+    }
+
+    /// A cut of a part by a plane, on the part alone. `None` where it cuts nothing off that pays, or something would float.
+    pub(super) fn tried(&self, node: usize, plane: &CutPlane) -> Option<Trial> {
+        let Node { cell, walls, .. } = &self.nodes[node];
+        let judge = self.judge(node, walls);
+        Trial::new(self.partition.only(&[*cell]), *cell, plane, &judge, self.min_mm3(), &self.options)
+    }
+
+    /// What a trial saves: risky area, but for what its seams cost.
+    fn saved(&self, node: usize, trial: &Trial) -> f64 {
+        let Node { risky, seam, .. } = self.nodes[node];
+        risky - trial.risky() + self.options.seam_cost * (seam - trial.seam())
+    }
+
+    /// Whether the head passes all that stands when what a trial cuts off is printed.
+    ///
+    /// What is below is printed among less than before, what comes later among as much.
+    pub(super) fn trial_passes(&self, node: usize, trial: &Trial) -> bool {
+        (1..trial.parts.len()).all(|at| {
+            let earlier = self.nodes[..node].iter().map(|node| &node.walls[..]);
+            let new = trial.parts[..at].iter().map(|part| &part.walls[..]);
+            let part = &trial.parts[at];
+            self.head_passes(&part.direction, &part.walls, earlier.chain(new))
+        })
+    }
+
+    fn min_mm3(&self) -> f64 {
+        self.options.min_piece * self.volume
+    }
+
+    /// Cuts a part by a plane as it was tried. What is above becomes parts of their own, printed right after it along the plane's normal.
+    pub(super) fn split(&mut self, node: usize, plane: &CutPlane) {
+        let (cell, min_mm3) = (self.nodes[node].cell, self.min_mm3());
+        let judge = self.judge(node, &self.nodes[node].walls);
+        let made = divide(Arc::make_mut(&mut self.partition), cell, plane, &judge, min_mm3, &self.options);
+        let Some(division) = made else { unreachable!("the same cut was made on the part alone") };
+        self.nodes[node].cell = division.below;
+        let new = division.above.into_iter().map(|cell| Node::new(cell, plane.normal(), Some(*plane)));
         self.nodes.splice(node + 1..node + 1, new);
-        // What is below is printed among less than before, what comes later among as much.
-        match sound {
-            true if (node + 1..=node + count).all(|new| self.passes(new)) => Split::Made,
-            true => Split::Blocked,
-            false => Split::Unsound,
-        }
+        // Its own walls are new as well.
+        self.nodes[node].walls = Arc::default();
+        self.refresh(&[cell]);
     }
 
     pub(super) fn printed(&self) -> Result<Vec<PrintedPart>, RoboFdmError> {
         let part = |node: usize| {
-            let Node { cell, direction, base } = self.nodes[node];
-            let walls = self.walls(node);
-            let seam_mm2 = self.judge(node, &walls).seam(&walls);
+            let Node { cell, direction, base, ref walls, risky: risky_mm2, seam: seam_mm2 } = self.nodes[node];
             let on = self.touched(node);
             let seam = |&on: &usize| {
                 let cell = self.nodes[on].cell;
@@ -393,7 +275,7 @@ impl State {
             };
             let seams = on.iter().map(seam).collect();
             let solid = self.partition.part(cell).map_err(|source| RoboFdmError::Part { part: node, source })?;
-            Ok(PrintedPart { solid, direction, base, risky_mm2: self.risky_of(node), seam_mm2, on, seams })
+            Ok(PrintedPart { solid, direction, base, risky_mm2, seam_mm2, on, seams })
         };
         (0..self.nodes.len()).map(part).collect()
     }

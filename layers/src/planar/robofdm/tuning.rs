@@ -25,7 +25,7 @@ pub struct TuningOptions {
     pub max_angle: f64,
     /// As in [`super::SequenceOptions::platform`], in mm.
     pub platform: f64,
-    /// Places that are tried for each plane. Default 16.
+    /// Places that are tried for each plane of the sequence, and for each cut of a fine decomposition that misses its goal without. Default 16.
     pub perturbations: u32,
     /// How far a plane is moved at most, as a share of the box diagonal. Default 0.025, the paper's.
     pub max_offset: f64,
@@ -39,7 +39,8 @@ pub struct TuningOptions {
     pub normals: usize,
     /// Distance of the planes that are tried, in mm. Default 5, the paper's.
     pub spacing: f64,
-    /// How often that distance is halved, and with it the cost of seams, when no plane is worth a cut any more. Default 3; the paper has 0.
+    /// How often that distance is halved, and with it the cost of seams, and normals are doubled, when no plane is worth a cut any more.
+    /// Default 3; the paper has 0.
     pub halvings: u32,
     /// Whether no two base sections may intersect: constraint I to the letter. Default `false`: the section of a cut may end on the
     /// base plane of a part that is printed later. All that stands when that part is printed lies below its plane, so nothing is in
@@ -161,8 +162,14 @@ impl Decomposition {
     }
 }
 
-/// A cut is not worth its seam unless it saves this share of the first risky area.
-pub(super) const LEAST_GAIN: f64 = 5e-4;
+/// A cut is not worth its seam unless it saves this share of the first risky area. It is halved with the distance of planes: otherwise small
+/// areas that are left here and there add up to some percent; cuts that save less from the start make slivers.
+const LEAST_GAIN: f64 = 5e-4;
+
+/// What a cut must save, as a share of the first risky area.
+pub(super) fn least_gain(halvings: u32) -> f64 {
+    LEAST_GAIN / f64::from(2u32.pow(halvings.min(31)))
+}
 
 /// Cuts a solid along a sequence of planes and tunes the parts.
 ///
@@ -220,27 +227,56 @@ pub fn tune(
         state = whole;
     }
     after[1] = state.risky();
-    let (mut risky, mut known, mut halvings) = (after[1], Promises::new(), 0);
-    while risky > options.goal * before && state.nodes.len() < options.max_parts {
-        tell("cuts", state.nodes.len(), options.max_parts)?;
-        if state.cut_finely(&mut known, LEAST_GAIN * before) {
-            risky = state.risky();
-        } else if halvings < options.halvings {
-            // What is left takes finer planes, and a seam that pays less.
-            halvings += 1;
-            state.options.spacing /= 2.0;
-            state.options.seam_cost /= 2.0;
-            known.clear();
-        } else {
-            break;
-        }
-    }
+    state = finely_decomposed(&state, before, &tell)?;
     state.merge();
     after[2] = state.risky();
     Ok(Decomposition { parts: state.printed()?, risky_before_mm2: before, risky_after_phases_mm2: after })
 }
 
+/// Says what is done, and whether to go on.
+pub(super) type Tell<'a> = dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError> + Sync + 'a;
+
+/// Fine decomposition of a state; where it misses the goal also with each plane refined, if that is better. It may be worse: the best cut
+/// now is not always the best one in the end.
+pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
+    let plain = decomposed(state, before, false, tell)?;
+    if plain.risky() <= plain.options.goal * before {
+        return Ok(plain);
+    }
+    let refined = decomposed(state, before, true, tell)?;
+    Ok(if refined.risky() < plain.risky() { refined } else { plain })
+}
+
+/// The best cut of one of the riskiest parts, again and again.
+fn decomposed(state: &State, before: f64, refines: bool, tell: &Tell) -> Result<State, RoboFdmError> {
+    let (mut state, mut known, mut halvings) = (state.clone(), Promises::new(), 0);
+    while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
+        tell("cuts", state.nodes.len(), state.options.max_parts)?;
+        if state.cut_finely(&mut known, least_gain(halvings) * before, refines) {
+            continue;
+        }
+        if halvings == state.options.halvings {
+            break;
+        }
+        // What is left takes finer planes, and a seam that pays less.
+        halvings += 1;
+        state.options = state.options.finer();
+        known.clear();
+    }
+    Ok(state)
+}
+
 impl TuningOptions {
+    /// The next options when no plane is worth a cut any more.
+    pub(super) fn finer(&self) -> Self {
+        TuningOptions {
+            spacing: self.spacing / 2.0,
+            seam_cost: self.seam_cost / 2.0,
+            normals: 2 * self.normals,
+            ..*self
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), RoboFdmError> {
         self.head.map_or(Ok(()), |head| head.check())?;
         let named = [

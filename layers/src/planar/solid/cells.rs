@@ -15,6 +15,7 @@ use super::plane::{CutPlane, PlaneFrame};
 use super::tidy::tidied;
 use nalgebra::{Point2, Point3};
 use std::collections::{BTreeMap, HashMap};
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// The outside of the solid, where a face names a cell.
 const OUTSIDE: u32 = u32::MAX;
@@ -53,6 +54,27 @@ pub struct Cut {
     pub above: Vec<u32>,
     /// The connected pieces below the plane.
     pub below: Vec<u32>,
+}
+
+/// Maps of edges: their vertices, mixed by a multiplication. No map is ever walked, so that the order in it is of no account.
+type EdgeMap<T> = HashMap<[u32; 2], T, BuildHasherDefault<EdgeHasher>>;
+
+#[derive(Default)]
+struct EdgeHasher(u64);
+
+impl Hasher for EdgeHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for eight in bytes.chunks(8) {
+            let word = eight.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+            // 2^64 over the golden ratio; the upper half goes back to where the map looks.
+            let mixed = (self.0 ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            self.0 = mixed ^ mixed >> 32;
+        }
+    }
 }
 
 /// A piece smaller than this share of the volume of its bounding box is a sliver of rounding: it stays with the largest
@@ -159,6 +181,24 @@ impl Partition {
         }
         let (vertices, triangles) = tidied(vertices, triangles);
         Solid::with_edges(vertices, triangles)
+    }
+
+    /// Some cells without the others: the faces around them, which still name the cells beyond. What a cut makes of a cell here it makes of
+    /// it in the whole, with the same numbers.
+    pub(in crate::planar) fn only(&self, cells: &[u32]) -> Self {
+        let is_own = |cell: u32| cells.contains(&cell);
+        let mut faces: Vec<Face> =
+            self.faces.iter().filter(|face| is_own(face.back) || is_own(face.front)).copied().collect();
+        let mut number = vec![u32::MAX; self.points.len()];
+        faces.iter().flat_map(|face| face.corners).for_each(|v| number[v as usize] = 0);
+        let mut points = Vec::new();
+        // In the same order, since a cut goes from the lower to the higher number along an edge.
+        for (number, point) in number.iter_mut().zip(&self.points).filter(|(number, _)| **number == 0) {
+            *number = points.len() as u32;
+            points.push(*point);
+        }
+        faces.iter_mut().flat_map(|face| &mut face.corners).for_each(|v| *v = number[*v as usize]);
+        Partition { points, faces, cells: self.cells }
     }
 
     /// The volume of a cell; 0 for a number that no cell has.
@@ -273,7 +313,7 @@ impl Partition {
     /// Splits all faces with a crossed edge. Returns for each face whether it is above, and the line where it was split: from
     /// and to, with what is below to its left, seen from above and from the back of the face.
     fn split(&mut self, active: &[bool], plane: &CutPlane, above: &[bool]) -> Vec<(bool, Option<[u32; 2]>)> {
-        let mut on_edge: HashMap<[u32; 2], u32> = HashMap::new();
+        let mut on_edge: EdgeMap<u32> = EdgeMap::default();
         let key = |a: u32, b: u32| [a.min(b), a.max(b)];
         for (face, _) in self.faces.iter().zip(active).filter(|(_, active)| **active) {
             for k in 0..3 {
@@ -295,7 +335,11 @@ impl Partition {
                 faces.push(Face { corners, ..*face });
                 sides.push((up, line));
             };
-            let cut = [0, 1, 2].map(|k| on_edge.get(&key(face.corners[k], face.corners[(k + 1) % 3])).copied());
+            // Vertices of faces that are not cut are all below, but for those that they share with one that is.
+            let cut = [0, 1, 2].map(|k| {
+                let [u, v] = key(face.corners[k], face.corners[(k + 1) % 3]);
+                if above[u as usize] == above[v as usize] { None } else { on_edge.get(&[u, v]).copied() }
+            });
             match cut.iter().flatten().count() {
                 0 => push(face.corners, active && above[face.corners[0] as usize], None),
                 1 => {
@@ -414,7 +458,7 @@ impl Partition {
             }
             k
         }
-        let mut first_at: HashMap<[u32; 2], usize> = HashMap::with_capacity(faces.len() * 2);
+        let mut first_at: EdgeMap<usize> = EdgeMap::with_capacity_and_hasher(faces.len() * 2, Default::default());
         for (k, &(face, _)) in faces.iter().enumerate() {
             let corners = self.faces[face].corners;
             for i in 0..3 {
@@ -429,5 +473,49 @@ impl Partition {
             shells.entry(root(&mut group, k)).or_default().push(side);
         }
         shells.into_values().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_cell_alone_is_cut_as_in_the_whole() {
+        let points: Vec<Point3<f64>> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from).into()).collect();
+        let faces = [
+            [0, 2, 3],
+            [0, 3, 1],
+            [4, 5, 7],
+            [4, 7, 6],
+            [0, 1, 5],
+            [0, 5, 4],
+            [2, 6, 7],
+            [2, 7, 3],
+            [0, 4, 6],
+            [0, 6, 2],
+            [1, 3, 7],
+            [1, 7, 5],
+        ];
+        let mut whole = Partition::new(&Solid::new(&points, &faces).unwrap());
+        let plane = |k: f64| {
+            let normal = Vector3::new((k * 1.7).sin(), (k * 2.9).cos(), (k * 0.7).sin() + 0.2);
+            CutPlane::through(&Point3::new(0.5, 0.4 + 0.02 * k, 0.5), &normal).unwrap()
+        };
+        for k in 0..12 {
+            let cells = whole.cells();
+            let cell = cells[k * 5 % cells.len()];
+            let mut alone = whole.only(&[cell]);
+            let next = plane(k as f64);
+            let cut = whole.cut(&[cell], &next);
+            assert_eq!(alone.cut(&[cell], &next), cut);
+            for piece in cut.above.into_iter().chain(cut.below) {
+                let [of_whole, of_alone] = [&whole, &alone].map(|partition| partition.walls(piece));
+                let seen = |walls: Vec<Wall>| walls.into_iter().map(|wall| (wall.places, wall.beyond)).collect::<Vec<_>>();
+                assert_eq!(seen(of_whole), seen(of_alone));
+            }
+        }
+        assert!(whole.cells().len() > 8);
     }
 }

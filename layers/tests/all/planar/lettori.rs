@@ -90,7 +90,16 @@ fn the_curved_part_bends_off_where_its_slope_passes_the_angle() {
     // The outer side of the bend has a radius of 75 mm about (60, 0, 40), the inner one, below, of 45 mm: it slopes by 45 degrees at
     // the height 40 + 45 sin 45 = 71.8. All that hangs over is above the height where the whole section stands on the one before.
     assert!(step.height_mm > 55.0 && step.height_mm < 80.0, "{}", step.height_mm);
-    assert!(step.points.len() >= 2 && step.interpolant.is_some());
+    assert!(step.points.len() >= 2);
+    let (point, normal) = step.interpolant.unwrap();
+    // No plane is nearer to the points, in the sum of squares, than the interpolant one; the wall leaves all of them on one side.
+    let squares = |normal: &Vector3<f64>| step.points.iter().map(|p| (p - point).dot(normal).powi(2)).sum::<f64>();
+    for k in 0..200 {
+        let turn = f64::from(k) * 0.7;
+        let other = Vector3::new(turn.sin(), turn.cos() * 0.3 + f64::from(k) / 100.0 - 1.0, turn.cos()).normalize();
+        assert!(squares(&normal) <= squares(&other) * (1.0 + 1e-9));
+    }
+    assert!(step.points.iter().all(|p| step.walls[0].upright.side(p) > 0));
     // The points are symmetrical about y = 0, as far as outlines are simplified.
     let sum: f64 = step.points.iter().map(|p| p.y).sum();
     assert!(sum.abs() < 0.0025 * step.points.len() as f64, "{sum}");

@@ -98,6 +98,9 @@ fn what_the_search_finds_with_a_head_passes_the_audit() {
     let tuned = tune(&whole, &sequence, &tuning, &go).unwrap();
     let options = BeamOptions { tuning, width: 3, branches: 2, ..BeamOptions::default() };
     let searched = beam_search(&whole, Some(&sequence), &options, &go).unwrap();
+    // The search is never worse than the fine decomposition, but where it is good enough.
+    let goal = tuning.goal * tuned.risky_before_mm2;
+    assert!(searched.risky_mm2() <= tuned.risky_mm2().max(goal) * (1.0 + 1e-9));
     for parts in [&tuned, &searched] {
         assert!(parts.risky_mm2() < parts.risky_before_mm2 && parts.parts.len() > 1);
         let audit = judged(&whole, parts, Some(head()));
@@ -130,6 +133,21 @@ fn a_beam_search_needs_no_segments_and_cuts_handles() {
     // A wider beam keeps what a narrow one had at each step, and with one member it is greedy.
     let narrow = beam_search(&whole, None, &BeamOptions { width: 1, branches: 1, ..options }, &go).unwrap();
     assert!(parts.risky_mm2() <= narrow.risky_mm2().max(tuning.goal * parts.risky_before_mm2));
+}
+
+#[test]
+fn a_cap_all_around_its_stem_is_taken_off_in_pieces() {
+    // Cuts behind the stem promise the whole cap, but leave nothing that stands: they must not crowd out the others.
+    let shape = cells([24, 24, 20], |p| {
+        let d = p - Vector3::new(12.0, 12.0, 0.0);
+        let round = |radius: f64, low: f64, high: f64| (d.x.hypot(d.y) - radius).max(low - p.z).max(p.z - high);
+        round(3.1, 1.1, 12.0).min(round(9.6, 11.1, 17.1))
+    });
+    let whole = solid(&shape);
+    let parts = tune(&whole, &sequenced(&shape), &TuningOptions { spacing: 2.0, normals: 60, ..tuning() }, &go).unwrap();
+    assert!(parts.risky_mm2() <= 0.1 * parts.risky_before_mm2, "{} {}", parts.risky_mm2(), parts.risky_before_mm2);
+    let audit = judged(&whole, &parts, None);
+    assert!(audit.misplaced_points == 0 && audit.volume_error.abs() < 1e-12 && audit.looking_down.is_empty());
 }
 
 #[test]
