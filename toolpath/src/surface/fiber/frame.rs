@@ -4,7 +4,7 @@
 //! Crane, Pinkall, Schröder, "Globally optimal direction fields", ACM TOG 32(4), 2013: `n = 2`).
 
 use crate::surface::mesh::SurfaceMesh;
-use nalgebra::{Matrix2, Rotation3, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Two unit vectors across a unit normal, right-handed with it.
 pub(super) fn axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
@@ -15,11 +15,18 @@ pub(super) fn axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [x, normal.cross(&x)]
 }
 
-/// Turns a vector as the tangent plane turns on the shortest way from one unit normal to another.
+/// Turns a vector as the tangent plane turns on the shortest way from one unit normal to another (Rodrigues' formula, without an angle: normals that
+/// are equal but for rounding have a product above one).
 pub(super) fn carry(vector: Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
-    // Opposite normals have no shortest way; a vector stays as it is then.
-    Rotation3::rotation_between(from, to).map_or(vector, |turn| turn * vector)
+    let (cosine, axis) = (from.dot(to), from.cross(to));
+    if 1.0 + cosine < OPPOSITE {
+        return vector;
+    }
+    vector * cosine + axis.cross(&vector) + axis * (axis.dot(&vector) / (1.0 + cosine))
 }
+
+/// Normals with a product as near to -1 as this are opposite: there is no shortest way, and a vector stays as it is.
+const OPPOSITE: f64 = 1e-9;
 
 /// The frames of all vertices of a mesh.
 #[derive(Clone, Debug)]
@@ -60,11 +67,12 @@ pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
     Matrix2::new(cos, -sin, sin, cos)
 }
 
-/// Cotangent weights of edges below this are raised to it. Obtuse triangles make them negative, and energies without a least value; this small,
-/// an edge still holds its ends together.
-const LEAST_WEIGHT: f64 = 0.05;
+/// Cotangent weights of edges are held in this range. Obtuse triangles make weights negative, and energies without a least value; this small, an edge
+/// still holds its ends together. Slivers at the border of a trimmed layer make them as large as rounding lets them be, and equations singular; this
+/// large, an edge holds its ends together as firmly as it need.
+const WEIGHTS: [f64; 2] = [0.05, 100.0];
 
-/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`LEAST_WEIGHT`].
+/// Half the sum of the cotangents across each edge, by its lower half-edge; in the range of [`WEIGHTS`].
 pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
     let mut weights = vec![0.0; mesh.half_edges() as usize];
     for h in 0..mesh.half_edges() {
@@ -75,6 +83,6 @@ pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
         let (u, v) = (a - c, b - c);
         weights[mesh.edge(h) as usize] += 0.5 * u.dot(&v) / u.cross(&v).norm();
     }
-    weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT));
+    weights.iter_mut().for_each(|weight| *weight = weight.clamp(WEIGHTS[0], WEIGHTS[1]));
     weights
 }
