@@ -1,9 +1,10 @@
 //! Directions and stresses on layers.
 
-use crate::common::grid;
-use curvlay_toolpath::nalgebra::{Matrix3, Point3, Vector3};
+use crate::common::{go_on, grid};
+use curvlay_toolpath::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use curvlay_toolpath::surface::{
-    DirectionError, DirectionField, LayerStress, StressError, StressOptions, StressSample, SurfaceMesh,
+    CentreLine, DirectionError, DirectionField, LayerStress, StressError, StressOptions, StressSample, SurfaceMesh,
+    stripes,
 };
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -143,6 +144,17 @@ proptest! {
         prop_assert!(same.directions().iter().zip(noisy.directions()).all(|(a, b)| between(a, b) < 1e-9));
     }
 
+    /// On a plane at any slant normals differ by rounding alone: their product may be above one.
+    #[test]
+    fn planes_at_any_slant_have_smooth_fields(roll in 0.0..PI, pitch in 0.0..PI, seed in any::<u64>()) {
+        let turn = Rotation3::from_euler_angles(roll, pitch, 0.3);
+        let mesh = grid(16, seed, 0.6, |_, _| false, |p| turn * Point3::new(p.x / 3.0, p.y / 3.0, 0.0));
+        let field = DirectionField::from_fn(&mesh, |_| turn * Vector3::new(2.0, 1.0, 0.0)).unwrap();
+        let smooth = field.smoothed(2.0).unwrap();
+        let wanted = turn * Vector3::new(2.0, 1.0, 0.0).normalize();
+        prop_assert!(smooth.directions().iter().all(|d| between(d, &wanted) < 1e-6));
+    }
+
     /// Moving least squares of first degree: stresses that are linear in space come out as they are, at any spread of samples.
     #[test]
     fn linear_stresses_are_exact(seed in any::<u64>(), flat in any::<bool>()) {
@@ -201,6 +213,24 @@ fn slivers_do_not_make_fields_unsolvable() {
     let torn = SurfaceMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3], [0, 4, 1], [5, 6, 7]]).unwrap();
     let field = DirectionField::from_fn(&torn, |_| Vector3::new(1.0, 1.0, 0.0)).unwrap().smoothed(20.0).unwrap();
     assert!(field.directions().iter().all(|d| between(d, &Vector3::new(1.0, 1.0, 0.0)) < 1e-6));
+}
+
+/// Trimmed layers have slivers along their border, with cotangents as large as rounding lets them be.
+#[test]
+fn slivers_do_not_spoil_a_field() {
+    let plate = plate(10);
+    let mut vertices = plate.vertices().to_vec();
+    // Vertices of the border that are almost in the place of their neighbours.
+    let at = |x: f64, y: f64| vertices.iter().position(|p| (p.x - x).hypot(p.y - y) < 1e-9).unwrap();
+    let moved: Vec<usize> = (2..9).step_by(2).map(|k| at(f64::from(k), 0.0)).collect();
+    moved.iter().for_each(|&v| vertices[v].x -= 1.0 - 1e-9);
+    let mesh = SurfaceMesh::new(vertices, plate.triangles().to_vec()).unwrap();
+    let field = DirectionField::from_fn(&mesh, |p| at_angle(0.1 * p.x)).unwrap().smoothed(1.0).unwrap();
+    // At the border a smooth field stops turning: over 1 mm at 0.1 a millimetre.
+    assert!(field.directions().iter().zip(mesh.vertices()).all(|(d, p)| between(d, &at_angle(0.1 * p.x)) < 0.15));
+    let lines = stripes(&field, 1.5, &go_on).unwrap().lines;
+    let length: f64 = lines.iter().map(CentreLine::length).sum();
+    assert!((length * 1.5 / 100.0 - 1.0).abs() < 0.1, "{length}");
 }
 
 #[test]

@@ -111,9 +111,11 @@ impl State {
             }
             let [lower, upper] = [detached.lower, detached.upper].map(|cell| next.walls(cell));
             // What is taken off comes last.
-            let mut earlier: Vec<u32> = self.nodes.iter().map(|node| node.cell).filter(|&other| other != cell).collect();
+            let mut earlier: Vec<u32> =
+                self.nodes.iter().map(|node| node.cell).filter(|&other| other != cell).collect();
             earlier.push(detached.lower);
-            let above = Judge { earlier, direction: plane.normal(), floor: f64::NEG_INFINITY, ..self.judge(node, &lower) };
+            let above =
+                Judge { earlier, direction: plane.normal(), floor: f64::NEG_INFINITY, ..self.judge(node, &lower) };
             let risky = self.judge(node, &lower).risky(&lower) + above.risky(&upper);
             let better = best.as_ref().is_none_or(|(least, ..)| risky < *least);
             let others = (0..self.nodes.len()).filter(|&other| other != node).map(|other| &self.nodes[other].walls[..]);

@@ -20,7 +20,8 @@ impl State {
                 }
             }
             choices.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let Some(&(_, earlier, later)) = choices.iter().find(|&&(_, earlier, later)| self.is_mergeable(earlier, later))
+            let Some(&(_, earlier, later)) =
+                choices.iter().find(|&&(_, earlier, later)| self.is_mergeable(earlier, later))
             else {
                 return;
             };

@@ -412,9 +412,8 @@ mod tests {
         let is_in = |x: i32, z: i32| (0..10).contains(&x) && (0..8).contains(&z) && inside(x as usize, z as usize);
         for z in 0..8 {
             for x in (0..10).filter(|&x| inside(x, z)) {
-                let [front, back] = [0, 1].map(|y| {
-                    [number(x, y, z), number(x + 1, y, z), number(x + 1, y, z + 1), number(x, y, z + 1)]
-                });
+                let [front, back] = [0, 1]
+                    .map(|y| [number(x, y, z), number(x + 1, y, z), number(x + 1, y, z + 1), number(x, y, z + 1)]);
                 quad(front[0], front[1], front[2], front[3]);
                 quad(back[1], back[0], back[3], back[2]);
                 let beside = [(0, -1), (1, 0), (0, 1), (-1, 0)];

@@ -512,7 +512,8 @@ mod tests {
             assert_eq!(alone.cut(&[cell], &next), cut);
             for piece in cut.above.into_iter().chain(cut.below) {
                 let [of_whole, of_alone] = [&whole, &alone].map(|partition| partition.walls(piece));
-                let seen = |walls: Vec<Wall>| walls.into_iter().map(|wall| (wall.places, wall.beyond)).collect::<Vec<_>>();
+                let seen =
+                    |walls: Vec<Wall>| walls.into_iter().map(|wall| (wall.places, wall.beyond)).collect::<Vec<_>>();
                 assert_eq!(seen(of_whole), seen(of_alone));
             }
         }

@@ -144,7 +144,8 @@ fn a_cap_all_around_its_stem_is_taken_off_in_pieces() {
         round(3.1, 1.1, 12.0).min(round(9.6, 11.1, 17.1))
     });
     let whole = solid(&shape);
-    let parts = tune(&whole, &sequenced(&shape), &TuningOptions { spacing: 2.0, normals: 60, ..tuning() }, &go).unwrap();
+    let parts =
+        tune(&whole, &sequenced(&shape), &TuningOptions { spacing: 2.0, normals: 60, ..tuning() }, &go).unwrap();
     assert!(parts.risky_mm2() <= 0.1 * parts.risky_before_mm2, "{} {}", parts.risky_mm2(), parts.risky_before_mm2);
     let audit = judged(&whole, &parts, None);
     assert!(audit.misplaced_points == 0 && audit.volume_error.abs() < 1e-12 && audit.looking_down.is_empty());
