@@ -60,7 +60,7 @@ fn tapes(c: &mut Criterion) {
         min_length: 5.0,
         ..TapeOptions::default()
     };
-    let guide = vec![Point3::new(0.0, 39.0, 0.0), Point3::new(80.0, 39.0, 0.0)];
+    let guide = [Point3::new(0.0, 39.0, 0.0), Point3::new(80.0, 39.0, 0.0)];
     let guide: Vec<_> = (0..=160)
         .map(|k| guide[0] + (guide[1] - guide[0]) * (f64::from(k) / 160.0))
         .map(|p| Point3::new(p.x, p.y, 6.0 * (p.x / 15.0).sin() * (p.y / 17.0).cos()))

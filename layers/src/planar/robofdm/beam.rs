@@ -20,7 +20,6 @@ use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
 use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain};
 use crate::Progress;
-use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
@@ -166,18 +165,18 @@ fn next_beam(beam: &mut [Member], least: f64, width: usize, branches: usize) -> 
 
 /// Rates planes through the riskiest parts of all partial results. Many have a part in common: it is rated once.
 fn rate(beam: &mut [Member], least: f64) {
-    // A part is the same one if what is known of it is in the same place.
-    let mut wanted: Vec<(*const Vec<Wall>, Vec<(usize, usize)>)> = Vec::new();
+    let mut jobs: Vec<Vec<(usize, usize)>> = Vec::new();
     for (at, Member { state, known }) in beam.iter().enumerate() {
         for node in state.riskiest(least).into_iter().filter(|&node| !known.contains_key(&state.nodes[node].cell)) {
-            let place = Arc::as_ptr(&state.nodes[node].walls);
-            match wanted.iter_mut().find(|(known, _)| *known == place) {
-                Some((_, of)) => of.push((at, node)),
-                None => wanted.push((place, vec![(at, node)])),
+            // A part is the same one if what is known of it is in the same place.
+            let walls = &state.nodes[node].walls;
+            let is_same = |of: &&mut Vec<(usize, usize)>| Arc::ptr_eq(&beam[of[0].0].state.nodes[of[0].1].walls, walls);
+            match jobs.iter_mut().find(is_same) {
+                Some(of) => of.push((at, node)),
+                None => jobs.push(vec![(at, node)]),
             }
         }
     }
-    let jobs: Vec<Vec<(usize, usize)>> = wanted.into_iter().map(|(_, of)| of).collect();
     let rated = mapped(&jobs, |of| Arc::new(beam[of[0].0].state.rated(of[0].1, least)));
     for (of, promises) in jobs.into_iter().zip(rated) {
         for (at, node) in of {

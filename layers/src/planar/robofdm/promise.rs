@@ -397,7 +397,7 @@ mod tests {
     /// A table of 40 by 8 mm on two legs, and a knob on it: walls of a cell, with the lower half of one leg cut off as an earlier part.
     fn table() -> (Vec<Wall>, Judge) {
         let inside = |x: usize, z: usize| {
-            let leg = z < 5 && (x < 2 || x > 7);
+            let leg = z < 5 && !(2..=7).contains(&x);
             leg || z == 5 || (z < 8 && x == 4) || (z == 3 && x == 2)
         };
         let number = |x: usize, y: usize, z: usize| (x + 11 * (z + 9 * y)) as u32;
