@@ -121,6 +121,7 @@ fn lines() -> Vec<ToolPath> {
             height: HEIGHT,
             arc,
             added: false,
+            lift: 0.0,
             kind: BeadKind::Wall,
         };
         let layer = (WALL[0] + layer) as u32;

@@ -173,6 +173,10 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, allow: &Allo
             "gouging.csv; --allow-gouging",
         );
     }
+    if run.resolved.lifted > 0 {
+        let amount = format!("at {} waypoints, by {:.2} mm at most", run.resolved.lifted, run.resolved.max_lift);
+        findings.add(Noted, "the nozzle is raised a little, where it would be in what is built", amount, "");
+    }
     let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
     if pieces > 0 {
         let share = left_out / (laid + left_out);

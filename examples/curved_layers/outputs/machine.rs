@@ -162,6 +162,8 @@ pub fn summary(
         .set("left_out_pieces", resolved.left_out.len())?
         .set("left_out_mm", run.lengths_mm()[1])?
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
+        .set("raised_waypoints", resolved.lifted)?
+        .set("max_raise_mm", resolved.max_lift)?
         .set("extruded_mm3", deposition.extruded_mm3)?;
     if let Some(covered_mm3) = run.covered_mm3 {
         summary.set("covered_mm3", covered_mm3)?;

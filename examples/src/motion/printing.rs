@@ -17,7 +17,7 @@ use nalgebra::Isometry3;
 #[derive(Clone)]
 pub struct PrintingCell<'a, const N: usize, const F: usize, W> {
     scene: GrowingScene<'a, N, F, W>,
-    contacts: &'a Contacts<'a>,
+    contacts: Option<&'a Contacts<'a>>,
 }
 
 /// How deep the nozzle counts where that cannot be said, in millimetres: deeper than any part.
@@ -84,7 +84,12 @@ fn swept<E: ToString>(found: Result<Option<[&str; 2]>, E>) -> Option<String> {
 impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, F, W> {
     /// A scene, and contacts that leave the plate to it.
     pub fn new(scene: GrowingScene<'a, N, F, W>, contacts: &'a Contacts<'a>) -> Self {
-        PrintingCell { scene, contacts }
+        PrintingCell { scene, contacts: Some(contacts) }
+    }
+
+    /// A scene alone: the tool may touch the part, and gouges in the plate only. For tools that press on what is built.
+    pub fn pressing(scene: GrowingScene<'a, N, F, W>) -> Self {
+        PrintingCell { scene, contacts: None }
     }
 
     /// Where a nozzle over the part frame is in the part.
@@ -98,7 +103,10 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
     /// may be.
     fn deepest(&self, moment: Moment, nozzle: &Waypoint) -> Result<Option<surface::Contact>, ContactError> {
         let pose = self.in_part(nozzle);
-        let of_layers = self.contacts.deepest(built(moment), &pose)?;
+        let of_layers = match self.contacts {
+            Some(contacts) => contacts.deepest(built(moment), &pose)?,
+            None => None,
+        };
         let equipment = self.scene.workcell().equipment();
         let of_plate = equipment.depth_in_plate(&nozzle.position, &nozzle.axis).map(|plate| {
             let part = if plate.body == NOZZLE { NozzlePart::Tip } else { NozzlePart::Block };
@@ -145,7 +153,8 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for Printin
     fn is_gouging(&self, moment: Moment, nozzle: &Waypoint) -> bool {
         let equipment = self.scene.workcell().equipment();
         let above_plate = equipment.depth_in_plate(&nozzle.position, &nozzle.axis).is_none();
-        !(above_plate && self.contacts.is_free(built(moment), &self.in_part(nozzle)).unwrap_or(false))
+        let is_free = |contacts: &Contacts| contacts.is_free(built(moment), &self.in_part(nozzle)).unwrap_or(false);
+        !(above_plate && self.contacts.is_none_or(is_free))
     }
 }
 

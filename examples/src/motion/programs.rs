@@ -53,6 +53,7 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
         duration_s: leg.duration(),
         joints: move |time: f64| arm(&leg.at(time)),
         filament_mm: (leg.kind == LegKind::Print).then_some(move |time: f64| leg.filament_mm(time)),
+        signals: Vec::new(),
     });
     print_stream(ends.map(|joints| joints.map_or([0.0; 6], arm)), legs, StreamOptions::default())
 }

@@ -6,6 +6,7 @@ mod best_orientation;
 mod boge;
 mod clock;
 mod common;
+mod continuous_fiber;
 mod curved_layers;
 mod dome_drawing;
 mod dome_stream;

@@ -106,9 +106,9 @@ pub enum WriteError {
         /// Moves allowed.
         limit: u64,
     },
-    /// A signal that starts or stops the filament follows a move that does not stop: it would be given before the tool
+    /// A signal that starts or stops the filament, or one of a tape head, follows a move that does not stop: it would be given before the tool
     /// is there.
-    #[error("step {index}: the move before the extruder signal must stop, else the signal comes too early")]
+    #[error("step {index}: the move before the signal must stop, else the signal comes too early")]
     SignalInFlight {
         /// The signal's step.
         index: u64,
@@ -221,8 +221,10 @@ impl<'a> Checker<'a> {
                 }
                 (self.in_flight, self.streamed) = (false, Some(*joints));
             }
-            Step::Extruder(_) if self.in_flight => return Err(WriteError::SignalInFlight { index: self.index }),
-            Step::Extruder(_) => {}
+            Step::Extruder(_) | Step::Signal { .. } if self.in_flight => {
+                return Err(WriteError::SignalInFlight { index: self.index });
+            }
+            Step::Extruder(_) | Step::Signal { .. } => {}
             Step::FilamentSpeed(mm_s) => {
                 within(self.index, "filament_mm_s", *mm_s, 0.0, self.limits.filament_mm_s.min(LARGEST))?;
                 let feeds = *mm_s > 0.0;

@@ -3,7 +3,8 @@
 use super::check::{Checker, LARGEST};
 use super::tokens::Tokens;
 use super::{
-    ConfData, ExternalAxes, Goal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone, until_error,
+    ConfData, ExternalAxes, Goal, HeadSignal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone,
+    until_error,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::io::{BufRead, Write};
@@ -32,7 +33,7 @@ const UNIT: f64 = 1e-9;
 /// A header, then a line a step, 24 cells each: `kind`, pose `x_mm` to `qz` (quaternion with the scalar first), `cf1`,
 /// `cf4`, `cf6`, `cfx` ([`ConfData`]), joints `j1` to `j6`, external axes `tilt` and `turn`, `mm_s`, `rad_s`, `zone_mm`
 /// (`stop` or a radius), `seconds`. `kind` is `line`, `swing`, `joints`, `servo`, `on`, `off` or `filament`, whose speed
-/// is in `mm_s`; a cell that the kind does not need is empty, as is that of an axis that is not there. Millimetres,
+/// is in `mm_s`, or a signal of a tape head such as `tape_cut_on` ([`HeadSignal::urscript`]); a cell that the kind does not need is empty, as is that of an axis that is not there. Millimetres,
 /// radians, seconds; each number has the digits that bring the same double back.
 ///
 /// # Errors
@@ -126,6 +127,10 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
             text.extend_from_slice(if *on { b"on" } else { b"off" });
             empty(text, COLUMNS - 1);
         }
+        Step::Signal { signal, on } => {
+            write!(text, "{}_{}", signal.urscript(), if *on { "on" } else { "off" })?;
+            empty(text, COLUMNS - 1);
+        }
         Step::FilamentSpeed(mm_s) => {
             text.extend_from_slice(b"filament");
             empty(text, SPEED - POSE);
@@ -157,6 +162,16 @@ impl<R: BufRead> CsvReader<R> {
         }
         Ok(CsvReader { row: Row { lines, ends: [0; COLUMNS] }, over: false })
     }
+}
+
+/// `tape_cut_on`: the step of such a kind.
+fn signal_of(kind: &[u8]) -> Option<Step> {
+    let (name, on) = match kind.strip_suffix(b"_on") {
+        Some(name) => (name, true),
+        None => (kind.strip_suffix(b"_off")?, false),
+    };
+    let signal = HeadSignal::ALL.into_iter().find(|signal| signal.urscript().as_bytes() == name)?;
+    Some(Step::Signal { signal, on })
 }
 
 /// A line, cut into its cells.
@@ -204,6 +219,10 @@ impl<R: BufRead> Row<R> {
                 self.blank(POSE..COLUMNS)?;
                 return Ok(Some(Step::Extruder(kind == b"on")));
             }
+            _ if signal_of(kind).is_some() => {
+                self.blank(POSE..COLUMNS)?;
+                return Ok(signal_of(kind));
+            }
             b"filament" => {
                 self.blank(POSE..SPEED)?;
                 self.blank(SPEED + 1..COLUMNS)?;
@@ -214,7 +233,12 @@ impl<R: BufRead> Row<R> {
                 return Ok(Some(Step::FilamentSpeed(mm_s)));
             }
             other => {
-                return Err(unexpected(&self.lines, 0, "line, swing, joints, servo, on, off or filament", other));
+                return Err(unexpected(
+                    &self.lines,
+                    0,
+                    "line, swing, joints, servo, on, off, filament or a signal of a tape head",
+                    other,
+                ));
             }
         };
         let [x, y, z, w, i, j, k] = self.numbers::<7>(POSE)?;

@@ -23,7 +23,9 @@
 //! one, and [`choose_turns`] keeps an axis within its turns. [`ExtruderCommand`] is a line of his extruder's serial
 //! protocol; [`link`] streams a program to a controller while it runs.
 //!
-//! Extruder signals: a controller hands out a signal when it reads it, and past a blended corner it reads ahead of the
+//! [`HeadSignal`]s switch a tape head, by digital outputs with names.
+//!
+//! Extruder signals, and those of a tape head: a controller hands out a signal when it reads it, and past a blended corner it reads ahead of the
 //! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there. A change between two
 //! speeds of the filament above zero is allowed there: it only comes early. URScript sends it where the blend begins,
 //! RAPID about 0.1 s and the lag of the servos before that (*RAPID Reference Manual*, synchronisation with logical
@@ -42,6 +44,7 @@ mod names;
 mod prints;
 mod rapid;
 mod servo;
+mod signal;
 mod strokes;
 mod text;
 mod tokens;
@@ -61,6 +64,7 @@ pub use rapid::{
     ReadWarning, read_rapid, write_rapid,
 };
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
+pub use signal::{HeadSignal, TimedSignal};
 pub use strokes::{StrokeOptions, lifted, strokes};
 pub use tokens::ReadError;
 pub use turns::{TurnChoice, TurnError, TurnPath, choose_turns};
@@ -179,6 +183,13 @@ pub enum Step {
     /// The speed of the filament into the extruder from here on, in mm of filament per second, 0 or more. The filament
     /// runs at it while the extruder is on; a program without [`Step::Extruder`] starts and stops it by this speed.
     FilamentSpeed(f64),
+    /// A digital output of a tape head goes on or off.
+    Signal {
+        /// Which.
+        signal: HeadSignal,
+        /// On or off.
+        on: bool,
+    },
 }
 
 /// What `next` returns of a stream of steps that ends after the last one and after the first error; `over` is its note

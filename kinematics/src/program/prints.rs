@@ -11,7 +11,8 @@
 use super::knot::{PrintKnot, TargetOptions};
 use super::merge::merged;
 use super::{
-    ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step, Zone,
+    ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step,
+    TimedSignal, Zone,
 };
 use crate::arm::Arm;
 use crate::scene::Mount;
@@ -19,7 +20,7 @@ use crate::workcell::{Equipment, Workcell, tool_frame};
 use std::ops::Range;
 
 /// A motion of a print as a function of time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct StreamLeg<J, L> {
     /// In seconds. A leg whose duration is not finite, or not above 0, is left out.
     pub duration_s: f64,
@@ -27,6 +28,8 @@ pub struct StreamLeg<J, L> {
     pub joints: J,
     /// Millimetres of filament that are laid by a time since the leg began; `None` for a leg that does not print.
     pub filament_mm: Option<L>,
+    /// Signals of a tape head along it, in the order of their times: each comes before the first tick at or after its time, or at the end.
+    pub signals: Vec<TimedSignal>,
 }
 
 /// How a print is streamed.
@@ -62,7 +65,7 @@ impl Default for StreamOptions {
 /// ```
 /// use curvlay_kinematics::program::{Step, StreamLeg, StreamOptions, print_stream};
 /// // Joint 1 turns by 0.1 rad in 20 ms while 1 mm of filament is laid.
-/// let leg = StreamLeg { duration_s: 0.02, joints: |t: f64| [5.0 * t, 0.0, 0.0, 0.0, 0.0, 0.0], filament_mm: Some(|t: f64| 50.0 * t) };
+/// let leg = StreamLeg { duration_s: 0.02, joints: |t: f64| [5.0 * t, 0.0, 0.0, 0.0, 0.0, 0.0], filament_mm: Some(|t: f64| 50.0 * t), signals: Vec::new() };
 /// let steps: Vec<Step> = print_stream([[0.0; 6], [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]], [leg], StreamOptions::default()).collect();
 /// assert!(matches!(steps[..], [
 ///     Step::Move(_), Step::Extruder(true), Step::FilamentSpeed(_), Step::Servo { .. }, Step::Servo { .. },
@@ -87,6 +90,14 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
         let prints = leg.filament_mm.is_some();
         let signal = move |on| prints.then_some(Step::Extruder(on));
         let mut speed = 0.0;
+        // The leg has no tick at or after the times of the others.
+        let last = (to / period).floor() as u64;
+        let last = if of_leg(&(last + 1)) { last + 1 } else { last };
+        let until = if last < first { f64::NEG_INFINITY } else { last as f64 * period - from };
+        let switched = |TimedSignal { signal, on, .. }| Step::Signal { signal, on };
+        let split = leg.signals.partition_point(|signal| signal.time_s <= until);
+        let behind: Vec<Step> = leg.signals[split..].iter().copied().map(switched).collect();
+        let mut due = leg.signals.into_iter().take(split).peekable();
         let servo = (first..).take_while(of_leg).flat_map(move |tick| {
             let now = tick as f64 * period - from;
             let laid = |filament_mm: &L| (filament_mm(now) - filament_mm(now - period)).max(0.0) / period;
@@ -95,10 +106,12 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
             let changes = prints && (needed - speed).abs() > same_speed * speed;
             speed = if changes { needed } else { speed };
             let servo = Step::Servo { joints: (leg.joints)(now), seconds: period };
-            changes.then_some(Step::FilamentSpeed(speed)).into_iter().chain([servo])
+            let signals: Vec<Step> =
+                std::iter::from_fn(|| due.next_if(|signal| signal.time_s <= now)).map(switched).collect();
+            signals.into_iter().chain(changes.then_some(Step::FilamentSpeed(speed))).chain([servo])
         });
         let end = prints.then_some(Step::FilamentSpeed(0.0));
-        signal(true).into_iter().chain(servo).chain(end).chain(signal(false))
+        signal(true).into_iter().chain(servo).chain(behind).chain(end).chain(signal(false))
     });
     // The end lies between two ticks.
     [first].into_iter().chain(along).chain([Step::Servo { joints: ends[1], seconds: period }])

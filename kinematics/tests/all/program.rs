@@ -64,7 +64,7 @@ fn steps(table: bool, stream: bool) -> impl Strategy<Value = Vec<Step>> {
         let (mut before, mut last) = (None, 0.0);
         for k in 0..steps.len() {
             let switches = match steps[k] {
-                Step::Extruder(_) => true,
+                Step::Extruder(_) | Step::Signal { .. } => true,
                 Step::FilamentSpeed(mm_s) => std::mem::replace(&mut last, mm_s) * mm_s <= 0.0,
                 Step::Move(_) | Step::Servo { .. } => {
                     before = Some(k);
@@ -154,7 +154,7 @@ fn finite(steps: &[Step]) -> bool {
             goal && zone && table && to.speed.mm_s.is_finite() && to.speed.rad_s.is_finite()
         }
         Step::Servo { joints, seconds } => joints.iter().all(|x| x.is_finite()) && seconds.is_finite(),
-        Step::Extruder(_) => true,
+        Step::Extruder(_) | Step::Signal { .. } => true,
         Step::FilamentSpeed(mm_s) => mm_s.is_finite(),
     })
 }
@@ -795,7 +795,7 @@ fn a_stream_passes_through_its_samples() {
                     tick += 1;
                 }
                 Step::Extruder(on) => switched.push((*on, 5.0 + f64::from(tick) * rate.seconds())),
-                Step::Move(_) | Step::FilamentSpeed(_) => panic!("not of this stream: {step:?}"),
+                Step::Move(_) | Step::FilamentSpeed(_) | Step::Signal { .. } => panic!("not of this stream: {step:?}"),
             }
         }
         // The end lies on a step, and is not lost to rounding.

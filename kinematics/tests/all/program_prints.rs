@@ -40,6 +40,7 @@ fn legs(durations: &[(f64, bool)]) -> Vec<StreamLeg<impl Fn(f64) -> [f64; 6] + u
         joints: move |time: f64| [time, k as f64, 0.0, 0.0, 0.0, 0.0],
         // It begins after a tenth of a second and then is steady.
         filament_mm: prints.then_some(|time: f64| 3.0 * (time - 0.1).max(0.0)),
+        signals: Vec::new(),
     };
     durations.iter().enumerate().map(leg).collect()
 }
@@ -76,7 +77,7 @@ proptest! {
                     on = now;
                 }
                 Step::FilamentSpeed(now) => speed = now,
-                Step::Move(_) => prop_assert!(false, "a second move"),
+                Step::Move(_) | Step::Signal { .. } => prop_assert!(false, "a second move, or a signal of nobody"),
             }
         }
         prop_assert_eq!(f64::from(tick), (total / rate.seconds() + 1e-12).floor());
@@ -117,10 +118,15 @@ fn a_stream_of_nothing_goes_from_end_to_end() {
 
 #[test]
 fn a_steady_speed_is_written_once_and_the_program_comes_back() {
-    let leg = StreamLeg { duration_s: 2.0, joints: |t: f64| [0.3 * t; 6], filament_mm: Some(|t: f64| 2.0 * t) };
+    let leg = StreamLeg {
+        duration_s: 2.0,
+        joints: |t: f64| [0.3 * t; 6],
+        filament_mm: Some(|t: f64| 2.0 * t),
+        signals: Vec::new(),
+    };
     let stream = |same_speed: f64| {
         let options = StreamOptions { same_speed, ..StreamOptions::default() };
-        print_stream([[0.0; 6], [0.6; 6]], [leg], options).collect::<Vec<_>>()
+        print_stream([[0.0; 6], [0.6; 6]], [leg.clone()], options).collect::<Vec<_>>()
     };
     let speeds = |steps: &[Step]| steps.iter().filter(|step| matches!(step, Step::FilamentSpeed(_))).count();
     let steps = stream(2e-3);

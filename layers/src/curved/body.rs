@@ -63,17 +63,29 @@ impl Centres {
     }
 }
 
-/// The hull of the platform alone.
+/// The hull of the platform and its mould.
 pub(super) fn hull_of_platform(platform: &Platform, rules: &Rules, depth: Depth) -> Result<ConvexHull, HullError> {
     let corners: Vec<_> = if rules.flat {
         platform.corners().iter().flat_map(|&[x, _]| [[x, 1 - HALF_BAR], [x, 1 + HALF_BAR]]).collect()
     } else {
         platform.corners().to_vec()
     };
-    if platform.reaches_down() {
-        return ConvexHull::column(&corners, platform.top(), depth);
+    let mut hull = if platform.reaches_down() {
+        ConvexHull::column(&corners, platform.top(), depth)?
+    } else {
+        let mut plate = ConvexHull::new(depth);
+        plate.insert(&corners.iter().map(|&[x, y]| [x, y, platform.top()]).collect::<Vec<_>>())?;
+        plate
+    };
+    hull.insert(&points_of_mould(platform, rules))?;
+    Ok(hull)
+}
+
+/// What the mould of a platform puts into every hull.
+pub(super) fn points_of_mould(platform: &Platform, rules: &Rules) -> Vec<[i32; 3]> {
+    let corners = platform.mould.as_ref().map_or(&[][..], |mould| mould.corners());
+    if rules.flat {
+        return corners.iter().flat_map(|&[x, y, z]| [[x, y - HALF_BAR, z], [x, y + HALF_BAR, z]]).collect();
     }
-    let mut plate = ConvexHull::new(depth);
-    plate.insert(&corners.iter().map(|&[x, y]| [x, y, platform.top()]).collect::<Vec<_>>())?;
-    Ok(plate)
+    corners.to_vec()
 }

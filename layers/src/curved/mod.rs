@@ -26,6 +26,7 @@ mod coherent_part;
 mod complete;
 mod growth;
 mod impossible;
+mod mould;
 mod nozzle;
 mod order;
 pub mod orient;

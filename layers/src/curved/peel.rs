@@ -95,7 +95,7 @@ pub fn peel(
     rules: &Rules,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<SheetField, PeelError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     let mut skin = Skin::new(cells, platform, rules, rules.depth()?)?;
     let mut rest = CellSet::of(cells);
     let mut sheets = vec![0; cells.dims().iter().map(|&side| side as usize).product()];
@@ -104,7 +104,11 @@ pub fn peel(
     while left > 0 {
         sheet += 1;
         let hull = skin.hull(&rest)?;
-        for cell in skin.cells(&hull, &rest) {
+        let mut off = skin.cells(&hull, &rest);
+        if off.is_empty() {
+            off = rest.iter().collect(); // inside the hull of the platform and its mould: the last sheet
+        }
+        for cell in off {
             rest.remove(cell);
             sheets[cell as usize] = sheet;
             left -= 1;

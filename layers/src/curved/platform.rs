@@ -4,19 +4,26 @@
 //! which cells are missed) and section 6.4 (a platform that stands free).
 
 use super::cells::{Cells, set_bits};
+use super::mould::Mould;
 use curvlay_hull::convex_polygon;
 use std::f64::consts::PI;
 
-/// A convex platform, in lattice coordinates (half cells, see the [module](super)).
+/// A convex platform, in lattice coordinates (half cells, see the [module](super)), and the mould on it, if there is one.
+///
+/// A *mould* is what is there before the part: a block with a curved top (Dai 2020, section 5.3.2), or a part that exists already. It is a set of cells
+/// in the grid of the part, none of them of the part, and counts as built before the first layer: hulls hold the centres of
+/// its cells, it supports its neighbours, and the nozzle must not meet it. The first layer is what lies on the platform or has a common face
+/// with the mould, but for cells that lie inside the hull of platform and mould.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Platform {
     corners: Vec<[i32; 2]>,
     top: i32,
     reaches_down: bool,
+    pub(super) mould: Option<Mould>,
 }
 
 /// Why a platform cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlatformError {
     /// Fewer than three corners are left on the lattice: the platform has no area.
@@ -28,6 +35,24 @@ pub enum PlatformError {
         /// The coordinate, in cells.
         value: f64,
     },
+    /// The mould has no cell.
+    #[error("the mould holds no centre of a cell: place it in the grid of the part, and take cells smaller than it")]
+    EmptyMould,
+    /// The mould reaches beyond the grid.
+    #[error(
+        "the mould reaches from {low:?} to {high:?} cells, beyond a grid of {dims:?}: take a grid that holds it too"
+    )]
+    MouldBeyondGrid {
+        /// Lower corner of the box around the mould, in cells.
+        low: [f64; 3],
+        /// Its upper corner.
+        high: [f64; 3],
+        /// Cells of the grid.
+        dims: [u32; 3],
+    },
+    /// The mesh of the mould is damaged.
+    #[error("the mould: {0}")]
+    MouldMesh(super::trim::TrimError),
 }
 
 /// Corners of the polygon that stands for a disc: its edges stay within 1/800 of the radius from the circle
@@ -64,7 +89,7 @@ impl Platform {
             points.iter().map(|&[x, y]| Ok([to_lattice(x)?, to_lattice(y)?])).collect::<Result<Vec<_>, _>>()?;
         match convex_polygon(&lattice) {
             corners if corners.len() < 3 => Err(PlatformError::NoArea),
-            corners => Ok(Platform { corners, top: 0, reaches_down: true }),
+            corners => Ok(Platform { corners, top: 0, reaches_down: true, mould: None }),
         }
     }
 
@@ -118,6 +143,10 @@ impl Platform {
             return Err(PlatformError::OutOfReach { value: f64::from(top) / 2.0 });
         }
         Ok(Platform { top, reaches_down: false, ..self })
+    }
+
+    pub(super) fn with_mould(self, mould: Mould) -> Self {
+        Platform { mould: Some(mould), ..self }
     }
 
     /// Corners counter-clockwise, in lattice coordinates.

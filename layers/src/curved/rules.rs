@@ -3,6 +3,8 @@
 //! Dai 2020, Definitions 1 to 3 in section 3.4.1; Boge 2019, Definition 3 and section 6.1.1.
 //! Symbols: `N(v)` is [`Neighbours::offsets`], the paper's epsilon is [`Rules::eps`].
 
+use super::cells::Cells;
+use super::platform::Platform;
 use curvlay_hull::Depth;
 
 /// Which cells support a cell ("AM-stable neighbours").
@@ -86,6 +88,20 @@ pub enum RulesError {
         /// Cells of the grid along y.
         ny: u32,
     },
+    /// The mould of the platform lies in another grid.
+    #[error("the mould lies in a grid of {mould:?} cells, the part in one of {cells:?}")]
+    MouldGrid {
+        /// Cells of the grid of the mould along x, y and z.
+        mould: [u32; 3],
+        /// Cells of the grid of the part.
+        cells: [u32; 3],
+    },
+    /// The part and the mould have cells in common.
+    #[error("{cells} cells of the part lie in the mould: take only those of `Platform::outside_mould`")]
+    InMould {
+        /// Cells that are in both.
+        cells: usize,
+    },
 }
 
 impl Rules {
@@ -111,12 +127,12 @@ impl Rules {
         depth.map_err(|_| RulesError::Eps { eps: self.eps })
     }
 
-    /// Checks the rules against the size of a grid.
-    pub(crate) fn check(&self, dims: [u32; 3]) -> Result<(), RulesError> {
+    /// Checks the rules against the size of a grid, and the platform against the cells.
+    pub(crate) fn check(&self, cells: &Cells, platform: &Platform) -> Result<(), RulesError> {
         self.eps_in_1024ths()?;
-        match dims {
+        match cells.dims() {
             [_, ny, _] if self.flat && ny != 1 => Err(RulesError::NotFlat { ny }),
-            _ => Ok(()),
+            _ => platform.check(cells),
         }
     }
 }
@@ -151,8 +167,10 @@ mod tests {
             assert!(matches!(rules.eps_in_1024ths(), Err(RulesError::Eps { .. })), "{eps}");
         }
         let flat = Rules { flat: true, ..Rules::default() };
-        assert_eq!(flat.check([3, 2, 3]), Err(RulesError::NotFlat { ny: 2 }));
-        assert_eq!(flat.check([3, 1, 3]), Ok(()));
+        let platform = Platform::segment(0.0, 3.0).unwrap();
+        let check = |ny: u32| flat.check(&Cells::new([3, ny, 3], &vec![0; 3 * ny as usize]).unwrap(), &platform);
+        assert_eq!(check(2), Err(RulesError::NotFlat { ny: 2 }));
+        assert_eq!(check(1), Ok(()));
         assert_eq!(Rules { eps: 0.5, ..flat }.eps_in_1024ths(), Ok(512));
     }
 }

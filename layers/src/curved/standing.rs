@@ -1,22 +1,42 @@
 //! What stands on the platform, and what hangs together with it.
 
 use super::bits::CellSet;
+use super::body::{Centres, hull_of_platform};
 use super::cells::Cells;
+use super::growth::GrowthError;
 use super::platform::Platform;
 use super::rules::{Neighbours, Rules};
 use super::runs::Runs;
 
-/// The cells that stand on the platform, by rising number: the first layer of every order.
-pub(super) fn standing(cells: &Cells, platform: &Platform, rules: &Rules) -> Vec<u32> {
+/// Steps across the faces of a cell.
+const FACES: [[i32; 3]; 6] = [[0, 0, -1], [0, -1, 0], [-1, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+
+/// The cells that stand on the platform or lie on its mould, by rising number: the first layer of every order. With a mould some may lie
+/// inside the hull of both: these are not among them.
+pub(super) fn standing(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Vec<u32>, GrowthError> {
     let level = cells.dims()[0] * cells.dims()[1];
-    cells
-        .iter()
-        .take_while(|&cell| cell < level)
-        .filter(|&cell| {
-            let [x, y, _] = cells.position(cell);
-            platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], rules.flat)
-        })
-        .collect()
+    let is_carried = |&cell: &u32| {
+        let [x, y, _] = cells.position(cell);
+        platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], rules.flat)
+    };
+    let Some(mould) = platform.mould() else {
+        return Ok(cells.iter().take_while(|&cell| cell < level).filter(is_carried).collect());
+    };
+    let mould = CellSet::of(&mould);
+    let is_on_mould = |&cell: &u32| mould.around(cell, &FACES).next().is_some();
+    let buried = buried(cells, platform, rules)?;
+    let stands = cells.iter().filter(|cell| *cell < level && is_carried(cell) || is_on_mould(cell));
+    Ok(stands.filter(|cell| buried.binary_search(cell).is_err()).collect())
+}
+
+/// The cells that lie inside the hull of the platform and its mould, by rising number: no order builds them. There are none without a mould.
+pub(super) fn buried(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Vec<u32>, GrowthError> {
+    if platform.mould().is_none() {
+        return Ok(Vec::new());
+    }
+    let hull = hull_of_platform(platform, rules, rules.depth()?)?;
+    let centres = Centres::new(cells, rules);
+    Ok(cells.iter().filter(|&cell| hull.is_deep(centres.of(cell))).collect())
 }
 
 /// Those of `cells` that a chain of neighbours joins to one of `feet`, which are among them.

@@ -4,10 +4,12 @@
 mod audit;
 mod cells_by_surface;
 mod common;
+mod elastic;
 mod field_file;
 mod growth;
 mod growth_twins;
 mod impossible;
+mod mould;
 mod nozzle;
 mod orient;
 mod planar;

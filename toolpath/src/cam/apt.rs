@@ -10,14 +10,15 @@
 //! | `FEDRAT/f,MMPM` | the speed from here on, mm/min |
 //! | `AUXFUN/n` | a function of the machine, `Mn`: the extruder on and off |
 //! | `PAINT/COLOR,n` | the colour of what follows, by the kind of the bead |
-//! | `PPRINT/text` | a comment: layers |
+//! | `LOADTL/n` | the tool: 1 nozzle, 2 roller, 3 conductor |
+//! | `PPRINT/text` | a comment: layers, and what a tape head does (`TAPE FEED 12.5`, `PRESS`, `HEAT`, `CUT`), which a post-processor must know |
 //! | `DELAY/s` | waits so many seconds |
 //! | `END`, `FINI` | the end |
 //!
 //! How much filament a move takes has no word in APT: it follows from the extruder's own settings, or take [CSV](super::write_csv).
 
 use super::{CamError, CamWritten, POSITIVE, check, goal, number};
-use crate::gcode::{Mark, Move};
+use crate::gcode::{FiberCommand, Mark, Move, Tool};
 use crate::surface::BeadKind;
 use nalgebra::{Point3, UnitVector3};
 use std::io::{BufWriter, Write};
@@ -128,7 +129,7 @@ impl<W: Write> Writer<W> {
             check(index, &tip, &direction, feed_mm_s)?;
             let prints = matches!(step, Move::Print { .. });
             self.extruder(prints, options)?;
-            if prints {
+            if prints || matches!(step, Move::Lay { .. }) {
                 let feed = short(feed_mm_s * 60.0, 3);
                 if self.feed != feed {
                     self.line(&format!("FEDRAT/{feed},MMPM"))?;
@@ -144,6 +145,7 @@ impl<W: Write> Writer<W> {
                 self.extruder(false, options)?;
                 if matches!(step, Move::Home) { self.line("GOHOME") } else { Ok(()) }
             }
+            Move::Fiber(command) => self.fiber(index, command),
             Move::Dwell { seconds } => {
                 let seconds = number(index, "seconds", seconds, POSITIVE)?;
                 self.line(&format!("DELAY/{}", short(seconds, 3)))
@@ -164,6 +166,23 @@ impl<W: Write> Writer<W> {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl<W: Write> Writer<W> {
+    /// What a tape head does.
+    fn fiber(&mut self, index: u64, command: FiberCommand) -> Result<(), CamError> {
+        let positive = |what, value| number(index, what, value, POSITIVE).map(|value| short(value, 1));
+        let line = match command {
+            FiberCommand::Tool(Tool::Nozzle) => "LOADTL/1".to_owned(),
+            FiberCommand::Tool(Tool::Roller) => "LOADTL/2".to_owned(),
+            FiberCommand::Tool(Tool::Conductor) => "LOADTL/3".to_owned(),
+            FiberCommand::Feed { length_mm } => format!("PPRINT/TAPE FEED {}", positive("length_mm", length_mm)?),
+            FiberCommand::Press { newtons } => format!("PPRINT/TAPE PRESS {}", positive("newtons", newtons)?),
+            FiberCommand::Heat { celsius, .. } => format!("PPRINT/TAPE HEAT {}", positive("celsius", celsius)?),
+            FiberCommand::Cut => "PPRINT/TAPE CUT".to_owned(),
+        };
+        self.line(&line)
     }
 }
 

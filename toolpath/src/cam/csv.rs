@@ -2,19 +2,19 @@
 //!
 //! | column | meaning |
 //! |---|---|
-//! | `kind` | `travel`, `print`, `retract`, `prime`, `dwell` or `home` |
-//! | `x_mm`, `y_mm`, `z_mm`, `i`, `j`, `k` | tip and direction of the nozzle at the end of the move, of `travel` and `print` |
-//! | `filament_mm` | filament pushed forward, negative when it is drawn back |
+//! | `kind` | `travel`, `print`, `retract`, `prime`, `dwell` or `home`; of tapes `lay`, `feed`, `cut`, and the tools `nozzle`, `roller`, `conductor` |
+//! | `x_mm`, `y_mm`, `z_mm`, `i`, `j`, `k` | tip and direction of the nozzle at the end of the move, of `travel`, `print` and `lay` |
+//! | `filament_mm` | filament pushed forward, negative when it is drawn back; of `feed` the tape pushed out |
 //! | `feed_mm_s` | speed of the tip; of the filament for `retract` and `prime` |
 //! | `seconds` | how long the move takes at this speed; of a `dwell` how long it waits; 0 where the start is not known |
 //! | `layer` | from 1 |
 //! | `bead` | `wall`, `solid`, `skin`, `bridge`, `infill` or `support`, of `print` |
 //! | `width_mm`, `height_mm` | of the bead, of `print` |
 //!
-//! What does not belong to a kind, or is not known, is empty. Temperatures and fans have no lines.
+//! What does not belong to a kind, or is not known, is empty. Temperatures, fans and the roller's force have no lines.
 
 use super::{CamError, CamWritten, FEED, POSITIVE, check, goal, number};
-use crate::gcode::{Mark, Move};
+use crate::gcode::{FiberCommand, Mark, Move, Tool};
 use crate::surface::BeadKind;
 use nalgebra::distance;
 use std::io::{BufWriter, Write};
@@ -70,6 +70,7 @@ pub fn write_csv(moves: impl IntoIterator<Item = impl Into<Move>>, out: impl Wri
                     );
                     line("print", &place, &format!("{filament},{feed},{seconds},{layer},{bead}"))?;
                 }
+                (Move::Lay { .. }, _) => line("lay", &place, &format!(",{feed},{seconds},{layer},,,"))?,
                 _ => line("travel", &place, &format!(",{feed},{seconds},{layer},,,"))?,
             }
             at = Some(tip);
@@ -93,6 +94,19 @@ pub fn write_csv(moves: impl IntoIterator<Item = impl Into<Move>>, out: impl Wri
                 line("home", NOWHERE, &format!(",,,{layer},,,"))?;
                 at = None;
             }
+            Move::Fiber(FiberCommand::Tool(tool)) => {
+                let kind = match tool {
+                    Tool::Nozzle => "nozzle",
+                    Tool::Roller => "roller",
+                    Tool::Conductor => "conductor",
+                };
+                line(kind, NOWHERE, &format!(",,,{layer},,,"))?;
+            }
+            Move::Fiber(FiberCommand::Feed { length_mm }) => {
+                let length = number(index, "length_mm", length_mm, POSITIVE)?;
+                line("feed", NOWHERE, &format!("{length},,,{layer},,,"))?;
+            }
+            Move::Fiber(FiberCommand::Cut) => line("cut", NOWHERE, &format!(",,,{layer},,,"))?,
             Move::Mark(Mark::Layer { number, .. }) => layer = (u64::from(number) + 1).to_string(),
             Move::Mark(Mark::Bead { kind, width_mm, height_mm }) => {
                 let size = [("width_mm", width_mm), ("height_mm", height_mm)];

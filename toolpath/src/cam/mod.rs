@@ -72,9 +72,9 @@ fn check(index: u64, tip: &Point3<f64>, direction: &UnitVector3<f64>, feed_mm_s:
 /// Where a move goes, how the nozzle stands there, and how fast it goes.
 fn goal(step: &Move) -> Option<(Point3<f64>, UnitVector3<f64>, f64)> {
     match *step {
-        Move::Travel { tip, direction, feed_mm_s } | Move::Print { tip, direction, feed_mm_s, .. } => {
-            Some((tip, direction, feed_mm_s))
-        }
+        Move::Travel { tip, direction, feed_mm_s }
+        | Move::Lay { tip, direction, feed_mm_s }
+        | Move::Print { tip, direction, feed_mm_s, .. } => Some((tip, direction, feed_mm_s)),
         _ => None,
     }
 }

@@ -17,6 +17,7 @@
 #![doc = include_str!("../../docs/gcode.md")]
 
 mod direction;
+mod fiber;
 mod lift;
 mod lines;
 mod numbers;
@@ -31,6 +32,7 @@ mod write;
 mod write_error;
 
 pub use direction::DirectionWords;
+pub use fiber::{FiberCommand, Tool};
 pub use lift::EndLift;
 pub use read::{GcodeReader, ReadOptions};
 pub use read_error::ReadError;
@@ -68,6 +70,17 @@ pub enum Move {
         /// Speed of the tip, 0.001 to 1e5 mm/s.
         feed_mm_s: f64,
     },
+    /// The roller lays tape under pressure: `G1` without `E`.
+    Lay {
+        /// Where the roller's contact point arrives.
+        tip: Point3<f64>,
+        /// Direction of the roller there: the normal of the surface, against which it presses.
+        direction: UnitVector3<f64>,
+        /// Speed of the contact point, 0.001 to 1e5 mm/s.
+        feed_mm_s: f64,
+    },
+    /// What a tape head does: `M2730` to `M2735`.
+    Fiber(FiberCommand),
     /// Filament is drawn back, the nozzle stands still.
     Retract {
         /// How much of it, 0 to 1e6 mm.

@@ -1,6 +1,7 @@
 //! A file, read move by move.
 
 use super::direction::{COMMENT, DirectionWords};
+use super::fiber::{self, FiberCommand, Head};
 use super::lines::{Lines, Word};
 use super::rotary::DEGREES;
 use super::{CELSIUS, COORDINATE, DWELL, Dialect, FILAMENT, FULL_FAN, Move, ReadError, SHARE, within};
@@ -91,6 +92,8 @@ pub struct GcodeReader<R> {
     relative: bool,
     /// Position of the filament since the last `G92`.
     filament: f64,
+    /// The tool and whether it presses.
+    fiber: Head,
     /// Number of the last line with a checksum.
     number: Option<f64>,
 }
@@ -119,6 +122,7 @@ impl<R: BufRead> GcodeReader<R> {
             inverse_time: false,
             relative: false,
             filament: 0.0,
+            fiber: Head::default(),
             number: None,
         })
     }
@@ -132,6 +136,9 @@ impl<R: BufRead> GcodeReader<R> {
         while self.lines.next_line()? {
             let Some(verb) = self.words()? else { continue };
             if let Some(item) = self.obey(verb)? {
+                let (line, column) = self.place(verb.start);
+                let command = || self.lines.quote(verb.start);
+                self.fiber.follow(&item).map_err(|why| ReadError::Command { line, column, command: command(), why })?;
                 return Ok(Some(item));
             }
         }
@@ -147,13 +154,14 @@ impl<R: BufRead> GcodeReader<R> {
             if matches!((word.letter, word.second), (b'G' | b'M' | b'T', _)) {
                 // A letter and a whole number; 1000 is no command.
                 let code = word.value as u16;
-                let whole = (f64::from(code) - word.value).abs() == 0.0 && code < 1000;
+                let whole = (f64::from(code) - word.value).abs() == 0.0;
                 match (word.letter, if whole { code } else { 1000 }) {
                     (b'G', 21 | 90) => {}
                     (b'G', 93 | 94) => self.inverse_time = code == 93,
                     (b'M', 82 | 83) => self.relative = code == 83,
                     (b'M', 110) => resets = true,
-                    (b'G', 0 | 1 | 4 | 28 | 92) | (b'M', 104 | 106 | 107 | 109 | 140 | 190) => {
+                    (b'G', 0 | 1 | 4 | 28 | 92)
+                    | (b'M', 104 | 106 | 107 | 109 | 140 | 190 | fiber::TOOL..=fiber::CUT) => {
                         if verb.is_some() {
                             return Err(self.lines.unexpected(word.start, "one command in a line"));
                         }
@@ -238,7 +246,8 @@ impl<R: BufRead> GcodeReader<R> {
             (b'G', 0 | 1) => go,
             (b'G', 4) => (1 << S) | (1 << P),
             (b'G', 92) => 1 << E,
-            (b'G', _) | (b'M', 107) => 0,
+            (b'G', _) | (b'M', 107 | fiber::CUT) => 0,
+            (b'M', fiber::TOOL) => 1 << P,
             _ => 1 << S,
         };
         if let Some(slot) = (0..WORDS).find(|slot| self.set & !allowed & (1 << slot) != 0) {
@@ -268,10 +277,19 @@ impl<R: BufRead> GcodeReader<R> {
             }
             (_, 104 | 109) => Move::Nozzle { celsius: self.needed(verb, S, CELSIUS)?, wait: verb.code == 109 },
             (_, 140 | 190) => Move::Bed { celsius: self.needed(verb, S, CELSIUS)?, wait: verb.code == 190 },
+            (_, code @ fiber::TOOL..=fiber::CUT) => Move::Fiber(self.fiber_command(verb, code)?),
             (_, 107) => Move::Fan { share: SHARE[0] },
             _ if self.has(S) => Move::Fan { share: self.needed(verb, S, [0.0, FULL_FAN])? / FULL_FAN },
             _ => Move::Fan { share: SHARE[1] },
         }))
+    }
+
+    /// `M2730` to `M2735`.
+    fn fiber_command(&self, verb: Verb, code: u16) -> Result<FiberCommand, ReadError> {
+        let slot = if code == fiber::TOOL { P } else { S };
+        let (_, range) = fiber::range(code);
+        let value = if code == fiber::CUT { 0.0 } else { self.needed(verb, slot, range)? };
+        FiberCommand::of(code, value).ok_or_else(|| self.lines.unexpected(self.starts[slot], "the number of a tool"))
     }
 
     /// `G0` and `G1`.
@@ -334,6 +352,7 @@ impl<R: BufRead> GcodeReader<R> {
         let feed_mm_s = self.feed(verb, before.map(|before| distance(&before, &tip)))?;
         let direction = self.direction;
         match filament {
+            None if verb.code == 1 && self.fiber.presses() => Ok(Some(Move::Lay { tip, direction, feed_mm_s })),
             None => Ok(Some(Move::Travel { tip, direction, feed_mm_s })),
             Some(filament_mm) if filament_mm >= 0.0 => Ok(Some(Move::Print { tip, direction, filament_mm, feed_mm_s })),
             Some(by) => {

@@ -97,7 +97,7 @@ impl<I: Iterator<Item = Move>> Iterator for Retracting<I> {
                     (self.at, self.holding) = (Some(tip), true);
                     continue;
                 }
-                Move::Travel { tip, .. } => {
+                Move::Travel { tip, .. } | Move::Lay { tip, .. } => {
                     self.way += self.at.map_or(0.0, |at| distance(&at, &tip));
                     self.at = Some(tip);
                 }

@@ -1,6 +1,7 @@
 //! Moves, written as a file.
 
 use super::direction::{COMMENT, DirectionWords};
+use super::fiber::{self, FIBER_DECIMALS, FiberCommand, Head};
 use super::lift::EndLift;
 use super::numbers::Numbers;
 use super::retraction::{Retracting, Retraction};
@@ -85,6 +86,10 @@ pub struct Written {
     pub bytes: u64,
     /// Filament in beads, mm; retractions and primes do not count.
     pub filament_mm: f64,
+    /// Tape laid, mm along the way of the roller.
+    pub tape_mm: f64,
+    /// Cuts of tape.
+    pub cuts: u64,
     /// Time of all moves and dwells at the feeds given, without speeding up, slowing down, heating and homing.
     pub seconds: f64,
 }
@@ -153,6 +158,7 @@ pub fn write_gcode(
         bead: None,
         feed: None,
         filament: Filament::default(),
+        fiber: Head::default(),
         tagged: Tagged::default(),
         numbers: options.line_numbers.then(Numbers::default),
         written: Written::default(),
@@ -208,6 +214,14 @@ struct Filament {
     written: i64,
 }
 
+/// What is left behind on a way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Leaves {
+    Nothing,
+    Tape,
+    Bead(f64),
+}
+
 struct Writer<'a, W> {
     out: W,
     text: Text,
@@ -222,6 +236,8 @@ struct Writer<'a, W> {
     /// `F` of the last line under `G94`, as written.
     feed: Option<i64>,
     filament: Filament,
+    /// The tool and whether it presses.
+    fiber: Head,
     tagged: Tagged,
     /// Numbers of lines, if they have any.
     numbers: Option<Numbers>,
@@ -296,21 +312,28 @@ impl<W: Write> Writer<'_, W> {
 
     fn write(&mut self, index: u64, item: &Move) -> Result<(), WriteError> {
         let check = |what, value, range| number(index, what, value, range);
+        self.fiber.follow(item).map_err(|problem| WriteError::Fiber { index, problem })?;
         self.bead = match *item {
             Move::Print { tip, direction, .. } => Some((tip, direction)),
-            Move::Travel { .. } | Move::Retract { .. } | Move::Prime { .. } | Move::Home => None,
+            Move::Travel { .. } | Move::Lay { .. } | Move::Retract { .. } | Move::Prime { .. } | Move::Home => None,
             _ => self.bead,
         };
         match *item {
-            Move::Travel { tip, direction, feed_mm_s } => self.go(index, tip, direction, None, feed_mm_s)?,
+            Move::Travel { tip, direction, feed_mm_s } => self.go(index, tip, direction, Leaves::Nothing, feed_mm_s)?,
             Move::Print { tip, direction, filament_mm, feed_mm_s } => {
                 check("filament_mm", filament_mm, FILAMENT)?;
                 if self.at.is_none() {
                     return Err(WriteError::Unplaced { index });
                 }
-                self.go(index, tip, direction, Some(filament_mm), feed_mm_s)?;
+                self.go(index, tip, direction, Leaves::Bead(filament_mm), feed_mm_s)?;
                 self.written.filament_mm += filament_mm;
             }
+            Move::Lay { tip, direction, feed_mm_s } => {
+                let from = self.at.ok_or(WriteError::Unplaced { index })?;
+                self.go(index, tip, direction, Leaves::Tape, feed_mm_s)?;
+                self.written.tape_mm += distance(&from, &tip);
+            }
+            Move::Fiber(command) => self.fiber(index, command)?,
             Move::Retract { filament_mm, feed_mm_s } | Move::Prime { filament_mm, feed_mm_s } => {
                 check("filament_mm", filament_mm, FILAMENT)?;
                 check("feed_mm_s", feed_mm_s, FEED)?;
@@ -359,13 +382,27 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// A travel, or a bead with its filament.
+    /// `M2730` to `M2735`.
+    fn fiber(&mut self, index: u64, command: FiberCommand) -> Result<(), WriteError> {
+        let (code, value) = command.words();
+        self.text.steps_of("M", i64::from(code));
+        if let Some(value) = value {
+            let (what, range) = fiber::range(code);
+            number(index, what, value, range)?;
+            self.text.number(if code == fiber::TOOL { " P" } else { " S" }, value, FIBER_DECIMALS);
+        }
+        self.end_line();
+        self.written.cuts += u64::from(command == FiberCommand::Cut);
+        Ok(())
+    }
+
+    /// A travel, a piece of tape, or a bead with its filament.
     fn go(
         &mut self,
         index: u64,
         tip: Point3<f64>,
         direction: UnitVector3<f64>,
-        filament: Option<f64>,
+        leaves: Leaves,
         feed_mm_s: f64,
     ) -> Result<(), WriteError> {
         for (what, value) in [("tip.x", tip.x), ("tip.y", tip.y), ("tip.z", tip.z)] {
@@ -378,7 +415,7 @@ impl<W: Write> Writer<'_, W> {
         }
         match self.options.dialect {
             Dialect::Part(words) => {
-                self.start(filament);
+                self.start(leaves);
                 self.point(&tip);
                 let names = match words {
                     DirectionWords::Comment => None,
@@ -386,7 +423,7 @@ impl<W: Write> Writer<'_, W> {
                     DirectionWords::Dissertation => Some([" nX", " nY", " nZ"]),
                 };
                 names.into_iter().for_each(|names| self.direction(names, &direction));
-                if let Some(by) = filament {
+                if let Leaves::Bead(by) = leaves {
                     self.extrude(by);
                 }
                 self.modal_feed(feed_mm_s);
@@ -397,7 +434,7 @@ impl<W: Write> Writer<'_, W> {
                 self.end_line();
                 self.written.seconds += self.at.map_or(0.0, |at| distance(&at, &tip)) / feed_mm_s;
             }
-            Dialect::Rotary(table) => self.turn(index, &table, tip, direction, filament, feed_mm_s)?,
+            Dialect::Rotary(table) => self.turn(index, &table, tip, direction, leaves, feed_mm_s)?,
         }
         self.at = Some(tip);
         Ok(())
@@ -410,7 +447,7 @@ impl<W: Write> Writer<'_, W> {
         table: &RotaryTable,
         tip: Point3<f64>,
         direction: UnitVector3<f64>,
-        filament: Option<f64>,
+        leaves: Leaves,
         feed_mm_s: f64,
     ) -> Result<(), WriteError> {
         let unreachable = WriteError::Unreachable { index, direction: [direction.x, direction.y, direction.z] };
@@ -418,7 +455,7 @@ impl<W: Write> Writer<'_, W> {
         let (Some(at), Some(from)) = (self.at, self.axes) else {
             // How far it is nobody knows, so the feed is that of the axes.
             self.set_inverse_time(false);
-            self.start(filament);
+            self.start(leaves);
             self.machine(index, table, &tip, to)?;
             self.modal_feed(feed_mm_s);
             self.end_line();
@@ -427,7 +464,7 @@ impl<W: Write> Writer<'_, W> {
         };
         for (axis, k) in [(table.tilt.letter, 0), (table.turn.letter, 1)] {
             let turn = to[k] - from[k];
-            if filament.is_some() && turn.abs() > PI + UNIT {
+            if leaves != Leaves::Nothing && turn.abs() > PI + UNIT {
                 return Err(WriteError::Rewind { index, axis, turn });
             }
         }
@@ -442,9 +479,9 @@ impl<W: Write> Writer<'_, W> {
                 true => (tip, to),
                 false => (at + (tip - at) * share, [0, 1].map(|k| rounded(from[k] + (to[k] - from[k]) * share))),
             };
-            self.start(filament);
+            self.start(leaves);
             self.machine(index, table, &point, angles)?;
-            if let Some(all) = filament {
+            if let Leaves::Bead(all) = leaves {
                 self.extrude(all / f64::from(parts));
             }
             self.inverse_feed(seconds / f64::from(parts));
@@ -458,11 +495,11 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    fn start(&mut self, filament: Option<f64>) {
-        if filament.is_some() {
+    fn start(&mut self, leaves: Leaves) {
+        if matches!(leaves, Leaves::Bead(_)) {
             self.reset_filament();
         }
-        self.text.word(if filament.is_some() { "G1" } else { "G0" });
+        self.text.word(if leaves == Leaves::Nothing { "G0" } else { "G1" });
     }
 
     fn point(&mut self, point: &Point3<f64>) {

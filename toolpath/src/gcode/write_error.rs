@@ -32,11 +32,19 @@ pub enum WriteError {
         /// Its length.
         length: f64,
     },
-    /// A bead without a beginning.
+    /// A bead, or a tape, without a beginning.
     #[error("move {index} prints, but where it starts is unknown: travel there first")]
     Unplaced {
         /// The move.
         index: u64,
+    },
+    /// The tool cannot do it, or not now.
+    #[error("move {index}: {problem}")]
+    Fiber {
+        /// The move.
+        index: u64,
+        /// Why, and what to do.
+        problem: &'static str,
     },
     /// The rotary axes cannot bring the direction under the nozzle.
     #[error("move {index}: the direction [{}, {}, {}] is out of reach of the rotary axes", direction[0], direction[1], direction[2])]

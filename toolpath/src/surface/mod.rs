@@ -50,10 +50,12 @@ pub use deposition::{
     Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
 pub use fiber::{
-    CentreLine, DirectionError, DirectionField, EmptyPlan, LayerStress, LeftOutTape, OffsetError, Principal,
-    PrincipalAngle, STRESS_CSV_HEADER, Singularity, StressError, StressFileError, StressOptions, StressSample,
-    StripeError, Stripes, Tape, TapeCover, TapeError, TapeLimit, TapeOptions, TapePlan, angle_to_principal, lay_tapes,
-    lay_tapes_along, offset_lines, plan_tapes, read_stress_csv, read_stress_frd, read_stress_vtk, stripes,
+    CentreLine, ConductorError, ConductorOptions, DirectionError, DirectionField, EmptyPlan, LayUp, LayerStress,
+    LayerTapes, LeftOutTape, OffsetError, Principal, PrincipalAngle, STRESS_CSV_HEADER, SandwichError, SandwichLayer,
+    SandwichOptions, Singularity, StiffnessError, StressError, StressFileError, StressOptions, StressSample,
+    StripeError, Stripes, Tape, TapeCover, TapeError, TapeHead, TapeHeadError, TapeInSection, TapeLimit, TapeOptions,
+    TapePlan, angle_to_principal, arch_stiffness_n_mm, conductor, lay_tapes, lay_tapes_along, offset_lines, plan_tapes,
+    raise, read_stress_csv, read_stress_frd, read_stress_vtk, sandwich, stripes, three_point_rigidity_nm2, with_tapes,
     write_stress_csv,
 };
 pub use fill::{

@@ -2,7 +2,7 @@
 
 use crate::gcode_common::{travel, unit};
 use curvlay_toolpath::cam::*;
-use curvlay_toolpath::gcode::{Mark, Move};
+use curvlay_toolpath::gcode::{FiberCommand, Mark, Move, Tool};
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_toolpath::surface::BeadKind;
 use proptest::prelude::*;
@@ -139,6 +139,53 @@ fn csv_to_the_letter() {
         ("infill".into(), "0.45".into(), "0.28".into())
     );
     assert!(rows(&file).iter().all(|row| row.len() == 14));
+}
+
+/// A tape: the roller comes, feeds, presses, rolls at its feed, cuts.
+#[test]
+fn tapes_to_the_letter() {
+    let up = Vector3::z_axis();
+    let fiber = |command| Move::Fiber(command);
+    let moves = [
+        fiber(FiberCommand::Tool(Tool::Roller)),
+        fiber(FiberCommand::Heat { celsius: 210.0, wait: true }),
+        travel([0.0, 0.0, 1.0], up, 80.0),
+        fiber(FiberCommand::Feed { length_mm: 12.5 }),
+        fiber(FiberCommand::Press { newtons: 20.0 }),
+        Move::Lay { tip: Point3::new(30.0, 0.0, 1.0), direction: up, feed_mm_s: 10.0 },
+        fiber(FiberCommand::Cut),
+        fiber(FiberCommand::Tool(Tool::Nozzle)),
+    ];
+    let file = apt(&moves, &AptOptions::default()).unwrap();
+    let lines: Vec<&str> = file.lines().skip(3).collect();
+    let expected = [
+        "LOADTL/2",
+        "PPRINT/TAPE HEAT 210",
+        "RAPID",
+        "GOTO/0,0,1,0,0,1",
+        "PPRINT/TAPE FEED 12.5",
+        "PPRINT/TAPE PRESS 20",
+        "FEDRAT/600,MMPM",
+        "GOTO/30,0,1,0,0,1",
+        "PPRINT/TAPE CUT",
+        "LOADTL/1",
+        "END",
+        "FINI",
+    ];
+    assert_eq!(lines, expected);
+    let file = csv(&moves).unwrap();
+    let lines: Vec<&str> = file.lines().skip(1).collect();
+    let expected = [
+        "roller,,,,,,,,,,,,,",
+        "travel,0,0,1,0,0,1,,80,0,,,,",
+        "feed,,,,,,,12.5,,,,,,",
+        "lay,30,0,1,0,0,1,,10,3,,,,",
+        "cut,,,,,,,,,,,,,",
+        "nozzle,,,,,,,,,,,,,",
+    ];
+    assert_eq!(lines, expected);
+    let bad = [fiber(FiberCommand::Feed { length_mm: f64::NAN })];
+    assert!(apt(&bad, &AptOptions::default()).is_err() && csv(&bad).is_err());
 }
 
 #[test]

@@ -14,7 +14,16 @@ use std::f64::consts::PI;
 
 fn waypoint(x: f64, lean: f64, width: f64, height: f64) -> Waypoint {
     let direction = Unit::new_normalize(Vector3::new(lean.sin(), 0.0, lean.cos()));
-    Waypoint { tip: Point3::new(x, 0.0, 10.0), direction, width, height, arc: x, added: false, kind: BeadKind::Wall }
+    Waypoint {
+        tip: Point3::new(x, 0.0, 10.0),
+        direction,
+        width,
+        height,
+        arc: x,
+        added: false,
+        lift: 0.0,
+        kind: BeadKind::Wall,
+    }
 }
 
 fn path_of(waypoints: Vec<Waypoint>) -> ToolPath {

@@ -99,7 +99,7 @@ fn the_examples_of_the_format() {
             assert!(matches!(moves.last(), Some(Move::Retract { .. })));
         }
     }
-    assert_eq!(read_as_rotary, [3, 1]);
+    assert_eq!(read_as_rotary, [4, 1]);
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn reads(file: &[u8], dialect: Dialect, skip_other_m: bool) -> Result<(), TestCa
 
 /// Words that nearly are what they should be.
 fn pieces() -> impl Strategy<Value = Vec<u8>> {
-    const PIECES: [&str; 48] = [
+    const PIECES: [&str; 52] = [
         "G1",
         "G0",
         " ",
@@ -84,6 +84,10 @@ fn pieces() -> impl Strategy<Value = Vec<u8>> {
         "M104 S200",
         "M106",
         "T0",
+        "M2730 P1",
+        "M2732 S20",
+        "M2731 S.5",
+        "M2735",
         "G91",
         "n",
         "e",

@@ -27,7 +27,32 @@ fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions)
 /// Nothing but earlier layers, nothing left out, and no smoothing for paths of two waypoints.
 fn alone() -> GougingOptions {
     let default = GougingOptions::default();
-    GougingOptions { max_turn: PI, own_layer: false, plate: false, max_depth: f64::INFINITY, ..default }
+    let never = GougingOptions { max_lift: 0.0, max_depth: f64::INFINITY, ..default };
+    GougingOptions { max_turn: PI, own_layer: false, plate: false, ..never }
+}
+
+#[test]
+fn a_tip_that_no_tilt_frees_is_raised_as_little_as_does() {
+    // In the middle of a level layer, 0.4 of its height below its top: a quarter is allowed, and every tilt goes deeper.
+    let floor = Layer::sheet([0.0, 0.0, 10.0], [40.0, 0.0, 0.0], [0.0, 40.0, 0.0], 20, H);
+    let tip = Point3::new(20.0, 20.0, 10.0 + 0.5 * H - 0.4 * H);
+    let raised = |max_lift: f64| {
+        let (resolved, direction) =
+            at(std::slice::from_ref(&floor), tip, Vector3::z(), &GougingOptions { max_lift, ..alone() });
+        assert!(direction.angle(&Vector3::z_axis()) < 1e-3, "{direction:?}");
+        resolved
+    };
+    for never in [0.0, 0.1] {
+        let resolved = raised(never);
+        assert_eq!((resolved.left.len(), resolved.lifted, resolved.max_lift), (2, 0, 0.0));
+        assert_eq!(resolved.paths[0].waypoints[0].tip, tip);
+    }
+    let resolved = raised(0.5);
+    assert_eq!((resolved.left.len(), resolved.lifted), (0, 2));
+    assert!((0.15 * H - PIECE..=0.15 * H + 0.025 * H).contains(&resolved.max_lift), "{}", resolved.max_lift / H);
+    let waypoint = resolved.paths[0].waypoints[1];
+    assert_eq!(waypoint.lift, resolved.max_lift);
+    assert!((waypoint.tip.z - tip.z - waypoint.lift).abs() < 1e-9 && (waypoint.bead_top() - tip).norm() < 1e-12);
 }
 
 /// Frees a nozzle at one place, given twice.
@@ -444,6 +469,8 @@ fn paths_and_options_that_cannot_be_used_are_named() {
     for (name, options) in [
         ("allowed_depth", GougingOptions { allowed_depth: 0.6, ..default }),
         ("allowed_depth", GougingOptions { allowed_depth: f64::NAN, ..default }),
+        ("max_lift", GougingOptions { max_lift: -0.1, ..default }),
+        ("max_lift", GougingOptions { max_lift: f64::NAN, ..default }),
         ("max_depth", GougingOptions { max_depth: 0.2, ..default }),
         ("max_depth", GougingOptions { max_depth: f64::NAN, ..default }),
         ("max_tilt", GougingOptions { max_tilt: 4.0, ..default }),

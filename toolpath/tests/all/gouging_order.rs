@@ -20,9 +20,9 @@ fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions)
     with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
 }
 
-/// No smoothing, nothing left out.
+/// No smoothing, nothing left out, nothing raised.
 fn rough_turns() -> GougingOptions {
-    GougingOptions { max_turn: PI, plate: false, max_depth: f64::INFINITY, ..GougingOptions::default() }
+    GougingOptions { max_turn: PI, plate: false, max_lift: 0.0, max_depth: f64::INFINITY, ..GougingOptions::default() }
 }
 
 /// A narrow groove of one layer. Along its front half both sides are laid before the bottom, along its back half after it; so
@@ -205,6 +205,10 @@ fn prints_clear(seed: u64) -> Result<(), TestCaseError> {
     prop_assert!(resolved.laid_first.iter().enumerate().all(|(k, &path)| k == path));
     prop_assert_eq!(replayed(layers, &resolved), vec![]);
     prop_assert_eq!(replayed(layers, &whole), vec![]);
+    // Raised tips are clear where they are.
+    let raised = resolved_with(layers, &paths, &GougingOptions { cut: false, max_lift: 0.5, ..rough_turns() });
+    prop_assert_eq!(whole.left.len() - raised.left.len(), raised.lifted);
+    prop_assert_eq!(replayed(layers, &raised), vec![]);
     Ok(())
 }
 

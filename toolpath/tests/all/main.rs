@@ -3,6 +3,7 @@
 
 mod cam;
 mod common;
+mod conductor;
 mod contacts;
 mod deposition;
 mod drawing_files;
@@ -18,6 +19,7 @@ mod fit;
 mod fitted;
 mod gcode;
 mod gcode_common;
+mod gcode_fiber;
 mod gcode_fuzz;
 mod gcode_rotary;
 mod gcode_tags;
@@ -35,9 +37,11 @@ mod orientation;
 mod paths;
 mod print;
 mod ranges;
+mod sandwich;
 mod serde;
 mod short;
 mod statistics;
+mod stiffness;
 mod strips;
 mod support;
 mod travel;

@@ -38,6 +38,7 @@ fn arrays_hold_what_is_printed() {
         height: 0.25,
         arc: x,
         added: false,
+        lift: 0.0,
         kind,
     };
     let path = |layer, waypoints| ToolPath { layer, curve: 0, closed: false, waypoints };

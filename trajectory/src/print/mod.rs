@@ -27,6 +27,7 @@ mod plan;
 mod planner;
 mod postures;
 mod run;
+mod steered;
 mod travel;
 mod ways;
 
@@ -36,3 +37,4 @@ pub use legs::{Leg, LegKind};
 pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath};
 pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
 pub use planner::{PrintPlanner, plan_print};
+pub use steered::Steered;

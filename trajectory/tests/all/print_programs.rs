@@ -2,7 +2,7 @@
 
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_trajectory::print::{
-    OpenCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobotFn, Waypoint, plan_print,
+    OpenCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobotFn, Steered, Waypoint, plan_print,
 };
 use curvlay_trajectory::{Bounds, FreeRange, Posture};
 use std::ops::ControlFlow;
@@ -70,4 +70,43 @@ fn limits_of_joints_alone() {
     let limits = limits();
     assert!(limits.max_flow_mm3_s.is_infinite() && limits.max_flow_ramp_mm3_s2.is_infinite());
     assert!((limits.filament_mm2 - 2.405).abs() < 1e-3);
+}
+
+/// A tool that looks along a curved path: at every knot its turn is the heading, but for the slack.
+#[test]
+fn a_steered_tool_keeps_its_heading() {
+    let joints = |waypoint: &Waypoint, turn: f64| {
+        let p = waypoint.position / 10.0;
+        [p.x, p.y, p.z, turn]
+    };
+    let robot = PrintRobotFn {
+        free: [FreeRange::Turn],
+        solutions: |w: &Waypoint, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 4])| each(0, joints(w, free[0])),
+        posture: |w: &Waypoint, free: &[f64; 1], _: u32| {
+            Some(Posture { joints: joints(w, free[0]), rates: [[0.0, 0.0, 0.0, 1.0]] })
+        },
+        nozzle: |q: &[f64; 4]| Some(Isometry3::new(10.0 * Vector3::new(q[0], q[1], q[2]), Vector3::z() * q[3])),
+        continued: |w: &Waypoint, free: &[f64; 1], turn: f64, _: &[f64; 4]| Some(joints(w, free[0] + turn)),
+    };
+    // A quarter of a circle of 20 mm: the tangent at an angle is a quarter turn ahead.
+    let at = |angle: f64| Waypoint {
+        position: Point3::new(20.0 * angle.cos(), 20.0 * angle.sin(), 1.0),
+        axis: Vector3::z_axis(),
+    };
+    let waypoints: Vec<Waypoint> = (0..=20).map(|k| at(0.075 * f64::from(k))).collect();
+    let times: Vec<f64> = (0..=20).map(|k| 0.2 * f64::from(k)).collect();
+    let heading = |w: &Waypoint| w.position.y.atan2(w.position.x) + std::f64::consts::FRAC_PI_2;
+    let steered = Steered { robot: &robot, heading, slack: 0.02 };
+    let path = PrintPath { layer: 0, waypoints: &waypoints, times: &times, filament_mm: &[0.0; 21] };
+    let go_on = |_| ControlFlow::Continue(());
+    let plan = plan_print(&steered, OpenCell, &[path], &limits(), &PrintOptions::default(), &go_on).unwrap();
+    assert!(plan.faults.is_empty() && plan.runs.len() == 1);
+    for joints in plan.runs[0].trajectory.joints() {
+        let tangent = joints[1].atan2(joints[0]) + std::f64::consts::FRAC_PI_2;
+        assert!((joints[3] - tangent).abs() < 0.0201, "{joints:?}");
+    }
+    // Without the heading the tool would not turn at all.
+    let free = plan_print(&robot, OpenCell, &[path], &limits(), &PrintOptions::default(), &go_on).unwrap();
+    let turns: Vec<f64> = free.runs[0].trajectory.joints().iter().map(|joints| joints[3]).collect();
+    assert!(turns.iter().all(|turn| (turn - turns[0]).abs() < 1e-3), "{turns:?}");
 }

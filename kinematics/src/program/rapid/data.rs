@@ -5,7 +5,7 @@ use super::{
 };
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, ExternalAxes, Payload, ReadError, Speed, Target, Zone};
+use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Target, Zone};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -150,6 +150,19 @@ impl Data {
     /// The signal of the extruder (0) or of the filament's speed (1): one of each, for all others would be taken for them.
     pub fn use_signal(&mut self, tokens: &mut Tokens<impl BufRead>, which: usize) -> Result<(), ReadError> {
         let name = tokens.name("the signal")?.to_ascii_lowercase();
+        self.use_named(tokens, which, name)
+    }
+
+    /// A digital output: one of a tape head by its name, or the extruder.
+    pub fn use_digital(&mut self, tokens: &mut Tokens<impl BufRead>) -> Result<Option<HeadSignal>, ReadError> {
+        let name = tokens.name("the signal")?.to_ascii_lowercase();
+        match HeadSignal::ALL.into_iter().find(|signal| signal.rapid().eq_ignore_ascii_case(&name)) {
+            Some(signal) => Ok(Some(signal)),
+            None => self.use_named(tokens, 0, name).map(|()| None),
+        }
+    }
+
+    fn use_named(&mut self, tokens: &Tokens<impl BufRead>, which: usize, name: String) -> Result<(), ReadError> {
         match &self.signals[which] {
             None => self.signals[which] = Some(name),
             Some(used) if *used == name => {}

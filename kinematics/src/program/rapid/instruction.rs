@@ -3,7 +3,7 @@
 use super::data::Data;
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ExternalAxes, Goal, Move, ReadError, Speed, Step, Zone};
+use crate::program::{ExternalAxes, Goal, HeadSignal, Move, ReadError, Speed, Step, Zone};
 use std::io::BufRead;
 
 /// What an instruction comes to.
@@ -85,9 +85,9 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
     let word = String::from_utf8_lossy(tokens.word_at(from, to)).into_owned();
     match word.to_ascii_lowercase().as_str() {
         on @ ("set" | "reset") => {
-            data.use_signal(tokens, 0)?;
+            let signal = data.use_digital(tokens)?;
             tokens.marks(";")?;
-            Ok(Op::Step(Step::Extruder(on == "set")))
+            Ok(Op::Step(switched(signal, on == "set")))
         }
         "setgo" => {
             data.use_signal(tokens, 1)?;
@@ -228,7 +228,7 @@ fn digital(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Step, R
         }
         tokens.marks(",")?;
     }
-    data.use_signal(tokens, 0)?;
+    let signal = data.use_digital(tokens)?;
     tokens.marks(",")?;
     let token = tokens.peek()?;
     let on = if tokens.is_word(token, "high") || tokens.is_word(token, "low") {
@@ -242,7 +242,11 @@ fn digital(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Step, R
         value == 1
     };
     tokens.marks(";")?;
-    Ok(Step::Extruder(on))
+    Ok(switched(signal, on))
+}
+
+fn switched(signal: Option<HeadSignal>, on: bool) -> Step {
+    signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on })
 }
 
 /// Options of the target, speed, zone, tool and work object.

@@ -79,7 +79,8 @@ pub enum FilamentOutput {
 /// degrees with six: about what the controller's own numbers hold.
 ///
 /// # Signals
-/// The extruder is a digital output (`SetDO`), the speed of the filament an analog or a group output. The procedure
+/// The extruder is a digital output (`SetDO`), the speed of the filament an analog or a group output; a tape head has the outputs that
+/// [`HeadSignal::rapid`](super::HeadSignal::rapid) names. The procedure
 /// `NAME_off` switches off those that the program uses; `main` calls it at the begin, at the end and when an error is
 /// raised. No line of a program runs when it is stopped from outside (stop button, emergency stop, a motion that fails):
 /// make `NAME_off` the routine of the events `Stop` and `QStop`, or tie the outputs to the system output `CycleOn`.

@@ -1,9 +1,9 @@
 //! Options of RAPID, checked: names, frames, loads, and who holds what.
 
 use super::{FILAMENT_STEP, FilamentOutput, RapidOptions, TOOL0, WOBJ0};
-use crate::program::WriteError;
 use crate::program::check::{check_frame, check_option, check_payload};
 use crate::program::names::{Language, check_distinct, check_form, check_name};
+use crate::program::{HeadSignal, WriteError};
 use nalgebra::Isometry3;
 
 /// Longest name of a program: with `_`, seven digits and `_run` it is as long as a word may be.
@@ -51,8 +51,9 @@ fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
         check_name(Language::Rapid, "work_object.unit", unit, LONGEST_WORD)?;
         names.push(("work_object.unit", unit));
     }
+    names.extend(HeadSignal::ALL.map(|signal| ("signal of a tape head", signal.rapid())));
     check_distinct(&names)?;
-    for &(what, name) in &names[1..] {
+    for &(what, name) in &names[1..names.len() - HeadSignal::ALL.len()] {
         let ours = name.len() > options.name.len()
             && name.as_bytes()[..options.name.len()].eq_ignore_ascii_case(options.name.as_bytes())
             && name.as_bytes()[options.name.len()] == b'_';

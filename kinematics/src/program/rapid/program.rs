@@ -57,7 +57,8 @@ impl<R: BufRead> Part<R> {
 ///   speeds `v5` to `v7000` and `vmax`; `fine` and `z0` to `z200`; `\Conc`, `\ID`, `\NoEOffs`, `\V`, `\Z`, `\Inpos`,
 ///   `\WObj`, `\TLoad`; one to six external axes ([`ExternalAxes`](crate::program::ExternalAxes)). One tool and one work
 ///   object for all targets, since steps do not say which is theirs.
-/// * `SetDO` (`1`, `0`, `high`, `low`), `Set`, `Reset`: the extruder, one signal. `SetAO`, `SetGO` (with a constant
+/// * `SetDO` (`1`, `0`, `high`, `low`), `Set`, `Reset`: the extruder, one signal, and a tape head by
+///   [its names](crate::program::HeadSignal::rapid). `SetAO`, `SetGO` (with a constant
 ///   `filament_step`): the speed of the filament in mm/s, one signal.
 /// * `ActUnit`, `DeactUnit`, `GripLoad`, `TPWrite`, `TPErase`, `ConfJ`, `ConfL` change no step. `ConfJ\Off`,
 ///   `ConfL\Off`, `SingArea`, `AccSet`, `PathAccLim`, `SpeedRefresh`, `WaitTime`, `WaitRob`, `WaitDI`, `WaitDO` and `Stop`

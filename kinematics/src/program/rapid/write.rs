@@ -7,7 +7,9 @@ use super::{
 };
 use crate::program::check::Checker;
 use crate::program::text::Text;
-use crate::program::{ExternalAxes, Goal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone};
+use crate::program::{
+    ExternalAxes, Goal, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
+};
 use nalgebra::{Isometry3, Point3};
 use std::io::Write;
 
@@ -72,7 +74,7 @@ pub fn write_rapid<W: Write>(
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
     // By the digital output; by the speed of the filament where there is none.
-    let (mut on, mut fed) = (None, false);
+    let (mut on, mut fed, mut head) = (None, false, [false; HeadSignal::ALL.len()]);
     let mut steps = steps.into_iter().peekable();
     while let Some(mut step) = steps.next() {
         checker.check(&step)?;
@@ -102,6 +104,11 @@ pub fn write_rapid<W: Write>(
                 let value = if *to { "1" } else { "0" };
                 current.text.word("    SetDO ").word(&options.signal).word(",").word(value).word(";\n");
             }
+            Step::Signal { signal, on } => {
+                used.head[signal.number()] = true;
+                head[signal.number()] = *on;
+                write_signal(&mut current.text, *signal, *on);
+            }
             Step::FilamentSpeed(mm_s) => {
                 fed = *mm_s > 0.0;
                 used.filament = true;
@@ -111,8 +118,10 @@ pub fn write_rapid<W: Write>(
         }
         let most = options.moves_per_module;
         // Not over the begin of a stroke: there the nozzle would wait on the part.
-        let signal_next = matches!(steps.peek(), Some(Step::Extruder(_) | Step::FilamentSpeed(_)));
-        let idle = at_rest && !on.unwrap_or(fed) && !signal_next;
+        let signal_next =
+            matches!(steps.peek(), Some(Step::Extruder(_) | Step::FilamentSpeed(_) | Step::Signal { .. }));
+        let presses = head[HeadSignal::Press.number()];
+        let idle = at_rest && !on.unwrap_or(fed) && !presses && !signal_next;
         let early = current.moves > most - most / 4 && idle;
         if current.text.0.len() > CHUNK {
             current.send()?;
@@ -132,6 +141,7 @@ pub fn write_rapid<W: Write>(
 struct Used {
     switch: bool,
     filament: bool,
+    head: [bool; HeadSignal::ALL.len()],
 }
 
 fn part_name(options: &RapidOptions, number: u32) -> String {
@@ -175,6 +185,10 @@ impl<W: Write> Module<W> {
         self.send()?;
         self.out.flush().map_err(|source| WriteError::Io { file: self.file, source })
     }
+}
+
+fn write_signal(text: &mut Text, signal: HeadSignal, on: bool) {
+    text.word("    SetDO ").word(signal.rapid()).word(if on { ",1;\n" } else { ",0;\n" });
 }
 
 fn write_filament(text: &mut Text, mm_s: f64, options: &RapidOptions) {
@@ -287,7 +301,7 @@ fn write_main<W: Write>(
     let mut text = Text::default();
     text.word("MODULE ").word(&options.name).word("\n");
     write_data(&mut text, options);
-    let switches = used.switch || used.filament;
+    let switches = used.switch || used.filament || used.head.contains(&true);
     let off = |text: &mut Text| {
         if switches {
             text.word("    ").word(&options.name).word("_off;\n");
@@ -327,6 +341,9 @@ fn write_main<W: Write>(
         }
         if used.switch {
             text.word("    SetDO ").word(&options.signal).word(",0;\n");
+        }
+        for signal in HeadSignal::ALL.into_iter().filter(|signal| used.head[signal.number()]).rev() {
+            write_signal(&mut text, signal, false);
         }
         text.word("  ENDPROC\n");
     }

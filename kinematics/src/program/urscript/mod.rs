@@ -8,7 +8,7 @@ mod write;
 pub use read::UrScriptReader;
 pub use write::{UrScriptWritten, write_urscript};
 
-use super::{Payload, ProgramLimits};
+use super::{HeadSignal, Payload, ProgramLimits};
 use crate::arm::Arm;
 use crate::scene::Mount;
 use crate::workcell::{Equipment, tool_frame};
@@ -39,7 +39,7 @@ pub enum Straight {
 /// The extruder is a standard digital output, the speed of the filament a standard analog one. An analog output takes a
 /// share of its range from 0 to 1 (0 to 10 V, or 4 to 20 mA, as the controller is set up), here
 /// `speed/filament_full_scale`. That variable, in mm/s, is set before the first such line, so the scale too is changed in
-/// one line. Its value has a decimal point, so that the division is never one of whole numbers. An output does not move
+/// one line. A signal of a tape head is a standard digital output whose number is in a variable, set before its first use, too. The value of the scale has a decimal point, so that the division is never one of whole numbers. An output does not move
 /// the arm and so takes no time of a control cycle (URScript manual, thread scheduling): it stands between two
 /// `servoj` and does not end the stream. What is on when the steps end is switched off.
 ///
@@ -79,6 +79,9 @@ pub struct UrScriptOptions {
     pub gain: f64,
     /// The standard digital output of the extruder, 0 to 7.
     pub output: u8,
+    /// The standard digital outputs of a tape head, 0 to 7, in the order of [`HeadSignal::ALL`]; none is another's or the
+    /// extruder's. Default [`HeadSignal::UR_OUTPUTS`].
+    pub head_outputs: [u8; 6],
     /// The standard analog output of the filament's speed, 0 or 1. Default 0.
     pub filament_output: u8,
     /// Speed of the filament at which that output is at 1, mm/s: faster is refused. Default
@@ -104,6 +107,7 @@ impl Default for UrScriptOptions {
             lookahead_s: 0.1,
             gain: 300.0,
             output: 0,
+            head_outputs: HeadSignal::UR_OUTPUTS,
             filament_output: 0,
             filament_full_scale_mm_s: FILAMENT_FULL_SCALE_MM_S,
             limits: ProgramLimits::universal_robots(),

@@ -3,7 +3,7 @@
 use super::{FRAMES, FULL_SCALE, MM_PER_M};
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, Goal, Move, Payload, ReadError, Speed, Step, Target, Zone, until_error};
+use crate::program::{ConfData, Goal, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, until_error};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::io::BufRead;
 
@@ -13,7 +13,7 @@ use std::io::BufRead;
 /// What [`write_urscript`](super::write_urscript) writes, in any layout, with comments, and with a sign before any
 /// number: a function without arguments; `work=p[..]` or, with the part in the hand, `nozzle=p[..]`; `set_tcp`;
 /// `set_payload`; then `movel`, `movep`, `movej`, `servoj`, `stopj`, `set_standard_digital_out`,
-/// `set_standard_analog_out` and `filament_full_scale=`. All else is an error with line and column, and so is a number
+/// `set_standard_analog_out` and `filament_full_scale=`, and outputs of a tape head by name (`tape_cut=6`). All else is an error with line and column, and so is a number
 /// that no writer of ours takes (beyond 1e6 mm, rad, mm/s or s).
 ///
 /// What the file does not say comes back as the default: configuration data, and of [`Speed`] what the instruction
@@ -132,7 +132,12 @@ fn step(
             return Ok(Some(Step::Servo { joints, seconds }));
         } else if tokens.is_word(token, "set_standard_digital_out") {
             tokens.marks("(")?;
-            tokens.whole()?;
+            let output = tokens.peek()?;
+            let signal = signal_of(tokens, output);
+            match signal {
+                Some(_) => _ = tokens.next()?,
+                None => _ = tokens.whole()?,
+            }
             tokens.marks(",")?;
             let token = tokens.next()?;
             let on = tokens.is_word(token, "True");
@@ -140,7 +145,7 @@ fn step(
                 return Err(tokens.unexpected("True or False", token));
             }
             tokens.marks(")")?;
-            return Ok(Some(Step::Extruder(on)));
+            return Ok(Some(signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on })));
         } else if tokens.is_word(token, "set_standard_analog_out") {
             let Some(most) = *full_scale else {
                 return Err(tokens.unexpected("filament_full_scale before an analog output", token));
@@ -156,6 +161,9 @@ fn step(
         } else if tokens.is_word(token, FULL_SCALE) {
             tokens.marks("=")?;
             *full_scale = Some(tokens.positive("a speed of the filament", 1.0)?);
+        } else if signal_of(tokens, token).is_some() {
+            tokens.marks("=")?;
+            tokens.whole()?;
         } else if tokens.is_word(token, "stopj") {
             tokens.marks("(")?;
             tokens.number()?;
@@ -169,6 +177,11 @@ fn step(
             return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal or end", token));
         }
     }
+}
+
+/// The signal of a tape head whose name stands there.
+fn signal_of<R: BufRead>(tokens: &Tokens<R>, token: Token) -> Option<HeadSignal> {
+    HeadSignal::ALL.into_iter().find(|signal| tokens.is_word(token, signal.urscript()))
 }
 
 fn step_of(goal: Goal, speed: Speed, radius: f64) -> Step {

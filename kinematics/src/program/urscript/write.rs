@@ -4,7 +4,7 @@ use super::{DECIMALS, FRAMES, FULL_SCALE, MM_PER_M, Straight, UrScriptOptions};
 use crate::program::check::{Checker, LEAST, check_frame, check_option, check_payload};
 use crate::program::names::{Language, check_name};
 use crate::program::text::Text;
-use crate::program::{Goal, Move, ProgramLimits, Step, WriteError, Zone};
+use crate::program::{Goal, HeadSignal, Move, ProgramLimits, Step, WriteError, Zone};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -92,6 +92,7 @@ pub fn write_urscript(
             Step::Servo { joints, seconds } => program.servo(joints, *seconds),
             Step::Extruder(on) => program.switch(*on),
             Step::FilamentSpeed(mm_s) => program.feed(*mm_s),
+            Step::Signal { signal, on } => program.signal(*signal, *on),
         }
         program.keep_small();
         if program.text.0.len() > CHUNK {
@@ -148,6 +149,8 @@ struct Program<'a> {
     scaled: bool,
     extruding: bool,
     feeding: bool,
+    /// Signals of the head: on or off once they were used.
+    head: [Option<bool>; HeadSignal::ALL.len()],
 }
 
 impl<'a> Program<'a> {
@@ -175,6 +178,7 @@ impl<'a> Program<'a> {
             scaled: false,
             extruding: false,
             feeding: false,
+            head: [None; HeadSignal::ALL.len()],
         }
     }
 
@@ -226,6 +230,17 @@ impl<'a> Program<'a> {
         self.extruding = on;
         let output = f64::from(self.options.output);
         let text = self.signals().word("  set_standard_digital_out(").fixed(output, 0);
+        text.word(if on { ",True)\n" } else { ",False)\n" });
+    }
+
+    fn signal(&mut self, signal: HeadSignal, on: bool) {
+        let is_first = self.head[signal.number()].replace(on).is_none();
+        let output = f64::from(self.options.head_outputs[signal.number()]);
+        let text = self.signals();
+        if is_first {
+            text.word("  ").word(signal.urscript()).word("=").fixed(output, 0).word("\n");
+        }
+        text.word("  set_standard_digital_out(").word(signal.urscript());
         text.word(if on { ",True)\n" } else { ",False)\n" });
     }
 
@@ -285,6 +300,11 @@ impl<'a> Program<'a> {
         }
         if self.extruding {
             self.switch(false);
+        }
+        for signal in HeadSignal::ALL.into_iter().rev() {
+            if self.head[signal.number()] == Some(true) {
+                self.signal(signal, false);
+            }
         }
         self.stop_stream();
         self.text.word("end\n");
@@ -366,6 +386,12 @@ fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
         ("gain", options.gain, [100.0, 2000.0], "the controller takes 100 to 2000"),
         ("output", f64::from(options.output), [0.0, 7.0], "the controller has outputs 0 to 7"),
         (
+            "head_outputs",
+            options.head_outputs.into_iter().max().map_or(0.0, f64::from),
+            [0.0, 7.0],
+            "the controller has outputs 0 to 7",
+        ),
+        (
             "filament_output",
             f64::from(options.filament_output),
             [0.0, 1.0],
@@ -378,6 +404,12 @@ fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
             "it must be from 0.001 to 1e6 mm/s",
         ),
     ];
+    for (k, output) in options.head_outputs.iter().enumerate() {
+        if options.head_outputs[..k].contains(output) || *output == options.output {
+            let need = "two signals have the same output; give each its own";
+            return Err(WriteError::Conflict { what: "head_outputs", need });
+        }
+    }
     for (what, value, [least, most], need) in ranges {
         check_option(what, value, least <= value && value <= most, need)?;
     }

@@ -65,10 +65,11 @@ pub fn check_impossible(
     rules: &Rules,
     proofs: &[Impossible],
 ) -> Result<(), ProofError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     let question = Question::of(rules, platform)?;
     let len = cells.dims().iter().product::<u32>();
-    let mut chains = Chains { cells, platform, rules, impossible: Bits::of(cells) };
+    let feet = feet(cells, platform, rules, question);
+    let mut chains = Chains { cells, rules, feet, impossible: Bits::of(cells) };
     // Cells that a chain reaches without walls, as long as they are up to date.
     let mut open: Option<Bits> = None;
     for (proof, Impossible { cell, forced, wall }) in proofs.iter().enumerate() {
@@ -91,7 +92,7 @@ pub fn check_impossible(
         }
         let centre = |cell: u32| cells.position(cell).map(|k| 2 * i64::from(k) + 1);
         for &wall in wall {
-            let mut body = Body::new(cells.dims(), platform.corners(), platform.top());
+            let mut body = beginning(cells, platform);
             forced.iter().chain([&wall]).for_each(|&built| body.add(cells.position(built)));
             body.settle();
             if !Depths::new(question, &body).is_inside(&body, centre(*cell)) {
@@ -105,10 +106,40 @@ pub fn check_impossible(
     Ok(())
 }
 
+/// What is there before the part: the platform and its mould.
+fn beginning(cells: &Cells, platform: &Platform) -> Body {
+    let mut body = Body::new(cells.dims(), platform.corners(), platform.top());
+    if let Some(mould) = platform.mould() {
+        mould.iter().for_each(|cell| body.add(mould.position(cell)));
+    }
+    body.settle();
+    body
+}
+
+/// The cells that can be built first: on the platform, or next to its mould and not inside the hull of both.
+fn feet(cells: &Cells, platform: &Platform, rules: &Rules, question: Question) -> Vec<[u32; 3]> {
+    let mut on_mould = Bits::of(cells);
+    if let Some(mould) = platform.mould() {
+        mould.iter().for_each(|cell| _ = on_mould.insert(mould.position(cell)));
+    }
+    let body = beginning(cells, platform);
+    let mut depths = Depths::new(question, &body);
+    let faces = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+    let mut feet: Vec<[u32; 3]> = cells.iter().map(|cell| cells.position(cell)).collect();
+    feet.retain(|&place| {
+        let stands = stands_on(platform.corners(), place, rules.flat)
+            || faces.iter().any(|&step| on_mould.contains_at(place, step));
+        let is_inside = |depths: &mut Depths| depths.is_inside(&body, place.map(|k| 2 * i64::from(k) + 1));
+        stands && (platform.mould().is_none() || !is_inside(&mut depths))
+    });
+    feet
+}
+
 struct Chains<'a> {
     cells: &'a Cells<'a>,
-    platform: &'a Platform,
     rules: &'a Rules,
+    /// Where a chain can begin.
+    feet: Vec<[u32; 3]>,
     /// Cells of earlier proofs.
     impossible: Bits,
 }
@@ -119,10 +150,7 @@ impl Chains<'_> {
         let mut shut = Bits { dims: self.impossible.dims, words: self.impossible.words.clone() };
         barred.iter().for_each(|&cell| _ = shut.insert(self.cells.position(cell)));
         let mut reached = Bits::of(self.cells);
-        let corners = self.platform.corners();
-        let places = self.cells.iter().map(|cell| self.cells.position(cell));
-        let feet = places.take_while(|place| place[2] == 0).filter(|&place| stands_on(corners, place, self.rules.flat));
-        let mut waiting: Vec<[u32; 3]> = feet.filter(|&place| !shut.contains(place)).collect();
+        let mut waiting: Vec<[u32; 3]> = self.feet.iter().copied().filter(|&place| !shut.contains(place)).collect();
         waiting.iter().for_each(|&place| _ = reached.insert(place));
         let steps = supporters(self.rules.neighbours);
         while let Some(place) = waiting.pop() {

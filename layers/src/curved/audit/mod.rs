@@ -38,7 +38,7 @@ const CELLS_PER_REPORT: u64 = 1 << 12;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Fault {
-    /// The cell has no neighbour in an earlier layer and does not stand on the platform.
+    /// The cell has no neighbour in an earlier layer or in the mould, and does not stand on the platform.
     Unsupported {
         /// The cell.
         cell: u32,
@@ -54,7 +54,7 @@ pub enum Fault {
         /// How deep, in cells.
         depth: f64,
     },
-    /// The nozzle that prints the cell meets a cell of an earlier layer.
+    /// The nozzle that prints the cell meets a cell of an earlier layer, or of the mould.
     NozzleMeets {
         /// The cell.
         cell: u32,
@@ -339,7 +339,7 @@ fn audit_any(
     missed: &[u32],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<AuditReport, AuditError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     if let Some(judged) = judged {
         judged.rule.check()?;
         if !(judged.cell_mm > 0.0 && judged.cell_mm.is_finite()) {
@@ -364,9 +364,18 @@ fn audit_any(
     let mut listed = Bits::of(cells); // in this layer or an earlier one
     let mut built = Bits::of(cells); // in an earlier layer
     let mut body = Body::new(cells.dims(), corners, platform.top());
-    let mut depths = Depths::new(question, &body);
     let mut obstructions =
         judged.filter(|judged| !judged.cells.is_empty()).map(|judged| Obstructions::new(judged, platform.top()));
+    // A mould is there before the first layer.
+    if let Some(mould) = platform.mould() {
+        for (cell, place) in mould.iter().map(|cell| (cell, mould.position(cell))) {
+            built.insert(place);
+            body.add(place);
+            obstructions.iter_mut().for_each(|obstructions| obstructions.add(cell, place));
+        }
+        body.settle();
+    }
+    let mut depths = Depths::new(question, &body);
     let mut directions = BTreeMap::new();
     for printed in judged.iter().flat_map(|judged| judged.cells) {
         if directions.insert(printed.cell, printed.direction.into_inner()).is_some() {

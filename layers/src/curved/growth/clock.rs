@@ -74,7 +74,7 @@ pub(in crate::curved) fn grow_by_clock(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Clocked, GrowthError> {
     let mut clock = Clock::new(cells, platform, rules, release, stays_level)?;
-    let first = standing(cells, platform, rules);
+    let first = standing(cells, platform, rules)?;
     clock.front.build_all(&first)?;
     clock.build(&first.iter().map(|&cell| (cell, 0.5)).collect::<Vec<_>>());
     let total = cells.count() as u64;

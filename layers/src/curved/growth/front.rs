@@ -61,7 +61,7 @@ pub(super) struct Front {
 impl Front {
     pub(super) fn new(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Self, GrowthError> {
         let depth = rules.depth()?;
-        Ok(Front {
+        let mut front = Front {
             hull: body::hull_of_platform(platform, rules, depth)?,
             order: LayerOrder::new(),
             waiting: CellSet::of(cells),
@@ -72,7 +72,22 @@ impl Front {
             watch: Watch::new(platform.top(), depth),
             hint: Hint::default(),
             centres: Centres::new(cells, rules),
-        })
+        };
+        let mould = body::points_of_mould(platform, rules);
+        if !mould.is_empty() {
+            front.begin_on_mould(&mould);
+        }
+        Ok(front)
+    }
+
+    /// Straight up is no proof beside a mould: finds others. What lies inside the hull with it, whose points are given, is lost.
+    fn begin_on_mould(&mut self, mould: &[[i32; 3]]) {
+        let in_danger = self.take_in_danger(mould, Protected::All);
+        self.watch.raise(mould);
+        for Endangered { cell, proof } in &in_danger.saved {
+            self.watch.add(*cell, self.centre(*cell), proof);
+        }
+        in_danger.shadowed.iter().for_each(|endangered| self.lose(endangered.cell));
     }
 
     /// The lattice point at the centre of a cell.
@@ -224,7 +239,8 @@ impl Front {
         let mut missed: Vec<_> = self.lost.iter().map(shadowed).collect();
         let unsupported: Vec<u32> = self.waiting.iter().collect();
         if !unsupported.is_empty() {
-            let feet = standing(cells, platform, rules);
+            // It could be found when the growth began.
+            let feet = standing(cells, platform, rules).unwrap_or_default();
             let joined = joined(&CellSet::of(cells), &feet, rules.neighbours);
             missed.extend(unsupported.into_iter().map(|cell| {
                 let reason =

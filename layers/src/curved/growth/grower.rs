@@ -38,7 +38,7 @@ impl<'a> Grower<'a> {
         options: &'a GrowthOptions,
         governor: Option<&'a SheetField>,
     ) -> Result<Self, GrowthError> {
-        let first = standing(cells, platform, rules);
+        let first = standing(cells, platform, rules)?;
         if first.is_empty() {
             return Err(GrowthError::NothingOnPlatform);
         }

@@ -95,7 +95,7 @@ pub struct GrowthOptions {
 pub enum MissedReason {
     /// It came to lie inside the hull when this layer (counted from 1) was built.
     Shadowed {
-        /// The layer.
+        /// The layer; 0 if it lies inside the hull of the platform and its mould.
         layer: u32,
     },
     /// It hangs together with the platform through the part, but all of its supports were missed.
@@ -160,7 +160,7 @@ pub enum GrowthError {
     #[error("there is no cell to build")]
     NoCell,
     /// No cell stands on the platform.
-    #[error("no cell stands on the platform: the part must reach down to z = 0 above it")]
+    #[error("no cell stands on the platform: the part must reach down to z = 0 above it, or to its mould")]
     NothingOnPlatform,
     /// The governing field is of another grid.
     #[error("the governing field has {field} values for a grid of {cells} cells")]
@@ -220,7 +220,7 @@ pub fn grow(
     governor: Option<&SheetField>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    check(cells, rules, governor)?;
+    check(cells, platform, rules, governor)?;
     let mut growth = Grower::new(cells, platform, rules, options, governor)?;
     let total = cells.count() as u64;
     while growth.next_layer()? {
@@ -233,8 +233,8 @@ pub fn grow(
 }
 
 /// Whether growth can begin.
-fn check(cells: &Cells, rules: &Rules, governor: Option<&SheetField>) -> Result<(), GrowthError> {
-    rules.check(cells.dims())?;
+fn check(cells: &Cells, platform: &Platform, rules: &Rules, governor: Option<&SheetField>) -> Result<(), GrowthError> {
+    rules.check(cells, platform)?;
     if cells.rows().iter().all(|&word| word == 0) {
         return Err(GrowthError::NoCell);
     }

@@ -65,11 +65,11 @@ pub fn grow_as_printed(
     governor: &SheetField,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    check(cells, rules, Some(governor))?;
+    check(cells, platform, rules, Some(governor))?;
     if prevention == Prevention::FewerThanAll {
         return Err(GrowthError::NotPrinted);
     }
-    let first = standing(cells, platform, rules);
+    let first = standing(cells, platform, rules)?;
     if first.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }

@@ -85,8 +85,8 @@ pub fn prove_impossible(
     asked: &[u32],
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Impossible>, GrowthError> {
-    rules.check(cells.dims())?;
-    let feet = standing(cells, platform, rules);
+    rules.check(cells, platform)?;
+    let feet = standing(cells, platform, rules)?;
     let mut possible = CellSet::of(cells);
     let mut search = Search::new(cells, platform, rules, &feet)?;
     let mut open: Vec<u32> = asked.iter().copied().filter(|&cell| search.is_cell(cell)).collect();

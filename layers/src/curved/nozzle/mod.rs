@@ -93,7 +93,7 @@ pub fn grow_with_nozzle(
     growth: Growth,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     nozzle.check()?;
     if !(cell_mm > 0.0 && cell_mm.is_finite()) {
         return Err(NozzleRuleError::Cell { cell_mm }.into());
@@ -103,15 +103,23 @@ pub fn grow_with_nozzle(
     }
     let Growth { mut order, statistics, nozzle: mut directions, .. } = growth;
     if order.is_empty() {
-        order.push(standing(cells, platform, rules));
+        let first = standing(cells, platform, rules)?;
+        if !first.is_empty() {
+            order.push(first);
+        }
     }
-    let base = order.cells().to_vec();
+    let mut base = order.cells().to_vec();
+    let mut missed = CellSet::of(cells);
+    let mut solid = missed.clone();
+    // What is there before counts as built.
+    for cell in platform.mould().iter().flat_map(Cells::iter) {
+        base.push(cell);
+        solid.insert(cell);
+    }
     if base.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }
-    let solid = CellSet::of(cells);
     let joined_to_base = joined(&solid, &base, rules.neighbours);
-    let mut missed = solid.clone();
     missed.remove_all(base.iter().copied());
     let job = Job { cells, cell_mm, platform, rules, nozzle, base: &base, progress };
     if let Some(best) = job.best(&missed, &joined_to_base)? {

@@ -32,8 +32,13 @@ impl Ground<'_> {
         (0..3).all(|axis| next[axis] < dims[axis]).then(|| self.cells.id(next))
     }
 
+    /// Whether the cell is one of the part, or of the mould: no column goes through it.
     pub(super) fn is_of_part(&self, cell: u32) -> bool {
-        self.cells.contains(self.cells.position(cell))
+        self.cells.contains(self.cells.position(cell)) || self.is_of_mould(cell)
+    }
+
+    fn is_of_mould(&self, cell: u32) -> bool {
+        self.platform.mould().is_some_and(|mould| mould.contains(self.cells.position(cell)))
     }
 
     /// Whether a cell carries a column.
@@ -43,7 +48,9 @@ impl Ground<'_> {
 
     fn stands(&self, cell: u32) -> bool {
         let [x, y, z] = self.cells.position(cell);
+        let is_on_mould = |&step: &[i32; 3]| self.step(cell, step).is_some_and(|below| self.is_of_mould(below));
         z == 0 && self.platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], self.rules.flat)
+            || DOWN.iter().any(is_on_mould)
     }
 
     /// Whether a column that ends with this cell stands on the part alone.

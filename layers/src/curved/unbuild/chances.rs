@@ -1,7 +1,7 @@
 //! Until when each cell could be built, everything else staying as it is.
 
 use super::super::bits::CellSet;
-use super::super::body::{Centres, hull_of_platform};
+use super::super::body::{Centres, hull_of_platform, points_of_mould};
 use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::order::LayerOrder;
@@ -9,9 +9,10 @@ use super::super::platform::Platform;
 use super::super::rules::Rules;
 use super::super::watch::Watch;
 use curvlay_hull::Hint;
+use std::iter;
 
 /// For each cell of the grid the last layer, counted from 1, in which it still does not lie inside the hull of all earlier
-/// layers; `u32::MAX` if it never comes to lie inside.
+/// layers; `u32::MAX` if it never comes to lie inside, 0 if it does so from the start.
 pub(super) fn last_chances(
     cells: &Cells,
     platform: &Platform,
@@ -25,10 +26,11 @@ pub(super) fn last_chances(
     let mut watch = Watch::new(platform.top(), depth);
     let mut accessible = CellSet::of(cells);
     let mut chances = vec![u32::MAX; cells.dims().iter().map(|&side| side as usize).product()];
-    for (number, layer) in (1..).zip(order.iter()) {
+    // The mould of the platform, which is in the hull already, comes before the first layer.
+    for (number, layer) in (0..).zip(iter::once(&[][..]).chain(order.iter())) {
         let start = hull.checkpoint();
         centres.insert(layer, &mut hull)?;
-        let added = hull.added_since(&start).to_vec();
+        let added = if number == 0 { points_of_mould(platform, rules) } else { hull.added_since(&start).to_vec() };
         hull.commit(start);
         let endangered = watch.take_endangered(&added, &accessible);
         watch.raise(&added);

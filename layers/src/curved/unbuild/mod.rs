@@ -32,7 +32,7 @@ use super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedRea
 use super::order::LayerOrder;
 use super::platform::Platform;
 use super::rules::Rules;
-use super::standing::{joined, standing};
+use super::standing::{buried, joined, standing};
 use crate::Progress;
 use chances::last_chances;
 use detour::Detour;
@@ -90,12 +90,12 @@ pub fn unbuild(
     options: &UnbuildOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    rules.check(cells.dims())?;
+    rules.check(cells, platform)?;
     let total = cells.count();
     if total == 0 {
         return Err(GrowthError::NoCell);
     }
-    let feet = standing(cells, platform, rules);
+    let feet = standing(cells, platform, rules)?;
     if feet.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }
@@ -130,6 +130,7 @@ impl Job<'_> {
         let Job { cells, platform, rules, feet } = self;
         let total = cells.count();
         let mut solid = CellSet::of(cells);
+        solid.remove_all(buried(cells, platform, rules)?);
         let mut detours: Vec<Detour> = Vec::new();
         let mut best = (LayerOrder::new(), GrowthStatistics::default());
         for trials in 1..=u64::from(options.look_back) + 1 {
@@ -192,6 +193,7 @@ impl Job<'_> {
         let solid = CellSet::of(self.cells);
         let joined = joined(&solid, &self.feet, self.rules.neighbours);
         let reason = |cell: u32| match chances[cell as usize] {
+            0 => MissedReason::Shadowed { layer: 0 },
             _ if !joined.contains(cell) => MissedReason::NeverAdjacent,
             u32::MAX => MissedReason::SupportMissed,
             layer => MissedReason::Shadowed { layer },

@@ -87,6 +87,10 @@ pub struct DirectionField<'m> {
     directions: Vec<Vector3<f64>>,
 }
 
+/// Each vertex holds its direction by this share of what bends the field, however small its triangles are: rounding of the bending of a splinter of a layer
+/// that hangs on nothing would else be more than all that holds it.
+const LEAST_HOLD: f64 = 1e-9;
+
 /// Guides hold the field this much more than its own bending does over a guide's own spacing.
 const GUIDE_HOLD: f64 = 100.0;
 
@@ -207,7 +211,7 @@ impl<'m> DirectionField<'m> {
         check_length("smoothing", length)?;
         let hold = |(v, area): (usize, f64)| {
             // Where nothing is known for sure, a little still keeps the equations solvable.
-            let hold = area * weights.map_or(1.0, |weights| weights[v].max(1e-6));
+            let hold = (area * weights.map_or(1.0, |weights| weights[v].max(1e-6))).max(LEAST_HOLD * length * length);
             (hold, self.doubled[v] * hold)
         };
         let holds: Vec<_> = vertex_areas(self.mesh).into_iter().enumerate().map(hold).collect();

@@ -15,18 +15,17 @@ pub(super) fn axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [x, normal.cross(&x)]
 }
 
-/// Turns a vector as the tangent plane turns on the shortest way from one unit normal to another (Rodrigues' formula, without an angle: normals that
-/// are equal but for rounding have a product above one).
+/// Turns a vector as the tangent plane turns on the shortest way from one unit normal to another.
+///
+/// By Rodrigues' formula without the angle: `Rotation3::rotation_between` gives NaN for normals that differ by rounding alone.
 pub(super) fn carry(vector: Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
-    let (cosine, axis) = (from.dot(to), from.cross(to));
-    if 1.0 + cosine < OPPOSITE {
+    let (axis, cosine) = (from.cross(to), from.dot(to));
+    // Opposite normals have no shortest way; a vector stays as it is then.
+    if 1.0 + cosine <= f64::EPSILON {
         return vector;
     }
     vector * cosine + axis.cross(&vector) + axis * (axis.dot(&vector) / (1.0 + cosine))
 }
-
-/// Normals with a product as near to -1 as this are opposite: there is no shortest way, and a vector stays as it is.
-const OPPOSITE: f64 = 1e-9;
 
 /// The frames of all vertices of a mesh.
 #[derive(Clone, Debug)]
@@ -67,12 +66,11 @@ pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
     Matrix2::new(cos, -sin, sin, cos)
 }
 
-/// Cotangent weights of edges are held in this range. Obtuse triangles make weights negative, and energies without a least value; this small, an edge
-/// still holds its ends together. Slivers at the border of a trimmed layer make them as large as rounding lets them be, and equations singular; this
-/// large, an edge holds its ends together as firmly as it need.
-const WEIGHTS: [f64; 2] = [0.05, 100.0];
+/// Cotangent weights of edges below this are raised to it. Obtuse triangles make them negative, and energies without a least value; this small,
+/// an edge still holds its ends together.
+const LEAST_WEIGHT: f64 = 0.05;
 
-/// Half the sum of the cotangents across each edge, by its lower half-edge; in the range of [`WEIGHTS`].
+/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`LEAST_WEIGHT`].
 pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
     let mut weights = vec![0.0; mesh.half_edges() as usize];
     for h in 0..mesh.half_edges() {
@@ -83,6 +81,27 @@ pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
         let (u, v) = (a - c, b - c);
         weights[mesh.edge(h) as usize] += 0.5 * u.dot(&v) / u.cross(&v).norm();
     }
-    weights.iter_mut().for_each(|weight| *weight = weight.clamp(WEIGHTS[0], WEIGHTS[1]));
+    weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT));
     weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::carry;
+    use nalgebra::{Rotation3, Vector3};
+
+    #[test]
+    fn vectors_are_carried_as_by_the_shortest_rotation() {
+        let vectors = [[1.0, 0.0, 0.0], [0.3, -2.0, 0.7], [0.0, 0.6, 0.8]].map(Vector3::from);
+        let units = [[0.0, 0.0, 1.0], [1.0, 2.0, -0.5], [-0.2, 0.1, 3.0]].map(|v| Vector3::from(v).normalize());
+        for (from, to) in units.iter().flat_map(|from| units.iter().map(move |to| (from, to))).filter(|(a, b)| a != b) {
+            let turn = Rotation3::rotation_between(from, to).unwrap();
+            assert!(vectors.iter().all(|v| (turn * v - carry(*v, from, to)).norm() < 1e-12));
+        }
+        // Two normals of a layer of the bunny, which differ by rounding.
+        let from = Vector3::new(-0.180_330_273_886_256_58, 0.206_632_789_286_015_7, 0.961_656_842_492_158_8);
+        let to = Vector3::new(-0.180_330_273_886_257_3, 0.206_632_789_286_012_03, 0.961_656_842_492_159_5);
+        assert!(vectors.iter().all(|v| (v - carry(*v, &from, &to)).norm() < 1e-12));
+        assert_eq!(carry(vectors[1], &units[0], &-units[0]), vectors[1]);
+    }
 }

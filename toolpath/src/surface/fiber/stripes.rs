@@ -16,8 +16,7 @@
 //!
 //! Departures. The smallest eigenvector may be large in one part of the layer and close to nothing in another, where its phase is poor. So in each round
 //! of the power iteration all numbers are made unit, not their norm: a step of the flow to phases of least energy. Borders along the direction pull the
-//! phase to a half, so that a tape's edge, not its middle, lies at a border: a half is a half with either sign. Cotangent weights are held in a range above
-//! zero.
+//! phase to a half, so that a tape's edge, not its middle, lies at a border: a half is a half with either sign. Cotangent weights below zero are raised.
 
 use super::direction::DirectionField;
 use super::frame::{edge_weights, rotation};

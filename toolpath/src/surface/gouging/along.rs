@@ -1,7 +1,8 @@
 //! Freed directions along a path, smooth.
 //!
 //! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there. What decides whether a path is printed from its start or its end is known after this
-//!    step; all others are done once.
+//!    step; all others are done once. The tip of a waypoint that no tilt frees is raised along its direction, as little as frees it; it turns
+//!    no more. Where the limit leaves no such height, it gets the direction that is least deep.
 //! 2. Where neighbours then differ by more than the limit, one is turned toward the other, on along the path until the
 //!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
 //! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
@@ -22,6 +23,9 @@ use std::f64::consts::FRAC_PI_2;
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
 const DEEPER_STEP: f64 = 0.05;
+
+/// Tips are raised by as many of these, in layer heights, as are needed.
+const LIFT_STEP: f64 = 0.025;
 
 /// How often points are put between: each time as many as an even turn needs, so more than once only where the new ones
 /// have to be tilted as well. Where that does not do either, the turn is listed.
@@ -133,7 +137,13 @@ impl<'a> Tilted<'a> {
         let given = walker.steps.len();
         let gouging_before = walker.steps.iter().filter(|step| step.gouged).count();
         if gouging_before > 0 {
-            (0..given).filter(|&k| walker.steps[k].stuck).collect::<Vec<_>>().into_iter().for_each(|k| walker.sink(k));
+            for k in 0..given {
+                if walker.steps[k].stuck && !walker.raise(k) {
+                    walker.sink(k);
+                    // From that direction, another way up.
+                    walker.raise(k);
+                }
+            }
             for _ in 0..INSERTIONS {
                 walker.ramp();
                 if !walker.insert() {
@@ -165,6 +175,11 @@ impl Step {
     /// Whether no tilt frees it, and it is not taken out.
     fn is_left(&self) -> bool {
         self.stuck && !self.waypoint.added
+    }
+
+    /// Whether its direction stays as it is.
+    fn is_fixed(&self) -> bool {
+        self.stuck || self.waypoint.lift > 0.0
     }
 }
 
@@ -255,6 +270,42 @@ impl Walker<'_> {
         }
     }
 
+    /// Raises the tip of a waypoint that no tilt frees, as little as frees it (to [`LIFT_STEP`]); whether the limit does.
+    fn raise(&mut self, k: usize) -> bool {
+        let stuck = self.steps[k];
+        let (mut low, mut high) = (0.0, self.options.max_lift);
+        let Some(mut raised) = (high > 0.0).then(|| self.raised(&stuck, high)).flatten() else { return false };
+        while high - low > LIFT_STEP {
+            let lift = (low + high) / 2.0;
+            match self.raised(&stuck, lift) {
+                Some(waypoint) => (high, raised) = (lift, waypoint),
+                None => low = lift,
+            }
+        }
+        self.steps[k] = Step { waypoint: raised, stuck: false, ..stuck };
+        true
+    }
+
+    /// A waypoint that is stuck with its tip raised by a share of the layer's height, in its own direction or in one that is free up
+    /// there.
+    fn raised(&mut self, &Step { waypoint, wanted, before, .. }: &Step, share: f64) -> Option<Waypoint> {
+        let lift = share * waypoint.height;
+        let allowed = self.options.allowed_depth;
+        let up = |direction: &UnitVector3<f64>| {
+            let tip = waypoint.tip + direction.into_inner() * lift;
+            Stand { tip, before, allowed }
+        };
+        let mut direction = waypoint.direction;
+        if !self.scene.is_free(up(&direction), &direction, &mut self.stack) {
+            direction = self.least_tilt_or_known(up(&direction), wanted)?;
+            // The tip goes up along this one instead.
+            if !self.scene.is_free(up(&direction), &direction, &mut self.stack) {
+                return None;
+            }
+        }
+        Some(Waypoint { tip: up(&direction).tip, direction, lift, ..waypoint })
+    }
+
     /// Frees a waypoint that was put between.
     fn free(&mut self, k: usize) {
         let direction = self.steps[k].waypoint.direction;
@@ -262,9 +313,6 @@ impl Walker<'_> {
             return;
         }
         self.tilt_at(k);
-        if self.steps[k].stuck {
-            self.sink(k);
-        }
     }
 
     /// The free direction nearest to the one wanted; where all are too far from that, the one nearest to the direction known for the place.
@@ -291,7 +339,7 @@ impl Walker<'_> {
     /// Turns waypoint `k` toward `leader` until they differ by no more than the limit, if that is free.
     fn follow(&mut self, leader: usize, k: usize) {
         let (limit, turn) = (self.options.max_turn, self.turn(leader, k));
-        if turn <= limit + ROUNDING || self.steps[k].stuck {
+        if turn <= limit + ROUNDING || self.steps[k].is_fixed() {
             return;
         }
         let [from, to] = [leader, k].map(|k| self.steps[k].waypoint.direction);
@@ -336,7 +384,7 @@ impl Walker<'_> {
         let limit = self.options.max_turn;
         for _ in 0..MEANS {
             for k in (1..count.saturating_sub(1)).filter(|&k| around[k]) {
-                if self.steps[k].stuck {
+                if self.steps[k].is_fixed() {
                     continue;
                 }
                 let [last, here, next] = [k - 1, k, k + 1].map(|k| self.steps[k].waypoint.direction);

@@ -82,7 +82,8 @@ pub(super) fn touched(stack: &LayerStack, path: &ToolPath) -> Vec<(u32, u32)> {
     let mut touched = Vec::new();
     for (waypoint, k) in path.waypoints.iter().zip(0..).filter(|(waypoint, _)| !waypoint.added) {
         let layer = path.layer..path.layer + 1;
-        let Some(foot) = stack.tree.nearest(&stack.keys, waypoint.tip, layer.clone(), f64::INFINITY, |_, _| true)
+        let Some(foot) =
+            stack.tree.nearest(&stack.keys, waypoint.bead_top(), layer.clone(), f64::INFINITY, |_, _| true)
         else {
             continue;
         };

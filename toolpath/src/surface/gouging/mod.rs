@@ -3,8 +3,8 @@
 //! Dai 2020, section 3.6.3, names local gouging as an open point: directions for best adhesion may drive the nozzle into
 //! the model. Here each waypoint is checked against all that is built by then (`deepest`), tilted by the least angle that
 //! frees it (`tilt`), and the tilt is spread along the path (`along`). The tip stays where it is. A path on which waypoints are
-//! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free. If
-//! that is not enough, pieces of paths are cut out and laid before the rest of the layer; those where the nozzle would run into
+//! left without a way out is tried from its end to its start as well: in a crease of a layer what is laid first is free. What is still
+//! not free is raised by up to half a layer. If that is not enough, pieces of paths are cut out and laid before the rest of the layer; those where the nozzle would run into
 //! what is built are left out (`order`). What `resolve_gouging` asks at waypoints can be asked of any pose at any moment of the print (`contact`).
 //!
 //! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
@@ -53,6 +53,9 @@ pub struct GougingOptions {
     /// Whether a path may be cut where only beads of its own layer close a waypoint in, and the piece around it laid before
     /// the rest of the layer, if fewer are left that way: yes.
     pub cut: bool,
+    /// Where no tilt frees the nozzle, its tip may be raised along its direction by so much, in heights of the layer that is printed: a
+    /// half. The bead then lies a little higher there, beside what stands higher. 0 for never, 1 at most.
+    pub max_lift: f64,
     /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
     /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
     #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
@@ -73,6 +76,7 @@ impl Default for GougingOptions {
             own_layer: true,
             reverse: true,
             cut: true,
+            max_lift: 0.5,
             max_depth: 1.0,
             plate: true,
             plate_clearance: 0.0,
@@ -159,6 +163,10 @@ pub struct ResolvedPaths {
     pub max_tilt: f64,
     /// The mean tilt of those that are tilted, in radians.
     pub mean_tilt: f64,
+    /// Waypoints whose tip is raised, since no tilt freed them; those on the way up or down from them not counted.
+    pub lifted: usize,
+    /// The farthest that one is raised, in millimetres.
+    pub max_lift: f64,
     /// Waypoints that were added.
     pub added: usize,
     /// Waypoints between samples that no tilt freed and that were taken out again, those added here not counted.
@@ -243,6 +251,7 @@ impl GougingOptions {
             ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
             ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),
             ("max_depth", self.max_depth, self.max_depth >= self.allowed_depth, "no less than allowed_depth"),
+            ("max_lift", self.max_lift, (0.0..=1.0).contains(&self.max_lift), "0 to 1 layer heights"),
             ("max_turn", self.max_turn, turn, "0.1 to 180 degrees, in radians"),
             ("plate_clearance", clearance, clearance >= 0.0 && clearance.is_finite(), "0 or more, and finite"),
         ];
@@ -313,6 +322,8 @@ impl LayerStack<'_> {
             tilted: 0,
             max_tilt: 0.0,
             mean_tilt: 0.0,
+            lifted: 0,
+            max_lift: 0.0,
             added: 0,
             taken_out: 0,
             reversed: Vec::new(),
@@ -331,6 +342,10 @@ impl LayerStack<'_> {
                 resolved.tilted += 1;
                 resolved.max_tilt = resolved.max_tilt.max(tilt);
                 resolved.mean_tilt += tilt;
+            }
+            for waypoint in done.waypoints.iter().filter(|waypoint| waypoint.lift > 0.0 && !waypoint.added) {
+                resolved.lifted += 1;
+                resolved.max_lift = resolved.max_lift.max(waypoint.lift);
             }
             let mut left: Vec<Gouge> = done.left.into_iter().map(|(_, gouge)| Gouge { path: k, ..gouge }).collect();
             left.sort_by_key(|gouge| gouge.waypoint);

@@ -14,9 +14,10 @@
 //! tilt frees: that is proven, too.
 //!
 //! Caps keep one of [`SLACKS`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
-//! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last.
+//! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last. Points found with the first
+//! slack are known to the second.
 
-use super::deepest::{Scene, Stand};
+use super::deepest::{Scene, Stand, Worst};
 use crate::surface::orientation::angle;
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::PI;
@@ -124,31 +125,40 @@ impl Scene<'_> {
         limit: f64,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
-        SLACKS.iter().find_map(|&slack| self.exchange(stand, wanted, limit, slack, stack))
+        let mut bad = Vec::new();
+        SLACKS.iter().find_map(|&slack| self.exchange(stand, wanted, limit, slack, &mut bad, stack))
     }
 
+    /// The search with caps that keep `slack`; `bad` are points that lack clearance in some direction, to which it adds.
     fn exchange(
         &self,
         stand: Stand,
         wanted: UnitVector3<f64>,
         limit: f64,
         slack: f64,
+        bad: &mut Vec<Worst>,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
+        let cap = |bad: &Worst| {
+            let to_point = bad.point - stand.tip;
+            let clearance = stand.clearance(bad.height) + slack * bad.height;
+            Some(Cap::new(Unit::try_new(to_point, 0.0)?, self.nozzle.cap(to_point.norm(), clearance)?))
+        };
         let mut candidates = Candidates::new(wanted, limit);
         if self.plate.is_some() {
             let lean = self.nozzle.plate_lean(self.over_plate(stand))?;
             candidates.take(Cap::new(-Vector3::z_axis(), PI - lean));
         }
+        for worst in &*bad {
+            candidates.take(cap(worst)?);
+        }
         for _ in 0..ROUNDS {
             let direction = candidates.best()?;
-            let Some(bad) = self.bad(stand, &direction, stack) else {
+            let Some(worst) = self.bad(stand, &direction, stack) else {
                 return Some(direction);
             };
-            let to_point = bad.point - stand.tip;
-            let clearance = stand.clearance(bad.height) + slack * bad.height;
-            let forbidden = self.nozzle.cap(to_point.norm(), clearance)?;
-            candidates.take(Cap::new(Unit::try_new(to_point, 0.0)?, forbidden));
+            candidates.take(cap(&worst)?);
+            bad.push(worst);
         }
         None
     }

@@ -93,8 +93,18 @@ pub struct Waypoint {
     pub arc: f64,
     /// Whether it is no sample of the curve, but was put between two of them so that neighbours turn less.
     pub added: bool,
+    /// How far the tip is raised from the top of the bead, along the direction, in millimetres: 0 but where the nozzle would be too
+    /// deep in what is built however it stood ([`super::GougingOptions::max_lift`]).
+    pub lift: f64,
     /// What the bead is for here.
     pub kind: BeadKind,
+}
+
+impl Waypoint {
+    /// The top of the bead: the tip where it is not raised.
+    pub fn bead_top(&self) -> Point3<f64> {
+        if self.lift > 0.0 { self.tip - self.direction.into_inner() * self.lift } else { self.tip }
+    }
 }
 
 /// The waypoints along a curve.
@@ -138,7 +148,7 @@ impl Turns {
     /// ```
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
     /// use curvlay_toolpath::surface::{BeadKind, ToolPath, Turns, Waypoint};
-    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false, kind: BeadKind::Wall };
+    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false, lift: 0.0, kind: BeadKind::Wall };
     /// let waypoints = [Vector3::z_axis(), Vector3::z_axis(), Vector3::x_axis()].map(waypoint).to_vec();
     /// let turns = Turns::of(&[ToolPath { layer: 0, curve: 0, closed: false, waypoints }]);
     /// assert_eq!((turns.steps, turns.largest.to_degrees(), turns.mean.to_degrees()), (2, 90.0, 45.0));
@@ -358,7 +368,16 @@ impl LayerStack<'_> {
             let normal = ground.normal.ok_or(no_normal)?;
             let (direction, by_point) = toward::toward(self, layer as u32, tip, &ground, normal);
             sampled.by_normal += usize::from(!by_point);
-            sampled.waypoints.push(Waypoint { tip, direction, width, height: ground.height, arc, added: false, kind });
+            sampled.waypoints.push(Waypoint {
+                tip,
+                direction,
+                width,
+                height: ground.height,
+                arc,
+                added: false,
+                lift: 0.0,
+                kind,
+            });
         }
         Ok(sampled)
     }

@@ -109,9 +109,10 @@ pub fn last_touched(layer: &Layer, paths: &[ToolPath]) -> Vec<Option<usize>> {
     let mut last = vec![None; corners.len()];
     let samples = || paths.iter().flat_map(|path| path.waypoints.iter().filter(|w| !w.added));
     for (number, w) in samples().enumerate() {
-        let distances: Vec<_> = corners.iter().map(|t| near(t, &w.tip, 9.0).unwrap_or(f64::INFINITY)).collect();
+        let top = w.bead_top();
+        let distances: Vec<_> = corners.iter().map(|t| near(t, &top, 9.0).unwrap_or(f64::INFINITY)).collect();
         let nearest = (0..corners.len()).fold(0, |best, k| if distances[k] < distances[best] { k } else { best });
-        let foot = foot(&corners[nearest], &w.tip);
+        let foot = foot(&corners[nearest], &top);
         for (t, corners) in corners.iter().enumerate() {
             if near(corners, &foot, 0.4).is_some_and(|distance| distance <= 0.4) {
                 last[t] = Some(number);

@@ -114,7 +114,7 @@ pub fn coherent_field(
     let plain = super::plain_field(cells, order)?;
     let rows = rows_of(cells, order);
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
-    let part = Part::new(&built, rules, &standing(&built, platform, rules));
+    let part = Part::new(&built, rules, &standing(&built, platform, rules)?);
     let envelope = Envelope { part: &part, cells: &built, platform, rules, progress };
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
     let mut best: Option<UniformField> = None;

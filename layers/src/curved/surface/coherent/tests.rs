@@ -22,7 +22,7 @@ fn parts() -> impl proptest::strategy::Strategy<Value = (Vec<u64>, Vec<f64>)> {
 fn with(rows: &[u64], times: &[f64], check: impl Fn(&Envelope, Vec<f64>)) {
     let cells = Cells::new(DIMS, rows).unwrap();
     let (platform, rules) = (Platform::under(&cells, 4.0).unwrap(), Rules { eps: 0.5, ..Rules::default() });
-    let part = Part::new(&cells, &rules, &standing(&cells, &platform, &rules));
+    let part = Part::new(&cells, &rules, &standing(&cells, &platform, &rules).unwrap());
     let time = |place: usize| if part.stands[place] { 0.5 } else { times[part.cells[place] as usize] };
     let times = (0..part.cells.len()).map(time).collect();
     check(&Envelope { part: &part, cells: &cells, platform: &platform, rules: &rules, progress: &go }, times);

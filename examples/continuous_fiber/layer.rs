@@ -1,0 +1,281 @@
+//! A layer under load: stresses from a solver or a file, tapes along them.
+
+use super::specimens::Specimen;
+use super::{Args, Boxed, Pull};
+use curvlay_examples::args::{Failure, Part};
+use curvlay_examples::bars::Bars;
+use curvlay_examples::nalgebra::{Point3, Vector3};
+use curvlay_examples::waypoints::fault;
+use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_layers::elastic::{
+    ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic, stress_matrix,
+};
+use curvlay_toolpath::surface::{
+    DirectionField, LayerStress, LayerSurface, Principal, PrincipalAngle, StressOptions, StressSample, SurfaceMesh,
+    TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd, read_stress_vtk,
+};
+use curvlay_voxel::inspect::inspect;
+use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Share of the area that counts as worst-stressed.
+pub const WORST: f64 = 0.1;
+/// How far samples of the solver may be from the layer, in cells.
+const REACH_CELLS: f64 = 3.0;
+/// Cells of a part whose size is not given: enough for five through a wall of a hollow part of common size.
+const CELLS: u64 = 60_000;
+/// Load on the arc at its crown, in N, and how long it is along the arc, in mm.
+const CROWN_N: f64 = 100.0;
+const PRESSED_MM: f64 = 3.0;
+/// Edge of the cells of the arc in millimetres: one a layer.
+const ARC_CELL_MM: f64 = 0.6;
+/// What loads a part without options: so many newtons along x, on so much of its height from the top.
+const DEFAULT_N: f64 = 100.0;
+const DEFAULT_TOP: f64 = 0.1;
+
+/// A layer with tapes along its stresses.
+pub struct LoadedLayer {
+    /// What it is of.
+    pub name: String,
+    /// Where its stresses come from, in words.
+    pub source: String,
+    /// The layer.
+    pub surface: SurfaceMesh,
+    /// Stresses at its vertices.
+    pub principal: Vec<Principal>,
+    /// Triangles around which directions turn.
+    pub singular_points: usize,
+    /// The tapes.
+    pub plan: TapePlan,
+    /// How well they follow.
+    pub angle: PrincipalAngle,
+    /// The work of the solver; none with stresses of a file.
+    pub solved: Option<Solved>,
+    /// Time for directions and tapes.
+    pub plan_time: Duration,
+    /// Half the height of the layer, in millimetres: from its middle to its top.
+    pub lift: f64,
+}
+
+/// The work of the solver.
+#[derive(Clone, Copy, Debug)]
+pub struct Solved {
+    /// Cells.
+    pub cells: usize,
+    /// Iterations.
+    pub iterations: u32,
+    /// On the clock.
+    pub time: Duration,
+}
+
+/// A solid as cells, held and loaded.
+struct Loaded<'a> {
+    solid: &'a Voxelisation,
+    /// From the frame of the boxes to that of the cells.
+    shift: Vector3<f64>,
+    supports: Vec<Support>,
+    loads: Vec<Load>,
+    /// Young's modulus in MPa; none for the solver's own.
+    young_mpa: Option<f64>,
+}
+
+impl Loaded<'_> {
+    /// Stresses at the centres of cells, in the frame of the boxes.
+    fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, Solved), Failure> {
+        let grid = &self.solid.grid;
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let material =
+            Material { young_mpa: self.young_mpa.unwrap_or(Material::default().young_mpa), ..Material::default() };
+        let cell_mm = grid.cell_mm();
+        let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
+        let begin = Instant::now();
+        let solved = solve_elastic(&part, &ElasticOptions::default(), &|p| bars.show(p.stage, p.done, p.total))?;
+        let time = begin.elapsed();
+        let [nx, ny, _] = grid.dims();
+        let place = |cell: u32| {
+            let at = [cell % nx, cell / nx % ny, cell / nx / ny].map(|k| (f64::from(k) + 0.5) * cell_mm);
+            grid.origin() + Vector3::from(at) - self.shift
+        };
+        let sample =
+            |(&cell, stress): (&u32, &[f64; 6])| StressSample { point: place(cell), stress: stress_matrix(stress) };
+        let samples = solved.cells.iter().zip(&solved.stresses_mpa).map(sample).collect();
+        Ok((samples, Solved { cells: solved.cells.len(), iterations: solved.iterations, time }))
+    }
+
+    /// A box of the user in the frame of the grid.
+    fn region(&self, Boxed([low, high]): Boxed) -> Region {
+        let origin = self.solid.grid.origin() - self.shift;
+        let inside = |corner: [f64; 3]| [0, 1, 2].map(|k| corner[k] - origin[k]);
+        Region { low_mm: inside(low), high_mm: inside(high) }
+    }
+}
+
+/// Tapes along the stresses of a layer.
+fn follow(
+    surface: SurfaceMesh,
+    samples: &[StressSample],
+    reach: f64,
+    options: &TapeOptions,
+    smoothing: f64,
+    bars: &Bars,
+) -> Result<LoadedLayer, Failure> {
+    let begin = Instant::now();
+    let stress = LayerStress::new(&surface, samples, StressOptions { reach })?;
+    let field = DirectionField::from_stress(&stress, smoothing)?;
+    let plan = lay_tapes(&field, options, &|p| bars.show(p.stage, p.done, p.total))?;
+    let plan_time = begin.elapsed();
+    let angle = angle_to_principal(&stress, &plan.tapes, WORST);
+    let (principal, singular_points) = (stress.principal().to_vec(), field.singularities().len());
+    Ok(LoadedLayer {
+        name: String::new(),
+        source: String::new(),
+        surface,
+        principal,
+        singular_points,
+        plan,
+        angle,
+        solved: None,
+        plan_time,
+        lift: 0.0,
+    })
+}
+
+/// The arc in the test of the dissertation: its ends on a table, its crown pressed down. The layer is the last that carries tape.
+pub fn arc(specimen: &Specimen, options: &TapeOptions, smoothing: f64, bars: &Bars) -> Result<LoadedLayer, Failure> {
+    let mesh = specimen.solid();
+    let voxels = VoxelOptions { resolution: Resolution::Cell(ARC_CELL_MM), ..VoxelOptions::default() };
+    let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &|p| bars.show(p.stage, p.done, p.total))?;
+    let bounds = mesh.bounds().unwrap_or([Point3::origin(); 2]);
+    let [low, high] = bounds;
+    let mut loaded =
+        Loaded { solid: &solid, shift: solid.shift, supports: Vec::new(), loads: Vec::new(), young_mpa: None };
+    // The ends stand on their lowest edges; one of them slides.
+    let edge = |x0: f64, x1: f64| {
+        let (y, z) = (f64::INFINITY, low.z + 1.5 * ARC_CELL_MM);
+        loaded.region(Boxed([[x0, -y, f64::NEG_INFINITY], [x1, y, z]]))
+    };
+    let (left, right) = (edge(f64::NEG_INFINITY, 0.0), edge(0.0, f64::INFINITY));
+    let slides = Support { region: right, displacement_mm: [None, Some(0.0), Some(0.0)] };
+    let half = PRESSED_MM / 2.0;
+    let crown =
+        loaded.region(Boxed([[-half, f64::NEG_INFINITY, high.z - ARC_CELL_MM], [half, f64::INFINITY, f64::INFINITY]]));
+    loaded.supports = vec![Support::fixed(left), slides];
+    loaded.loads = vec![Load::Force { region: crown, newtons: [0.0, 0.0, -CROWN_N] }];
+    let (samples, solved) = loaded.samples(bars)?;
+    let height = f64::from(specimen.layers - 1) * specimen.layer_mm;
+    let surface = specimen.surface(height);
+    let surface = SurfaceMesh::new(surface.vertices, surface.triangles)?;
+    let layer = follow(surface, &samples, REACH_CELLS * ARC_CELL_MM, options, smoothing, bars)?;
+    Ok(LoadedLayer {
+        name: "the arc, its last layer with tape".to_owned(),
+        source: format!("pressed down at its crown with {CROWN_N} N, its ends on a table"),
+        solved: Some(solved),
+        ..layer
+    })
+}
+
+/// A layer of the user's part.
+pub fn of_part(args: &Args, part: &Part, bars: &Bars) -> Result<LoadedLayer, Failure> {
+    let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
+    let resolution = args.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
+    let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
+    let mesh = &part.mesh;
+    let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
+    let (surface, lift, name) = layer_of(args, part, &solid, bars)?;
+    let (samples, reach, source, solved) = match &args.stress {
+        Some(path) => (read_stress(path)?, args.reach_mm, format!("stresses of {}", path.display()), None),
+        None => {
+            let (loaded, source) = user_load(args, part, &solid);
+            let (samples, solved) = loaded.samples(bars)?;
+            (samples, REACH_CELLS * solid.grid.cell_mm(), source, Some(solved))
+        }
+    };
+    let layer =
+        follow(surface, &samples, reach, &args.tape_options(), args.smoothing_mm(), bars).map_err(|failure| {
+            args.stress.as_ref().map_or_else(|| failure.clone(), |path| fault(path, &failure.message()))
+        })?;
+    Ok(LoadedLayer { name, source, solved, lift, ..layer })
+}
+
+/// Grows the layers of the part, and takes one of them, in the frame of the file.
+fn layer_of(
+    args: &Args,
+    part: &Part,
+    solid: &Voxelisation,
+    bars: &Bars,
+) -> Result<(SurfaceMesh, f64, String), Failure> {
+    let grid = &solid.grid;
+    let vertices: Vec<_> = part.mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+    let cells = Cells::new(grid.dims(), grid.rows())?;
+    let [low, high] = part.mesh.bounds().unwrap_or([Point3::origin(); 2]);
+    let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
+    let workpiece = Workpiece {
+        vertices: &vertices,
+        triangles: &part.mesh.triangles,
+        cells,
+        cell_mm: grid.cell_mm(),
+        origin: grid.origin(),
+        platform: &Platform::under(&cells, radius)?,
+        rules: Rules::default(),
+        volume_mm3: inspect(&vertices, &part.mesh.triangles)?.volume_mm3(),
+    };
+    let layered = workpiece.layers(None, grid.cell_mm(), &|p| bars.show(p.stage, p.done, p.total))?;
+    let surfaces: Vec<LayerSurface> = layered.surfaces.iter().map(LayerSurface::from).collect();
+    let area = |surface: &LayerSurface| -> f64 {
+        let twice = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| surface.vertices[v as usize]);
+            (b - a).cross(&(c - a)).norm()
+        };
+        surface.triangles.iter().map(twice).sum()
+    };
+    let largest =
+        (0..surfaces.len()).max_by(|&a, &b| area(&surfaces[a]).total_cmp(&area(&surfaces[b])).then(b.cmp(&a)));
+    let number = args.layer.map(|layer| layer as usize - 1).or(largest);
+    let Some((number, surface)) = number.and_then(|number| Some((number, surfaces.get(number)?))) else {
+        let message = format!("the part has {} layers: --layer is from 1 to that", surfaces.len());
+        return Err(Failure::of_arguments(message));
+    };
+    let back = |vertex: &Point3<f64>| vertex - solid.shift;
+    let mesh = SurfaceMesh::new(surface.vertices.iter().map(back).collect(), surface.triangles.to_vec())?;
+    let name = format!("layer {} of {} of {}", number + 1, surfaces.len(), part.name);
+    Ok((mesh, grid.cell_mm() / 2.0, name))
+}
+
+/// What holds and loads the user's part: what was asked for, or its base held and its top pushed.
+fn user_load<'a>(args: &Args, part: &Part, solid: &'a Voxelisation) -> (Loaded<'a>, String) {
+    let (supports, loads) = (Vec::new(), Vec::new());
+    let mut loaded =
+        Loaded { solid, shift: solid.shift, supports, loads, young_mpa: args.young_gpa.map(|gpa| gpa * 1e3) };
+    let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+    let slab = |low: f64, high: f64| Boxed([[everywhere[0], everywhere[0], low], [everywhere[1], everywhere[1], high]]);
+    let (supports, loads, source) = if args.supports.is_empty() && args.loads.is_empty() {
+        let [low, high] = part.mesh.bounds().unwrap_or([Point3::origin(); 2]);
+        let top = high.z - DEFAULT_TOP * (high.z - low.z);
+        let base = slab(f64::NEG_INFINITY, low.z + solid.grid.cell_mm() / 2.0);
+        let push = Pull { region: slab(top, f64::INFINITY), newtons: [DEFAULT_N, 0.0, 0.0] };
+        (vec![base], vec![push], format!("base held, {DEFAULT_N} N along x on the top tenth of its height"))
+    } else {
+        let source = format!("{} supports and {} loads as asked for", args.supports.len(), args.loads.len());
+        (args.supports.clone(), args.loads.clone(), source)
+    };
+    loaded.supports = supports.into_iter().map(|region| Support::fixed(loaded.region(region))).collect();
+    let load = |pull: Pull| Load::Force { region: loaded.region(pull.region), newtons: pull.newtons };
+    let loads: Vec<Load> = loads.into_iter().map(load).collect();
+    loaded.loads = loads;
+    (loaded, source)
+}
+
+/// Stresses of a file, by its ending: CSV, VTK, or results of CalculiX.
+fn read_stress(path: &Path) -> Result<Vec<StressSample>, Failure> {
+    let file = BufReader::new(File::open(path).map_err(|error| fault(path, &error))?);
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let samples = match ending.as_deref() {
+        Some("vtk") => read_stress_vtk(file, None),
+        Some("frd") => read_stress_frd(file),
+        _ => read_stress_csv(file),
+    };
+    samples.map_err(|error| fault(path, &error))
+}

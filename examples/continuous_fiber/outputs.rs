@@ -1,0 +1,312 @@
+//! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
+
+use super::layer::Solved;
+use super::predict::{MEASURED_GPA, MEASURED_NM2, deflection_mm};
+use super::tapes::Planned;
+use super::{Args, Run, drawing};
+use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::findings::percent;
+use curvlay_examples::output::OutputFolder;
+use curvlay_examples::report::Report;
+use curvlay_examples::summary::Summary;
+use curvlay_examples::table::Table;
+use curvlay_toolpath::gcode::{Move, Tool, WriteOptions, write_gcode};
+use curvlay_toolpath::surface::{LayerTapes, Tape, TapePlan};
+use std::io::{self, Write};
+use std::time::Instant;
+
+/// Steering radii from here on are written as this: JSON has no infinity, and so straight is straight.
+const STRAIGHT_MM: f64 = 1e6;
+
+/// Whether a file is one that the example writes.
+pub fn is_ours(name: &str) -> bool {
+    let ends = |ending: &str| name.ends_with(ending);
+    let named = ["dumbbell", "bar", "arc", "layer"].iter().any(|stem| name.starts_with(stem));
+    matches!(name, "report.html" | "tapes.csv" | "layer_stress.png")
+        || (named && (ends(".gcode") || ends(".png") || ends(".script")))
+}
+
+pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> Result<(), Failure> {
+    let written = |name: &str, moves: &[Move]| -> Result<(), Failure> {
+        let mut file = Vec::new();
+        write_gcode(moves.iter().copied(), &WriteOptions::default(), &mut file)?;
+        Ok(folder.write(name, file)?)
+    };
+    for planned in &run.specimens {
+        written(&format!("{}.gcode", planned.specimen.name), &planned.moves)?;
+    }
+    if !run.planar.moves.is_empty() {
+        written("arc_planar.gcode", &run.planar.moves)?;
+    }
+    let loaded = [(Tool::Roller, &run.layer.plan.tapes), (Tool::Conductor, &run.wires)];
+    if loaded.iter().any(|(_, tapes)| !tapes.is_empty()) {
+        let head = args.head();
+        let moves = loaded.map(|(tool, tapes)| {
+            head.moves(&LayerTapes { layer: 0, tool, lift: run.layer.lift, tapes: tapes.clone() })
+        });
+        let moves = moves.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
+        written("layer.gcode", &moves)?;
+    }
+    for (name, bytes) in run.moved.iter().flat_map(|moved| &moved.files) {
+        folder.write(name, bytes)?;
+    }
+    folder.write_with("tapes.csv", |out| write_tapes(run, out))?;
+    let pictures = Pictures::of(args, run);
+    for (name, _, png) in &pictures.0 {
+        folder.write(name, png)?;
+    }
+    folder.write("report.html", report(run, &pictures).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, run, start)?.write(folder)?;
+    Ok(())
+}
+
+/// A line for each point of each tape.
+fn write_tapes(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm")?;
+    let mut list = |part: &str, layer: u32, plan: &TapePlan| -> io::Result<()> {
+        for (number, (tape, radii)) in plan.tapes.iter().zip(&plan.radii).enumerate() {
+            for ((p, n), radius) in tape.points.iter().zip(&tape.normals).zip(radii) {
+                write!(
+                    out,
+                    "{part},{},{},{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}",
+                    layer + 1,
+                    number + 1,
+                    p.x,
+                    p.y,
+                    p.z,
+                    n.x,
+                    n.y,
+                    n.z
+                )?;
+                writeln!(out, ",{:.3}", radius.min(STRAIGHT_MM))?;
+            }
+        }
+        Ok(())
+    };
+    for planned in &run.specimens {
+        for (layer, plan) in planned.tapes.iter().zip(&planned.plans) {
+            list(planned.specimen.name, layer.layer, plan)?;
+        }
+    }
+    list("layer", 0, &run.layer.plan)
+}
+
+fn radius(mm: f64) -> String {
+    if mm < STRAIGHT_MM { format!("{mm:.1}") } else { "straight".to_owned() }
+}
+
+/// Tapes of the specimens and of the layer.
+pub fn tapes(run: &Run) -> Table {
+    let mut table =
+        Table::new(["", "tapes", "mm", "covered", "twice", "least radius mm", "whole layer covered", "twice"]);
+    for planned in &run.specimens {
+        let (specimen, filled) = (&planned.specimen, &planned.filled);
+        let [covered, overlap, least] = planned.cover();
+        table.row([
+            specimen.title.to_owned(),
+            planned.count().to_string(),
+            format!("{:.1}", planned.tape_mm()),
+            percent(covered),
+            percent(overlap),
+            radius(least),
+            percent(filled.cover.covered_fraction),
+            percent(filled.cover.overlap_fraction),
+        ]);
+    }
+    let plan = &run.layer.plan;
+    table.row([
+        run.layer.name.clone(),
+        plan.tapes.len().to_string(),
+        format!("{:.1}", plan.tape_mm()),
+        percent(plan.cover.covered_fraction),
+        percent(plan.cover.overlap_fraction),
+        radius(plan.min_radius_mm),
+        String::new(),
+        String::new(),
+    ]);
+    table
+}
+
+/// Ours beside the measured.
+pub fn predictions(run: &Run) -> Table {
+    let mut table = Table::new(["", "ours", "measured", "ours / measured"]);
+    for prediction in &run.predictions.list {
+        let unit = if prediction.unit.is_empty() { String::new() } else { format!(", {}", prediction.unit) };
+        table.row([
+            format!("{}{unit}", prediction.what),
+            format!("{:.3}", prediction.ours),
+            format!("{:.3}", prediction.measured),
+            format!("{:.2}", prediction.ours / prediction.measured),
+        ]);
+    }
+    table
+}
+
+/// Names, captions and bytes.
+struct Pictures(Vec<(String, String, Vec<u8>)>);
+
+impl Pictures {
+    fn of(args: &Args, run: &Run) -> Self {
+        let mut list = Vec::new();
+        for planned in &run.specimens {
+            let name = planned.specimen.name;
+            let caption = format!("{}: the tape on a layer in its middle", planned.specimen.title);
+            list.push((format!("{name}.png"), caption, drawing::specimen(planned, args.min_radius_mm)));
+        }
+        let layer = &run.layer;
+        let caption = format!("{}: greatest principal stress in the layer, {}", layer.name, layer.source);
+        list.push(("layer_stress.png".to_owned(), caption, drawing::stress(layer)));
+        let caption = format!("{}: tapes by steering radius", layer.name);
+        list.push(("layer.png".to_owned(), caption, drawing::tapes(layer, &run.wires, args.min_radius_mm)));
+        Pictures(list)
+    }
+}
+
+fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
+    let mut summary = Summary::new();
+    options(args, &mut summary)?;
+    let (specimens, layer) = (&run.specimens, &run.layer);
+    let covers: Vec<[f64; 3]> = specimens.iter().map(Planned::cover).collect();
+    let plans = || specimens.iter().flat_map(|planned| &planned.plans).chain([&layer.plan]);
+    summary
+        .set("tapes", plans().map(|plan| plan.tapes.len()).sum::<usize>())?
+        .set("tape_mm", plans().map(TapePlan::tape_mm).sum::<f64>())?
+        .set("covered_fraction", covers.iter().map(|cover| cover[0]).fold(1.0, f64::min))?
+        .set("overlap_fraction", covers.iter().map(|cover| cover[1]).fold(0.0, f64::max))?
+        .set("min_radius_mm", plans().map(|plan| plan.min_radius_mm).fold(STRAIGHT_MM, f64::min))?
+        .set("cuts", plans().map(TapePlan::cuts).sum::<usize>())?
+        .set("modulus_gpa", run.predictions.modulus_gpa)?
+        .set("measured_modulus_gpa", MEASURED_GPA[1])?
+        .set("rigidity_nm2", run.predictions.rigidity_nm2)?
+        .set("measured_rigidity_nm2", MEASURED_NM2[1])?;
+    if let Some(mean) = layer.angle.mean {
+        summary.set("angle_to_principal_deg", mean.to_degrees())?;
+    }
+    summary.set_seconds("plan_s", run.plan_time)?;
+    for planned in specimens {
+        let (name, filled) = (planned.specimen.name, &planned.filled);
+        summary
+            .set(&format!("{name}_tapes"), planned.count())?
+            .set(&format!("{name}_tape_mm"), planned.tape_mm())?
+            .set(&format!("{name}_filled_covered_fraction"), filled.cover.covered_fraction)?
+            .set(&format!("{name}_filled_overlap_fraction"), filled.cover.overlap_fraction)?;
+    }
+    let ratio = |what: &str| run.predictions.list.iter().find(|prediction| prediction.what.contains(what));
+    for (key, what) in [("arc_cr_cu", "CR/CU"), ("arc_pu_cu", "PU/CU")] {
+        if let Some(prediction) = ratio(what) {
+            summary.set(key, prediction.ours)?.set(&format!("measured_{key}"), prediction.measured)?;
+        }
+    }
+    summary
+        .set("arc_planar_layers", run.planar.layers)?
+        .set("arc_planar_longest_tape_mm", run.planar.longest_tape_mm)?;
+    of_layer(run, &mut summary)?;
+    if let Some(moved) = &run.moved {
+        summary
+            .set("cell", moved.cell.clone())?
+            .set("motion_runs", moved.runs)?
+            .set("motion_faults", moved.faults.len())?
+            .set("motion_robot_s", moved.robot_s)?
+            .set("motion_deviation_mm", moved.max_deviation_mm)?
+            .set("motion_turn_deg", moved.max_turn.to_degrees())?
+            .set("roller_mount_deg", moved.mount.to_degrees())?
+            .set("program_files", moved.files.len())?;
+    }
+    run.findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+fn options(args: &Args, summary: &mut Summary) -> Result<(), Failure> {
+    let mesh = args.mesh.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("mesh", mesh.unwrap_or_else(|| "arc".to_owned()))?
+        .set("stage", typed_name(args.stage))?
+        .set("tape_width_mm", args.tape_width_mm)?
+        .set("tape_spacing_mm", args.tape_options().spacing)?
+        .set("tape_thickness_mm", args.tape_thickness_mm)?
+        .set("allowed_radius_mm", args.min_radius_mm)?
+        .set("min_length_mm", args.min_length_mm)?
+        .set("max_overlap", args.max_overlap)?
+        .set("smoothing_mm", args.smoothing_mm())?
+        .set("compensate", args.compensate)?
+        .set("press_n", args.press_n)?
+        .set("heat_celsius", args.celsius)?
+        .set("threads", args.common.threads)?;
+    Ok(())
+}
+
+fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
+    let layer = &run.layer;
+    summary
+        .set("layer", layer.name.clone())?
+        .set("layer_stress", layer.source.clone())?
+        .set("layer_area_mm2", layer.plan.cover.area_mm2)?
+        .set("layer_triangles", layer.surface.triangles().len())?
+        .set("layer_tapes", layer.plan.tapes.len())?
+        .set("layer_tape_mm", layer.plan.tape_mm())?
+        .set("layer_covered_fraction", layer.plan.cover.covered_fraction)?
+        .set("layer_overlap_fraction", layer.plan.cover.overlap_fraction)?
+        .set("layer_min_radius_mm", layer.plan.min_radius_mm.min(STRAIGHT_MM))?
+        .set("layer_left_out_mm", layer.plan.left_out.iter().map(|piece| piece.length_mm).sum::<f64>())?
+        .set("layer_singular_points", layer.singular_points)?
+        .set("wires", run.wires.len())?
+        .set("wire_mm", run.wires.iter().map(Tape::length).fold(0.0, |sum, mm| sum + mm))?
+        .set("layer_worst_covered_fraction", layer.angle.covered_fraction)?
+        .set("layer_empty", layer.plan.empty.map_or(String::new(), |empty| empty.to_string()))?;
+    if let Some(Solved { cells, iterations, time }) = layer.solved {
+        summary.set("elastic_cells", cells)?.set("elastic_iterations", iterations)?.set_seconds("elastic_s", time)?;
+    }
+    Ok(())
+}
+
+fn report(run: &Run, pictures: &Pictures) -> Report {
+    let mut report = Report::new("Continuous fibre on curved layers");
+    run.findings.report(&mut report);
+    report.paragraph(
+        "The specimens of the dissertation (C. Dai, 2020, chapter 5) with tapes between their layers, and a layer under load with tapes along its \
+         principal stresses. Covered is the strip on which the dissertation lays its tape; the whole layer is what tapes of 5 mm along the specimen \
+         would cover of all of it.",
+    );
+    report
+        .table("Tapes", &tapes(run))
+        .table("Stiffness: ours by theory, measured in the dissertation", &predictions(run));
+    for prediction in &run.predictions.list {
+        report.paragraph(&format!(
+            "{}: {}. Where they differ: {}.",
+            prediction.what, prediction.assumed, prediction.remark
+        ));
+    }
+    if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2) {
+        report.paragraph(&format!("At 7.27 N and supports 200 mm apart the reinforced bar would bend by {mm:.2} mm."));
+    }
+    let layer = &run.layer;
+    if let Some(mean) = layer.angle.mean {
+        report.paragraph(&format!(
+            "On {}, {}, the mean angle between tape and principal direction over the worst-stressed tenth of the area is {:.1} degrees; {} of that \
+             area lies under a tape.",
+            layer.name,
+            layer.source,
+            mean.to_degrees(),
+            percent(layer.angle.covered_fraction)
+        ));
+    }
+    if let Some(moved) = &run.moved {
+        report.paragraph(&format!(
+            "{} lays the {} tapes of the arc in {:.0} s: the contact line is within {:.3} mm of the centre line, the roller within {:.2} degrees of \
+             it, mounted at {:.0} degrees. The body of the cell's nozzle stands for that of the roller.",
+            moved.cell,
+            moved.tapes,
+            moved.robot_s,
+            moved.max_deviation_mm,
+            moved.max_turn.to_degrees(),
+            moved.mount.to_degrees()
+        ));
+    }
+    let shown: Vec<(&str, &[u8])> =
+        pictures.0.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
+    report.pictures(&shown);
+    report
+}

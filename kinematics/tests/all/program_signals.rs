@@ -1,0 +1,229 @@
+//! Signals of a tape head in robot programs: what is written, and what comes back.
+
+use curvlay_kinematics::program::*;
+use proptest::prelude::*;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io;
+
+fn moved(angle: f64) -> Step {
+    let goal = Goal::Joints([angle; 6]);
+    Step::Move(Move { goal, table: None, speed: Speed::default(), zone: Zone::Stop })
+}
+
+fn switch(signal: HeadSignal, on: bool) -> Step {
+    Step::Signal { signal, on }
+}
+
+type Files = BTreeMap<String, Vec<u8>>;
+
+struct Place<'a>(&'a RefCell<Files>, String);
+
+impl io::Write for Place<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().entry(self.1.clone()).or_default().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn rapid(steps: &[Step], options: &RapidOptions) -> Result<Files, WriteError> {
+    let files = RefCell::new(Files::new());
+    write_rapid(steps.iter().copied(), options, |name| Ok(Place(&files, name.to_owned())))?;
+    Ok(files.into_inner())
+}
+
+fn script(steps: &[Step], options: &UrScriptOptions) -> Result<String, WriteError> {
+    let mut out = Vec::new();
+    write_urscript(steps.iter().copied(), options, &mut out)?;
+    Ok(String::from_utf8(out).unwrap())
+}
+
+/// A tape, laid and cut.
+fn tape() -> Vec<Step> {
+    use HeadSignal::{Cut, Feed, Heat, Press, Roller};
+    vec![
+        moved(0.0),
+        switch(Roller, true),
+        switch(Heat, true),
+        switch(Feed, true),
+        switch(Feed, false),
+        switch(Press, true),
+        moved(0.1),
+        switch(Cut, true),
+        moved(0.2),
+        switch(Cut, false),
+        switch(Press, false),
+    ]
+}
+
+#[test]
+fn rapid_has_the_names() {
+    let files = rapid(&tape(), &RapidOptions::default()).unwrap();
+    let part = String::from_utf8(files["curvlay_001.mod"].clone()).unwrap();
+    let signals: Vec<&str> = part.lines().map(str::trim).filter(|line| line.starts_with("SetDO")).collect();
+    let expected = [
+        "SetDO doRoller,1;",
+        "SetDO doTapeHeat,1;",
+        "SetDO doTapeFeed,1;",
+        "SetDO doTapeFeed,0;",
+        "SetDO doTapePress,1;",
+        "SetDO doTapeCut,1;",
+        "SetDO doTapeCut,0;",
+        "SetDO doTapePress,0;",
+    ];
+    assert_eq!(signals, expected);
+    // The main switches off what the program uses, and nothing else.
+    let main = String::from_utf8(files["curvlay.mod"].clone()).unwrap();
+    let off = main.split("PROC curvlay_off()").nth(1).unwrap();
+    for (name, is_used) in [("doRoller", true), ("doTapeHeat", true), ("doTapeCut", true), ("doConductor", false)] {
+        assert_eq!(off.contains(&format!("SetDO {name},0;")), is_used, "{off}");
+    }
+    assert!(!off.contains("doExtruder"));
+    // `Set` and `Reset`, in any case, are read as well; the extruder keeps its own.
+    let text = "MODULE m\nPROC main()\nset DOTAPECUT;\nReset doTapeCut;\nSet doPump;\nMoveAbsJ [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tool0;\nENDPROC\nENDMODULE\n";
+    let steps: Vec<Step> = read_rapid(text.as_bytes(), |_| Ok::<&[u8], _>(b"")).unwrap().map(Result::unwrap).collect();
+    let cut = |on| switch(HeadSignal::Cut, on);
+    assert_eq!(steps[..3], [cut(true), cut(false), Step::Extruder(true)]);
+    // A name of ours for the extruder would be two signals in one.
+    let options = RapidOptions { signal: "dotapecut".to_owned(), ..RapidOptions::default() };
+    assert!(matches!(rapid(&tape(), &options), Err(WriteError::Name { .. })));
+}
+
+/// A module does not end while the roller presses: it would wait on the hot tape until the next is loaded.
+#[test]
+fn modules_end_off_the_tape() {
+    let mut steps = vec![moved(0.0), switch(HeadSignal::Press, true)];
+    steps.extend((1..12).map(|k| moved(f64::from(k) * 0.01)));
+    steps.push(switch(HeadSignal::Press, false));
+    steps.extend((0..8).map(|k| moved(f64::from(k) * 0.01)));
+    let files = rapid(&steps, &RapidOptions { moves_per_module: 14, ..RapidOptions::default() }).unwrap();
+    let first = String::from_utf8(files["curvlay_001.mod"].clone()).unwrap();
+    assert!(first.contains("SetDO doTapePress,0;"), "{first}");
+    assert_eq!(first.matches("MoveAbsJ").count(), 13);
+}
+
+#[test]
+fn urscript_has_a_variable_for_each() {
+    let text = script(&tape(), &UrScriptOptions::default()).unwrap();
+    let at =
+        |line: &str| text.lines().position(|other| other.trim() == line).unwrap_or_else(|| panic!("{line}: {text}"));
+    assert!(at("tape_cut=6") < at("set_standard_digital_out(tape_cut,True)"));
+    assert_eq!(text.matches("tape_cut=").count(), 1);
+    // What is on at the end goes off, the roller last.
+    let end: Vec<&str> = text.lines().rev().skip(1).take(2).map(str::trim).collect();
+    assert_eq!(end, ["set_standard_digital_out(roller,False)", "set_standard_digital_out(tape_heat,False)"]);
+    let steps: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().map(Result::unwrap).collect();
+    let off = [HeadSignal::Heat, HeadSignal::Roller].map(|signal| switch(signal, false));
+    assert_eq!(steps, [&tape()[..], &off].concat());
+    // Another wiring; outputs that are there, each for one.
+    let wired = UrScriptOptions { output: 1, head_outputs: [7, 2, 3, 4, 5, 0], ..UrScriptOptions::default() };
+    assert!(script(&tape(), &wired).unwrap().contains("  tape_cut=0\n"));
+    let twice = UrScriptOptions { head_outputs: [1, 2, 3, 4, 5, 5], ..UrScriptOptions::default() };
+    assert!(matches!(script(&tape(), &twice), Err(WriteError::Conflict { what: "head_outputs", .. })));
+    let taken = UrScriptOptions { output: 3, ..UrScriptOptions::default() };
+    assert!(matches!(script(&tape(), &taken), Err(WriteError::Conflict { what: "head_outputs", .. })));
+    let beyond = UrScriptOptions { head_outputs: [1, 2, 3, 4, 5, 8], ..UrScriptOptions::default() };
+    assert!(matches!(script(&tape(), &beyond), Err(WriteError::Option { what: "head_outputs", .. })));
+    let named = UrScriptOptions { name: "tape_cut".to_owned(), ..UrScriptOptions::default() };
+    assert!(matches!(script(&tape(), &named), Err(WriteError::Name { .. })));
+}
+
+#[test]
+fn a_signal_waits_for_a_stop() {
+    let Step::Move(to) = moved(0.1) else { unreachable!() };
+    let flying = Step::Move(Move { zone: Zone::Blend(5.0), ..to });
+    let steps = [flying, switch(HeadSignal::Cut, true), moved(0.2)];
+    let error = script(&steps, &UrScriptOptions::default()).unwrap_err();
+    assert!(matches!(error, WriteError::SignalInFlight { index: 1 }), "{error}");
+    let messages: Vec<_> = link::LinkTranslator::new([switch(HeadSignal::Cut, true)].into_iter(), 0).collect();
+    assert!(messages[0].is_err());
+}
+
+fn any_signal() -> impl Strategy<Value = HeadSignal> {
+    prop::sample::select(HeadSignal::ALL.to_vec())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// All three formats bring the same steps back; URScript and RAPID switch off behind them what is on.
+    #[test]
+    fn signals_come_back(list in prop::collection::vec((any_signal(), any::<bool>(), -3.0..3.0f64, any::<bool>()), 1..20)) {
+        let mut steps = vec![moved(0.0)];
+        for (signal, on, angle, is_extruder) in list {
+            steps.push(if is_extruder { Step::Extruder(on) } else { switch(signal, on) });
+            steps.push(moved((angle * 1e3).round() / 1e3));
+        }
+        let mut csv = Vec::new();
+        write_csv(steps.iter().copied(), &ProgramLimits::default(), &mut csv).unwrap();
+        let again: Vec<Step> = CsvReader::new(csv.as_slice()).unwrap().map(Result::unwrap).collect();
+        prop_assert_eq!(&again, &steps);
+        let signals = |steps: &[Step]| -> Vec<Step> {
+            steps.iter().copied().filter(|step| matches!(step, Step::Signal { .. } | Step::Extruder(_))).collect()
+        };
+        let text = script(&steps, &UrScriptOptions::default()).unwrap();
+        let again: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().map(Result::unwrap).collect();
+        prop_assert_eq!(&signals(&again)[..signals(&steps).len()], &signals(&steps)[..]);
+        let files = rapid(&steps, &RapidOptions { moves_per_module: 3, ..RapidOptions::default() }).unwrap();
+        let open = |name: &str| Ok::<&[u8], io::Error>(files[name].as_slice());
+        let again: Vec<Step> = read_rapid(files["curvlay.mod"].as_slice(), open).unwrap().map(Result::unwrap).collect();
+        let (ours, theirs) = (signals(&steps), signals(&again));
+        let off = (theirs.len() - ours.len()) / 2;
+        prop_assert_eq!(&theirs[off..theirs.len() - off], &ours[..]);
+        let is_off = |step: &Step| matches!(step, Step::Signal { on: false, .. } | Step::Extruder(false));
+        prop_assert!(theirs[..off].iter().chain(&theirs[theirs.len() - off..]).all(is_off));
+        // Whatever the format, in the end all is off.
+        for list in [signals(&UrScriptReader::new(text.as_bytes()).unwrap().map(Result::unwrap).collect::<Vec<_>>()), theirs] {
+            for signal in HeadSignal::ALL {
+                let last = list.iter().rev().find_map(|step| match step {
+                    Step::Signal { signal: other, on } if *other == signal => Some(*on),
+                    _ => None,
+                });
+                prop_assert_ne!(last, Some(true));
+            }
+        }
+    }
+
+    /// Signals of a leg come before the first tick at or after their time; those beyond the last tick at the end of the leg.
+    #[test]
+    fn a_stream_switches_in_time(
+        durations in prop::collection::vec(0.001..0.2f64, 1..5),
+        times in prop::collection::vec((0usize..5, 0.0..=1.0f64, any_signal()), 0..10),
+    ) {
+        let leg = |(k, &duration_s): (usize, &f64)| {
+            let mut signals: Vec<TimedSignal> = times
+                .iter()
+                .filter(|(leg, ..)| leg % durations.len() == k)
+                .map(|&(_, share, signal)| TimedSignal { time_s: share * duration_s, signal, on: true })
+                .collect();
+            signals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+            StreamLeg { duration_s, joints: |_: f64| [0.0; 6], filament_mm: None::<fn(f64) -> f64>, signals }
+        };
+        let steps: Vec<Step> =
+            print_stream([[0.0; 6]; 2], durations.iter().enumerate().map(leg), StreamOptions::default()).collect();
+        let period = ServoRate::Hz125.seconds();
+        // When each signal is due on the clock of the whole print, and in which tick it comes.
+        let mut due: Vec<f64> = Vec::new();
+        let mut begin = 0.0;
+        for (k, duration) in durations.iter().enumerate() {
+            due.extend(times.iter().filter(|(leg, ..)| leg % durations.len() == k).map(|(_, share, _)| begin + share * duration));
+            begin += duration;
+        }
+        due.sort_by(f64::total_cmp);
+        let (mut tick, mut came) = (0u32, Vec::new());
+        for step in &steps[1..] {
+            match step {
+                Step::Servo { .. } => tick += 1,
+                _ => came.push(f64::from(tick + 1) * period),
+            }
+        }
+        prop_assert_eq!(came.len(), due.len());
+        for (came, due) in came.iter().zip(&due) {
+            prop_assert!(came - due > -1e-9 && came - due < period + 1e-9, "{} {}", came, due);
+        }
+    }
+}

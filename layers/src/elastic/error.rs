@@ -1,0 +1,141 @@
+//! What is wrong with an elastic problem.
+
+/// Why displacements could not be found.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ElasticError {
+    /// There is no cell.
+    #[error("there is no cell to load")]
+    NoCell,
+    /// More nodes than a number of 32 bits counts.
+    #[error("a grid of {dims:?} cells has 2^32 nodes or more: take larger cells")]
+    TooLarge {
+        /// Cells along x, y and z.
+        dims: [u32; 3],
+    },
+    /// The edge of a cell is no length.
+    #[error("cells of {cell_mm} mm: the edge must be finite and above 0")]
+    Cell {
+        /// The edge that was given, in millimetres.
+        cell_mm: f64,
+    },
+    /// The material cannot be.
+    #[error(
+        "a material with Young's modulus {young_mpa} MPa and Poisson's ratio {poisson}: the modulus must be finite and above 0, the ratio \
+         above -1 and below 0.5"
+    )]
+    Material {
+        /// Young's modulus in MPa.
+        young_mpa: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+    },
+    /// The tolerance or the number of iterations is none.
+    #[error(
+        "a tolerance of {tolerance} within {max_iterations} iterations: it must lie above 0 and below 1, with one iteration at least"
+    )]
+    Options {
+        /// The tolerance that was asked for.
+        tolerance: f64,
+        /// Iterations that were allowed.
+        max_iterations: u32,
+    },
+    /// A load, a displacement or a corner of a region is not a number, or infinite.
+    #[error("{what} {number} holds a number that is not finite")]
+    NotFinite {
+        /// Support or load.
+        what: Given,
+        /// Which one, counted from 0.
+        number: usize,
+    },
+    /// The region holds nothing that a support or a load could act on.
+    #[error("the region of {what} {number} holds no {}: the part lies within {low:?} to {high:?} mm", .what.acts_on())]
+    EmptyRegion {
+        /// Support or load.
+        what: Given,
+        /// Which one, counted from 0.
+        number: usize,
+        /// Lower corner of the box around the part, in millimetres.
+        low: [f64; 3],
+        /// Its upper corner.
+        high: [f64; 3],
+    },
+    /// Two supports ask for different displacements of a node.
+    #[error("support {support} moves node {node:?} by {second} mm along axis {axis}, an earlier one by {first} mm")]
+    Contradiction {
+        /// The later support, counted from 0.
+        support: usize,
+        /// The node.
+        node: [u32; 3],
+        /// 0, 1 or 2 for x, y or z.
+        axis: usize,
+        /// What the earlier support asks for, in millimetres.
+        first: f64,
+        /// What the later one asks for.
+        second: f64,
+    },
+    /// Nothing holds the part.
+    #[error("no support: the loads would move the part away; fix nodes of a region with a `Support`")]
+    NoSupport,
+    /// Cells that no chain of common faces joins to a supported node.
+    #[error(
+        "{cells} of {of} cells are not joined to a support through common faces (an edge or a corner is a hinge): support them too, or take \
+         only `supported_cells`"
+    )]
+    NotConnected {
+        /// Cells that nothing holds.
+        cells: usize,
+        /// All cells.
+        of: usize,
+    },
+    /// The supports let a piece slide or turn.
+    #[error(
+        "the supports leave {free} of 6 rigid motions free to a piece of {cells} cells: fix more axes, or nodes that are not on a line"
+    )]
+    Loose {
+        /// Independent motions that are left.
+        free: usize,
+        /// Cells of the piece.
+        cells: usize,
+    },
+    /// The residual did not become small enough.
+    #[error(
+        "no convergence: the relative residual is {residual:.1e} after {iterations} iterations; allow more, or a larger tolerance"
+    )]
+    NoConvergence {
+        /// Iterations made.
+        iterations: u32,
+        /// Norm of what is not in balance, as a share of the loads.
+        residual: f64,
+    },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// What a user gives with a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Given {
+    /// A [`Support`](super::Support).
+    Support,
+    /// A [`Load`](super::Load).
+    Load,
+}
+
+impl Given {
+    fn acts_on(self) -> &'static str {
+        match self {
+            Given::Support => "node",
+            Given::Load => "centre of an outer face",
+        }
+    }
+}
+
+impl std::fmt::Display for Given {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Given::Support => "support",
+            Given::Load => "load",
+        })
+    }
+}
