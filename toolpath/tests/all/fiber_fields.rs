@@ -231,6 +231,7 @@ fn slivers_do_not_make_fields_unsolvable() {
     let torn = SurfaceMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3], [0, 4, 1], [5, 6, 7]]).unwrap();
     let field = DirectionField::from_fn(&torn, |_| Vector3::new(1.0, 1.0, 0.0)).unwrap().smoothed(20.0).unwrap();
     assert!(field.directions().iter().all(|d| between(d, &Vector3::new(1.0, 1.0, 0.0)) < 1e-6));
+    assert!(!stripes(&field, 1.0, &go_on).unwrap().lines.is_empty());
 }
 
 #[test]
