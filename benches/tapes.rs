@@ -60,11 +60,9 @@ fn tapes(c: &mut Criterion) {
         min_length: 5.0,
         ..TapeOptions::default()
     };
-    let guide = [Point3::new(0.0, 39.0, 0.0), Point3::new(80.0, 39.0, 0.0)];
-    let guide: Vec<_> = (0..=160)
-        .map(|k| guide[0] + (guide[1] - guide[0]) * (f64::from(k) / 160.0))
-        .map(|p| Point3::new(p.x, p.y, 6.0 * (p.x / 15.0).sin() * (p.y / 17.0).cos()))
-        .collect();
+    let across = |k: i32| 0.5 * f64::from(k);
+    let guide: Vec<_> =
+        (0..=160).map(across).map(|x| Point3::new(x, 39.0, 6.0 * (x / 15.0).sin() * (39.0f64 / 17.0).cos())).collect();
     let guides = [guide];
     for (name, plan) in [
         ("along the field", lay_tapes(&field, &options, &go_on)),

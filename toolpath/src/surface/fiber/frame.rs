@@ -66,12 +66,11 @@ pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
     Matrix2::new(cos, -sin, sin, cos)
 }
 
-/// Cotangent weights of edges are held in this range. Obtuse triangles make weights negative, and energies without a least value; this small, an edge
-/// still holds its ends together. Slivers at the border of a trimmed layer make them as large as rounding lets them be, and equations singular; this
-/// large, an edge holds its ends together as firmly as it need.
-const WEIGHTS: [f64; 2] = [0.05, 100.0];
+/// Cotangent weights of edges below this are raised to it. Obtuse triangles make them negative, and energies without a least value; this small,
+/// an edge still holds its ends together.
+const LEAST_WEIGHT: f64 = 0.05;
 
-/// Half the sum of the cotangents across each edge, by its lower half-edge; in the range of [`WEIGHTS`].
+/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`LEAST_WEIGHT`].
 pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
     let mut weights = vec![0.0; mesh.half_edges() as usize];
     for h in 0..mesh.half_edges() {
@@ -82,7 +81,7 @@ pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
         let (u, v) = (a - c, b - c);
         weights[mesh.edge(h) as usize] += 0.5 * u.dot(&v) / u.cross(&v).norm();
     }
-    weights.iter_mut().for_each(|weight| *weight = weight.clamp(WEIGHTS[0], WEIGHTS[1]));
+    weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT));
     weights
 }
 

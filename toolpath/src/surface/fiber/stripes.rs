@@ -16,8 +16,7 @@
 //!
 //! Departures. The smallest eigenvector may be large in one part of the layer and close to nothing in another, where its phase is poor. So in each round
 //! of the power iteration all numbers are made unit, not their norm: a step of the flow to phases of least energy. Borders along the direction pull the
-//! phase to a half, so that a tape's edge, not its middle, lies at a border: a half is a half with either sign. Cotangent weights are held in a range above
-//! zero.
+//! phase to a half, so that a tape's edge, not its middle, lies at a border: a half is a half with either sign. Cotangent weights below zero are raised.
 
 use super::direction::DirectionField;
 use super::frame::{edge_weights, rotation};
@@ -81,6 +80,10 @@ const ROUNDS: u32 = 20;
 
 /// How far phases keep together in a round, in square roots of the area of the layer: all over it.
 const REACH: f64 = 10.0;
+
+/// Each vertex holds its phase by this much, however small its triangles are, beside edges that hold each other by about one: a splinter that hangs on
+/// nothing would else make the equations singular. A vertex of a layer of a million is held by a hundred times as much.
+const LEAST_HOLD: f64 = 1e-9;
 
 /// How strongly borders along the direction pull, beside the stripe next to them.
 const BORDER_PULL: f64 = 1.0;
@@ -244,14 +247,15 @@ impl Solver<'_> {
         tick(0)?;
         let pull: Vec<f64> = border_lengths(field).iter().map(|length| BORDER_PULL * length / spacing).collect();
         let hold = (TAU / REACH).powi(2) / self.areas.iter().sum::<f64>();
-        let factors = self.factors(|v| hold * self.areas[v] + pull[v])?;
+        let holds: Vec<f64> = self.areas.iter().map(|area| (hold * area).max(LEAST_HOLD)).collect();
+        let factors = self.factors(|v| holds[v] + pull[v])?;
         // A start without any pattern, the same every time.
         let mut psi: Vec<Vector2<f64>> = (0..self.areas.len()).map(|v| start(v as u64)).collect();
         let (mut energy, mut residual) = (f64::INFINITY, 0.0);
         for done in 0..ROUNDS {
             tick(done)?;
             for (v, z) in psi.iter_mut().enumerate() {
-                *z *= hold * self.areas[v];
+                *z *= holds[v];
                 z.x -= pull[v];
             }
             factors.solve(&mut psi);
