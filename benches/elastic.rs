@@ -22,8 +22,7 @@ fn part<'a>(cells: &'a Cells<'a>, supports: &'a [Support], loads: &'a [Load]) ->
 }
 
 fn ours(cells: &Cells) -> Elastic {
-    let (supports, loads) =
-        ([Support::fixed(Region::plane(2, 0.0))], [Load::Body { newtons_mm3: WEIGHT }]);
+    let (supports, loads) = ([Support::fixed(Region::plane(2, 0.0))], [Load::Body { newtons_mm3: WEIGHT }]);
     solve_elastic(&part(cells, &supports, &loads), &ElasticOptions::default(), &go).expect("a sound part")
 }
 
@@ -64,12 +63,19 @@ struct Rows {
 fn jacobi(cells: &Cells, nodes: &[u32]) -> (Vec<f64>, usize) {
     let (rows, b) = assembled(cells, nodes);
     let product = |x: &[f64]| -> Vec<f64> {
-        let row = |at: usize| rows.entries[rows.starts[at]..rows.starts[at + 1]].iter().map(|&(j, k)| k * x[j as usize]).sum();
+        let row = |at: usize| {
+            rows.entries[rows.starts[at]..rows.starts[at + 1]].iter().map(|&(j, k)| k * x[j as usize]).sum()
+        };
         (0..x.len()).map(row).collect()
     };
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let diagonal: Vec<f64> = (0..b.len())
-        .map(|at| rows.entries[rows.starts[at]..rows.starts[at + 1]].iter().find(|entry| entry.0 as usize == at).map_or(1.0, |entry| entry.1))
+        .map(|at| {
+            rows.entries[rows.starts[at]..rows.starts[at + 1]]
+                .iter()
+                .find(|entry| entry.0 as usize == at)
+                .map_or(1.0, |entry| entry.1)
+        })
         .collect();
     let (mut x, mut r) = (vec![0.0; b.len()], b.clone());
     let mut z: Vec<f64> = r.iter().zip(&diagonal).map(|(r, d)| r / d).collect();
@@ -129,13 +135,16 @@ fn elastic(c: &mut Criterion) {
     let mut group = c.benchmark_group("elastic");
     group.sample_size(10);
     let block = VoxelGrid::from_fn([30, 30, 112], |_| true).expect("a grid");
-    let lattice = VoxelGrid::from_fn([66, 66, 66], |[x, y, z]| [x % 16 < 6, y % 16 < 6, z % 16 < 6].iter().filter(|is| **is).count() > 1);
+    let lattice = VoxelGrid::from_fn([66, 66, 66], |[x, y, z]| {
+        [x % 16 < 6, y % 16 < 6, z % 16 < 6].iter().filter(|is| **is).count() > 1
+    });
     for (name, grid) in [("block", block), ("ball", hollow_ball(74)), ("lattice", lattice.expect("a grid"))] {
         let cells = Cells::new(grid.dims(), grid.rows()).expect("a grid");
         let found = ours(&cells);
         let (known, iterations) = jacobi(&cells, &found.nodes);
         let largest = known.iter().fold(0.0f64, |m, u| m.max(u.abs()));
-        let off = known.iter().zip(found.displacements_mm.iter().flatten()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        let off =
+            known.iter().zip(found.displacements_mm.iter().flatten()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         eprintln!(
             "{name}: {} cells, {} iterations, {iterations} with the diagonal alone, displacements differ by {:.1e}",
             cells.count(),
@@ -145,7 +154,9 @@ fn elastic(c: &mut Criterion) {
         assert!(off < 1e-3 * largest);
         group.throughput(Throughput::Elements(cells.count() as u64));
         group.bench_function(BenchmarkId::new("multigrid", name), |b| b.iter(|| ours(black_box(&cells))));
-        group.bench_function(BenchmarkId::new("baseline_jacobi", name), |b| b.iter(|| jacobi(black_box(&cells), &found.nodes)));
+        group.bench_function(BenchmarkId::new("baseline_jacobi", name), |b| {
+            b.iter(|| jacobi(black_box(&cells), &found.nodes))
+        });
     }
     group.finish();
 }
