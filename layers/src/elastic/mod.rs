@@ -7,8 +7,9 @@
 //! Symbols: `K` is the stiffness, `u` the displacements, `f` the forces: `K u = f`.
 //!
 //! # Where stresses can be trusted
-//! The border of the part is one of cells, a staircase. A cell away from it stresses are within a few percent where ten cells
-//! or more span what bends; in the outermost cells they may be off by tens of percent.
+//! The border of the part is one of cells, a staircase. Around a hole of 8 cells radius stresses are within 10 % of the closed form from a cell and a
+//! half off its border on, in a beam that is bent displacements within 1 % with two cells across (tests). In the outermost cells of a
+//! slanted or round border they may be off by far more.
 
 mod elements;
 mod error;
@@ -60,7 +61,7 @@ pub struct ElasticOptions {
     /// Norm of the forces that are not in balance, as a share of the norm of the loads. Default 1e-6: displacements then are off by far
     /// less than by the size of the cells.
     pub tolerance: f64,
-    /// Iterations after which it gives up. Default 500; 15 to 40 are usual.
+    /// Iterations after which it gives up. Default 500; 10 to 45 are usual, a plate three cells thick takes 85.
     pub max_iterations: u32,
 }
 

@@ -61,6 +61,46 @@ fn layers_of_a_wall_follow_the_load() {
 }
 
 #[test]
+#[ignore = "prints the table of docs/benchmarks.md: mean angles of four parts"]
+fn angles_of_four_parts() {
+    let ring = |[x, _, z]: [u32; 3]| (22.0..30.0).contains(&(f64::from(x) + 0.5 - 30.0).hypot(f64::from(z) + 0.5));
+    let top = |z: f64, newtons: [f64; 3]| Load::Force { region: Region::plane(2, z), newtons };
+    let end = Load::Force { region: Region::plane(0, 50.0), newtons: [0.0, 0.0, -10.0] };
+    let crown = Region { low_mm: [25.0, 0.0, 28.0], high_mm: [35.0, 6.0, 31.0] };
+    let parts = [
+        ("arm", Solid::new([50, 5, 16], |[x, _, z]| x < 12 || z >= 11), end),
+        ("leaning bar", Solid::new([50, 6, 40], |[x, _, z]| (z..z + 9).contains(&x)), top(40.0, [0.0, 0.0, -10.0])),
+        ("arch", Solid::new([60, 6, 31], ring), Load::Force { region: crown, newtons: [0.0, 0.0, -10.0] }),
+        ("wall", Solid::new([40, 6, 24], |_| true), top(24.0, [10.0, 0.0, 0.0])),
+    ];
+    for (name, solid, load) in parts {
+        let cells = solid.cells();
+        let plate = Support::fixed(Region::plane(2, 0.0));
+        let stresses = solid.solve(1.0, Material::default(), &[plate], &[load]).unwrap().stresses_mpa;
+        let degrees = |field: &LayerField| load_angle(&cells, &stresses, field, 0.1).unwrap().mean.to_degrees();
+        for radius in [0.0, 60.0] {
+            let (platform, rules) = (Platform::under(&cells, radius).unwrap(), Rules::default());
+            let grown = |governor: Option<&_>| {
+                let growth = grow(&cells, &platform, &rules, &GrowthOptions::default(), governor, &go).unwrap();
+                let missed = growth.missed_cells();
+                let field = uniform_field(&cells, &platform, &rules, &growth.order, &missed, &go).unwrap().field;
+                (degrees(&plain_field(&cells, &growth.order).unwrap()), degrees(&field), missed.len(), field)
+            };
+            let (plain, uniform, missed, default) = grown(None);
+            let field = load_field(&cells, &stresses, &default, &FollowOptions::default(), &go).unwrap();
+            let least = field.values.iter().copied().fold(f64::INFINITY, f64::min);
+            let own = field.values.iter().map(|value| value - least).collect();
+            let own = degrees(&LayerField::new(&cells, own, 1.0).unwrap());
+            let (of_plain, of_uniform, of_missed, _) = grown(Some(&field.sheets()));
+            println!(
+                "{name}, platform {radius}: order {plain:.1} -> {of_plain:.1}, uniform {uniform:.1} -> {of_uniform:.1}, field {own:.1}, \
+                 missed {missed} -> {of_missed}"
+            );
+        }
+    }
+}
+
+#[test]
 fn what_is_refused() {
     let solid = Solid::new([3, 3, 3], |_| true);
     let (cells, base) = (solid.cells(), level(&solid));
