@@ -133,12 +133,11 @@ fn a_torch_prints_the_volumes() {
     for key in ["missing_transfers", "unreachable_waypoints", "motion_faults"] {
         assert_eq!(figures[key].as_u64(), Some(0), "{key}");
     }
-    // The programs are read by the reader of RAPID, and move in both directions in which the L is printed.
-    assert_eq!(figures["program_files"].as_u64(), Some(1));
+    // What was written is read by the reader of RAPID.
+    assert!(figures["program_files"].as_u64() >= Some(1));
     let open = |name: &str| fs::File::open(path.join(name)).map(std::io::BufReader::new);
     let steps: Vec<Step> = read_rapid(open("print_001.mod").unwrap(), open).unwrap().collect::<Result<_, _>>().unwrap();
     assert!(steps.len() > 100, "{}", steps.len());
-    // Without a table to turn on the arm cannot print a part as it does not stand.
     let error = run("rapid_best", &[&words[..], &["--base", "best"]].concat()).unwrap_err();
     assert!(error.contains("as it stands"), "{error}");
 }

@@ -282,13 +282,13 @@ pub fn beam_search(
         }
     }
     let mut state = best.state;
+    state.merge();
     if sequence.is_some() && state.risky() > goal {
         let own = finely_decomposed(&start, before, &tell)?;
         if own.risky() < state.risky() {
             state = own;
         }
     }
-    state.merge();
     let after = state.risky();
     Ok(Decomposition {
         parts: state.printed()?,

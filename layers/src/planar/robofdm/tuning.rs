@@ -228,7 +228,6 @@ pub fn tune(
     }
     after[1] = state.risky();
     state = finely_decomposed(&state, before, &tell)?;
-    state.merge();
     after[2] = state.risky();
     Ok(Decomposition { parts: state.printed()?, risky_before_mm2: before, risky_after_phases_mm2: after })
 }
@@ -236,23 +235,33 @@ pub fn tune(
 /// Says what is done, and whether to go on.
 pub(super) type Tell<'a> = dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError> + Sync + 'a;
 
-/// Fine decomposition of a state; where it misses the goal also with each plane refined, if that is better. It may be worse: the best cut
-/// now is not always the best one in the end.
+/// From which halving of the distance of planes on each plane is refined, one way after the other until the goal is reached.
+const REFINED_FROM: [u32; 3] = [u32::MAX, 1, 0];
+
+/// Fine decomposition of a state, merged again; where it misses the goal also with planes refined, and the best result taken. A refined
+/// plane saves more at once, but the best cut now is not always the best one in the end.
 pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
-    let plain = decomposed(state, before, false, tell)?;
-    if plain.risky() <= plain.options.goal * before {
-        return Ok(plain);
+    let mut best: Option<State> = None;
+    for refined_from in REFINED_FROM {
+        let mut next = decomposed(state, before, refined_from, tell)?;
+        next.merge();
+        let risky = next.risky();
+        if best.as_ref().is_none_or(|best| risky < best.risky()) {
+            best = Some(next);
+        }
+        if risky <= state.options.goal * before {
+            break;
+        }
     }
-    let refined = decomposed(state, before, true, tell)?;
-    Ok(if refined.risky() < plain.risky() { refined } else { plain })
+    Ok(best.unwrap_or_else(|| state.clone()))
 }
 
 /// The best cut of one of the riskiest parts, again and again.
-fn decomposed(state: &State, before: f64, refines: bool, tell: &Tell) -> Result<State, RoboFdmError> {
+fn decomposed(state: &State, before: f64, refined_from: u32, tell: &Tell) -> Result<State, RoboFdmError> {
     let (mut state, mut known, mut halvings) = (state.clone(), Promises::new(), 0);
     while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
         tell("cuts", state.nodes.len(), state.options.max_parts)?;
-        if state.cut_finely(&mut known, least_gain(halvings) * before, refines) {
+        if state.cut_finely(&mut known, least_gain(halvings) * before, halvings >= refined_from) {
             continue;
         }
         if halvings == state.options.halvings {
