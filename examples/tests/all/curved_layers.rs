@@ -577,7 +577,7 @@ fn a_block_of_400_mm_is_in_the_way() {
     };
     let (figures, _) = printed("1,45,8,20", 0);
     assert_eq!((&figures["gouging_before"], &figures["check_findings"]), (&0.into(), &0.into()));
-    let (figures, told) = printed("1,45,8,400", 3);
+    let (figures, told) = printed("1,45,2,400", 3);
     assert!(told.contains("paths are left out") && told.contains("paths are not printed"), "{told}");
     assert!(figures["gouging_before"].as_u64().unwrap() > 100 && figures["left_out_mm"].as_f64().unwrap() > 10.0);
     assert_eq!(figures["check_contacts"], 0);
@@ -1133,7 +1133,7 @@ fn gouging_is_told_and_options_decide_the_status() {
     fs::write(&mesh, boxes(&[[[0.0; 3], [12.0, 12.0, 36.0]], [[12.0, 0.0, 24.0], [36.0, 12.0, 36.0]]])).unwrap();
     let printed = |name: &str, more: &[&str]| {
         let out = scratch.path(name);
-        let args = ["--mesh", &mesh, "--cell", "4", "--nozzle", "1,45,8,400", "--quiet", "--out", &out];
+        let args = ["--mesh", &mesh, "--cell", "4", "--nozzle", "1,45,2,400", "--quiet", "--out", &out];
         let output = run(&[&args[..], more].concat());
         let (stderr, notices) = told(&output, &out);
         (output.status.code(), stderr, notices, summary(&out))

@@ -18,7 +18,7 @@ use super::deepest::{Contact, Scene, Stand};
 use super::{Gouge, GougingOptions};
 use crate::surface::orientation::{DirectionHints, ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
@@ -287,7 +287,7 @@ impl Walker<'_> {
     }
 
     /// A waypoint that is stuck with its tip raised by a share of the layer's height, in its own direction or in one that is free up
-    /// there.
+    /// there, as long as that leads up more than aside: the direction wanted is about across the layer.
     fn raised(&mut self, &Step { waypoint, wanted, before, .. }: &Step, share: f64) -> Option<Waypoint> {
         let lift = share * waypoint.height;
         let allowed = self.options.allowed_depth;
@@ -303,7 +303,8 @@ impl Walker<'_> {
                 return None;
             }
         }
-        Some(Waypoint { tip: up(&direction).tip, direction, lift, ..waypoint })
+        let goes_up = angle(&direction, &wanted) <= FRAC_PI_4;
+        goes_up.then(|| Waypoint { tip: up(&direction).tip, direction, lift, ..waypoint })
     }
 
     /// Frees a waypoint that was put between.

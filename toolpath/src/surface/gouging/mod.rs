@@ -54,7 +54,8 @@ pub struct GougingOptions {
     /// the rest of the layer, if fewer are left that way: yes.
     pub cut: bool,
     /// Where no tilt frees the nozzle, its tip may be raised along its direction by so much, in heights of the layer that is printed: a
-    /// half. The bead then lies a little higher there, beside what stands higher. 0 for never, 1 at most.
+    /// half. The bead then lies a little higher there, beside what stands higher. Only where the direction leans by 45 degrees at most from the
+    /// one wanted: farther, the tip would go aside more than up. 0 for never, 1 at most.
     pub max_lift: f64,
     /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
     /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
