@@ -28,6 +28,9 @@ pub fn is_ours(name: &str) -> bool {
 
 pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> Result<(), Failure> {
     let written = |name: &str, moves: &[Move]| -> Result<(), Failure> {
+        if moves.is_empty() {
+            return Ok(());
+        }
         let mut file = Vec::new();
         write_gcode(moves.iter().copied(), &WriteOptions::default(), &mut file)?;
         Ok(folder.write(name, file)?)
@@ -35,18 +38,11 @@ pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> R
     for planned in &run.specimens {
         written(&format!("{}.gcode", planned.specimen.name), &planned.moves)?;
     }
-    if !run.planar.moves.is_empty() {
-        written("arc_planar.gcode", &run.planar.moves)?;
-    }
-    let loaded = [(Tool::Roller, &run.layer.plan.tapes), (Tool::Conductor, &run.wires)];
-    if loaded.iter().any(|(_, tapes)| !tapes.is_empty()) {
-        let head = args.head();
-        let moves = loaded.map(|(tool, tapes)| {
-            head.moves(&LayerTapes { layer: 0, tool, lift: run.layer.lift, tapes: tapes.clone() })
-        });
-        let moves = moves.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
-        written("layer.gcode", &moves)?;
-    }
+    written("arc_planar.gcode", &run.planar.moves)?;
+    let head = args.head();
+    let loaded = [(Tool::Roller, &run.layer.plan.tapes), (Tool::Conductor, &run.wires)]
+        .map(|(tool, tapes)| head.moves(&LayerTapes { layer: 0, tool, lift: run.layer.lift, tapes: tapes.clone() }));
+    written("layer.gcode", &loaded.into_iter().collect::<Result<Vec<_>, _>>()?.concat())?;
     for (name, bytes) in run.moved.iter().flat_map(|moved| &moved.files) {
         folder.write(name, bytes)?;
     }

@@ -170,13 +170,17 @@ fn bad_input_is_told_in_one_line() {
     }
     let loads = ["--load", "59,-inf,-inf,inf,inf,inf:0,0,-20"];
     let error = run("unheld", &[&mesh[..], &loads].concat()).unwrap_err();
-    assert!(error.contains("held") || error.contains("support"), "{error}");
+    assert!(error.contains("no support") && error.contains("hold a region"), "{error}");
     // A radius that no tape meets, or tapes longer than the layer, are no error: an empty plan that says why.
     let (path, _) = run("long", &[&mesh[..], &["--min-length", "66"]].concat()).unwrap();
     let summary = summary(&path);
     assert_eq!(summary["layer_tapes"], 0);
     assert!(summary["layer_empty"].as_str().unwrap().contains("66"));
     assert!(summary.get("angle_to_principal_deg").is_none() && !path.join("layer.gcode").exists());
+    // Longer than every specimen: they get none either, which fails their check.
+    let (path, outcome) = run("longest", &[&mesh[..], &["--min-length", "5000"]].concat()).unwrap();
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)));
+    assert!(path.join("report.html").exists() && !path.join("dumbbell.gcode").exists());
 }
 
 #[test]

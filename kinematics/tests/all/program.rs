@@ -1,12 +1,12 @@
 //! Programs: round trips of every format, golden files, modules, bad steps and bad files, strokes, streams, and the
 //! reference rows of the dome and of configuration data.
 
+use crate::common::files::{Files, to_rapid};
 use crate::common::{arm, miss, reference, rows};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use curvlay_kinematics::program::*;
 use curvlay_kinematics::{JointLimits, robots};
 use proptest::prelude::*;
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::io;
 
@@ -157,31 +157,6 @@ fn finite(steps: &[Step]) -> bool {
         Step::Extruder(_) | Step::Signal { .. } => true,
         Step::FilamentSpeed(mm_s) => mm_s.is_finite(),
     })
-}
-
-type Files = BTreeMap<String, Vec<u8>>;
-
-/// A place in a map of files.
-struct Place<'a>(&'a std::cell::RefCell<Files>, String);
-
-impl io::Write for Place<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.borrow_mut().entry(self.1.clone()).or_default().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-fn to_rapid(
-    steps: impl IntoIterator<Item = Step>,
-    options: &RapidOptions,
-) -> Result<(Files, RapidWritten), WriteError> {
-    let files = std::cell::RefCell::new(Files::new());
-    let written = write_rapid(steps, options, |name| Ok(Place(&files, name.to_owned())))?;
-    Ok((files.into_inner(), written))
 }
 
 fn from_rapid(files: &Files, main: &str) -> Result<(RapidMain, Vec<Step>), ReadError> {

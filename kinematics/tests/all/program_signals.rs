@@ -1,9 +1,8 @@
 //! Signals of a tape head in robot programs: what is written, and what comes back.
 
+use crate::common::files::{Files, to_rapid};
 use curvlay_kinematics::program::*;
 use proptest::prelude::*;
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::io;
 
 fn moved(angle: f64) -> Step {
@@ -15,25 +14,8 @@ fn switch(signal: HeadSignal, on: bool) -> Step {
     Step::Signal { signal, on }
 }
 
-type Files = BTreeMap<String, Vec<u8>>;
-
-struct Place<'a>(&'a RefCell<Files>, String);
-
-impl io::Write for Place<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.borrow_mut().entry(self.1.clone()).or_default().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
 fn rapid(steps: &[Step], options: &RapidOptions) -> Result<Files, WriteError> {
-    let files = RefCell::new(Files::new());
-    write_rapid(steps.iter().copied(), options, |name| Ok(Place(&files, name.to_owned())))?;
-    Ok(files.into_inner())
+    Ok(to_rapid(steps.iter().copied(), options)?.0)
 }
 
 fn script(steps: &[Step], options: &UrScriptOptions) -> Result<String, WriteError> {

@@ -75,7 +75,7 @@ pub enum ElasticError {
         second: f64,
     },
     /// Nothing holds the part.
-    #[error("no support: the loads would move the part away; fix nodes of a region with a `Support`")]
+    #[error("no support: the loads would move the part away; hold a region of it")]
     NoSupport,
     /// Cells that no chain of common faces joins to a supported node.
     #[error(

@@ -2,7 +2,7 @@
 
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_trajectory::print::{
-    OpenCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobotFn, Steered, Waypoint, plan_print,
+    OpenCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintRobotFn, Steered, Waypoint, plan_print,
 };
 use curvlay_trajectory::{Bounds, FreeRange, Posture};
 use std::ops::ControlFlow;
@@ -11,13 +11,13 @@ fn limits() -> PrintLimits<4> {
     PrintLimits::of(Bounds { velocity: [3.0; 4], acceleration: [10.0; 4], jerk: [100.0; 4], ..Bounds::NONE })
 }
 
-/// Two lines of 20 mm on three linear axes, 10 mm a radian, with a tool that turns.
-fn plan() -> PrintPlan<4, 1> {
-    let joints = |waypoint: &Waypoint, turn: f64| {
+/// Three linear axes, 10 mm a radian, with a tool that turns.
+fn robot() -> impl PrintRobot<4, 1> {
+    fn joints(waypoint: &Waypoint, turn: f64) -> [f64; 4] {
         let p = waypoint.position / 10.0;
         [p.x, p.y, p.z, turn]
-    };
-    let robot = PrintRobotFn {
+    }
+    PrintRobotFn {
         free: [FreeRange::Turn],
         solutions: |w: &Waypoint, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 4])| each(0, joints(w, free[0])),
         posture: |w: &Waypoint, free: &[f64; 1], _: u32| {
@@ -25,7 +25,12 @@ fn plan() -> PrintPlan<4, 1> {
         },
         nozzle: |q: &[f64; 4]| Some(Isometry3::new(10.0 * Vector3::new(q[0], q[1], q[2]), Vector3::z() * q[3])),
         continued: |w: &Waypoint, _: &[f64; 1], turn: f64, near: &[f64; 4]| Some(joints(w, near[3] + turn)),
-    };
+    }
+}
+
+/// Two lines of 20 mm.
+fn plan() -> PrintPlan<4, 1> {
+    let robot = robot();
     let line = |z: f64| {
         let at = |k: u32| Waypoint { position: Point3::new(f64::from(k), 0.0, z), axis: Vector3::z_axis() };
         (0..=20).map(at).collect::<Vec<_>>()
@@ -75,19 +80,7 @@ fn limits_of_joints_alone() {
 /// A tool that looks along a curved path: at every knot its turn is the heading, but for the slack.
 #[test]
 fn a_steered_tool_keeps_its_heading() {
-    let joints = |waypoint: &Waypoint, turn: f64| {
-        let p = waypoint.position / 10.0;
-        [p.x, p.y, p.z, turn]
-    };
-    let robot = PrintRobotFn {
-        free: [FreeRange::Turn],
-        solutions: |w: &Waypoint, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 4])| each(0, joints(w, free[0])),
-        posture: |w: &Waypoint, free: &[f64; 1], _: u32| {
-            Some(Posture { joints: joints(w, free[0]), rates: [[0.0, 0.0, 0.0, 1.0]] })
-        },
-        nozzle: |q: &[f64; 4]| Some(Isometry3::new(10.0 * Vector3::new(q[0], q[1], q[2]), Vector3::z() * q[3])),
-        continued: |w: &Waypoint, free: &[f64; 1], turn: f64, _: &[f64; 4]| Some(joints(w, free[0] + turn)),
-    };
+    let robot = robot();
     // A quarter of a circle of 20 mm: the tangent at an angle is a quarter turn ahead.
     let at = |angle: f64| Waypoint {
         position: Point3::new(20.0 * angle.cos(), 20.0 * angle.sin(), 1.0),

@@ -1,5 +1,6 @@
 //! What several test files share: robots by name, reference rows, joints and poses to compare.
 
+pub mod files;
 pub mod solids;
 
 use curvlay_kinematics::nalgebra::{Isometry3, Matrix4};

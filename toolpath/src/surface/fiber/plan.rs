@@ -511,7 +511,7 @@ impl Planner<'_> {
             normal: self.layer.normal(&at),
             along: (from.along * (1.0 - share) + to.along * share).try_normalize(0.0).unwrap_or(from.along),
             arc: mix(from.arc, to.arc),
-            radius: if from.radius < to.radius { from.radius } else { to.radius }.max(self.options.min_radius),
+            radius: from.radius.min(to.radius),
         }
     }
 

@@ -295,16 +295,20 @@ impl Walker<'_> {
             let tip = waypoint.tip + direction.into_inner() * lift;
             Stand { tip, before, allowed }
         };
+        let scene = self.scene;
+        let sound = |direction: &UnitVector3<f64>, stack: &mut _| {
+            let goes_up = angle(direction, &wanted) <= FRAC_PI_4;
+            goes_up && scene.is_free(up(direction), direction, stack)
+        };
         let mut direction = waypoint.direction;
-        if !self.scene.is_free(up(&direction), &direction, &mut self.stack) {
+        if !sound(&direction, &mut self.stack) {
             direction = self.least_tilt_or_known(up(&direction), wanted)?;
             // The tip goes up along this one instead.
-            if !self.scene.is_free(up(&direction), &direction, &mut self.stack) {
+            if !sound(&direction, &mut self.stack) {
                 return None;
             }
         }
-        let goes_up = angle(&direction, &wanted) <= FRAC_PI_4;
-        goes_up.then(|| Waypoint { tip: up(&direction).tip, direction, lift, ..waypoint })
+        Some(Waypoint { tip: up(&direction).tip, direction, lift, ..waypoint })
     }
 
     /// Frees a waypoint that was put between.
