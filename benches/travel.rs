@@ -121,7 +121,7 @@ fn lines() -> Vec<ToolPath> {
             height: HEIGHT,
             arc,
             added: false,
-            lift: 0.0,
+            lift: Vector3::zeros(),
             kind: BeadKind::Wall,
         };
         let layer = (WALL[0] + layer) as u32;

@@ -139,7 +139,7 @@ fn follow(
         angle,
         solved: None,
         plan_time,
-        lift: 0.0,
+        lift: Vector3::zeros(),
     })
 }
 

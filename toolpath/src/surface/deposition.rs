@@ -172,7 +172,7 @@ impl Deposition {
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
     /// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit};
     /// let direction = Vector3::z_axis();
-    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: 0.0, kind: BeadKind::Wall };
+    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0), at(30.0)] };
     /// let plan = deposit(&[path], &DepositionOptions::default())?;
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
@@ -202,7 +202,7 @@ impl Deposition {
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
     /// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit};
     /// let direction = Vector3::z_axis();
-    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: 0.0, kind: BeadKind::Wall };
+    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
     /// let mut plan = deposit(&[path], &DepositionOptions::default())?;
     /// plan.retime([(0, 1, 2.0)]);
@@ -427,7 +427,7 @@ impl Planner<'_> {
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit};
 /// // 10 mm of a bead of 0.8 by 0.5 mm.
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false, lift: 0.0, kind: BeadKind::Wall };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let plan = deposit(&[path], &DepositionOptions::default())?;
 /// assert!((plan.extruded_mm3 - 4.0).abs() < 1e-12);
@@ -456,7 +456,7 @@ pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposi
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::surface::{BeadKind, DepositionOptions, Pose, ToolPath, Waypoint, deposit_along};
 /// let direction = Vector3::z_axis();
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: 0.0, kind: BeadKind::Wall };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
 /// let path = |from, to| ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(from), at(to)] };
 /// let above = |x| Pose { tip: Point3::new(x, 0.0, 3.5), direction: Vector3::z_axis() };
 /// let ways = [Vec::new(), vec![above(10.0), above(20.0)]];

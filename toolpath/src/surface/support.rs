@@ -163,7 +163,7 @@ pub enum SupportError {
 /// use std::ops::ControlFlow;
 /// // A bead of 20 mm at the top of the first layer, and one of 30 mm on it that goes on into the air.
 /// let at = |x, z| Waypoint {
-///     tip: Point3::new(x, 0.0, z), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: 0.0, kind: BeadKind::Wall,
+///     tip: Point3::new(x, 0.0, z), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
 /// };
 /// let path = |layer, [from, to]: [f64; 2], z| ToolPath {
 ///     layer, curve: 0, closed: false, waypoints: vec![at(from, z), at(to, z)],

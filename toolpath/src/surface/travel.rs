@@ -148,7 +148,7 @@ impl LayerStack<'_> {
     /// let line = |x: [f64; 2]| {
     ///     let (direction, added) = (Vector3::z_axis(), false);
     ///     let tip = |x| Point3::new(x, 10.0, 0.8);
-    ///     let at = |x, arc| Waypoint { tip: tip(x), direction, width: 0.8, height: 0.8, arc, added, lift: 0.0, kind: BeadKind::Wall };
+    ///     let at = |x, arc| Waypoint { tip: tip(x), direction, width: 0.8, height: 0.8, arc, added, lift: Vector3::zeros(), kind: BeadKind::Wall };
     ///     ToolPath { layer: 1, curve: 0, closed: false, waypoints: vec![at(x[0], 0.0), at(x[1], 5.0)] }
     /// };
     /// let (nozzle, options) = (Nozzle::default(), TravelOptions::default());

@@ -24,7 +24,7 @@ use std::io::{self, BufWriter, Write};
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::surface::{BeadKind, ToolPath, Waypoint, write_paths_vtp};
 /// let (direction, kind) = (Vector3::z_axis(), BeadKind::Wall);
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.3), direction, width: 0.5, height: 0.3, arc: x, added: false, lift: 0.0, kind };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.3), direction, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let mut file = Vec::new();
 /// write_paths_vtp(&[path], &[], &mut file)?;

@@ -21,7 +21,7 @@ fn waypoint(x: f64, lean: f64, width: f64, height: f64) -> Waypoint {
         height,
         arc: x,
         added: false,
-        lift: 0.0,
+        lift: Vector3::zeros(),
         kind: BeadKind::Wall,
     }
 }

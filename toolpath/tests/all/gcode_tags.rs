@@ -88,7 +88,7 @@ fn moves_of_a_plan_are_marked() {
         height: 0.3,
         arc: x,
         added: false,
-        lift: 0.0,
+        lift: Vector3::zeros(),
         kind,
     };
     let (wall, solid) = (BeadKind::Wall, BeadKind::Solid);

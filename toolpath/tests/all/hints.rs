@@ -73,7 +73,7 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
         height: 0.8,
         arc: x,
         added: false,
-        lift: 0.0,
+        lift: Vector3::zeros(),
         kind: BeadKind::Solid,
     };
     let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: [1.0, 5.0, 9.0].map(at).to_vec() };

@@ -178,7 +178,7 @@ fn a_sandwich_in_a_machine_file() {
         height,
         arc: x,
         added: false,
-        lift: 0.0,
+        lift: Vector3::zeros(),
         kind,
     };
     let path = |layer: u32| {

@@ -38,7 +38,7 @@ fn arrays_hold_what_is_printed() {
         height: 0.25,
         arc: x,
         added: false,
-        lift: 0.0,
+        lift: Vector3::zeros(),
         kind,
     };
     let path = |layer, waypoints| ToolPath { layer, curve: 0, closed: false, waypoints };

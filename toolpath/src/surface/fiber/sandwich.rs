@@ -134,7 +134,7 @@ pub fn sandwich(layers: u32, options: &SandwichOptions) -> Result<Vec<SandwichLa
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::surface::{BeadKind, SandwichOptions, ToolPath, Waypoint, raise, sandwich};
 /// let direction = Vector3::z_axis();
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 1.2), direction, width: 0.8, height: 0.6, arc: x, added: false, lift: 0.0, kind: BeadKind::Solid };
+/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 1.2), direction, width: 0.8, height: 0.6, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
 /// let mut paths = [ToolPath { layer: 1, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] }];
 /// raise(&mut paths, &sandwich(3, &SandwichOptions { offset: 0.08, ..SandwichOptions::default() })?)?;
 /// assert!((paths[0].waypoints[1].tip.z - 1.28).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! Freed directions along a path, smooth.
 //!
 //! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there. What decides whether a path is printed from its start or its end is known after this
-//!    step; all others are done once. The tip of a waypoint that no tilt frees is raised along its direction, as little as frees it; it turns
+//!    step; all others are done once. The tip of a waypoint that no tilt frees is raised along the direction wanted, as little as frees it; it turns
 //!    no more. Where the limit leaves no such height, it gets the direction that is least deep.
 //! 2. Where neighbours then differ by more than the limit, one is turned toward the other, on along the path until the
 //!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
@@ -15,10 +15,11 @@
 
 use super::built::{after, before};
 use super::deepest::{Contact, Scene, Stand};
+use super::tilt::Points;
 use super::{Gouge, GougingOptions};
 use crate::surface::orientation::{DirectionHints, ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
-use nalgebra::{Unit, UnitVector3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use nalgebra::{Unit, UnitVector3, Vector3};
+use std::f64::consts::FRAC_PI_2;
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
@@ -87,6 +88,8 @@ struct Walker<'a> {
     hints: &'a DirectionHints,
     steps: Vec<Step>,
     stack: Vec<(f64, u32)>,
+    /// What searches for a tilt found.
+    points: Points,
     /// What is near a way.
     near: Vec<u32>,
 }
@@ -140,8 +143,6 @@ impl<'a> Tilted<'a> {
             for k in 0..given {
                 if walker.steps[k].stuck && !walker.raise(k) {
                     walker.sink(k);
-                    // From that direction, another way up.
-                    walker.raise(k);
                 }
             }
             for _ in 0..INSERTIONS {
@@ -179,7 +180,7 @@ impl Step {
 
     /// Whether its direction stays as it is.
     fn is_fixed(&self) -> bool {
-        self.stuck || self.waypoint.lift > 0.0
+        self.stuck || self.waypoint.lift != Vector3::zeros()
     }
 }
 
@@ -194,7 +195,7 @@ impl<'a> Walker<'a> {
         let before = before(&path.waypoints, start);
         let steps = path.waypoints.iter().zip(before).enumerate();
         let steps = steps.map(|(k, (&waypoint, before))| Step::new(waypoint, before, Some(k))).collect();
-        Walker { scene, options, hints, steps, stack: Vec::new(), near: Vec::new() }
+        Walker { scene, options, hints, steps, stack: Vec::new(), points: Points::default(), near: Vec::new() }
     }
 }
 
@@ -209,7 +210,7 @@ impl Walker<'_> {
     }
 
     fn least_tilt(&mut self, k: usize, wanted: UnitVector3<f64>, limit: f64) -> Option<UnitVector3<f64>> {
-        self.scene.least_tilt(self.stand(k), wanted, limit, &mut self.stack)
+        self.scene.least_tilt(self.stand(k), wanted, limit, &mut self.points, &mut self.stack)
     }
 
     /// Step 1. The way to a waypoint and both its ends share one look, and a way that is free is not looked at again in step 6.
@@ -286,29 +287,14 @@ impl Walker<'_> {
         true
     }
 
-    /// A waypoint that is stuck with its tip raised by a share of the layer's height, in its own direction or in one that is free up
-    /// there, as long as that leads up more than aside: the direction wanted is about across the layer.
+    /// A waypoint that is stuck with its tip raised by a share of the layer's height, across the layer, in its own direction or in one
+    /// that is free up there.
     fn raised(&mut self, &Step { waypoint, wanted, before, .. }: &Step, share: f64) -> Option<Waypoint> {
-        let lift = share * waypoint.height;
-        let allowed = self.options.allowed_depth;
-        let up = |direction: &UnitVector3<f64>| {
-            let tip = waypoint.tip + direction.into_inner() * lift;
-            Stand { tip, before, allowed }
-        };
-        let scene = self.scene;
-        let sound = |direction: &UnitVector3<f64>, stack: &mut _| {
-            let goes_up = angle(direction, &wanted) <= FRAC_PI_4;
-            goes_up && scene.is_free(up(direction), direction, stack)
-        };
-        let mut direction = waypoint.direction;
-        if !sound(&direction, &mut self.stack) {
-            direction = self.least_tilt_or_known(up(&direction), wanted)?;
-            // The tip goes up along this one instead.
-            if !sound(&direction, &mut self.stack) {
-                return None;
-            }
-        }
-        Some(Waypoint { tip: up(&direction).tip, direction, lift, ..waypoint })
+        let lift = wanted.into_inner() * (share * waypoint.height);
+        let stand = Stand { tip: waypoint.tip + lift, before, allowed: self.options.allowed_depth };
+        let is_free = self.scene.is_free(stand, &waypoint.direction, &mut self.stack);
+        let direction = if is_free { waypoint.direction } else { self.least_tilt_or_known(stand, wanted)? };
+        Some(Waypoint { tip: stand.tip, direction, lift, ..waypoint })
     }
 
     /// Frees a waypoint that was put between.
@@ -322,9 +308,9 @@ impl Walker<'_> {
 
     /// The free direction nearest to the one wanted; where all are too far from that, the one nearest to the direction known for the place.
     fn least_tilt_or_known(&mut self, stand: Stand, wanted: UnitVector3<f64>) -> Option<UnitVector3<f64>> {
-        let limit = self.options.max_tilt;
-        let known = |stack: &mut _| self.scene.least_tilt(stand, self.hints.at(stand.tip)?, limit, stack);
-        self.scene.least_tilt(stand, wanted, limit, &mut self.stack).or_else(|| known(&mut self.stack))
+        let mut from =
+            |wanted| self.scene.least_tilt(stand, wanted, self.options.max_tilt, &mut self.points, &mut self.stack);
+        from(wanted).or_else(|| from(self.hints.at(stand.tip)?))
     }
 
     fn turn(&self, k: usize, other: usize) -> f64 {

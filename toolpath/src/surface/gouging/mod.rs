@@ -53,9 +53,8 @@ pub struct GougingOptions {
     /// Whether a path may be cut where only beads of its own layer close a waypoint in, and the piece around it laid before
     /// the rest of the layer, if fewer are left that way: yes.
     pub cut: bool,
-    /// Where no tilt frees the nozzle, its tip may be raised along its direction by so much, in heights of the layer that is printed: a
-    /// half. The bead then lies a little higher there, beside what stands higher. Only where the direction leans by 45 degrees at most from the
-    /// one wanted: farther, the tip would go aside more than up. 0 for never, 1 at most.
+    /// Where no tilt frees the nozzle, its tip may be raised along the direction wanted, which is about across the layer, by so much, in
+    /// heights of the layer that is printed: a half. The bead then lies a little higher there, beside what stands higher. 0 for never, 1 at most.
     pub max_lift: f64,
     /// Where the nozzle would be deeper than this in a layer, in heights of the layer that is printed, however it is tilted, that
     /// piece of the path is left out: 1. A machine would not scratch what is built, but run into it. Infinite for never.
@@ -344,9 +343,10 @@ impl LayerStack<'_> {
                 resolved.max_tilt = resolved.max_tilt.max(tilt);
                 resolved.mean_tilt += tilt;
             }
-            for waypoint in done.waypoints.iter().filter(|waypoint| waypoint.lift > 0.0 && !waypoint.added) {
+            let lifts = done.waypoints.iter().filter(|waypoint| !waypoint.added).map(|waypoint| waypoint.lift.norm());
+            for lift in lifts.filter(|&lift| lift > 0.0) {
                 resolved.lifted += 1;
-                resolved.max_lift = resolved.max_lift.max(waypoint.lift);
+                resolved.max_lift = resolved.max_lift.max(lift);
             }
             let mut left: Vec<Gouge> = done.left.into_iter().map(|(_, gouge)| Gouge { path: k, ..gouge }).collect();
             left.sort_by_key(|gouge| gouge.waypoint);

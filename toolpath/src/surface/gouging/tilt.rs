@@ -14,10 +14,14 @@
 //! tilt frees: that is proven, too.
 //!
 //! Caps keep one of [`SLACKS`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
-//! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last. Points found with the first
-//! slack are known to the second.
+//! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last.
+//!
+//! Nearly all the time goes into step 2. But a point that lacks clearance here mostly lacks it at the next waypoint, in the next
+//! round of slack, and where the tip is raised a little: so points found are kept for a while ([`Points`]) and asked first.
+//! A place that is closed is mostly proven so by them alone.
 
 use super::deepest::{Scene, Stand, Worst};
+use super::nozzle::Nozzle;
 use crate::surface::orientation::angle;
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::PI;
@@ -28,6 +32,9 @@ const SLACKS: [f64; 2] = [0.02, 0.002];
 
 /// Rounds after which the search gives up. On real parts it takes 3 in the median and 12 at most.
 const ROUNDS: usize = 120;
+
+/// So many points of earlier searches are kept, then half as many.
+const MOST_POINTS: usize = 64;
 
 /// A direction this far into a cap, by its cosine, is on its circle.
 const ON_CIRCLE: f64 = 1e-10;
@@ -116,27 +123,56 @@ impl Candidates {
     }
 }
 
+/// Points that lacked clearance in earlier searches, each with the stand that it was found at.
+#[derive(Debug, Default)]
+pub(super) struct Points(Vec<(Stand, Worst)>);
+
+impl Points {
+    fn keep(&mut self, stand: Stand, worst: Worst) {
+        if self.0.len() == MOST_POINTS {
+            self.0.drain(..MOST_POINTS / 2);
+        }
+        self.0.push((stand, worst));
+    }
+
+    /// The one that lacks most clearance. What was built at its stand is built at a later one, and sheets are where they were if as much
+    /// is allowed.
+    fn worst(&self, nozzle: &Nozzle, stand: Stand, direction: &UnitVector3<f64>) -> Option<Worst> {
+        let is_there = |found: &Stand| found.before <= stand.before && found.allowed.total_cmp(&stand.allowed).is_eq();
+        let lack = |worst: &Worst| {
+            let to_point = worst.point - stand.tip;
+            let z = to_point.dot(direction);
+            let rho = (to_point - direction.into_inner() * z).norm();
+            nozzle.clearance(z, rho) - stand.clearance(worst.height)
+        };
+        let there = self.0.iter().filter(|(found, _)| is_there(found)).map(|(_, worst)| (lack(worst), worst));
+        let (lack, worst) = there.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (lack < 0.0).then_some(Worst { lack, ..*worst })
+    }
+}
+
 impl Scene<'_> {
-    /// The free direction nearest to `wanted`, if there is one within `limit`.
-    pub fn least_tilt(
+    /// The free direction nearest to `wanted`, if there is one within `limit`; `points` are those of earlier searches on the same
+    /// path, to which it adds.
+    pub(super) fn least_tilt(
         &self,
         stand: Stand,
         wanted: UnitVector3<f64>,
         limit: f64,
+        points: &mut Points,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
-        let mut bad = Vec::new();
-        SLACKS.iter().find_map(|&slack| self.exchange(stand, wanted, limit, slack, &mut bad, stack))
+        SLACKS.iter().find_map(|&slack| self.exchange(stand, wanted, limit, slack, points, stack))
     }
 
-    /// The search with caps that keep `slack`; `bad` are points that lack clearance in some direction, to which it adds.
+    /// The search with caps that keep `slack`.
     fn exchange(
         &self,
         stand: Stand,
         wanted: UnitVector3<f64>,
         limit: f64,
         slack: f64,
-        bad: &mut Vec<Worst>,
+        points: &mut Points,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
         let cap = |bad: &Worst| {
@@ -149,16 +185,17 @@ impl Scene<'_> {
             let lean = self.nozzle.plate_lean(self.over_plate(stand))?;
             candidates.take(Cap::new(-Vector3::z_axis(), PI - lean));
         }
-        for worst in &*bad {
-            candidates.take(cap(worst)?);
-        }
         for _ in 0..ROUNDS {
             let direction = candidates.best()?;
-            let Some(worst) = self.bad(stand, &direction, stack) else {
-                return Some(direction);
+            let worst = match points.worst(self.nozzle, stand, &direction) {
+                Some(worst) => worst,
+                None => {
+                    let Some(worst) = self.bad(stand, &direction, stack) else { return Some(direction) };
+                    points.keep(stand, worst);
+                    worst
+                }
             };
             candidates.take(cap(&worst)?);
-            bad.push(worst);
         }
         None
     }

@@ -23,7 +23,7 @@ use super::parallel;
 use super::stack::LayerStack;
 use crate::Progress;
 pub use hints::{DirectionHints, HintError};
-use nalgebra::{Point3, UnitVector3};
+use nalgebra::{Point3, UnitVector3, Vector3};
 use resample::Line;
 pub(super) use smooth::{ROUNDING, along, angle, between, part_way};
 use std::ops::ControlFlow;
@@ -93,9 +93,9 @@ pub struct Waypoint {
     pub arc: f64,
     /// Whether it is no sample of the curve, but was put between two of them so that neighbours turn less.
     pub added: bool,
-    /// How far the tip is raised from the top of the bead, along the direction, in millimetres: 0 but where the nozzle would be too
-    /// deep in what is built however it stood ([`super::GougingOptions::max_lift`]).
-    pub lift: f64,
+    /// From the top of the bead to the tip, in millimetres: 0 but where the nozzle would be too deep in what is built however it
+    /// stood, and the tip is raised across the layer ([`super::GougingOptions::max_lift`]).
+    pub lift: Vector3<f64>,
     /// What the bead is for here.
     pub kind: BeadKind,
 }
@@ -103,7 +103,7 @@ pub struct Waypoint {
 impl Waypoint {
     /// The top of the bead: the tip where it is not raised.
     pub fn bead_top(&self) -> Point3<f64> {
-        if self.lift > 0.0 { self.tip - self.direction.into_inner() * self.lift } else { self.tip }
+        self.tip - self.lift
     }
 }
 
@@ -148,7 +148,7 @@ impl Turns {
     /// ```
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
     /// use curvlay_toolpath::surface::{BeadKind, ToolPath, Turns, Waypoint};
-    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false, lift: 0.0, kind: BeadKind::Wall };
+    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
     /// let waypoints = [Vector3::z_axis(), Vector3::z_axis(), Vector3::x_axis()].map(waypoint).to_vec();
     /// let turns = Turns::of(&[ToolPath { layer: 0, curve: 0, closed: false, waypoints }]);
     /// assert_eq!((turns.steps, turns.largest.to_degrees(), turns.mean.to_degrees()), (2, 90.0, 45.0));
@@ -375,7 +375,7 @@ impl LayerStack<'_> {
                 height: ground.height,
                 arc,
                 added: false,
-                lift: 0.0,
+                lift: Vector3::zeros(),
                 kind,
             });
         }

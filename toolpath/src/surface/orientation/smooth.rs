@@ -68,7 +68,7 @@ pub(in crate::surface) fn part_way(from: &Waypoint, to: &Waypoint, share: f64) -
         height: mix(from.height, to.height),
         arc: mix(from.arc, to.arc),
         added: true,
-        lift: mix(from.lift, to.lift),
+        lift: from.lift.lerp(&to.lift, share),
         kind: to.kind,
     })
 }

@@ -95,7 +95,7 @@ pub fn path(layer: u32, waypoints: &[(Point3<f64>, Vector3<f64>)]) -> ToolPath {
             height: 0.8,
             arc,
             added: false,
-            lift: 0.0,
+            lift: Vector3::zeros(),
             kind: BeadKind::Wall,
         }
     };
