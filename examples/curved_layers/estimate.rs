@@ -8,8 +8,10 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_toolpath::surface::{PrintOptions, StatisticsOptions};
 
-/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up: a cell of the part, with its share of the
-/// surfaces; a cell of the grid; a point of a curve before it is simplified; a waypoint of the machine file, and one of a motion.
+/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions.md): a cell of the part without
+/// surfaces, and with its share of them; a cell of the grid; a point of a curve before it is simplified; a waypoint of the machine file, and one
+/// of a motion.
+const FIELD_CELL: f64 = 100.0;
 const PART_CELL: f64 = 3000.0;
 const GRID_CELL: f64 = 40.0;
 const CURVE_POINT: f64 = 500.0;
@@ -39,10 +41,11 @@ impl Memory {
         )))
     }
 
-    /// The cells of a part and their layers.
-    pub fn holds_cells(self, dims: [u32; 3], cells: usize) -> Result<(), Failure> {
+    /// The cells of a part and their order, with surfaces or without.
+    pub fn holds_cells(self, dims: [u32; 3], cells: usize, has_surfaces: bool) -> Result<(), Failure> {
         let grid = dims.iter().map(|&side| f64::from(side)).product::<f64>();
-        let bytes = PART_CELL * cells as f64 + GRID_CELL * grid;
+        let each = if has_surfaces { PART_CELL } else { FIELD_CELL };
+        let bytes = each * cells as f64 + GRID_CELL * grid;
         let advice = |share: f64| format!("--voxels {:.0} would fit", (cells as f64 * share).floor());
         self.holds(bytes, &format!("{cells} cells in a grid of {grid:.0}"), advice)
     }
