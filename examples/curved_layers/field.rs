@@ -1,6 +1,6 @@
 //! Stage `field`: cells, growth, audit. A field that an earlier run has saved takes the place of the growth.
 
-use crate::estimate::Memory;
+use crate::estimate::{self, Memory};
 use crate::failure;
 use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
@@ -9,8 +9,8 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, Neighbours,
-    NoSupport, Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle, check_impossible, layer_quality,
-    prove_impossible,
+    NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle, check_impossible,
+    layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -156,9 +156,15 @@ pub fn run(
     let (solid, voxelise_time) =
         timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));
     let solid = solid.map_err(|error| of_part(&error))?;
-    // The best strategy makes surfaces to choose, where cells are missed.
-    let has_surfaces = surfaces.is_some() || (saved.is_none() && options.strategy.is_none());
-    memory.holds_cells(solid.grid.dims(), solid.grid.count(), has_surfaces)?;
+    let by_hulls = options.complete.nozzle == NozzleUse::Off && options.complete.support.is_none();
+    let made = match (surfaces, &saved, options.strategy) {
+        (None, Some(_), _) => estimate::Made::CompleteOrder,
+        (None, None, Some(_)) if by_hulls => estimate::Made::OrderByHulls,
+        (None, None, Some(_)) => estimate::Made::CompleteOrder,
+        // The best strategy makes surfaces to choose, where cells are missed.
+        _ => estimate::Made::Surfaces,
+    };
+    memory.holds_cells(solid.grid.dims(), solid.grid.count(), made)?;
     let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
     let thin = thin.map_err(|error| of_part(&error))?;
 

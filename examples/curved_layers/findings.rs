@@ -125,12 +125,12 @@ fn missed_in_words(run: &FieldRun, args: &Args) -> String {
         run.missed_by_hull.len(),
         run.impossible.len(),
         run.undecided(),
-        ways_out(run, args, out_of_reach)
+        ways_out(run, args, [inside, out_of_reach])
     )
 }
 
-/// What to do about missed cells.
-fn ways_out(run: &FieldRun, args: &Args, out_of_reach: usize) -> String {
+/// What to do about missed cells, of which so many lie inside the hull, and out of reach of the nozzle.
+fn ways_out(run: &FieldRun, args: &Args, [inside, out_of_reach]: [usize; 2]) -> String {
     let support = match run.no_support {
         Some(NoSupport::Forbidden) => "--support auto builds them on columns (it is off)",
         Some(NoSupport::NoPlace) => "support finds no place below them",
@@ -141,7 +141,7 @@ fn ways_out(run: &FieldRun, args: &Args, out_of_reach: usize) -> String {
     };
     let (nozzle_growth, _) = args.complete.with_strategy(args.grow.strategy().is_none());
     let nozzle = match nozzle_growth {
-        NozzleGrowth::Off => "--nozzle-growth after builds what the nozzle reaches (it is off)",
+        NozzleGrowth::Off if inside > 0 => "--nozzle-growth after builds what the nozzle reaches (it is off)",
         _ if out_of_reach > 0 => "a slimmer --nozzle reaches more",
         _ => "",
     };
