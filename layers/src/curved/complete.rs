@@ -149,7 +149,7 @@ impl Workpiece<'_> {
     /// [`LayersError`]. Cells that are missed all the same are no error: they are listed in the growth.
     ///
     /// # Cost
-    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`] as well.
+    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`](super::add_support) as well.
     pub fn complete_order(
         &self,
         strategy: Option<Strategy>,
