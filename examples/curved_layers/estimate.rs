@@ -8,10 +8,14 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_toolpath::surface::{PrintOptions, StatisticsOptions};
 
-/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up: a cell of the part, with its share of the
-/// surfaces; a cell of the grid; a point of a curve before it is simplified; a waypoint of the machine file, and one of a motion.
-const PART_CELL: f64 = 3000.0;
-const GRID_CELL: f64 = 40.0;
+/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions.md): a cell of the part in an order by the
+/// hull rule alone, in one that the nozzle or support completes, and with its share of the surfaces; a cell of the grid without surfaces and
+/// with them; a point of a curve before it is simplified; a waypoint of the machine file, and one of a motion.
+const HULL_CELL: f64 = 50.0;
+const COMPLETE_CELL: f64 = 800.0;
+const SURFACE_CELL: f64 = 3000.0;
+const FIELD_GRID_CELL: f64 = 30.0;
+const SURFACE_GRID_CELL: f64 = 40.0;
 const CURVE_POINT: f64 = 500.0;
 const WAYPOINT: f64 = 1000.0;
 const MOTION_WAYPOINT: f64 = 6000.0;
@@ -21,6 +25,17 @@ const CROSSINGS: f64 = 3.0;
 
 /// Samples of a layer by area and bead: beads are up to a quarter narrower than wanted, or wider.
 const SAMPLES: f64 = 1.25;
+
+/// What is made of cells before there are paths.
+#[derive(Clone, Copy, Debug)]
+pub enum Made {
+    /// Their order by the hull rule.
+    OrderByHulls,
+    /// Their order, completed by the nozzle or with support.
+    CompleteOrder,
+    /// Surfaces: of the layers, or to choose between two orders.
+    Surfaces,
+}
 
 /// Memory in gigabytes that a stage may take.
 #[derive(Clone, Copy, Debug)]
@@ -39,10 +54,15 @@ impl Memory {
         )))
     }
 
-    /// The cells of a part and their layers.
-    pub fn holds_cells(self, dims: [u32; 3], cells: usize) -> Result<(), Failure> {
+    /// The cells of a part, and what is made of them first.
+    pub fn holds_cells(self, dims: [u32; 3], cells: usize, made: Made) -> Result<(), Failure> {
         let grid = dims.iter().map(|&side| f64::from(side)).product::<f64>();
-        let bytes = PART_CELL * cells as f64 + GRID_CELL * grid;
+        let (of_part, of_grid) = match made {
+            Made::OrderByHulls => (HULL_CELL, FIELD_GRID_CELL),
+            Made::CompleteOrder => (COMPLETE_CELL, FIELD_GRID_CELL),
+            Made::Surfaces => (SURFACE_CELL, SURFACE_GRID_CELL),
+        };
+        let bytes = of_part * cells as f64 + of_grid * grid;
         let advice = |share: f64| format!("--voxels {:.0} would fit", (cells as f64 * share).floor());
         self.holds(bytes, &format!("{cells} cells in a grid of {grid:.0}"), advice)
     }

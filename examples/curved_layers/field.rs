@@ -1,6 +1,6 @@
 //! Stage `field`: cells, growth, audit. A field that an earlier run has saved takes the place of the growth.
 
-use crate::estimate::Memory;
+use crate::estimate::{self, Memory};
 use crate::failure;
 use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
@@ -9,8 +9,8 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, Neighbours,
-    Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle, check_impossible, layer_quality,
-    prove_impossible,
+    NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle, check_impossible,
+    layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -77,6 +77,8 @@ pub struct FieldRun {
     /// The cells that are support, by rising number, and what straight columns would take.
     pub support: Vec<u32>,
     pub straight_cells: usize,
+    /// Why there is no support where cells are missed; a saved field does not say.
+    pub no_support: Option<NoSupport>,
     /// Those of the missed ones by the hull rule that no order can build, and whether the proofs hold.
     pub impossible: Vec<Impossible>,
     pub proofs: Result<(), ProofError>,
@@ -154,7 +156,15 @@ pub fn run(
     let (solid, voxelise_time) =
         timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));
     let solid = solid.map_err(|error| of_part(&error))?;
-    memory.holds_cells(solid.grid.dims(), solid.grid.count())?;
+    let by_hulls = options.complete.nozzle == NozzleUse::Off && options.complete.support.is_none();
+    let made = match (surfaces, &saved, options.strategy) {
+        (None, Some(_), _) => estimate::Made::CompleteOrder,
+        (None, None, Some(_)) if by_hulls => estimate::Made::OrderByHulls,
+        (None, None, Some(_)) => estimate::Made::CompleteOrder,
+        // The best strategy makes surfaces to choose, where cells are missed.
+        _ => estimate::Made::Surfaces,
+    };
+    memory.holds_cells(solid.grid.dims(), solid.grid.count(), made)?;
     let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
     let thin = thin.map_err(|error| of_part(&error))?;
 
@@ -192,7 +202,7 @@ pub fn run(
     let complete = &options.complete;
     let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
     clock.note("grow", 0);
-    let (mut support, mut straight_cells) = (Vec::new(), 0);
+    let (mut support, mut straight_cells, mut no_support) = (Vec::new(), 0, None);
     let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
         support.clone_from(&saved.aids.support);
@@ -215,6 +225,7 @@ pub fn run(
     } else {
         let order =
             workpiece.complete_order(options.strategy, height_mm, complete, &progress).map_err(layers_failed)?;
+        no_support = order.no_support;
         if let Some(supported) = &order.supported {
             (support, straight_cells) = (supported.support.clone(), supported.straight_cells);
         }
@@ -229,7 +240,7 @@ pub fn run(
                 let CompletePart { layered, support, .. } = made.map_err(layers_failed)?;
                 (layered.growth.clone(), Some(Made::of(layered, support, complete.rule)))
             }
-            None => (order.taken().clone(), None),
+            None => (order.supported.map_or(order.growth, |supported| supported.growth), None),
         };
         (growth, missed, name, audit, made)
     };
@@ -273,6 +284,7 @@ pub fn run(
         missed_by_hull,
         support,
         straight_cells,
+        no_support,
         impossible,
         proofs,
         quality,

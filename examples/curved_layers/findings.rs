@@ -1,18 +1,20 @@
 //! What is wrong with what each stage has made, in plain words: when it is told, and when the exit status is 3.
 
+use crate::complete::{NozzleGrowth, Support};
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::motion::check::Checked;
 use crate::motion::of_run;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Results, Stage};
+use crate::{Args, Lying, Results, Stage};
 use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, percent};
-use curvlay_layers::curved::MissedReason;
+use curvlay_layers::curved::{MissedReason, NoSupport};
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
+use std::collections::BTreeSet;
 
 /// Shares of area from which on something is worth a word. Of thin walls sharp edges alone make up some tenths of a percent.
 const NOTABLE_SHARE: f64 = 0.01;
@@ -29,12 +31,12 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
     match stage {
         Stage::Field | Stage::Surfaces => {
-            of_field(field, args.platform_diameter_mm(), &args.allow, findings);
+            of_field(field, args, findings);
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));
         }
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
         Stage::Gcode => machine.iter().zip(paths.iter()).for_each(|(run, paths)| {
-            of_machine(field, paths, run, &args.allow, findings);
+            of_machine(field, paths, run, args, findings);
             of_support(paths.bead_mm, run, args, findings);
         }),
         Stage::Motion => {
@@ -43,8 +45,9 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     }
 }
 
-/// Of the mesh, the cells and their order. The diameter is that of the platform that was asked for.
-fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut Findings) {
+/// Of the mesh, the cells and their order.
+fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
+    let (diameter_mm, allow) = (args.platform_diameter_mm(), &args.allow);
     let (report, cell_mm) = (&run.solid.report, run.solid.grid.cell_mm());
     if !run.mesh.is_sound() {
         // The first line says how large it is.
@@ -88,26 +91,62 @@ fn of_field(run: &FieldRun, diameter_mm: f64, allow: &AllowArgs, findings: &mut 
     if let Err(error) = run.proofs {
         findings.add(Failed, "a proof that a cell is impossible does not hold", error.to_string(), "impossible.csv");
     }
-    let (missed, share) = (&run.growth.missed, run.missed_share());
-    if !missed.is_empty() {
-        let inside = missed.iter().filter(|cell| matches!(cell.reason, MissedReason::Shadowed { .. })).count();
-        let out_of_reach = missed.iter().filter(|cell| cell.reason == MissedReason::OutOfReach).count();
-        let reach =
-            if out_of_reach > 0 { format!(", {out_of_reach} out of reach of the nozzle") } else { String::new() };
-        let amount = format!(
-            "{} of its volume, {} of {} cells: {inside} inside the hull of what is built by then{reach}, {} with nothing to stand on; \
-             by hulls alone {} are missed, {} are proven impossible in any order, {} are undecided",
-            percent(share),
-            missed.len(),
-            run.solid.grid.count(),
-            missed.len() - inside - out_of_reach,
-            run.missed_by_hull.len(),
-            run.impossible.len(),
-            run.undecided()
-        );
+    let share = run.missed_share();
+    if !run.growth.missed.is_empty() {
+        let amount = format!("{} of its volume, {}", percent(share), missed_in_words(run, args));
         let place = "field.csv, cell_layer 0; impossible.csv; --allow-missed";
         findings.add(Severity::above(share, allow.allow_missed), "a part of the solid is not built", amount, place);
     }
+}
+
+/// Which cells are missed and why, which of them no order can build, and what to do.
+fn missed_in_words(run: &FieldRun, args: &Args) -> String {
+    let (missed, grid) = (&run.growth.missed, &run.solid.grid);
+    let count = |is: &dyn Fn(MissedReason) -> bool| missed.iter().filter(|cell| is(cell.reason)).count();
+    let inside = count(&|reason| matches!(reason, MissedReason::Shadowed { .. }));
+    let out_of_reach = count(&|reason| reason == MissedReason::OutOfReach);
+    let reach = if out_of_reach > 0 { format!(", {out_of_reach} out of reach of the nozzle") } else { String::new() };
+    let places = || missed.iter().map(|cell| grid.position(cell.cell));
+    let [x, y, z] = [0, 1, 2].map(|axis| {
+        let along = || places().map(|place| place[axis]);
+        let [low, high] = [along().min(), along().max().map(|high| high + 1)]
+            .map(|at| grid.origin()[axis] - run.solid.shift[axis] + f64::from(at.unwrap_or(0)) * grid.cell_mm());
+        format!("{low:.1} to {high:.1}")
+    });
+    let proven: BTreeSet<u32> = run.impossible.iter().map(|impossible| impossible.cell).collect();
+    let impossible = missed.iter().filter(|missed| proven.contains(&missed.cell)).count();
+    format!(
+        "{} of {} cells at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of what is built by then{reach}, {} with nothing to \
+         stand on; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {} cells, of which \
+         {} are proven impossible in any order, {} are undecided; to do: {}",
+        missed.len(),
+        grid.count(),
+        missed.len() - inside - out_of_reach,
+        run.missed_by_hull.len(),
+        run.impossible.len(),
+        run.undecided(),
+        ways_out(run, args, [inside, out_of_reach])
+    )
+}
+
+/// What to do about missed cells, of which so many lie inside the hull, and out of reach of the nozzle.
+fn ways_out(run: &FieldRun, args: &Args, [inside, out_of_reach]: [usize; 2]) -> String {
+    let support = match run.no_support {
+        Some(NoSupport::Forbidden) => "--support auto builds them on columns (it is off)",
+        Some(NoSupport::NoPlace) => "support finds no place below them",
+        Some(NoSupport::NoHelp) => "support does not help, as many are missed with it",
+        Some(_) => "support was left out, as part and support do not pass the audit",
+        None if run.support.is_empty() => "without --resume, --support auto may build them on columns",
+        None => "support was added, and leaves these",
+    };
+    let (nozzle_growth, _) = args.complete.with_strategy(args.grow.strategy().is_none());
+    let nozzle = match nozzle_growth {
+        NozzleGrowth::Off if inside > 0 => "--nozzle-growth after builds what the nozzle reaches (it is off)",
+        _ if out_of_reach > 0 => "a slimmer --nozzle reaches more",
+        _ => "",
+    };
+    let pose = if args.orient == Lying::Best { "" } else { "--orient best looks for a pose that misses fewer" };
+    [support, nozzle, pose].into_iter().filter(|way| !way.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
 /// Of the surfaces.
@@ -160,7 +199,8 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
 }
 
 /// Of the machine file.
-fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, allow: &AllowArgs, findings: &mut Findings) {
+fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Findings) {
+    let allow = &args.allow;
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
         let share = left as f64 / waypoints as f64;
@@ -214,8 +254,18 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, allow: &Allo
     if off(filled).max(off(rest)) > NOTABLE_VOLUME {
         let what = if rest < 1.0 { "less is laid than the part holds" } else { "more is laid than the part holds" };
         let severity = Severity::above(off(filled).max(off(rest)), allow.allow_volume);
+        // These cells follow one by one, so their layers are torn into pieces that take no bead.
+        let by_nozzle = field.growth.nozzle.len() as f64 / field.growth.order.cells().len() as f64;
+        let (_, support) = args.complete.with_strategy(args.grow.strategy().is_none());
+        let is_torn = rest < 1.0 && by_nozzle > NOTABLE_SHARE && support == Support::None;
+        let advice = if is_torn {
+            "; layers of cells that only this nozzle reaches are torn, and no bead fits: to do: --support auto builds such cells \
+             on columns (it is off)"
+        } else {
+            ""
+        };
         let rest = if missed > 0.0 { format!("; {} of what is not missed", percent(rest)) } else { String::new() };
-        let amount = format!("{} of its volume, {laid:.1} of {part:.1} mm3{rest}", percent(filled));
+        let amount = format!("{} of its volume, {laid:.1} of {part:.1} mm3{rest}{advice}", percent(filled));
         findings.add(severity, what, amount, "--allow-volume");
     }
 }

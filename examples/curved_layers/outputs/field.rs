@@ -35,16 +35,18 @@ pub fn products(
     surfaces: Option<&SurfacesRun>,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
-    let order = numbers(run);
-    let mut layers = vec![None; order.len()];
-    if let Some(surfaces) = surfaces {
+    let writes = args.writes(Extra::FieldCsv) || !run.growth.missed.is_empty();
+    // Without the file these arrays, as large as the grid, are not needed.
+    let order = if writes { numbers(run) } else { Vec::new() };
+    let mut layers = Vec::new();
+    if let Some(surfaces) = surfaces.filter(|_| writes) {
+        layers.resize(order.len(), 0);
         let by_surface =
             surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), surfaces.height_mm, run.solid.grid.cell_mm());
         for (layer, cells) in (1u32..).zip(by_surface.map_err(failure)?) {
-            cells.into_iter().for_each(|cell| layers[cell as usize] = Some(layer));
+            cells.into_iter().for_each(|cell| layers[cell as usize] = layer);
         }
     }
-    let writes = args.writes(Extra::FieldCsv) || !run.growth.missed.is_empty();
     folder.write_list("field.csv", writes, |out| write_field(run, &order, &layers, out))?;
     folder.write_list("impossible.csv", !run.impossible.is_empty(), |out| write_impossible(run, out))?;
     Ok(())
@@ -73,8 +75,8 @@ fn numbers(run: &FieldRun) -> Vec<u32> {
 }
 
 /// A line for each cell: its place in the grid, the centre in millimetres, its layer in the order of the growth (0: missed), and the
-/// layer that is printed of which it is a part, if it is.
-fn write_field(run: &FieldRun, order: &[u32], layers: &[Option<u32>], out: &mut dyn Write) -> io::Result<()> {
+/// layer that is printed of which it is a part, if it is: 0 in `layers`, which is empty before there are any, says that it is of none.
+fn write_field(run: &FieldRun, order: &[u32], layers: &[u32], out: &mut dyn Write) -> io::Result<()> {
     let grid = &run.solid.grid;
     // Numbers with four digits take most of the time, and there are only as many as planes of cells.
     let along = |axis: usize| -> Vec<[String; 2]> {
@@ -93,7 +95,9 @@ fn write_field(run: &FieldRun, order: &[u32], layers: &[Option<u32>], out: &mut 
         line.clear();
         [0, 1].iter().for_each(|&k| line.extend([&xs[x][k], &ys[y][k], &zs[z][k]].map(String::as_str)));
         let _ = write!(line, "{},", order[cell as usize]); // to a string, which takes it
-        layers[cell as usize].iter().for_each(|layer| _ = write!(line, "{layer}"));
+        if let Some(layer) = layers.get(cell as usize).filter(|&&layer| layer > 0) {
+            let _ = write!(line, "{layer}");
+        }
         line.push('\n');
         out.write_all(line.as_bytes())?;
     }

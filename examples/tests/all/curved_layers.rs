@@ -896,6 +896,10 @@ fn what_is_missed_is_told_everywhere() {
             "{stderr}"
         );
         assert!(stderr.contains("40 are proven impossible in any order, 0 are undecided"), "{stderr}");
+        // Where they are, and what to do.
+        assert!(stderr.contains("at x 20.0 to 28.0, y 0.0 to 10.0, z 6.0 to 10.0 of the mesh"), "{stderr}");
+        assert!(stderr.contains("by the hull rule 40 of them are proven impossible in any order"), "{stderr}");
+        assert!(stderr.contains("to do: --support auto builds them on columns (it is off), --orient best"), "{stderr}");
         let figures = summary(&out);
         assert_eq!((&figures["impossible_cells"], &figures["undecided_cells"]), (&40.into(), &0.into()));
         assert_eq!(figures["proofs_ok"], true);
@@ -1056,6 +1060,24 @@ fn beads_that_fit_nowhere_are_refused_with_a_reason() {
     let args = ["--voxels", "1000", "--unit", "m", "--allow-large", "--quiet", "--max-memory", "0.5", "--out", &out];
     let (status, line) = status_and_line(&run(&args));
     assert!(status == 1 && line.contains("waypoints take some") && line.contains("--unit"), "{status} {line}");
+}
+
+/// A field by itself takes less memory than surfaces do; the best strategy makes surfaces to choose.
+#[test]
+fn memory_is_estimated_for_the_stage() {
+    let scratch = Scratch::new("memory");
+    let out = scratch.path("out");
+    for (gigabytes, more, is_refused) in [
+        ("0.002", &["--stage", "field", "--strategy", "unbuild"][..], false),
+        ("0.002", &["--stage", "surfaces", "--strategy", "unbuild"], true),
+        ("0.002", &["--stage", "field"], true),
+        ("0.0001", &["--stage", "field", "--strategy", "unbuild"], true),
+    ] {
+        let args = ["--voxels", "2000", "--max-memory", gigabytes, "--quiet", "--out", &out];
+        let output = run(&[&args[..], more].concat());
+        assert_eq!(output.status.code() == Some(1), is_refused, "{gigabytes} {more:?}");
+        assert!(!is_refused || status_and_line(&output).1.contains("would fit"), "{gigabytes} {more:?}");
+    }
 }
 
 /// The machine file says directions as it is asked to; by default no firmware can mistake them.

@@ -71,11 +71,18 @@ pub(in crate::curved) struct Tree {
 impl Tree {
     /// `boxes` are those of the triangles.
     pub(in crate::curved) fn new(boxes: &[Bounds]) -> Tree {
+        let tree = Tree::for_lines(boxes);
+        let boxes = tree.order.iter().map(|&triangle| boxes[triangle as usize]).collect();
+        Tree { boxes, ..tree }
+    }
+
+    /// A tree that does not keep the boxes of the triangles: for all questions but [`Tree::meeting`].
+    pub(in crate::curved) fn for_lines(boxes: &[Bounds]) -> Tree {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut nodes = Vec::with_capacity(boxes.len());
         grow(&mut nodes, boxes, &mut order, 0);
-        let boxes = order.iter().map(|&triangle| boxes[triangle as usize]).collect();
-        Tree { nodes, order, boxes }
+        nodes.shrink_to_fit();
+        Tree { nodes, order, boxes: Vec::new() }
     }
 
     pub(in crate::curved) fn bounds(&self) -> &Bounds {

@@ -11,7 +11,7 @@ use super::cells::Cells;
 use super::growth::{Growth, GrowthError};
 use super::nozzle::{NozzleRule, grow_with_nozzle};
 use super::strategy::Strategy;
-use super::support::{CellMesh, SupportError, SupportOptions, Supported, add_support, cell_mesh};
+use super::support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, cell_mesh, try_support};
 use super::surface::{LayerField, extend, uniform_field_with_nozzle};
 use super::workpiece::{LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece, begin};
 use crate::Progress;
@@ -59,6 +59,8 @@ pub struct CompletePart {
     pub missed_by_hull: Vec<u32>,
     /// The support; `None` if there is none.
     pub support: Option<PartSupport>,
+    /// Why there is none, where cells are missed.
+    pub no_support: Option<NoSupport>,
 }
 
 /// The support of a part.
@@ -87,6 +89,8 @@ pub struct CompleteOrder {
     pub growth: Growth,
     /// Part and support together; `None` without support.
     pub supported: Option<Supported>,
+    /// Why there is no support, where cells are missed.
+    pub no_support: Option<NoSupport>,
     /// Cells that the order by the hull rule alone missed, by rising number.
     pub missed_by_hull: Vec<u32>,
     /// The audit of the order of part and support together.
@@ -145,7 +149,7 @@ impl Workpiece<'_> {
     /// [`LayersError`]. Cells that are missed all the same are no error: they are listed in the growth.
     ///
     /// # Cost
-    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`] as well.
+    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`](super::add_support) as well.
     pub fn complete_order(
         &self,
         strategy: Option<Strategy>,
@@ -157,7 +161,8 @@ impl Workpiece<'_> {
         options.rule.check().map_err(GrowthError::from)?;
         let OrderedPart { strategy: taken, growth, audit } = self.order(strategy, height_mm, progress)?;
         let missed_by_hull = growth.missed_cells();
-        let mut order = CompleteOrder { strategy: taken, growth, supported: None, missed_by_hull, audit };
+        let no_support = (!missed_by_hull.is_empty()).then_some(NoSupport::Forbidden);
+        let mut order = CompleteOrder { strategy: taken, growth, supported: None, no_support, missed_by_hull, audit };
         let is_left = options.nozzle != NozzleUse::Off || options.support.is_some();
         if options.nozzle != NozzleUse::FromStart && (order.missed_by_hull.is_empty() || !is_left) {
             return Ok(order);
@@ -166,6 +171,7 @@ impl Workpiece<'_> {
         order.audit = self.audited(&order, options, progress)?;
         if order.supported.is_some() && !order.audit.is_ok() {
             order.supported = None;
+            order.no_support = Some(NoSupport::Unsound);
             order.audit = self.audited(&order, options, progress)?;
         }
         Ok(order)
@@ -218,17 +224,24 @@ impl Workpiece<'_> {
         let by_hull_alone = order.growth.clone();
         let growth = with_nozzle(&self.cells, by_hull_alone.clone())?;
         let mut support = None;
+        let mut why_not = (!growth.missed.is_empty()).then_some(NoSupport::Forbidden);
         if let Some(options) = &options.support {
             // What the nozzle leaves can lie between what it has built, where no column gets: then all that the hull rule misses is supported.
             for below in [&growth, &by_hull_alone] {
                 let left = support.as_ref().map_or(growth.missed.len(), |best: &Supported| best.growth.missed.len());
                 if left > 0 {
                     begin("support", progress)?;
-                    let found = add_support(&self.cells, platform, rules, below, options, &grow, progress)?;
-                    support = found.filter(|found| found.growth.missed.len() < left).or(support);
+                    match try_support(&self.cells, platform, rules, below, options, &grow, progress)? {
+                        Ok(found) if found.growth.missed.len() < left => support = Some(found),
+                        Ok(_) => why_not = Some(NoSupport::NoHelp),
+                        // That columns were placed counts, below whichever cells.
+                        Err(NoSupport::NoPlace) if why_not == Some(NoSupport::NoHelp) => {}
+                        Err(why) => why_not = Some(why),
+                    }
                 }
             }
         }
+        order.no_support = why_not.filter(|_| support.is_none());
         (order.growth, order.supported) = (growth, support);
         Ok(())
     }
@@ -261,11 +274,12 @@ impl Workpiece<'_> {
             self.surfaces_and_support(&uniform.field, cells.rows(), support, &missed, height_mm, progress)?;
         support.iter_mut().zip(&order.supported).for_each(|(made, found)| made.straight_cells = found.straight_cells);
         let growth = growth.clone();
-        let CompleteOrder { strategy, missed_by_hull, audit, .. } = order;
+        let CompleteOrder { strategy, missed_by_hull, no_support, audit, .. } = order;
         Ok(CompletePart {
             layered: LayeredPart { strategy, growth, audit, uniform, surfaces },
             missed_by_hull,
             support,
+            no_support,
         })
     }
 

@@ -64,6 +64,6 @@ pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use rules::{Neighbours, Rules, RulesError};
 pub use strategy::Strategy;
-pub use support::{CellMesh, SupportError, SupportOptions, Supported, add_support, cell_mesh};
+pub use support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 pub use unbuild::{UnbuildOptions, unbuild};
 pub use workpiece::{EVEN_THICKNESS, LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};

@@ -396,6 +396,7 @@ impl Workpiece<'_> {
         begin("trim", progress)?;
         let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
         let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
+        drop(untrimmed);
         let mut sheets = trimmed.into_iter().collect::<Result<Vec<TrimmedSheet>, _>>()?;
         begin("clip", progress)?;
         let clipped = trimmer.clip(&mut sheets, height_mm, progress)?;

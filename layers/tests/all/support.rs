@@ -4,9 +4,9 @@ use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NozzleRule, NozzleRuleError, NozzleUse,
-    PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support, audit,
-    cell_mesh, grow,
+    Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NoSupport, NozzleRule, NozzleRuleError,
+    NozzleUse, PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support,
+    audit, cell_mesh, grow,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;
@@ -127,6 +127,13 @@ fn columns_are_wide_below_and_thin_where_they_touch() {
     // A column that would be all gap is printed whole.
     let options = SupportOptions { gap: 7, ..SupportOptions::default() };
     assert_eq!(of_levels(options), [[wide(0..6), vec![(6, 1)]].concat(), Vec::new()]);
+
+    // Below few cells near the plate, columns of three cells would be more than half of straight ones.
+    let floating = crate::support::part([9, 3, 5], |[x, y, z]: [u32; 3]| x < 3 || (x > 5 && y < 2 && z == 3));
+    let (before, after) = supported(&floating, &Rules::default(), &SupportOptions::default());
+    let Supported { growth, support, straight_cells, .. } = after.unwrap();
+    assert_eq!((before.missed.len(), growth.missed.len()), (6, 0));
+    assert_eq!((support.len(), straight_cells), (4 + 4 + 1, 18));
 
     // A roof right under the arm: the column goes round it, or lands on it.
     let part = crate::support::part([9, 1, 12], |[x, _, z]| {
@@ -276,6 +283,46 @@ fn a_part_is_complete_in_one_call() {
     let stop = |p: Progress| if p.stage == "support" { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let error = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &stop).unwrap_err();
     assert_eq!(error, LayersError::Cancelled);
+}
+
+/// Where cells are missed and there is no support, it says why, and what to do.
+#[test]
+fn missed_cells_without_support_come_with_the_reason() {
+    let ball = hanging_ball();
+    // What hangs from a beam hangs so far beside the plate that no column leans back to it.
+    let mut beside = part([1, 16, 21], |[_, y, z]| y == 0 || z == 20 || (y == 6 && z > 1));
+    beside.platform = Platform::polygon(&[[-20.0, 0.0], [21.0, 0.0], [21.0, 1.0], [-20.0, 1.0]]).unwrap();
+    let tower = part([3, 3, 4], |_| true);
+    let allowed = Some(SupportOptions::default());
+    let no_rounds = Some(SupportOptions { rounds: 0, ..SupportOptions::default() });
+    for (part, strategy, support, why) in [
+        (&ball, Strategy::Incremental, None, Some(NoSupport::Forbidden)),
+        (&ball, Strategy::Incremental, no_rounds, Some(NoSupport::Forbidden)),
+        (&ball, Strategy::Incremental, allowed, None),
+        (&beside, Strategy::Greedy, allowed, Some(NoSupport::NoPlace)),
+        (&tower, Strategy::Greedy, None, None),
+    ] {
+        let cells = part.cells();
+        let all: Vec<u32> = cells.iter().collect();
+        let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
+        let workpiece = Workpiece {
+            vertices: &mesh.vertices,
+            triangles: &mesh.triangles,
+            cells,
+            cell_mm: 1.0,
+            origin: Point3::origin(),
+            platform: &part.platform,
+            rules: Rules::default(),
+            volume_mm3: all.len() as f64,
+        };
+        let options = CompleteOptions { nozzle: NozzleUse::Off, support, ..CompleteOptions::default() };
+        let order = workpiece.complete_order(Some(strategy), 1.0, &options, &go).unwrap();
+        assert_eq!(order.no_support, why);
+        assert_eq!(why.is_some(), !order.taken().missed.is_empty());
+        assert!(why.is_none_or(|why| order.supported.is_none() && why.to_string().contains("turn the part")));
+        let made = workpiece.layers_of_complete(order, 1.0, &options, &go).unwrap();
+        assert_eq!((made.no_support, made.support.is_none()), (why, support.is_none() || why.is_some()));
+    }
 }
 
 /// Coherent layers of a part with its support, of one without, and of one with cells that the nozzle builds.

@@ -125,14 +125,13 @@ fn feet(cells: &Cells, platform: &Platform, rules: &Rules, question: Question) -
     let body = beginning(cells, platform);
     let mut depths = Depths::new(question, &body);
     let faces = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
-    let mut feet: Vec<[u32; 3]> = cells.iter().map(|cell| cells.position(cell)).collect();
-    feet.retain(|&place| {
+    let is_foot = |&place: &[u32; 3]| {
         let stands = stands_on(platform.corners(), place, rules.flat)
             || faces.iter().any(|&step| on_mould.contains_at(place, step));
         let is_inside = |depths: &mut Depths| depths.is_inside(&body, place.map(|k| 2 * i64::from(k) + 1));
         stands && (platform.mould().is_none() || !is_inside(&mut depths))
-    });
-    feet
+    };
+    cells.iter().map(|cell| cells.position(cell)).filter(is_foot).collect()
 }
 
 struct Chains<'a> {

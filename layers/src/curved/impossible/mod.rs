@@ -86,6 +86,9 @@ pub fn prove_impossible(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Impossible>, GrowthError> {
     rules.check(cells, platform)?;
+    if asked.is_empty() {
+        return Ok(Vec::new());
+    }
     let feet = standing(cells, platform, rules)?;
     let mut possible = CellSet::of(cells);
     let mut search = Search::new(cells, platform, rules, &feet)?;

@@ -34,7 +34,8 @@ use std::ops::ControlFlow;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct SupportOptions {
     /// Width of a column, in cells. Default 3: with less it is not stiff enough to print on, with more it costs material. Columns are
-    /// as wide only where they do not touch the part: there they are as wide as `contact`.
+    /// as wide only where they do not touch the part: there they are as wide as `contact`. A column is narrower, down to that, where it would
+    /// take more than half of the cells of straight columns below its region: low ones are stiff enough.
     pub width: u32,
     /// Width of a column where it touches the part, in cells: 1, so that it breaks off. No more than `width`.
     pub contact: u32,
@@ -83,6 +84,27 @@ pub enum SupportError {
     /// The cells cannot be united with their support.
     #[error(transparent)]
     Cells(#[from] CellsError),
+}
+
+/// Why cells that are missed get no support.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum NoSupport {
+    /// It is forbidden everywhere: no options for it, or no rounds.
+    #[error("support is forbidden: allow it, let the nozzle build the cells, or turn the part")]
+    Forbidden,
+    /// No column finds a place.
+    #[error(
+        "support finds no place: the missed cells lie on the part, or there is no plate below them; turn the part, or take a wider plate"
+    )]
+    NoPlace,
+    /// Columns were placed, and as many cells are missed with them.
+    #[error("support does not help: as many cells are missed with it; let the nozzle build them, or turn the part")]
+    NoHelp,
+    /// Part and support together do not pass the audit.
+    #[error("support was left out, since part and support together do not pass the audit; turn the part")]
+    Unsound,
 }
 
 impl SupportOptions {
@@ -162,19 +184,37 @@ pub fn add_support(
     grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Option<Supported>, SupportError> {
+    Ok(try_support(cells, platform, rules, growth, options, grow, progress)?.ok())
+}
+
+/// As [`add_support`], and says why there is none.
+pub(super) fn try_support(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    growth: &Growth,
+    options: &SupportOptions,
+    grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Result<Supported, NoSupport>, SupportError> {
     options.check()?;
     let straight_cells = straight_columns(cells, &growth.missed_cells());
     let mut columns = Columns { support: CellSet::none(cells), gap: CellSet::none(cells) };
     let mut missed = growth.missed_cells();
     let mut best: Option<Supported> = None;
+    let mut why_not = NoSupport::Forbidden;
     for round in 1..=options.rounds {
         let (done, total) = (u64::from(round - 1), u64::from(options.rounds));
         if progress(Progress { stage: "support", done, total }).is_break() {
             return Err(GrowthError::Cancelled.into());
         }
         if !columns.add_below(cells, platform, rules, &missed, options) {
+            if round == 1 {
+                why_not = NoSupport::NoPlace;
+            }
             break;
         }
+        why_not = NoSupport::NoHelp;
         let of_round = grown(cells, &columns.support, grow)?;
         missed = of_round.missed_cells();
         missed.retain(|&cell| cells.contains(cells.position(cell)));
@@ -185,7 +225,7 @@ pub fn add_support(
             break;
         }
     }
-    Ok(best)
+    Ok(best.ok_or(why_not))
 }
 
 fn is_built(growth: &Growth, cell: u32) -> bool {
@@ -244,11 +284,13 @@ impl Columns {
         let mut ground = Ground { cells, platform, rules, built: &built, support: self.support.clone() };
         let mut is_new = false;
         for region in 0..runs.count() {
-            let hanging =
-                middle_first(cells, runs.cells(|piece| piece == region).filter(|&cell| hangs(&ground, cell)).collect());
+            let of_region: Vec<u32> = runs.cells(|piece| piece == region).collect();
+            let hanging = of_region.iter().copied().filter(|&cell| hangs(&ground, cell)).collect();
+            let hanging = middle_first(cells, hanging);
             let Some(column) = hanging.into_iter().find_map(|cell| ground.column_below(cell)) else { continue };
             let bottom = column.last().filter(|&&end| ground.lands_on_part(end)).map_or(0, |_| options.gap as usize);
-            let (top, levels) = (options.gap as usize, thickened(&ground, &column, options));
+            let most = straight_columns(cells, &of_region) / 2;
+            let (top, levels) = (options.gap as usize, thick_enough(&ground, &column, options, most));
             let printed = if top + bottom < levels.len() { top..levels.len() - bottom } else { 0..levels.len() };
             for (level, cells) in levels.into_iter().enumerate() {
                 for cell in cells {
@@ -285,6 +327,18 @@ fn hangs(ground: &Ground, cell: u32) -> bool {
         ground.step(cell, step).is_some_and(|below| ground.is_of_part(below) || ground.support.contains(below))
     };
     ground.cells.position(cell)[2] > 0 && !DOWN.iter().any(is_below)
+}
+
+/// A column as wide as it may be with no more than `most` cells; where even the narrowest has more, that one.
+fn thick_enough(ground: &Ground, column: &[u32], options: &SupportOptions, most: usize) -> Vec<Vec<u32>> {
+    let mut width = options.width;
+    loop {
+        let levels = thickened(ground, column, &SupportOptions { width, ..*options });
+        if width == options.contact || levels.iter().map(Vec::len).sum::<usize>() <= most {
+            return levels;
+        }
+        width -= 1;
+    }
 }
 
 /// A column and the cells around it, level by level. Those that touch the part are nearer to its middle.
@@ -329,4 +383,26 @@ fn straight_columns(cells: &Cells, missed: &[u32]) -> usize {
     let empty =
         |(&column, &z): (&u32, &u32)| (0..z).filter(|z| !cells.contains(cells.position(column + z * level))).count();
     lowest.iter().map(empty).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::strategy::Strategy;
+    use super::*;
+
+    /// Columns that help nobody: grown with them, the part misses what it missed before.
+    #[test]
+    fn support_that_does_not_help_says_so() {
+        let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);
+        rows[8] = 0b111_1111;
+        (5..8).for_each(|z| rows[z] |= 0b100_0000);
+        let cells = Cells::new(dims, &rows).unwrap();
+        let (platform, rules) = (Platform::under(&cells, 20.0).unwrap(), Rules::default());
+        let go = |_: Progress| ControlFlow::Continue(());
+        let growth = Strategy::Incremental.grow(&cells, &platform, &rules, &go).unwrap();
+        let grow = |_: &Cells| Ok(growth.clone());
+        let options = SupportOptions::default();
+        let tried = try_support(&cells, &platform, &rules, &growth, &options, &grow, &go).unwrap();
+        assert_eq!(tried, Err(NoSupport::NoHelp));
+    }
 }

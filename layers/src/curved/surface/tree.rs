@@ -35,17 +35,31 @@ pub(super) struct Hits {
 impl Tree {
     /// All triangles must name points that are there.
     pub(super) fn new(surfaces: &[SurfaceSlices]) -> Self {
-        let mut triangles = Vec::new();
-        for (surface, (points, of_surface)) in (0..).zip(surfaces) {
-            triangles.extend(of_surface.iter().map(|t| {
-                let [a, b, c] = t.map(|v| points[v as usize]);
-                Triangle { corner: a, sides: [b - a, c - a], surface }
-            }));
+        // The triangles are put into their order at once, and nothing else is kept of them: with a million cells they are the most that a run
+        // holds at a time.
+        let triangle = |surface: usize, [a, b, c]: [u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|v| surfaces[surface].0[v as usize]);
+            Triangle { corner: a, sides: [b - a, c - a], surface: surface as u32 }
+        };
+        // How many triangles there are before each surface.
+        let before: Vec<usize> = surfaces
+            .iter()
+            .scan(0, |all, (_, of_surface)| {
+                *all += of_surface.len();
+                Some(*all - of_surface.len())
+            })
+            .collect();
+        let mut bounds: Vec<Bounds> = Vec::with_capacity(surfaces.iter().map(|(_, of_surface)| of_surface.len()).sum());
+        for (surface, (_, of_surface)) in surfaces.iter().enumerate() {
+            bounds.extend(of_surface.iter().map(|&t| Bounds::of(&triangle(surface, t).corners())));
         }
-        let bounds: Vec<Bounds> = triangles.iter().map(|triangle| Bounds::of(&triangle.corners())).collect();
-        let boxes = boxes::Tree::new(&bounds);
-        // A line meets what lies near it: so it is stored near it.
-        let triangles = boxes.order().iter().map(|&triangle| triangles[triangle as usize]).collect();
+        let boxes = boxes::Tree::for_lines(&bounds);
+        drop(bounds);
+        let numbered = |number: usize| {
+            let surface = before.partition_point(|&before| before <= number) - 1;
+            triangle(surface, surfaces[surface].1[number - before[surface]])
+        };
+        let triangles = boxes.order().iter().map(|&number| numbered(number as usize)).collect();
         Tree { boxes, triangles }
     }
 

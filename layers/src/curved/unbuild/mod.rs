@@ -103,13 +103,8 @@ pub fn unbuild(
         |stage: &'static str, done: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
     let job = Job { cells, platform, rules, feet };
     let (order, statistics) = job.best_order(options, &report)?;
-    let mut chances = last_chances(cells, platform, rules, &order)?;
-    let order = patches::put_off(cells, rules, &order, &chances);
-    let missed = order.cells().len() < total;
-    if missed {
-        chances = last_chances(cells, platform, rules, &order)?;
-    }
-    let missed = if missed { job.missed(&order, &chances) } else { Vec::new() };
+    let order = patches::put_off(cells, platform, rules, order)?;
+    let missed = if order.cells().len() < total { job.missed(&order)? } else { Vec::new() };
     Ok(Growth { missed, order, statistics, nozzle: Vec::new() })
 }
 
@@ -188,17 +183,19 @@ impl Job<'_> {
     }
 
     /// Lists what has no layer, with the reasons.
-    fn missed(&self, order: &LayerOrder, chances: &[u32]) -> Vec<MissedCell> {
-        let field = order.field(chances.len());
-        let solid = CellSet::of(self.cells);
-        let joined = joined(&solid, &self.feet, self.rules.neighbours);
-        let reason = |cell: u32| match chances[cell as usize] {
+    fn missed(&self, order: &LayerOrder) -> Result<Vec<MissedCell>, GrowthError> {
+        let Job { cells, platform, rules, feet } = self;
+        let solid = CellSet::of(cells);
+        let joined = joined(&solid, feet, rules.neighbours);
+        let mut missed = solid;
+        missed.remove_all(order.cells().iter().copied());
+        let chances = last_chances(cells, platform, rules, order, missed.clone())?;
+        let reason = |cell: u32| match chances.of(cell) {
             0 => MissedReason::Shadowed { layer: 0 },
             _ if !joined.contains(cell) => MissedReason::NeverAdjacent,
             u32::MAX => MissedReason::SupportMissed,
             layer => MissedReason::Shadowed { layer },
         };
-        let missed = self.cells.iter().filter(|&cell| field[cell as usize] == 0);
-        missed.map(|cell| MissedCell { cell, reason: reason(cell) }).collect()
+        Ok(missed.iter().map(|cell| MissedCell { cell, reason: reason(cell) }).collect())
     }
 }

@@ -24,8 +24,8 @@ use std::ops::ControlFlow;
 /// A plane, the cells that rely on it, and the candidates that wait because of it.
 struct Guard {
     plane: Plane,
-    /// The cells that are not built, and some that are, the lowest last: height over the plane, number. The lowest is not built.
-    relying: Vec<(i64, u32)>,
+    /// The cells that are not built, and some that are, the lowest over the plane last; that one is not built.
+    relying: Vec<u32>,
     /// Candidates on or above the limit: height, number.
     parked: BinaryHeap<Reverse<(i64, u32)>>,
 }
@@ -120,16 +120,20 @@ impl Schedule {
         by_bound.sort_by_key(|&plane| removal.planes[plane].bound);
         let mut guard_of = vec![0; by_bound.len()];
         by_bound.iter().enumerate().for_each(|(guard, &plane)| guard_of[plane] = guard);
-        let mut relying: Vec<Vec<(i64, u32)>> = vec![Vec::new(); by_bound.len()];
-        for cell in cells.iter().filter(|&cell| removal.plane_of[cell as usize] != NONE) {
-            let plane = removal.plane_of[cell as usize] as usize;
-            relying[plane].push((dot(removal.planes[plane].normal, centres.of(cell)), cell));
-        }
+        let mut counts = vec![0; by_bound.len()];
+        let relies = |&cell: &u32| removal.plane_of[cell as usize] != NONE;
+        cells.iter().filter(relies).for_each(|cell| counts[removal.plane_of[cell as usize] as usize] += 1);
+        let mut relying: Vec<Vec<u32>> = counts.into_iter().map(Vec::with_capacity).collect();
+        cells.iter().filter(relies).for_each(|cell| relying[removal.plane_of[cell as usize] as usize].push(cell));
         let (mut guards, mut walls) = (Vec::with_capacity(by_bound.len()), Vec::with_capacity(by_bound.len()));
+        let mut by_height = Vec::new();
         for at in by_bound {
             let (plane, mut relying) = (removal.planes[at], std::mem::take(&mut relying[at]));
-            relying.sort_unstable_by(|a, b| b.cmp(a));
-            walls.push(Wall { normal: plane.normal, limit: limit(&plane, &relying) });
+            by_height.extend(relying.iter().map(|&cell| (dot(plane.normal, centres.of(cell)), cell)));
+            by_height.sort_unstable_by(|a, b| b.cmp(a));
+            relying.clear();
+            relying.extend(by_height.drain(..).map(|(_, cell)| cell));
+            walls.push(Wall { normal: plane.normal, limit: limit(&plane, &relying, centres) });
             guards.push(Guard { plane, relying, parked: BinaryHeap::new() });
         }
         let waiting = CellSet::of(cells);
@@ -196,10 +200,10 @@ impl Schedule {
         let at = self.guard_of[plane as usize];
         let guard = &mut self.guards[at];
         let relies = |cell: u32| self.waiting.contains(cell) && self.plane_of[cell as usize] == plane;
-        while guard.relying.last().is_some_and(|&(_, lowest)| !relies(lowest)) {
+        while guard.relying.last().is_some_and(|&lowest| !relies(lowest)) {
             guard.relying.pop();
         }
-        let limit = limit(&guard.plane, &guard.relying);
+        let limit = limit(&guard.plane, &guard.relying, self.centres);
         self.walls[at].limit = limit;
         // A limit never comes down again, so guards that were passed stay passed.
         while let Some(&Reverse((_, freed))) = self.guards[at].parked.peek().filter(|parked| parked.0.0 < limit) {
@@ -214,6 +218,6 @@ impl Schedule {
 }
 
 /// The height that what is built has to stay below.
-fn limit(plane: &Plane, relying: &[(i64, u32)]) -> i64 {
-    relying.last().map_or(i64::MAX, |&(lowest, _)| lowest + plane.margin)
+fn limit(plane: &Plane, relying: &[u32], centres: Centres) -> i64 {
+    relying.last().map_or(i64::MAX, |&lowest| dot(plane.normal, centres.of(lowest)) + plane.margin)
 }
