@@ -196,8 +196,17 @@ fn fill_at(
                 PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() }
             }
             solid => {
-                let solid = solid.as_ref().unwrap_or(&mesh);
-                let found = statistics(solid, &paths, options, reach_mm, &report("coverage"))?;
+                // Where curves cross is asked on the whole mesh in any case, so that paths do not depend on whether coverage is asked for.
+                let of_curves = PathOptions { coverage: options.coverage && solid.is_none(), ..*options };
+                let whole = statistics(&mesh, &paths, &of_curves, reach_mm, &report("coverage"))?;
+                let found = match solid {
+                    Some(solid) => {
+                        let areas = statistics(solid, &paths, options, reach_mm, &report("coverage"))?;
+                        let PathStatistics { self_crossings, sharp_turns, .. } = whole;
+                        PathStatistics { self_crossings, sharp_turns, ..areas }
+                    }
+                    None => whole,
+                };
                 PathStatistics { area_mm2: solid_mm2.unwrap_or(found.area_mm2), ..found }
             }
         };
