@@ -124,8 +124,7 @@ struct Args {
     /// Makes what the report compares with: surfaces of plain hop counts, directions of the nozzle without any filter
     #[arg(long, help_heading = "Run")]
     compare: bool,
-    /// Measures what beads cover, cover twice and spill, by a raster, which takes longer than the paths; so does --compare, and so do runs
-    /// with --voxels, --cell or --resume
+    /// Measures what beads cover, cover twice and spill, by a raster, which takes nearly as long as the paths; so does --compare
     #[arg(long, help_heading = "Run")]
     statistics: bool,
     /// Memory in gigabytes that a stage may take; one that is estimated to take more is refused before it begins
@@ -283,9 +282,9 @@ impl Args {
         LayerFill { part, support: surfaces.support.as_ref().map(|_| part.for_support(density)) }
     }
 
-    /// Whether what beads cover is measured: asked for, or in a run for research.
+    /// Whether what beads cover is measured.
     fn has_statistics(&self) -> bool {
-        self.statistics || self.compare || self.has_cells()
+        self.statistics || self.compare
     }
 
     fn support_options(&self) -> SupportOptions {

@@ -319,7 +319,8 @@ fn other_patterns_fill_layers_too() {
     let scratch = Scratch::new("patterns");
     // Beside its outermost rows, and at every other end of a row, a zigzag leaves up to a bead bare.
     for (pattern, curves, covered) in [("zigzag", 2.0, 0.92), ("rings", 28.0, 0.99)] {
-        let args = ["--cell", "1", "--layer-height", "0.5", "--pattern", pattern, "--allow-volume", "0.1"];
+        let args =
+            ["--cell", "1", "--layer-height", "0.5", "--pattern", pattern, "--allow-volume", "0.1", "--statistics"];
         let figures = block([20.0, 14.0, 1.0], &scratch.path(pattern), &args);
         let figure = |key: &str| figures[key].as_f64().unwrap();
         assert_eq!(figures["pattern"], pattern);
@@ -329,6 +330,10 @@ fn other_patterns_fill_layers_too() {
         let filled = figure("path_mm") * 0.5 / 560.0;
         assert!(filled > covered - 0.02 && filled < 1.01, "{pattern} {filled}");
     }
+    // Nobody asked for what beads cover here.
+    let figures = block([20.0, 14.0, 1.0], &scratch.path("plain"), &["--cell", "1", "--layer-height", "0.5"]);
+    assert!(figures.get("covered_fraction").is_none() && figures.get("covered_mm3").is_none());
+    assert_eq!(figures["self_crossings"], 0);
 }
 
 /// Where `kind` stands in `trajectory.csv` of a UR3; `layer`, `path`, `waypoint` and `filament_mm` follow.

@@ -62,7 +62,8 @@ pub(super) fn judge_again(
     for (&layer, judged) in changed.iter().zip(judged.ok_or(FillLayersError::Cancelled)?) {
         let judged = judged.map_err(|error| FillLayersError::of(layer, error))?;
         if let (Some(filled), Some(statistics)) = (&mut layers[layer], judged) {
-            filled.statistics = statistics;
+            // What is judged is the same, so is its area.
+            filled.statistics = PathStatistics { area_mm2: filled.statistics.area_mm2, ..statistics };
         }
     }
     Ok(())

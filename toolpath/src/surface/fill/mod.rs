@@ -185,17 +185,29 @@ fn fill_at(
     let site = site.unwrap_or(&alone);
     let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
         mark("curves", 0)?;
-        let infill::Filled { paths, sparse, solid } = if options.infill.is_solid() {
+        let infill::Filled { paths, sparse, solid, solid_mm2 } = if options.infill.is_solid() {
             infill::Filled::solid(field.paths(options, &report("curves"))?)
         } else {
             infill::filled(&field, surface, options, site, &report("curves"))?
         };
         mark("curves", 1)?;
-        let statistics = match (&solid, sparse.area_mm2 > 0.0) {
-            (None, true) => PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() },
-            (solid, _) => {
-                let solid = solid.as_ref().unwrap_or(&mesh);
-                statistics(solid, &paths, options, reach_mm, &report("coverage"))?
+        let statistics = match &solid {
+            None if solid_mm2.is_some_and(|area| area <= 0.0) => {
+                PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() }
+            }
+            solid => {
+                // Where curves cross is asked on the whole mesh in any case, so that paths do not depend on whether coverage is asked for.
+                let of_curves = PathOptions { coverage: options.coverage && solid.is_none(), ..*options };
+                let whole = statistics(&mesh, &paths, &of_curves, reach_mm, &report("coverage"))?;
+                let found = match solid {
+                    Some(solid) => {
+                        let areas = statistics(solid, &paths, options, reach_mm, &report("coverage"))?;
+                        let PathStatistics { self_crossings, sharp_turns, .. } = whole;
+                        PathStatistics { self_crossings, sharp_turns, ..areas }
+                    }
+                    None => whole,
+                };
+                PathStatistics { area_mm2: solid_mm2.unwrap_or(found.area_mm2), ..found }
             }
         };
         mark("coverage", 1)?;

@@ -23,6 +23,7 @@ use super::paths::{LayerPaths, PathError, PathOptions, PathPoint, Pattern, Surfa
 use crate::Progress;
 pub use bridge::Bridges;
 pub(super) use bridge::mark;
+use nalgebra::Point3;
 pub(super) use skin::{Sites, sites};
 use split::{Class, Sheet};
 use std::f64::consts::PI;
@@ -156,14 +157,16 @@ impl Site {
 pub(super) struct Filled {
     pub paths: LayerPaths,
     pub sparse: SparseFill,
-    /// What is solid; none if there is nothing solid.
+    /// What is solid, if coverage is asked for; none if there is nothing solid.
     pub solid: Option<SurfaceMesh>,
+    /// Its area; none of a layer that is solid.
+    pub solid_mm2: Option<f64>,
 }
 
 impl Filled {
     /// A layer that is solid.
     pub fn solid(paths: LayerPaths) -> Filled {
-        Filled { paths, sparse: SparseFill::default(), solid: None }
+        Filled { paths, sparse: SparseFill::default(), solid: None, solid_mm2: None }
     }
 }
 
@@ -199,11 +202,9 @@ pub(super) fn filled(
         // Narrow strips of skin lie between walls and infill: those of the layer are with the walls.
     }
     let mut sparse = SparseFill::default();
-    for (triangle, parent) in flush.of(Class::Sparse) {
-        let [a, b, c] = triangle;
-        let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        sparse.area_mm2 += area;
-        sparse.volume_mm3 += area * thickness(surface, parent);
+    for (corners, parent) in flush.of(Class::Sparse) {
+        sparse.area_mm2 += area(corners);
+        sparse.volume_mm3 += area(corners) * thickness(surface, parent);
     }
     if sparse.area_mm2 > 0.0 && infill.density > 0.0 {
         // Rows and curves reach a little into what is solid around them.
@@ -227,8 +228,15 @@ pub(super) fn filled(
         paths.regions += 1;
     }
     paths.unfilled = field.unfilled(&paths.paths);
-    let solid = flush.part(|class| class != Class::Sparse)?.map(|(mesh, _)| mesh);
-    Ok(Filled { paths, sparse, solid })
+    // What curves cover depends on it; where they cross and turn does not, and is found sooner on the mesh that is not refined.
+    let solid = if options.coverage { flush.part(|class| class != Class::Sparse)?.map(|(mesh, _)| mesh) } else { None };
+    let solid_mm2 =
+        [Class::Wall, Class::Skin].iter().flat_map(|class| flush.of(*class)).map(|(corners, _)| area(corners)).sum();
+    Ok(Filled { paths, sparse, solid, solid_mm2: Some(solid_mm2) })
+}
+
+fn area([a, b, c]: [Point3<f64>; 3]) -> f64 {
+    0.5 * (b - a).cross(&(c - a)).norm()
 }
 
 fn thickness(surface: &LayerSurface, triangle: u32) -> f64 {

@@ -114,7 +114,7 @@ pub struct PathOptions {
     pub infill: InfillOptions,
     /// Whether [`fill_layers`](super::fill_layers) finds what beads cover: yes. Else only lengths, turns and crossings are found, and the
     /// shares of areas are 0 ([`StatisticsOptions::coverage`](super::StatisticsOptions::coverage)); the paths are the same. It takes
-    /// longer than the paths.
+    /// nearly as long as the paths.
     pub coverage: bool,
 }
 

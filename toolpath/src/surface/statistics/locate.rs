@@ -34,7 +34,9 @@ impl<'s> Locator<'s> {
     pub(super) fn new(sheet: &'s Sheet) -> Self {
         let mut order: Vec<u32> = (0..sheet.flats.len() as u32).collect();
         let mut locator = Locator { sheet, nodes: Vec::new(), order: Vec::new() };
-        locator.build(&mut order, 0);
+        let middle = |&t: &u32| locator.corners(t).iter().map(|p| p / 3.0).sum::<Vector3<f64>>();
+        let middles: Vec<Vector3<f64>> = order.iter().map(middle).collect();
+        locator.build(&mut order, 0, &middles);
         locator.order = order;
         locator
     }
@@ -43,7 +45,7 @@ impl<'s> Locator<'s> {
         self.sheet.flats[triangle as usize].corners.map(|v| self.sheet.points[v as usize])
     }
 
-    fn build(&mut self, order: &mut [u32], from: usize) {
+    fn build(&mut self, order: &mut [u32], from: usize, middles: &[Vector3<f64>]) {
         let far = Vector3::repeat(f64::INFINITY);
         let (mut low, mut high) = (far, -far);
         for p in order.iter().flat_map(|&t| self.corners(t)) {
@@ -56,13 +58,13 @@ impl<'s> Locator<'s> {
             return;
         }
         let axis = (high - low).imax();
-        let middle = |t: &u32| self.corners(*t).iter().map(|p| p[axis] / 3.0).sum::<f64>();
+        let middle = |t: u32| middles[t as usize][axis];
         let half = order.len() / 2;
-        order.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)).then(a.cmp(b)));
+        order.select_nth_unstable_by(half, |a, b| middle(*a).total_cmp(&middle(*b)).then(a.cmp(b)));
         let (first, second) = order.split_at_mut(half);
-        self.build(first, from);
+        self.build(first, from, middles);
         self.nodes[node].second = self.nodes.len() as u32;
-        self.build(second, from + half);
+        self.build(second, from + half, middles);
     }
 
     /// The nearest point within `reach`; among equals that of the lowest triangle.

@@ -6,7 +6,7 @@
 //! curve, half the width in radius. It is laid down on a raster of samples, finer than a tenth of a bead.
 //!
 //! * `sheet`: triangles laid flat, and how one continues in the next. `locate`: nearest points.
-//! * `trace`: curves laid on the surface, in pieces of one triangle each. `curve`: lengths and turns.
+//! * `trace`: curves laid on the surface, in pieces of one triangle each. `curve`: lengths and turns. `straight`: fewer pieces.
 //! * `walk`: a piece seen from the triangles around it. `raster`: samples, and what covers them.
 //! * `gap`: the largest bare disc. `fillable`: what no bead could cover. `spill`: what lies past the boundary. `crossing`: curves that meet.
 //!
@@ -26,6 +26,7 @@ mod locate;
 mod raster;
 mod sheet;
 mod spill;
+mod straight;
 mod trace;
 mod walk;
 
@@ -342,6 +343,7 @@ pub fn path_statistics(
     let mut statistics = of_curves(&sheet, curves, &laid, &pieces, &closed);
     statistics.step_mm = step;
     let Some(mut raster) = raster else { return Ok(statistics) };
+    let pieces = straight::straightened(&pieces, step);
     let mut walker = Walker::new(&sheet);
     let mut spilled = 0.0;
     for (done, piece) in pieces.iter().enumerate() {

@@ -224,6 +224,9 @@ impl Visit for Stamp<'_, '_> {
             let columns = (column(left).floor() as i64).max(0) as u32..(column(right).ceil() as u32 + 1).min(row.count);
             let covers = &mut self.raster.covers[row.first as usize..(row.first + row.count) as usize];
             for c in columns {
+                if covers[c as usize].curve == TWICE {
+                    continue;
+                }
                 if let Some([a, b]) = arc.covering(Vector2::new(row.left + row.pitch * c as f64, row.y)) {
                     covers[c as usize].add(self.piece.curve, along(a), along(b), self.round);
                 }
