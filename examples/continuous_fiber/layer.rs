@@ -139,7 +139,7 @@ fn follow(
         angle,
         solved: None,
         plan_time,
-        lift: Vector3::zeros(),
+        lift: 0.0,
     })
 }
 
