@@ -10,6 +10,7 @@ use curvlay_layers::curved::surface::Spacing;
 use curvlay_layers::curved::trim::TrimmedSheet;
 use curvlay_toolpath::surface::{SurfaceDistance, SurfaceMesh};
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// Pictures of the part while it is built, for where the viewer does not run.
@@ -45,6 +46,7 @@ fn from_the_front() -> Camera {
 pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
     let layers = run.sheets.len();
     (1..=FRAMES)
+        .into_par_iter()
         .map(|frame| (layers * frame).div_ceil(FRAMES))
         .map(|until| (format!("{until} of {layers} layers"), draw(field, run, 0..until)))
         .collect()

@@ -8,6 +8,9 @@ use nalgebra::{Point3, Vector3};
 /// Triangles in a leaf. Fewer cost visits, more cost tests; flat between 2 and 8.
 const LEAF: usize = 4;
 
+/// Halves of so many triangles grow at the same time.
+const LARGE: usize = 1 << 14;
+
 /// By this share of the size of all, a line may pass a box and still come through it: where it runs along a side, rounding
 /// would decide.
 const ROOM: f64 = 1e-9;
@@ -79,9 +82,9 @@ impl Tree {
     /// A tree that does not keep the boxes of the triangles: for all questions but [`Tree::meeting`].
     pub(in crate::curved) fn for_lines(boxes: &[Bounds]) -> Tree {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        let mut nodes = Vec::with_capacity(boxes.len());
-        grow(&mut nodes, boxes, &mut order, 0);
-        nodes.shrink_to_fit();
+        let node = Node { bounds: Bounds::of([]), next: 0, first: 0, count: 0 };
+        let mut nodes = vec![node; count_nodes(boxes.len())];
+        grow(&mut nodes, 0, boxes, &mut order, 0);
         Tree { nodes, order, boxes: Vec::new() }
     }
 
@@ -176,29 +179,53 @@ impl Tree {
     }
 }
 
-fn grow(nodes: &mut Vec<Node>, boxes: &[Bounds], order: &mut [u32], first: usize) {
-    let index = nodes.len();
+/// How many nodes a tree over so many triangles has, whatever these are.
+fn count_nodes(triangles: usize) -> usize {
+    let half = triangles / 2;
+    if triangles <= LEAF { 1 } else { 1 + count_nodes(half) + count_nodes(triangles - half) }
+}
+
+/// The nodes over `order`, whose triangles stand in the tree's from `first` on; the first node gets the number `at`.
+fn grow(nodes: &mut [Node], at: usize, boxes: &[Bounds], order: &mut [u32], first: usize) {
     let corners = order.iter().flat_map(|&triangle| {
         let bounds = &boxes[triangle as usize];
         [&bounds.low, &bounds.high]
     });
     let leaf = order.len() <= LEAF;
     let count = if leaf { order.len() as u32 } else { 0 };
-    nodes.push(Node { bounds: Bounds::of(corners), next: 0, first: first as u32, count });
-    if !leaf {
-        let middle = |triangle: u32| {
-            let bounds = &boxes[triangle as usize];
-            Point3::from(bounds.low.coords + bounds.high.coords)
-        };
-        let middles: Vec<_> = order.iter().map(|&triangle| middle(triangle)).collect();
-        let spread = Bounds::of(&middles);
-        let axis = (spread.high - spread.low).imax();
-        let half = order.len() / 2;
-        let key = |triangle: u32| middle(triangle)[axis];
-        order.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
-        let (left, right) = order.split_at_mut(half);
-        grow(nodes, boxes, left, first);
-        grow(nodes, boxes, right, first + half);
+    nodes[0] = Node { bounds: Bounds::of(corners), next: (at + nodes.len()) as u32, first: first as u32, count };
+    if leaf {
+        return;
     }
-    nodes[index].next = nodes.len() as u32;
+    let middle = |triangle: u32| {
+        let bounds = &boxes[triangle as usize];
+        Point3::from(bounds.low.coords + bounds.high.coords)
+    };
+    let middles: Vec<_> = order.iter().map(|&triangle| middle(triangle)).collect();
+    let spread = Bounds::of(&middles);
+    drop(middles);
+    let axis = (spread.high - spread.low).imax();
+    let half = order.len() / 2;
+    let key = |triangle: u32| middle(triangle)[axis];
+    order.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+    let (left, right) = order.split_at_mut(half);
+    let (of_left, of_right) = nodes[1..].split_at_mut(count_nodes(half));
+    let next = at + 1 + of_left.len();
+    join(
+        left.len() >= LARGE,
+        || grow(of_left, at + 1, boxes, left, first),
+        || grow(of_right, next, boxes, right, first + half),
+    );
+}
+
+/// Does both; with the feature `rayon` at the same time, if they are large.
+#[cfg_attr(not(feature = "rayon"), allow(unused_variables))]
+fn join(large: bool, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+    #[cfg(feature = "rayon")]
+    if large {
+        rayon::join(one, other);
+        return;
+    }
+    one();
+    other();
 }

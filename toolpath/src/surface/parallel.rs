@@ -28,7 +28,8 @@ pub(super) fn map<T: Sync, R: Send>(
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        things.par_iter().enumerate().map(one).collect()
+        // One by one: the work for things differs so much that a thread would stand idle while another goes through its share.
+        things.par_iter().with_max_len(1).enumerate().map(one).collect()
     }
     #[cfg(not(feature = "rayon"))]
     {

@@ -15,8 +15,8 @@ use std::ops::ControlFlow;
 /// No cell.
 const NONE: u32 = u32::MAX;
 
-/// Cells that a thread looks at at least: some hundred microseconds.
-const LEAST_SHARE: usize = 64;
+/// Cells that a thread looks at at a time: some hundred microseconds.
+const AT_A_TIME: usize = 64;
 
 /// Steps to the neighbours that can make a cell one of the skin.
 #[rustfmt::skip]
@@ -113,7 +113,7 @@ impl<'a> Removal<'a> {
             let mut known = known.unwrap_or_else(|| Box::new([NONE; DIRECTIONS]));
             (free_direction(rest, skin[k], &mut known), known)
         };
-        let looked = in_parallel(skin.len(), LEAST_SHARE, look);
+        let looked = in_parallel(skin.len(), AT_A_TIME, look);
         for (cell, (free, hits)) in skin.into_iter().zip(looked) {
             match free {
                 Some(_) => removable.push((cell, free)),

@@ -12,9 +12,9 @@ use super::in_parallel;
 use super::lattice::{JUMP, Lattice, ROOM};
 use crate::curved::Cells;
 
-/// Cells that a thread takes at least: a few hundred microseconds of work. With fewer the threads spend more on sharing
+/// Cells that a thread takes at a time: a few hundred microseconds of work. With fewer the threads spend more on sharing
 /// out, with more a small part keeps one of them busy.
-const LEAST_SHARE: usize = 1024;
+const AT_A_TIME: usize = 1024;
 
 /// Rings of cells around the part that get a value.
 const RINGS: i32 = 2;
@@ -128,7 +128,7 @@ pub fn extend(field: &LayerField, cells: &Cells) -> ExtendedField {
     }
     let ring: Vec<usize> = (0..is_ring.len()).filter(|&node| is_ring[node]).collect();
     let forecast = Forecast::new(&lattice);
-    let continued = in_parallel(ring.len(), LEAST_SHARE, |k| forecast.at(ring[k]));
+    let continued = in_parallel(ring.len(), AT_A_TIME, |k| forecast.at(ring[k]));
 
     // The owner of each node: itself, or that of the ring cell.
     let mut owner: Vec<u32> = vec![u32::MAX; lattice.values.len()];
@@ -210,7 +210,7 @@ impl<'a> Forecast<'a> {
                 weight: f64::from(squared).powi(-2),
             }
         });
-        let slopes = in_parallel(lattice.values.len(), LEAST_SHARE, |node| {
+        let slopes = in_parallel(lattice.values.len(), AT_A_TIME, |node| {
             if lattice.values[node].is_nan() { [0.0; 3] } else { lattice.slopes(node).map(|slope| slope as f32) }
         });
         Forecast { values: &lattice.values, slopes, reach }

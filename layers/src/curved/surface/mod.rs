@@ -55,18 +55,18 @@ pub use store::{OtherCells, OtherMesh, PrintAids, ReadFieldError, SavedField, me
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};
 
-/// `of` for all numbers below `count`, in their order; with the feature `rayon` by several threads, each of which takes at
-/// least `least_share` of them.
+/// `of` for all numbers below `count`, in their order; with the feature `rayon` by several threads, which take `share` of them at a time: no
+/// more, as a thread would stand idle while another goes through what takes long.
 #[cfg_attr(not(feature = "rayon"), allow(unused_variables))]
 pub(in crate::curved) fn in_parallel<R: Send>(
     count: usize,
-    least_share: usize,
+    share: usize,
     of: impl Fn(usize) -> R + Send + Sync,
 ) -> Vec<R> {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        (0..count).into_par_iter().with_min_len(least_share).map(of).collect()
+        (0..count).into_par_iter().with_min_len(share).with_max_len(share).map(of).collect()
     }
     #[cfg(not(feature = "rayon"))]
     (0..count).map(of).collect()

@@ -28,8 +28,8 @@ const CREST: f64 = 0.5;
 /// A front faces a cut if its way has this much across it.
 const FACES: f64 = 0.5;
 
-/// Cells that a thread takes at least.
-const LEAST_SHARE: usize = 4096;
+/// Cells that a thread takes at a time.
+const AT_A_TIME: usize = 4096;
 
 /// Sweeps, and how far a value goes in each. With twice as many the layers of torn parts are a little evener, those of others
 /// less.
@@ -70,14 +70,14 @@ fn sweep(
     let solid: Vec<usize> = (0..lattice.values.len()).filter(|&node| !lattice.values[node].is_nan()).collect();
     let mut ways = vec![[0.0; 3]; lattice.values.len()];
     for _ in 0..sweeps {
-        let found = in_parallel(solid.len(), LEAST_SHARE, |k| way(lattice, solid[k]).map(|way| way * slope));
+        let found = in_parallel(solid.len(), AT_A_TIME, |k| way(lattice, solid[k]).map(|way| way * slope));
         solid.iter().zip(found).for_each(|(&node, way)| ways[node] = way);
         let moved = |node: usize| {
             let value = lattice.values[node];
             let foretold = foretold(lattice, &ways, node);
             foretold.map_or(value, |foretold| allowed(lattice, &ways, node, value + SHARE * (foretold - value)))
         };
-        let found = in_parallel(nodes.len(), LEAST_SHARE, |k| moved(nodes[k]));
+        let found = in_parallel(nodes.len(), AT_A_TIME, |k| moved(nodes[k]));
         let mut moves = 0.0;
         for (&node, value) in nodes.iter().zip(found) {
             moves += (value - lattice.values[node]).abs();
