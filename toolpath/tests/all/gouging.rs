@@ -82,9 +82,7 @@ fn at(
     let all: Vec<Layer> = layers.iter().cloned().chain([nowhere()]).collect();
     let resolved = resolved_with(&all, &[path(layers.len() as u32, &[(tip, direction), (tip, direction)])], options);
     let [one, other] = [0, 1].map(|k| resolved.paths[0].waypoints[k].direction);
-    // The second search knows the points that the first one found, and may take fewer of them.
-    let tilts = [one, other].map(|found| found.angle(&UnitVector3::new_normalize(direction)));
-    assert!((tilts[0] - tilts[1]).abs() < 2e-3, "{tilts:?}");
+    assert_eq!(one, other);
     (resolved, one)
 }
 
@@ -331,10 +329,7 @@ proptest! {
             let (resolved, direction) = at(std::slice::from_ref(&layer), tip, Vector3::z(), &alone());
             let depth = slow_depth(&raster, tip, &direction);
             match resolved.left.first() {
-                None => for waypoint in &resolved.paths[0].waypoints {
-                    let depth = slow_depth(&raster, tip, &waypoint.direction);
-                    prop_assert!(depth <= 0.25 * H + PIECE + 1e-9, "{depth}");
-                },
+                None => prop_assert!(depth <= 0.25 * H + PIECE + 1e-9, "{depth}"),
                 // A raster of 0.08 mm is at most 0.05 mm from the worst point.
                 Some(left) => prop_assert!(left.depth >= depth - PIECE && left.depth <= depth + 0.06, "{left:?} {depth}"),
             }
@@ -359,9 +354,7 @@ proptest! {
             if resolved.gouging_before == 0 {
                 continue;
             }
-            let later = resolved.paths[0].waypoints[1].direction;
-            let tilt = direction.angle(&Vector3::z()).min(later.angle(&Vector3::z()));
-            let least = if resolved.left.is_empty() { tilt } else { 1.3 };
+            let least = if resolved.left.is_empty() { direction.angle(&Vector3::z()) } else { 1.3 };
             for k in 0..400 {
                 // Spread evenly over the cap of directions with less tilt: a sunflower.
                 let share = (f64::from(k) + 0.5) / 400.0;

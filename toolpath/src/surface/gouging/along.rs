@@ -88,7 +88,7 @@ struct Walker<'a> {
     hints: &'a DirectionHints,
     steps: Vec<Step>,
     stack: Vec<(f64, u32)>,
-    /// What searches for a tilt found.
+    /// What searches for a tilt of one waypoint found, or on one leg.
     points: Points,
     /// What is near a way.
     near: Vec<u32>,
@@ -242,6 +242,7 @@ impl Walker<'_> {
 
     /// Tilts a waypoint that gouges.
     fn tilt_at(&mut self, k: usize) {
+        self.points.clear();
         let direction = self.steps[k].waypoint.direction;
         let tilted = self.least_tilt_or_known(self.stand(k), direction);
         let step = &mut self.steps[k];
@@ -273,6 +274,7 @@ impl Walker<'_> {
 
     /// Raises the tip of a waypoint that no tilt frees, as little as frees it (to [`LIFT_STEP`]); whether the limit does.
     fn raise(&mut self, k: usize) -> bool {
+        self.points.clear();
         let stuck = self.steps[k];
         let (mut low, mut high) = (0.0, self.options.max_lift);
         let Some(mut raised) = (high > 0.0).then(|| self.raised(&stuck, high)).flatten() else { return false };
@@ -338,6 +340,7 @@ impl Walker<'_> {
             return;
         };
         let within = |direction: &UnitVector3<f64>| angle(&from, direction) <= limit + ROUNDING;
+        self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
         if let Some(direction) = free.filter(within) {
             self.steps[k].waypoint.direction = direction;
@@ -400,6 +403,7 @@ impl Walker<'_> {
                 let ends = [&last, &step].map(|step| step.waypoint.direction);
                 // What was found free is free as long as nobody turns.
                 if step.looked != Some(ends) {
+                    self.points.clear();
                     self.gather(&last, &step, last.before);
                     let is_free = self.near.is_empty() && self.is_above_plate(&last, &step);
                     let put = !is_free && LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
@@ -479,6 +483,7 @@ impl Walker<'_> {
         // Earlier layers are finished before the first waypoint of this one.
         let earlier = Stand { before: after(layer), ..stand };
         let wanted = self.steps[waypoint].wanted;
+        self.points.clear();
         let own_layer = self.least_tilt_or_known(earlier, wanted).is_some();
         Some(Gouge { path: 0, waypoint, obstacle, depth, part, own_layer })
     }

@@ -16,9 +16,9 @@
 //! Caps keep one of [`SLACKS`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
 //! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last.
 //!
-//! Nearly all the time goes into step 2. But a point that lacks clearance here mostly lacks it at the next waypoint, in the next
-//! round of slack, and where the tip is raised a little: so points found are kept for a while ([`Points`]) and asked first.
-//! A place that is closed is mostly proven so by them alone.
+//! Nearly all the time goes into step 2. But a point that lacks clearance with one slack mostly lacks it with the other, from another wanted
+//! direction and where the tip is raised a little: so the points of a waypoint are kept ([`Points`]) and asked first. That a place is closed
+//! is proven once with walks, and then by them alone.
 
 use super::deepest::{Scene, Stand, Worst};
 use super::nozzle::Nozzle;
@@ -32,9 +32,6 @@ const SLACKS: [f64; 2] = [0.02, 0.002];
 
 /// Rounds after which the search gives up. On real parts it takes 3 in the median and 12 at most.
 const ROUNDS: usize = 120;
-
-/// So many points of earlier searches are kept, then half as many.
-const MOST_POINTS: usize = 64;
 
 /// A direction this far into a cap, by its cosine, is on its circle.
 const ON_CIRCLE: f64 = 1e-10;
@@ -123,37 +120,44 @@ impl Candidates {
     }
 }
 
-/// Points that lacked clearance in earlier searches, each with the stand that it was found at.
+/// Points that lacked clearance in searches for one waypoint or on one leg. They are there whatever the tip, as long as the same is
+/// built and as much is allowed.
 #[derive(Debug, Default)]
-pub(super) struct Points(Vec<(Stand, Worst)>);
+pub(super) struct Points {
+    before: u32,
+    allowed: f64,
+    points: Vec<Worst>,
+}
 
 impl Points {
-    fn keep(&mut self, stand: Stand, worst: Worst) {
-        if self.0.len() == MOST_POINTS {
-            self.0.drain(..MOST_POINTS / 2);
-        }
-        self.0.push((stand, worst));
+    /// Forgets all: what comes of a waypoint does not depend on the searches for others.
+    pub fn clear(&mut self) {
+        self.points.clear();
     }
 
-    /// The one that lacks most clearance. What was built at its stand is built at a later one, and sheets are where they were if as much
-    /// is allowed.
+    /// Forgets what does not hold for a stand.
+    fn begin(&mut self, stand: Stand) {
+        if self.before != stand.before || self.allowed.total_cmp(&stand.allowed).is_ne() {
+            *self = Points { before: stand.before, allowed: stand.allowed, points: Vec::new() };
+        }
+    }
+
+    /// The one that lacks most clearance.
     fn worst(&self, nozzle: &Nozzle, stand: Stand, direction: &UnitVector3<f64>) -> Option<Worst> {
-        let is_there = |found: &Stand| found.before <= stand.before && found.allowed.total_cmp(&stand.allowed).is_eq();
         let lack = |worst: &Worst| {
             let to_point = worst.point - stand.tip;
             let z = to_point.dot(direction);
             let rho = (to_point - direction.into_inner() * z).norm();
             nozzle.clearance(z, rho) - stand.clearance(worst.height)
         };
-        let there = self.0.iter().filter(|(found, _)| is_there(found)).map(|(_, worst)| (lack(worst), worst));
-        let (lack, worst) = there.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (lack < 0.0).then_some(Worst { lack, ..*worst })
+        let all = self.points.iter().map(|worst| Worst { lack: lack(worst), ..*worst });
+        all.min_by(|a, b| a.lack.total_cmp(&b.lack)).filter(|worst| worst.lack < 0.0)
     }
 }
 
 impl Scene<'_> {
-    /// The free direction nearest to `wanted`, if there is one within `limit`; `points` are those of earlier searches on the same
-    /// path, to which it adds.
+    /// The free direction nearest to `wanted`, if there is one within `limit`; `points` are those of earlier searches for the
+    /// same waypoint or leg, to which it adds.
     pub(super) fn least_tilt(
         &self,
         stand: Stand,
@@ -162,6 +166,7 @@ impl Scene<'_> {
         points: &mut Points,
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<UnitVector3<f64>> {
+        points.begin(stand);
         SLACKS.iter().find_map(|&slack| self.exchange(stand, wanted, limit, slack, points, stack))
     }
 
@@ -191,7 +196,7 @@ impl Scene<'_> {
                 Some(worst) => worst,
                 None => {
                     let Some(worst) = self.bad(stand, &direction, stack) else { return Some(direction) };
-                    points.keep(stand, worst);
+                    points.points.push(worst);
                     worst
                 }
             };
