@@ -11,7 +11,7 @@ use super::cells::Cells;
 use super::growth::{Growth, GrowthError};
 use super::nozzle::{NozzleRule, grow_with_nozzle};
 use super::strategy::Strategy;
-use super::support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, cell_mesh, try_support};
+use super::support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 use super::surface::{LayerField, extend, uniform_field_with_nozzle};
 use super::workpiece::{LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece, begin};
 use crate::Progress;
@@ -149,7 +149,7 @@ impl Workpiece<'_> {
     /// [`LayersError`]. Cells that are missed all the same are no error: they are listed in the growth.
     ///
     /// # Cost
-    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`](super::add_support) as well.
+    /// That of [`Workpiece::order`] if it misses nothing. Else that of [`grow_with_nozzle`] and of [`add_support`] as well.
     pub fn complete_order(
         &self,
         strategy: Option<Strategy>,
@@ -231,7 +231,7 @@ impl Workpiece<'_> {
                 let left = support.as_ref().map_or(growth.missed.len(), |best: &Supported| best.growth.missed.len());
                 if left > 0 {
                     begin("support", progress)?;
-                    match try_support(&self.cells, platform, rules, below, options, &grow, progress)? {
+                    match add_support(&self.cells, platform, rules, below, options, &grow, progress)? {
                         Ok(found) if found.growth.missed.len() < left => support = Some(found),
                         Ok(_) => why_not = Some(NoSupport::NoHelp),
                         // That columns were placed counts, below whichever cells.

@@ -4,9 +4,9 @@ use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NoSupport, NozzleRule, NozzleRuleError,
-    NozzleUse, PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions, Supported, Workpiece, add_support,
-    audit, cell_mesh, grow,
+    CellMesh, Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NoSupport, NozzleRule,
+    NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions, Supported,
+    Workpiece, add_support, audit, cell_mesh, grow,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;
@@ -26,7 +26,7 @@ fn grown(part: &Part, cells: &Cells, rules: &Rules) -> Result<Growth, GrowthErro
     grow(cells, &part.platform, rules, &GrowthOptions::default(), None, &go)
 }
 
-fn supported(part: &Part, rules: &Rules, options: &SupportOptions) -> (Growth, Option<Supported>) {
+fn supported(part: &Part, rules: &Rules, options: &SupportOptions) -> (Growth, Result<Supported, NoSupport>) {
     let growth = grown(part, &part.cells(), rules).unwrap();
     let again = |cells: &Cells| grown(part, cells, rules);
     let supported = add_support(&part.cells(), &part.platform, rules, &growth, options, &again, &go).unwrap();
@@ -56,7 +56,7 @@ proptest! {
     ) {
         let rules = Rules::default();
         let (before, after) = supported(&part, &rules, &SupportOptions { width, contact, gap, rounds: 3 });
-        let Some(Supported { rows, growth, support, gap: empty, rounds, .. }) = after else { return Ok(()) };
+        let Ok(Supported { rows, growth, support, gap: empty, rounds, .. }) = after else { return Ok(()) };
         prop_assert!(growth.missed.len() < before.missed.len() && (1..=3).contains(&rounds));
         let united = Cells::new(part.dims, &rows).unwrap();
         prop_assert!(support.is_sorted() && support.iter().all(|&cell| !part.cells().contains(united.position(cell))));
@@ -151,10 +151,10 @@ fn columns_are_wide_below_and_thin_where_they_touch() {
 fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed() {
     let tower = part([3, 3, 4], |_| true);
     let (_, none) = supported(&tower, &Rules::default(), &SupportOptions::default());
-    assert_eq!(none, None);
+    assert_eq!(none, Err(NoSupport::NotNeeded));
     let (_, none) =
         supported(&hanging_ball(), &Rules::default(), &SupportOptions { rounds: 0, ..SupportOptions::default() });
-    assert_eq!(none, None);
+    assert_eq!(none, Err(NoSupport::Forbidden));
     let part = hanging_ball();
     let growth = grown(&part, &part.cells(), &Rules::default()).unwrap();
     let again = |cells: &Cells| grown(&part, cells, &Rules::default());
@@ -203,30 +203,33 @@ fn the_skin_of_cells_is_closed() {
     }
 }
 
+/// A part whose cells, a millimetre wide, are its mesh.
+fn workpiece<'a>(part: &'a Part, mesh: &'a CellMesh) -> Workpiece<'a> {
+    let cells = part.cells();
+    let volume_mm3 = cells.iter().count() as f64;
+    let (cell_mm, origin, rules) = (1.0, Point3::origin(), Rules::default());
+    let (vertices, triangles, platform) = (&mesh.vertices, &mesh.triangles, &part.platform);
+    Workpiece { vertices, triangles, cells, cell_mm, origin, platform, rules, volume_mm3 }
+}
+
+fn mesh_of(part: &Part) -> CellMesh {
+    let cells = part.cells();
+    cell_mesh(&cells, &cells.iter().collect::<Vec<u32>>(), 1.0, Point3::origin())
+}
+
 /// A part of cells of a millimetre, in one call: the support has surfaces of its own, beside those of the part.
 #[test]
 fn a_part_is_complete_in_one_call() {
     let part = hanging_ball();
-    let cells = part.cells();
-    let all: Vec<u32> = cells.iter().collect();
-    let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
-    let workpiece = Workpiece {
-        vertices: &mesh.vertices,
-        triangles: &mesh.triangles,
-        cells,
-        cell_mm: 1.0,
-        origin: Point3::origin(),
-        platform: &part.platform,
-        rules: Rules::default(),
-        volume_mm3: all.len() as f64,
-    };
+    let mesh = mesh_of(&part);
+    let workpiece = workpiece(&part, &mesh);
     let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
     let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &go).unwrap();
     let (layered, support) = (&complete.layered, complete.support.as_ref().unwrap());
     assert!(complete.missed_by_hull.len() > 400);
     assert!(layered.growth.missed.is_empty() && layered.growth.nozzle.is_empty());
     assert!(layered.audit.is_ok() && layered.uniform.audit.is_ok());
-    assert_eq!(layered.audit.cells, all.len() + support.cells.len());
+    assert_eq!(layered.audit.cells, part.cells().iter().count() + support.cells.len());
     assert_eq!(layered.surfaces.sheets.len(), support.surfaces.sheets.len());
     let share = layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
     assert!((share - 1.0).abs() < 0.05, "{share}");
@@ -302,19 +305,8 @@ fn missed_cells_without_support_come_with_the_reason() {
         (&beside, Strategy::Greedy, allowed, Some(NoSupport::NoPlace)),
         (&tower, Strategy::Greedy, None, None),
     ] {
-        let cells = part.cells();
-        let all: Vec<u32> = cells.iter().collect();
-        let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
-        let workpiece = Workpiece {
-            vertices: &mesh.vertices,
-            triangles: &mesh.triangles,
-            cells,
-            cell_mm: 1.0,
-            origin: Point3::origin(),
-            platform: &part.platform,
-            rules: Rules::default(),
-            volume_mm3: all.len() as f64,
-        };
+        let mesh = mesh_of(part);
+        let workpiece = workpiece(part, &mesh);
         let options = CompleteOptions { nozzle: NozzleUse::Off, support, ..CompleteOptions::default() };
         let order = workpiece.complete_order(Some(strategy), 1.0, &options, &go).unwrap();
         assert_eq!(order.no_support, why);
@@ -325,6 +317,16 @@ fn missed_cells_without_support_come_with_the_reason() {
     }
 }
 
+/// Columns that help nobody: grown with them, the part misses what it missed before.
+#[test]
+fn support_that_does_not_help_says_so() {
+    let (part, rules) = (hanging_ball(), Rules::default());
+    let growth = Strategy::Incremental.grow(&part.cells(), &part.platform, &rules, &go).unwrap();
+    let same = |_: &Cells| Ok(growth.clone());
+    let tried = add_support(&part.cells(), &part.platform, &rules, &growth, &SupportOptions::default(), &same, &go);
+    assert_eq!(tried.unwrap(), Err(NoSupport::NoHelp));
+}
+
 /// Coherent layers of a part with its support, of one without, and of one with cells that the nozzle builds.
 #[test]
 fn coherent_layers_are_those_of_part_and_support() {
@@ -333,19 +335,8 @@ fn coherent_layers_are_those_of_part_and_support() {
     let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
     let neither = CompleteOptions { support: None, ..support_only };
     let by_nozzle = CompleteOptions { rule, support: None, ..CompleteOptions::default() };
-    let cells = ball.cells();
-    let all: Vec<u32> = cells.iter().collect();
-    let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
-    let workpiece = Workpiece {
-        vertices: &mesh.vertices,
-        triangles: &mesh.triangles,
-        cells,
-        cell_mm: 1.0,
-        origin: Point3::origin(),
-        platform: &ball.platform,
-        rules: Rules::default(),
-        volume_mm3: all.len() as f64,
-    };
+    let mesh = mesh_of(&ball);
+    let workpiece = workpiece(&ball, &mesh);
     for options in [support_only, neither, by_nozzle] {
         let order = workpiece.complete_order(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
         let even = workpiece.layers_of_complete(order.clone(), 1.0, &options, &go).unwrap();
@@ -380,18 +371,13 @@ fn coherent_layers_are_those_of_part_and_support() {
 #[test]
 fn from_the_start_on_both_rules_count() {
     let part = hanging_ball();
-    let cells = part.cells();
-    let all: Vec<u32> = cells.iter().collect();
-    let mesh = cell_mesh(&cells, &all, 1.0, Point3::origin());
-    let (platform, volume_mm3) = (&part.platform, all.len() as f64);
-    let (vertices, triangles, origin) = (&mesh.vertices[..], &mesh.triangles[..], Point3::origin());
-    let workpiece =
-        Workpiece { vertices, triangles, cells, cell_mm: 1.0, origin, platform, rules: Rules::default(), volume_mm3 };
+    let mesh = mesh_of(&part);
+    let workpiece = workpiece(&part, &mesh);
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
     let options = CompleteOptions { nozzle: NozzleUse::FromStart, rule, support: None };
     let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
     let growth = &complete.layered.growth;
     assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());
     assert!(10 * growth.missed.len() < complete.missed_by_hull.len(), "{}", growth.missed.len());
-    assert!(growth.nozzle.len() < all.len()); // the hull rule suffices for many
+    assert!(growth.nozzle.len() < part.cells().iter().count()); // the hull rule suffices for many
 }

