@@ -2,13 +2,16 @@
 
 use clap::{Args, ValueEnum};
 use curvlay_examples::args::{from_zero, typed_name};
-use curvlay_layers::curved::{CompleteOptions, NozzleRule, NozzleUse, SupportOptions};
+use curvlay_layers::curved::{self, CompleteOptions, NozzleRule, NozzleUse, SupportOptions};
 use curvlay_toolpath::surface::Nozzle;
 
 /// Cells that no order builds by the hull rule.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cells that the hull rule does not let build")]
 pub struct CompleteArgs {
+    /// By what the order of the cells is found
+    #[arg(long, value_enum, default_value = "hull", conflicts_with = "resume")]
+    pub layers_by: LayersBy,
     /// When cells are judged by the nozzle that prints in place of the hull rule, which holds for nozzles of any size [default: after;
     /// off with a --strategy other than best]
     #[arg(long, value_enum, conflicts_with = "resume")]
@@ -34,6 +37,17 @@ pub struct CompleteArgs {
     /// Share of the inside of support that is filled
     #[arg(long, value_name = "PERCENT", default_value_t = 25.0, value_parser = percent, allow_negative_numbers = true)]
     pub support_density: f64,
+}
+
+/// By what the order is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayersBy {
+    /// By convex hulls, which let a nozzle of any size pass.
+    Hull,
+    /// By the distance from the plate inside the part, as far as the nozzle that prints reaches: layers that do not tear.
+    Distance,
+    /// By the distance, unless that misses cells and hulls miss fewer.
+    Best,
 }
 
 /// When cells are judged by the nozzle that prints.
@@ -81,9 +95,14 @@ impl CompleteArgs {
             NozzleGrowth::After => NozzleUse::After,
             NozzleGrowth::FromStart => NozzleUse::FromStart,
         };
+        let layers_by = match self.layers_by {
+            LayersBy::Hull => curved::LayersBy::Hull,
+            LayersBy::Distance => curved::LayersBy::Distance,
+            LayersBy::Best => curved::LayersBy::Best,
+        };
         let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);
         let columns = SupportOptions { width, contact, gap, ..SupportOptions::default() };
-        CompleteOptions { nozzle, rule, support: (support == Support::Auto).then_some(columns) }
+        CompleteOptions { layers_by, nozzle, rule, support: (support == Support::Auto).then_some(columns) }
     }
 
     /// Says what does not go together.

@@ -8,9 +8,9 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, Neighbours,
-    NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle, check_impossible,
-    layer_quality, prove_impossible,
+    AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, LayersBy,
+    Neighbours, NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle,
+    check_impossible, layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -206,7 +206,8 @@ pub fn run(
     let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
         support.clone_from(&saved.aids.support);
-        let judged = JudgedByNozzle { rule: saved.aids.rule, cell_mm, cells: &growth.nozzle };
+        let steps = saved.field.steps_per_layer();
+        let judged = JudgedByNozzle { rule: saved.aids.rule, cell_mm, steps, cells: &growth.nozzle };
         let missed = growth.missed_cells();
         clock.note("audit", 0);
         let order = saved.field.order();
@@ -229,7 +230,8 @@ pub fn run(
         if let Some(supported) = &order.supported {
             (support, straight_cells) = (supported.support.clone(), supported.straight_cells);
         }
-        let (name, audit, missed) = (order.strategy.name(), order.audit.clone(), order.missed_by_hull.clone());
+        let name = if order.layers_by == LayersBy::Distance { "distance" } else { order.strategy.name() };
+        let (audit, missed) = (order.audit.clone(), order.missed_by_hull.clone());
         let (growth, made) = match surfaces {
             Some(surfaces) => {
                 let made = if surfaces.coherent {
@@ -251,9 +253,14 @@ pub fn run(
     clock.stop();
     let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &growth, part, &clock);
     let surfaces = made.zip(surfaces).map(finish).transpose()?;
-    let [peel, grow, audit_time, prove, check_proofs] =
-        [&["peel"][..], &["grow", "peel", "unbuild", "nozzle", "support"], &["audit"], &["impossible"], &["check"]]
-            .map(|stages| clock.on_the_clock(stages));
+    let [peel, grow, audit_time, prove, check_proofs] = [
+        &["peel"][..],
+        &["grow", "distance", "peel", "unbuild", "nozzle", "support"],
+        &["audit"],
+        &["impossible"],
+        &["check"],
+    ]
+    .map(|stages| clock.on_the_clock(stages));
     let inspect_time = inspect_time + thin_time;
     let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"]);
     let total = inspect_time + voxelise_time + grow + audit_time + prove + check_proofs + surfaces_time;

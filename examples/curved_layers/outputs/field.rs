@@ -138,6 +138,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("coherent", args.coherent)?
         .set("eps_cells", args.grow.eps)?
         .set("beyond_eps", args.grow.beyond_eps)?
+        .set("layers_by", typed_name(args.complete.layers_by))?
         .set("nozzle_growth", nozzle_growth)?
         .set("nozzle_max_tilt_deg", args.complete.max_tilt)?
         .set("nozzle_margin_cells", args.complete.nozzle_margin)?
@@ -263,6 +264,26 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         ]);
 }
 
+/// What holds for the order of the cells, by what this run found.
+fn reach(run: &FieldRun) -> String {
+    let (by_nozzle, built) = (run.growth.nozzle.len(), run.growth.order.cells().len());
+    let mut text = "The order in which the cells are built. ".to_owned();
+    if !run.audit.is_ok() {
+        text += &format!("It fails the audit: {}.", run.audit);
+        return text;
+    }
+    text += "Every cell has support in an earlier layer. ";
+    text += &match by_nozzle {
+        0 => "None lies inside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches it.".to_owned(),
+        all if all == built => "The nozzle of this run reaches each without touching the plate or a cell of an earlier layer.".to_owned(),
+        some => format!(
+            "{some} of {built} are reached by the nozzle of this run without touching the plate or a cell of an earlier layer; \
+             the others lie outside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches them."
+        ),
+    };
+    text
+}
+
 /// The first chapter: what it is about, and the field.
 pub fn report(run: &FieldRun, report: &mut Report) -> Result<(), Failure> {
     let (grid, field) = (&run.solid.grid, numbers(run));
@@ -276,10 +297,7 @@ pub fn report(run: &FieldRun, report: &mut Report) -> Result<(), Failure> {
         scene.draw(width, height).with_legend(layers, missed).to_png()
     };
     let cut = |plane: Plane| draw_cut(&layered, plane, width, height).with_legend(layers, missed).to_png();
-    report.paragraph(
-        "In which order the cells of the part can be built: every cell has support in an earlier layer, and none lies \
-         inside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches it.",
-    );
+    report.paragraph(&reach(run));
     report
         .heading("The part, coloured by layer")
         .pictures(&[

@@ -8,6 +8,8 @@
 
 use super::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
 use super::cells::Cells;
+use super::distance::STEPS_PER_LAYER;
+use super::distance_part::by_distance;
 use super::growth::{Growth, GrowthError};
 use super::nozzle::{NozzleRule, grow_with_nozzle};
 use super::strategy::Strategy;
@@ -31,10 +33,32 @@ pub enum NozzleUse {
     FromStart,
 }
 
+/// By what the order of the cells is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum LayersBy {
+    /// By convex hulls, which let a nozzle of any size pass; what they miss is built by the nozzle that prints.
+    #[default]
+    Hull,
+    /// By the [distance](super::distance_field) from what the part stands on, as far as the nozzle that prints reaches.
+    Distance,
+    /// By the distance, unless that misses cells and hulls miss fewer.
+    Best,
+}
+
+impl LayersBy {
+    /// Steps of the order to a layer.
+    fn steps(self) -> u32 {
+        if self == LayersBy::Distance { STEPS_PER_LAYER } else { 1 }
+    }
+}
+
 /// How a part is made complete.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct CompleteOptions {
+    /// By what the order is found. Default: by hulls.
+    pub layers_by: LayersBy,
     /// When cells are judged by the nozzle. Default: after the hull rule.
     pub nozzle: NozzleUse,
     /// The nozzle.
@@ -46,16 +70,19 @@ pub struct CompleteOptions {
 impl Default for CompleteOptions {
     fn default() -> Self {
         let support = Some(SupportOptions::default());
-        CompleteOptions { nozzle: NozzleUse::default(), rule: NozzleRule::default(), support }
+        let layers_by = LayersBy::default();
+        CompleteOptions { layers_by, nozzle: NozzleUse::default(), rule: NozzleRule::default(), support }
     }
 }
 
 /// A part in layers, with what it took to make it complete.
 #[derive(Clone, Debug)]
 pub struct CompletePart {
+    /// By what the order was found: hulls or distance.
+    pub layers_by: LayersBy,
     /// The layers. With support the order, the field and the audit are those of part and support together; the surfaces are the part's.
     pub layered: LayeredPart,
-    /// Cells that the order by the hull rule alone missed, by rising number.
+    /// Cells that the order by the hull rule alone missed, by rising number; none for an order by distance.
     pub missed_by_hull: Vec<u32>,
     /// The support; `None` if there is none.
     pub support: Option<PartSupport>,
@@ -83,7 +110,9 @@ pub struct PartSupport {
 /// The order of a part, and of its support if it has any, before it is layered.
 #[derive(Clone, Debug)]
 pub struct CompleteOrder {
-    /// The strategy of the order by the hull rule.
+    /// By what the order was found: hulls or distance.
+    pub layers_by: LayersBy,
+    /// The strategy of the order by the hull rule; of an order by distance un-building, by which what the distance does not reach is ordered.
     pub strategy: Strategy,
     /// The order of the part alone.
     pub growth: Growth,
@@ -91,10 +120,12 @@ pub struct CompleteOrder {
     pub supported: Option<Supported>,
     /// Why there is no support, where cells are missed.
     pub no_support: Option<NoSupport>,
-    /// Cells that the order by the hull rule alone missed, by rising number.
+    /// Cells that the order by the hull rule alone missed, by rising number; none for an order by distance.
     pub missed_by_hull: Vec<u32>,
     /// The audit of the order of part and support together.
     pub audit: AuditReport,
+    /// The field of an order by distance, of part and support together; `None` for one by hulls.
+    pub field: Option<LayerField>,
 }
 
 impl CompleteOrder {
@@ -159,10 +190,41 @@ impl Workpiece<'_> {
     ) -> Result<CompleteOrder, LayersError> {
         self.check_volume()?;
         options.rule.check().map_err(GrowthError::from)?;
+        if options.layers_by == LayersBy::Hull {
+            return self.order_by_hulls(strategy, height_mm, options, progress);
+        }
+        let by_distance = self.order_by_distance(options, progress)?;
+        let is_complete = by_distance.audit.is_ok() && by_distance.taken().missed.is_empty();
+        if options.layers_by == LayersBy::Distance || is_complete {
+            return Ok(by_distance);
+        }
+        let by_hulls = self.order_by_hulls(strategy, height_mm, options, progress)?;
+        let is_fewer = by_distance.taken().missed.len() <= by_hulls.taken().missed.len();
+        Ok(if by_distance.audit.is_ok() && is_fewer { by_distance } else { by_hulls })
+    }
+
+    /// The order by the hull rule, made complete.
+    fn order_by_hulls(
+        &self,
+        strategy: Option<Strategy>,
+        height_mm: f64,
+        options: &CompleteOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<CompleteOrder, LayersError> {
+        let layers_by = LayersBy::Hull;
         let OrderedPart { strategy: taken, growth, audit } = self.order(strategy, height_mm, progress)?;
         let missed_by_hull = growth.missed_cells();
         let no_support = (!missed_by_hull.is_empty()).then_some(NoSupport::Forbidden);
-        let mut order = CompleteOrder { strategy: taken, growth, supported: None, no_support, missed_by_hull, audit };
+        let mut order = CompleteOrder {
+            layers_by,
+            strategy: taken,
+            growth,
+            supported: None,
+            no_support,
+            missed_by_hull,
+            audit,
+            field: None,
+        };
         let is_left = options.nozzle != NozzleUse::Off || options.support.is_some();
         if options.nozzle != NozzleUse::FromStart && (order.missed_by_hull.is_empty() || !is_left) {
             return Ok(order);
@@ -177,14 +239,19 @@ impl Workpiece<'_> {
         Ok(order)
     }
 
-    fn audited(
+    pub(super) fn audited(
         &self,
         order: &CompleteOrder,
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<AuditReport, LayersError> {
         let (cells, growth) = (order.united(&self.cells)?, order.taken());
-        let judged = JudgedByNozzle { rule: options.rule, cell_mm: self.cell_mm, cells: &growth.nozzle };
+        let judged = JudgedByNozzle {
+            rule: options.rule,
+            cell_mm: self.cell_mm,
+            steps: order.layers_by.steps(),
+            cells: &growth.nozzle,
+        };
         let missed = growth.missed_cells();
         begin("audit", progress)?;
         Ok(audit_with_nozzle(&cells, self.platform, &self.rules, &judged, &growth.order, &missed, progress)?)
@@ -265,17 +332,22 @@ impl Workpiece<'_> {
     ) -> Result<CompletePart, LayersError> {
         let Workpiece { platform, rules, cell_mm, .. } = *self;
         let (cells, growth) = (order.united(&self.cells)?, order.taken());
-        let judged = JudgedByNozzle { rule: options.rule, cell_mm, cells: &growth.nozzle };
+        let judged =
+            JudgedByNozzle { rule: options.rule, cell_mm, steps: order.layers_by.steps(), cells: &growth.nozzle };
         let missed = growth.missed_cells();
         begin("uniform", progress)?;
-        let uniform = uniform_field_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &missed, progress)?;
+        let uniform = match &order.field {
+            Some(field) => by_distance(&cells, self, field, &judged, growth, progress)?,
+            None => uniform_field_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &missed, progress)?,
+        };
         let support = order.supported.as_ref().map(|supported| &supported.support[..]).unwrap_or_default();
         let (surfaces, mut support) =
             self.surfaces_and_support(&uniform.field, cells.rows(), support, &missed, height_mm, progress)?;
         support.iter_mut().zip(&order.supported).for_each(|(made, found)| made.straight_cells = found.straight_cells);
         let growth = growth.clone();
-        let CompleteOrder { strategy, missed_by_hull, no_support, audit, .. } = order;
+        let CompleteOrder { layers_by, strategy, missed_by_hull, no_support, audit, .. } = order;
         Ok(CompletePart {
+            layers_by,
             layered: LayeredPart { strategy, growth, audit, uniform, surfaces },
             missed_by_hull,
             support,

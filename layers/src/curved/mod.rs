@@ -24,6 +24,8 @@ mod boxes;
 mod cells;
 mod coherent_part;
 mod complete;
+mod distance;
+mod distance_part;
 mod growth;
 mod impossible;
 mod mould;
@@ -51,7 +53,8 @@ pub use audit::{
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
-pub use complete::{CompleteOptions, CompleteOrder, CompletePart, NozzleUse, PartSupport, PrintedSheet};
+pub use complete::{CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet};
+pub use distance::{DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance};
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,

@@ -132,7 +132,7 @@ proptest! {
             let uniform = uniform_field(&cells, platform, &rules, &growth.order, &missed, &go).unwrap();
             prop_assert!(uniform.audit.is_ok());
             let judge = |growth: &Growth| {
-                let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 2.0, cells: &growth.nozzle };
+                let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 2.0, steps: 1, cells: &growth.nozzle };
                 audit_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &growth.missed_cells(), &go).unwrap()
             };
             let further = grow_with_nozzle(&cells, 2.0, platform, &rules, &NozzleRule::default(), growth, &go).unwrap();
@@ -275,7 +275,7 @@ fn a_trough_is_filled_by_the_nozzle_alone() {
     let nozzle = NozzleRule { block_mm: 6.0, cone_height_mm: 8.0, half_angle: 0.3, ..NozzleRule::default() };
     let growth = grow_with_nozzle(&cells, 1.0, platform, &rules, &nozzle, Growth::default(), &go).unwrap();
     assert!(growth.missed.is_empty(), "{} missed", growth.missed.len());
-    let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, cells: &growth.nozzle };
+    let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, steps: 1, cells: &growth.nozzle };
     let report = audit_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &[], &go).unwrap();
     assert!(report.is_ok(), "{report}");
     // A wider one meets the walls, and the audit says so.

@@ -23,7 +23,7 @@ fn with_nozzle(part: &Part, rules: &Rules, nozzle: &NozzleRule, growth: Growth) 
 }
 
 fn audited(part: &Part, rules: &Rules, nozzle: &NozzleRule, growth: &Growth) -> AuditReport {
-    let judged = JudgedByNozzle { rule: *nozzle, cell_mm: 1.0, cells: &growth.nozzle };
+    let judged = JudgedByNozzle { rule: *nozzle, cell_mm: 1.0, steps: 1, cells: &growth.nozzle };
     audit_with_nozzle(&part.cells(), &part.platform, rules, &judged, &growth.order, &growth.missed_cells(), &go)
         .unwrap()
 }
@@ -146,7 +146,7 @@ proptest! {
             let tight = NozzleRule { margin: (1.7 * margin).min(1.0), ..nozzle };
             for direction in nozzle.directions() {
                 let judged = [NozzleCell { cell: missed, direction }];
-                let judged = JudgedByNozzle { rule: tight, cell_mm: 1.0, cells: &judged };
+                let judged = JudgedByNozzle { rule: tight, cell_mm: 1.0, steps: 1, cells: &judged };
                 let report = audit_with_nozzle(&cells, &part.platform, &rules, &judged, &order, &rest, &go).unwrap();
                 prop_assert!(report.counts.nozzle > 0, "cell {} could be printed from {:?}", missed, direction);
             }
@@ -186,7 +186,7 @@ fn a_hanging_ball_is_reached_from_the_side() {
     assert!(after.nozzle.iter().filter(below_beam).all(|printed| printed.direction.z < 0.9));
 
     // Layers of a cell, in the order in which they are built, after those of the hull rule.
-    let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, cells: &after.nozzle };
+    let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, steps: 1, cells: &after.nozzle };
     let missed = after.missed_cells();
     let uniform =
         uniform_field_with_nozzle(&part.cells(), &part.platform, &rules, &judged, &after.order, &missed, &go).unwrap();
@@ -264,7 +264,7 @@ fn what_cannot_be_is_refused() {
     for (nozzle, error) in bad {
         assert_eq!(nozzle.check(), Err(error));
         assert_eq!(grown(1.0, &rules, &nozzle), GrowthError::Nozzle(error));
-        let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, cells: &[] };
+        let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, steps: 1, cells: &[] };
         let audited = audit_with_nozzle(&cells, &part.platform, &rules, &judged, &LayerOrder::new(), &[], &go);
         assert_eq!(audited, Err(AuditError::Nozzle(error)));
     }
@@ -290,7 +290,7 @@ fn the_audit_finds_what_a_nozzle_meets() {
         order
     };
     let faults = |nozzle: NozzleRule, directions: &[NozzleCell]| {
-        let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, cells: directions };
+        let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, steps: 1, cells: directions };
         audit_with_nozzle(&cells, &part.platform, &Rules::default(), &judged, &order, &[], &go).unwrap().faults
     };
     let leaning =
@@ -303,7 +303,7 @@ fn the_audit_finds_what_a_nozzle_meets() {
     assert_eq!(faults(steep, &[leaning(11, 1.0, 1.0)]), [Fault::NozzleLeans { cell: 11, layer: 4 }]);
     let twice = [leaning(4, 0.0, 1.0), leaning(4, 0.0, 1.0)];
     assert_eq!(faults(small(), &twice), [Fault::StrayDirection { cell: 4 }]);
-    let judged = JudgedByNozzle { rule: small(), cell_mm: 1.0, cells: &[leaning(11, 0.0, 1.0)] };
+    let judged = JudgedByNozzle { rule: small(), cell_mm: 1.0, steps: 1, cells: &[leaning(11, 0.0, 1.0)] };
     let mut short = LayerOrder::new();
     (0..3).for_each(|z| short.push(3 * z..3 * z + 3));
     let report =

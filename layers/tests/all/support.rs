@@ -374,7 +374,7 @@ fn from_the_start_on_both_rules_count() {
     let mesh = mesh_of(&part);
     let workpiece = workpiece(&part, &mesh);
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
-    let options = CompleteOptions { nozzle: NozzleUse::FromStart, rule, support: None };
+    let options = CompleteOptions { nozzle: NozzleUse::FromStart, rule, support: None, ..CompleteOptions::default() };
     let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
     let growth = &complete.layered.growth;
     assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());

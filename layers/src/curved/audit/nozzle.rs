@@ -6,6 +6,7 @@
 
 use crate::curved::{NozzleCell, NozzleRule};
 use nalgebra::{Point3, Vector3};
+use std::collections::VecDeque;
 
 /// Balls that come this near are not met: rounding, in millimetres.
 const TOUCHES: f64 = 1e-6;
@@ -20,6 +21,10 @@ pub struct JudgedByNozzle<'a> {
     pub rule: NozzleRule,
     /// Edge of a cell in millimetres.
     pub cell_mm: f64,
+    /// Layers of the order that are printed as one: 1, but for orders that are cut more finely than layers are thick
+    /// ([`LayerField::steps_per_layer`](crate::curved::surface::LayerField::steps_per_layer)). Cells of the last `steps - 1` of them are not in the
+    /// nozzle's way, as those of its own layer are not.
+    pub steps: u32,
     /// The cells, with the directions in which it prints them. Each is in a layer.
     pub cells: &'a [NozzleCell],
 }
@@ -42,6 +47,11 @@ pub(super) struct Obstructions {
     cells: Vec<u32>,
     /// Their centres in millimetres, along each axis.
     centres: [Vec<f64>; 3],
+    /// Cells of the last layers, first to last, which are not in the way yet.
+    waiting: VecDeque<Vec<(u32, [u32; 3])>>,
+    steps: u32,
+    /// A ball around each [`AT_ONCE`] of them, in the order in which they came: its middle and its radius in millimetres.
+    balls: Vec<(Point3<f64>, f64)>,
 }
 
 impl Obstructions {
@@ -49,7 +59,16 @@ impl Obstructions {
     pub(super) fn new(judged: &JudgedByNozzle, top: i32) -> Self {
         let plate_mm = f64::from(top) / 2.0 * judged.cell_mm;
         let centres = [Vec::new(), Vec::new(), Vec::new()];
-        Obstructions { rule: judged.rule, cell_mm: judged.cell_mm, plate_mm, cells: Vec::new(), centres }
+        Obstructions {
+            rule: judged.rule,
+            cell_mm: judged.cell_mm,
+            plate_mm,
+            cells: Vec::new(),
+            centres,
+            waiting: VecDeque::new(),
+            steps: judged.steps,
+            balls: Vec::new(),
+        }
     }
 
     fn centre(&self, place: [u32; 3]) -> Point3<f64> {
@@ -60,6 +79,33 @@ impl Obstructions {
         let centre = self.centre(place);
         self.cells.push(cell);
         (0..3).for_each(|axis| self.centres[axis].push(centre[axis]));
+        if self.cells.len().is_multiple_of(AT_ONCE) {
+            let last = self.cells.len() - AT_ONCE;
+            let ends = [0, 1, 2].map(|axis| {
+                let of_axis = self.centres[axis][last..].iter().copied();
+                [of_axis.clone().fold(f64::INFINITY, f64::min), of_axis.fold(f64::NEG_INFINITY, f64::max)]
+            });
+            let [low, high] = [0, 1].map(|end| Point3::from(ends.map(|ends| ends[end])));
+            self.balls.push((nalgebra::center(&low, &high), (high - low).norm() / 2.0));
+        }
+    }
+
+    /// Ends a layer of the order: its cells come into the way, once enough others have followed.
+    pub(super) fn end_layer(&mut self, cells: Vec<(u32, [u32; 3])>) {
+        self.waiting.push_back(cells);
+        if self.waiting.len() as u64 >= u64::from(self.steps) {
+            self.waiting.pop_front().into_iter().flatten().for_each(|(cell, place)| self.add(cell, place));
+        }
+    }
+
+    /// Whether all of the cells of a ball keep away from the cylinder around the block, widened by the margin.
+    fn is_clear_of(&self, ball: usize, tip: &Point3<f64>, direction: &Vector3<f64>) -> bool {
+        let Some(&(middle, radius)) = self.balls.get(ball) else { return false };
+        let margin = self.rule.margin * self.cell_mm;
+        let to_middle = middle - tip;
+        let along = to_middle.dot(direction);
+        let across = (to_middle.norm_squared() - along * along).max(0.0).sqrt();
+        along + radius < -margin - TOUCHES || across - radius > self.rule.block_mm / 2.0 + margin + TOUCHES
     }
 
     /// What the nozzle meets with its tip at a cell.
@@ -80,6 +126,9 @@ impl Obstructions {
         let margin = self.rule.margin * self.cell_mm;
         let reach = (self.rule.block_mm / 2.0 + margin).powi(2);
         for start in (0..self.cells.len()).step_by(AT_ONCE) {
+            if self.is_clear_of(start / AT_ONCE, &tip, &direction) {
+                continue;
+            }
             let end = (start + AT_ONCE).min(self.cells.len());
             let [xs, ys, zs] = [0, 1, 2].map(|axis| &self.centres[axis][start..end]);
             let place = |k: usize| {
@@ -134,7 +183,7 @@ mod tests {
     /// Distances that follow from the drawing of the default nozzle: tip radius 0.5, cone to (8, 8.5), block radius 10.
     #[test]
     fn distances_are_those_of_the_drawing() {
-        let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, cells: &[] };
+        let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, steps: 1, cells: &[] };
         let nozzle = Obstructions::new(&judged, 0);
         let known = [
             ([-2.0, 0.0], 2.0),

@@ -30,7 +30,7 @@ use super::standing::{joined, standing};
 use super::unbuild::Extremes;
 use crate::Progress;
 use nalgebra::UnitVector3;
-use obstacles::Obstacles;
+pub(in crate::curved) use obstacles::Obstacles;
 use removal::{Printed, Removal, any_direction};
 use std::ops::ControlFlow;
 

@@ -17,7 +17,8 @@ const NEAR: i32 = 4;
 pub(super) const TIP_ABOVE_CENTRE: f64 = 0.5;
 
 /// Cells in the way, and the directions in which they may be.
-pub(super) struct Obstacles {
+#[derive(Clone)]
+pub(in crate::curved) struct Obstacles {
     shape: Shape,
     directions: Vec<UnitVector3<f64>>,
     /// For each direction the offsets at which a cell is hit, nearest first.
@@ -31,6 +32,7 @@ pub(super) struct Obstacles {
 }
 
 /// Cells that lie close together.
+#[derive(Clone)]
 struct Brick {
     low: [u32; 3],
     bits: [u64; 8],
@@ -40,7 +42,7 @@ struct Brick {
 
 impl Obstacles {
     /// All cells of `set`, on a plate at the height `plate` in cells.
-    pub(super) fn new(rule: &NozzleRule, cell_mm: f64, plate: f64, set: CellSet) -> Self {
+    pub(in crate::curved) fn new(rule: &NozzleRule, cell_mm: f64, plate: f64, set: CellSet) -> Self {
         let (shape, directions) = (Shape::new(rule, cell_mm), rule.directions());
         let mut around: Vec<[i32; 3]> = Vec::new();
         for z in -NEAR..=NEAR {
@@ -94,7 +96,7 @@ impl Obstacles {
     }
 
     /// The cells that are in the way.
-    pub(super) fn set(&self) -> &CellSet {
+    pub(in crate::curved) fn set(&self) -> &CellSet {
         &self.set
     }
 
@@ -105,45 +107,65 @@ impl Obstacles {
         }
     }
 
-    pub(super) fn insert(&mut self, cell: u32) {
+    pub(in crate::curved) fn insert(&mut self, cell: u32) {
         if self.set.insert(cell) {
             self.flip(cell);
         }
     }
 
     /// Whether the nozzle stays above the plate with its tip at the cell.
-    pub(super) fn clears_plate(&self, cell: u32, direction: usize) -> bool {
-        let up = self.directions[direction].z;
+    pub(in crate::curved) fn clears_plate(&self, cell: u32, direction: usize) -> bool {
+        self.is_above_plate(cell, self.directions[direction].z)
+    }
+
+    fn is_above_plate(&self, cell: u32, up: f64) -> bool {
         let tip = f64::from(self.position(cell)[2]) + 0.5 + TIP_ABOVE_CENTRE * up;
         tip - self.shape.below_tip(up) >= self.plate - ROUNDING
     }
 
+    /// Whether the nozzle meets neither the plate nor a cell with its tip at this one, in a direction of the caller's.
+    pub(in crate::curved) fn is_free(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
+        self.is_above_plate(cell, direction.z) && self.hit_in_bricks(cell, direction).is_none()
+    }
+
     /// A cell that the nozzle would hit with its tip at this one.
-    pub(super) fn hit(&self, cell: u32, direction: usize) -> Option<u32> {
+    pub(in crate::curved) fn hit(&self, cell: u32, direction: usize) -> Option<u32> {
         let near = self.set.around(cell, &self.near[direction]).next();
         near.or_else(|| self.hit_in_bricks(cell, &self.directions[direction]))
     }
 
+    /// Whether the nozzle stays above the plate with its tip at the cell, in a direction of the caller's.
+    pub(in crate::curved) fn clears_plate_in(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
+        self.is_above_plate(cell, direction.z)
+    }
+
     fn hit_in_bricks(&self, cell: u32, direction: &UnitVector3<f64>) -> Option<u32> {
+        self.hits(cell, direction).next()
+    }
+
+    /// The cells that the nozzle would hit with its tip at this one.
+    pub(in crate::curved) fn hits<'a>(
+        &'a self,
+        cell: u32,
+        direction: &'a UnitVector3<f64>,
+    ) -> impl Iterator<Item = u32> + 'a {
         let [nx, ny, _] = self.set.dims();
         let centre = Vector3::from(self.position(cell).map(f64::from));
         let reach = f64::from(BRICK - 1) / 2.0 * 3f64.sqrt() + self.shape.margin;
-        for brick in &self.bricks {
-            if clearance(&self.shape, direction, brick.middle - centre) > reach {
-                continue;
-            }
-            for (z, &bits) in (0u32..).zip(&brick.bits) {
-                for bit in super::super::set_bits(bits) {
-                    let [x, y, z] = [brick.low[0] + bit % BRICK, brick.low[1] + bit / BRICK, brick.low[2] + z];
-                    let other = x + nx * (y + ny * z);
-                    let offset = Vector3::from([x, y, z].map(f64::from)) - centre;
-                    if other != cell && is_hit(&self.shape, direction, offset) {
-                        return Some(other);
-                    }
-                }
-            }
-        }
-        None
+        let is_near = move |brick: &&Brick| clearance(&self.shape, direction, brick.middle - centre) <= reach;
+        let cells_of = move |brick: &'a Brick| {
+            let of_level = move |(z, &bits): (u32, &u64)| {
+                super::super::set_bits(bits)
+                    .map(move |bit| [brick.low[0] + bit % BRICK, brick.low[1] + bit / BRICK, brick.low[2] + z])
+            };
+            (0u32..).zip(&brick.bits).flat_map(of_level)
+        };
+        let hit = move |[x, y, z]: [u32; 3]| {
+            let other = x + nx * (y + ny * z);
+            let offset = Vector3::from([x, y, z].map(f64::from)) - centre;
+            (other != cell && is_hit(&self.shape, direction, offset)).then_some(other)
+        };
+        self.bricks.iter().filter(is_near).flat_map(cells_of).filter_map(hit)
     }
 }
 

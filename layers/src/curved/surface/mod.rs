@@ -72,6 +72,11 @@ pub(in crate::curved) fn in_parallel<R: Send>(
     (0..count).map(of).collect()
 }
 
+/// Pairs of cells with a common face that is cut: no surface will run across.
+pub(in crate::curved) fn jumps(field: &LayerField) -> usize {
+    lattice::Lattice::of(field).jumps()
+}
+
 /// What takes reports and says whether to go on.
 pub(in crate::curved) type Report<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);
 

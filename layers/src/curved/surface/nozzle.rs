@@ -37,7 +37,7 @@ use std::ops::ControlFlow;
 /// let mut order = LayerOrder::new();
 /// (0..3).for_each(|cell| order.push([cell]));
 /// let directions = [NozzleCell { cell: 2, direction: Vector3::z_axis() }];
-/// let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, cells: &directions };
+/// let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, steps: 1, cells: &directions };
 /// let rules = Rules::default();
 /// let silent = |_| std::ops::ControlFlow::Continue(());
 /// let uniform = uniform_field_with_nozzle(&cells, &platform, &rules, &judged, &order, &[], &silent)?;

@@ -54,6 +54,8 @@ pub enum UniformMethod {
     },
     /// Smoothed as far as the part allows ([`coherent_field`](super::coherent_field)).
     Coherent,
+    /// By the distance from the plate ([`distance_layers`](crate::curved::distance_layers)).
+    Distance,
     /// The clock left cells over: it is the plain field of the order.
     Plain,
 }

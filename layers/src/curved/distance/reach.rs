@@ -1,0 +1,258 @@
+//! The order of a distance field, as far as the nozzle that prints reaches.
+//!
+//! Steps of the field are taken in their order. A cell is built if a neighbour of an earlier step, or the base, supports it, and if the nozzle finds a
+//! direction in which it meets neither the plate nor a cell of an earlier layer; of the free ones it takes the one nearest to the way in which the field
+//! rises. A layer is not in its own way: the nozzle is held against the steps before the last [`STEPS_PER_LAYER`] that are in the
+//! order, the present one included. So cells of a step are judged in parallel, and the order does not depend on the number of threads.
+
+use super::super::bits::CellSet;
+use super::super::cells::Cells;
+use super::super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
+use super::super::nozzle::{NozzleCell, NozzleRule, NozzleRuleError, Obstacles};
+use super::super::order::LayerOrder;
+use super::super::platform::Platform;
+use super::super::rules::Rules;
+use super::super::standing::{joined, standing};
+use super::super::surface::{LayerField, in_parallel};
+use super::delayed::{Floors, delay};
+use super::{STEPS_PER_LAYER, solved};
+use crate::Progress;
+use nalgebra::{UnitVector3, Vector3};
+use std::ops::ControlFlow;
+
+/// How far the nozzle may lean from the way in which the field rises, as a cosine: a right angle, as far as the direction of a nozzle over a bead
+/// is searched. Less leaves the last cells open where fronts meet: a nozzle gets there only along the front.
+const MIN_COSINE: f64 = 0.0;
+
+/// Cells that a thread looks at at a time: some hundred microseconds.
+const AT_A_TIME: usize = 64;
+
+/// Times that what is in the way is delayed, at most: a delay can put other cells into the way, which takes another. Each costs a march and a growth.
+const ROUNDS: usize = 6;
+
+/// Rounds in a row that gain nothing before no more are tried.
+const MAX_IDLE_ROUNDS: usize = 2;
+
+/// An order by distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceOrder {
+    /// The order, with the direction of the nozzle for every cell of it ([`Growth::nozzle`]).
+    pub growth: Growth,
+    /// The field that it is by. What the order misses has a value as well.
+    pub field: LayerField,
+    /// How often cells in the way were delayed.
+    pub rounds: usize,
+}
+
+/// Orders the cells by their distance from what the part stands on ([`distance_field`](super::distance_field)), as far as the nozzle reaches them. Where it does
+/// not, what is in its way is delayed and the field solved again, as long as that leaves fewer cells out.
+///
+/// # Arguments
+/// * `cell_mm`: edge of a cell in millimetres.
+/// * `nozzle`: the nozzle that prints.
+/// * `progress`: called with the stage `distance`, the cells decided in a round and all there are; may cancel.
+///
+/// # Returns
+/// The order; none of its cells is judged by the hull rule, and [`audit_with_nozzle`](super::super::audit_with_nozzle) checks them all, in
+/// [`STEPS_PER_LAYER`]. What is not reached is missed ([`MissedReason::OutOfReach`]); [`grow_with_nozzle`](super::super::grow_with_nozzle) goes
+/// on from there, and [`distance_layers`](super::distance_layers) with the field.
+///
+/// # Errors
+/// [`GrowthError`]: for unsound rules, an invalid nozzle, a part that does not stand on the platform.
+///
+/// # Cost
+/// Some microseconds a cell and round, on several threads with the feature `rayon`. The same input gives the same order on any number of threads.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, NozzleRule, Platform, Rules, grow_by_distance};
+/// use std::ops::ControlFlow::Continue;
+/// // A mast of 12 cells of 5 mm with an arm at its top: the arm grows sideways, out of the mast.
+/// let mut rows = vec![0b00_0001; 12];
+/// rows[11] = 0b11_1111;
+/// let cells = Cells::new([6, 1, 12], &rows)?;
+/// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
+/// let growth = grow_by_distance(&cells, 5.0, &platform, &rules, &NozzleRule::default(), &|_| Continue(()))?.growth;
+/// assert!(growth.missed.is_empty());
+/// assert_eq!(growth.order.len(), 17);
+/// assert!(growth.nozzle.last().is_some_and(|end| end.direction.x > 0.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn grow_by_distance(
+    cells: &Cells,
+    cell_mm: f64,
+    platform: &Platform,
+    rules: &Rules,
+    nozzle: &NozzleRule,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<DistanceOrder, GrowthError> {
+    rules.check(cells, platform)?;
+    nozzle.check()?;
+    if !(cell_mm > 0.0 && cell_mm.is_finite()) {
+        return Err(NozzleRuleError::Cell { cell_mm }.into());
+    }
+    if rules.flat {
+        return Err(NozzleRuleError::Flat.into());
+    }
+    let base = standing(cells, platform, rules)?;
+    if base.is_empty() {
+        return Err(GrowthError::NothingOnPlatform);
+    }
+    let job = Job { cells, cell_mm, platform, rules, nozzle, base: &base, progress };
+    let mut best = job.grown(solved(cells, &base, &|_| 0.0))?;
+    let (mut rounds, mut last, mut floors) = (0, best.clone(), Floors::none(cells));
+    for round in 1..=ROUNDS {
+        if last.unreached.is_empty() || round > rounds + MAX_IDLE_ROUNDS + 1 {
+            break;
+        }
+        let shape = (nozzle, cell_mm);
+        delay(&mut floors, cells, &last.field, &last.unreached, &last.obstacles, shape, rules.neighbours);
+        last = job.grown(solved(cells, &base, &|cell| floors.of(cell)))?;
+        if last.left < best.left {
+            (best, rounds) = (last.clone(), round);
+        }
+    }
+    let Grown { order, mut printed, field, .. } = best;
+    printed.sort_unstable_by_key(|printed| printed.cell);
+    let growth = Growth { missed: job.missed(&order), order, statistics: GrowthStatistics::default(), nozzle: printed };
+    Ok(DistanceOrder { growth, field, rounds })
+}
+
+struct Job<'a> {
+    cells: &'a Cells<'a>,
+    cell_mm: f64,
+    platform: &'a Platform,
+    rules: &'a Rules,
+    nozzle: &'a NozzleRule,
+    /// The cells that stand on the platform, by rising number.
+    base: &'a [u32],
+    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+}
+
+/// What came of a field.
+#[derive(Clone)]
+struct Grown {
+    order: LayerOrder,
+    printed: Vec<NozzleCell>,
+    field: LayerField,
+    /// Cells in no layer.
+    left: usize,
+    /// Those of them that something supported, by rising number.
+    unreached: Vec<u32>,
+    /// All that is built.
+    obstacles: Obstacles,
+}
+
+impl Job<'_> {
+    /// Builds what the nozzle reaches in the order of a field.
+    fn grown(&self, field: LayerField) -> Result<Grown, GrowthError> {
+        let Job { cells, cell_mm, platform, rules, nozzle, base, progress } = *self;
+        let mut built = CellSet::none(cells);
+        platform.mould().iter().flat_map(Cells::iter).for_each(|cell| _ = built.insert(cell));
+        let obstacles = Obstacles::new(nozzle, cell_mm, f64::from(platform.top()) / 2.0, built.clone());
+        let (directions, min_up) = (nozzle.directions(), nozzle.max_tilt.cos());
+        let mut growing = Growing { cells, rules, field: &field, base, directions, min_up, built, obstacles };
+        let (mut order, mut printed, mut unreached) = (LayerOrder::new(), Vec::new(), Vec::new());
+        let (total, mut done) = (cells.count() as u64, 0);
+        for step in field.order().iter() {
+            if progress(Progress { stage: "distance", done, total }).is_break() {
+                return Err(GrowthError::Cancelled);
+            }
+            done += step.len() as u64;
+            let supported: Vec<u32> = step.iter().copied().filter(|&cell| growing.is_supported(cell)).collect();
+            let free = in_parallel(supported.len(), AT_A_TIME, |k| growing.free_direction(supported[k]));
+            let mut reached = Vec::new();
+            for (cell, direction) in supported.into_iter().zip(free) {
+                match direction {
+                    Some(direction) => reached.push(NozzleCell { cell, direction }),
+                    None => unreached.push(cell),
+                }
+            }
+            if !reached.is_empty() {
+                order.push(reached.iter().map(|reached| reached.cell));
+                growing.build(&order);
+                printed.extend(reached);
+            }
+        }
+        let mut obstacles = growing.obstacles;
+        order.cells().iter().for_each(|&cell| obstacles.insert(cell));
+        unreached.sort_unstable();
+        let left = cells.count() - order.cells().len();
+        Ok(Grown { order, printed, field, left, unreached, obstacles })
+    }
+
+    /// The cells in no layer, with the reasons.
+    fn missed(&self, order: &LayerOrder) -> Vec<MissedCell> {
+        let solid = CellSet::of(self.cells);
+        let joined = joined(&solid, self.base, self.rules.neighbours);
+        let mut missed = solid;
+        missed.remove_all(order.cells().iter().copied());
+        let reason = |cell: u32| match joined.contains(cell) {
+            true => MissedReason::OutOfReach,
+            false => MissedReason::NeverAdjacent,
+        };
+        missed.iter().map(|cell| MissedCell { cell, reason: reason(cell) }).collect()
+    }
+}
+
+/// A part as far as it is built.
+struct Growing<'a> {
+    cells: &'a Cells<'a>,
+    rules: &'a Rules,
+    field: &'a LayerField,
+    /// The cells that stand on the platform, by rising number.
+    base: &'a [u32],
+    directions: Vec<UnitVector3<f64>>,
+    /// Cosine of the tilt limit.
+    min_up: f64,
+    /// All that is built.
+    built: CellSet,
+    /// What is in the way of the nozzle: all but the last steps.
+    obstacles: Obstacles,
+}
+
+impl Growing<'_> {
+    /// Builds the last step of the order, and puts the one into the way that is a layer before the next.
+    fn build(&mut self, order: &LayerOrder) {
+        let (last, lag) = (order.len() - 1, STEPS_PER_LAYER as usize - 1);
+        order.layer(last).iter().for_each(|&cell| _ = self.built.insert(cell));
+        let in_the_way = last.checked_sub(lag).map_or(&[][..], |step| order.layer(step));
+        in_the_way.iter().for_each(|&cell| self.obstacles.insert(cell));
+    }
+
+    fn is_supported(&self, cell: u32) -> bool {
+        let offsets = self.rules.neighbours.offsets();
+        self.base.binary_search(&cell).is_ok() || self.built.around(cell, offsets).next().is_some()
+    }
+
+    /// The free direction nearest to the way in which the field rises: that itself, or one of the [fixed ones](NozzleRule::directions).
+    fn free_direction(&self, cell: u32) -> Option<UnitVector3<f64>> {
+        let rise = self.rise(cell);
+        if rise.z >= self.min_up && self.obstacles.is_free(cell, &rise) {
+            return Some(rise);
+        }
+        let is_free = |k: usize| self.obstacles.clears_plate(cell, k) && self.obstacles.hit(cell, k).is_none();
+        let mut near: Vec<(f64, usize)> = self.directions.iter().map(|d| d.dot(&rise)).zip(0..).collect();
+        near.retain(|&(cosine, _)| cosine >= MIN_COSINE);
+        near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        near.into_iter().map(|(_, k)| k).find(|&k| is_free(k)).map(|k| self.directions[k])
+    }
+
+    /// The way in which the field rises at a cell; upward where it is level.
+    fn rise(&self, cell: u32) -> UnitVector3<f64> {
+        let place = self.cells.position(cell);
+        let own = self.field.value(cell).unwrap_or(0.0);
+        let beside = |axis: usize, step: i32| {
+            let mut at = place;
+            at[axis] = at[axis].wrapping_add_signed(step);
+            self.cells.contains(at).then(|| self.field.value(self.cells.id(at))).flatten()
+        };
+        let slope = |axis: usize| match (beside(axis, -1), beside(axis, 1)) {
+            (Some(low), Some(high)) => (high - low) / 2.0,
+            (Some(low), None) => own - low,
+            (None, Some(high)) => high - own,
+            (None, None) => 0.0,
+        };
+        UnitVector3::try_new(Vector3::from_fn(|axis, _| slope(axis)), 1e-9).unwrap_or_else(Vector3::z_axis)
+    }
+}

@@ -1,0 +1,91 @@
+//! A part by its distance from the plate, made complete.
+//!
+//! [`grow_by_distance`] orders what the nozzle that prints reaches that way. What is left is built after it by [`grow_with_nozzle`], in layers of its
+//! own; what is missed then gets support, and part and support are ordered together in the same way.
+
+use super::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
+use super::cells::Cells;
+use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
+use super::distance::{DistanceOrder, distance_layers, grow_by_distance};
+use super::growth::{Growth, GrowthError};
+use super::nozzle::grow_with_nozzle;
+use super::strategy::Strategy;
+use super::support::{NoSupport, SupportOptions, add_support};
+use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
+use super::workpiece::{LayersError, Workpiece, begin};
+use crate::Progress;
+use std::ops::ControlFlow;
+
+/// Rounds of support at most. Each solves field and reach anew, several times; what two do not carry are pits that no column gets to.
+const SUPPORT_ROUNDS: u32 = 2;
+
+impl Workpiece<'_> {
+    /// The order by distance, and its audit.
+    pub(super) fn order_by_distance(
+        &self,
+        options: &CompleteOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<CompleteOrder, LayersError> {
+        let Workpiece { platform, rules, cell_mm, .. } = *self;
+        let grow_in = |cells: &Cells| -> Result<(Growth, LayerField), GrowthError> {
+            let DistanceOrder { growth, field, .. } =
+                grow_by_distance(cells, cell_mm, platform, &rules, &options.rule, progress)?;
+            if growth.missed.is_empty() || options.nozzle == NozzleUse::Off {
+                return Ok((growth, field));
+            }
+            Ok((grow_with_nozzle(cells, cell_mm, platform, &rules, &options.rule, growth, progress)?, field))
+        };
+        let grow = |cells: &Cells| Ok(grow_in(cells)?.0);
+        begin("distance", progress)?;
+        let (growth, mut distances) = grow_in(&self.cells)?;
+        let (mut supported, mut no_support) = (None, None);
+        if !growth.missed.is_empty() {
+            no_support = Some(NoSupport::Forbidden);
+            if let Some(options) = &options.support {
+                begin("support", progress)?;
+                let options = SupportOptions { rounds: options.rounds.min(SUPPORT_ROUNDS), ..*options };
+                match add_support(&self.cells, platform, &rules, &growth, &options, &grow, progress)? {
+                    Ok(found) => (supported, no_support) = (Some(found), None),
+                    Err(why) => no_support = Some(why),
+                }
+            }
+        }
+        let mut order = CompleteOrder {
+            layers_by: LayersBy::Distance,
+            strategy: Strategy::Unbuild,
+            growth,
+            supported,
+            no_support,
+            missed_by_hull: Vec::new(),
+            audit: AuditReport::default(),
+            field: None,
+        };
+        let united = order.united(&self.cells)?;
+        if order.supported.is_some() {
+            distances = grow_by_distance(&united, cell_mm, platform, &rules, &options.rule, progress)?.field;
+        }
+        let field = distance_layers(&united, &distances, &order.taken().order).map_err(UniformError::from)?;
+        order.field = Some(field);
+        order.audit = self.audited(&order, options, progress)?;
+        Ok(order)
+    }
+}
+
+/// The field of an order by distance, with its audit.
+pub(super) fn by_distance(
+    cells: &Cells,
+    part: &Workpiece,
+    field: &LayerField,
+    judged: &JudgedByNozzle,
+    growth: &Growth,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<UniformField, UniformError> {
+    let Workpiece { platform, rules, .. } = part;
+    let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
+    let (order, missed) = (field.order(), growth.missed_cells());
+    let audit = audit_with_nozzle(cells, platform, rules, judged, &order, &missed, &auditing)?;
+    if !audit.is_ok() {
+        return Err(UniformError::Order(Box::new(audit)));
+    }
+    Ok(UniformField { field: field.clone(), method: UniformMethod::Distance, audit, jumps: jumps(field) })
+}

@@ -1,0 +1,253 @@
+//! Orders by distance: the field against closed forms and slow distances, reach by the audit, pits that close.
+
+use crate::common::{Part, go, parts};
+use curvlay_layers::Progress;
+use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
+use curvlay_layers::curved::{
+    Cells, CompleteOptions, DistanceOrder, GrowthError, JudgedByNozzle, LayerOrder, LayersBy, LayersError, NozzleRule,
+    NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle, cell_mesh, distance_field,
+    distance_layers, grow_by_distance,
+};
+use curvlay_layers::nalgebra::Point3;
+use proptest::prelude::*;
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+
+/// A nozzle that is small beside cells of a millimetre, so that small parts decide.
+fn small() -> NozzleRule {
+    NozzleRule { tip_flat_mm: 0.6, half_angle: 0.5, cone_height_mm: 2.0, block_mm: 3.0, ..NozzleRule::default() }
+}
+
+fn part(dims: [u32; 3], is_solid: impl Fn([u32; 3]) -> bool) -> Part {
+    let [nx, ny, nz] = dims;
+    let row = |y, z| (0..nx).fold(0, |row, x| row | u64::from(is_solid([x, y, z])) << x);
+    let rows: Vec<u64> = (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))).map(|(y, z)| row(y, z)).collect();
+    let platform = Platform::under(&Cells::new(dims, &rows).unwrap(), 40.0).unwrap();
+    Part { dims, rows, platform }
+}
+
+fn field_of(part: &Part) -> LayerField {
+    distance_field(&part.cells(), &part.platform, &Rules::default()).unwrap()
+}
+
+fn grown(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
+    grow_by_distance(&part.cells(), 1.0, &part.platform, &Rules::default(), nozzle, &go).unwrap()
+}
+
+/// Faults of an order by distance, in words; nothing if it passes.
+fn faults(part: &Part, nozzle: &NozzleRule, made: &DistanceOrder) -> Option<String> {
+    let judged = JudgedByNozzle { rule: *nozzle, cell_mm: 1.0, steps: STEPS_PER_LAYER, cells: &made.growth.nozzle };
+    let (order, missed) = (&made.growth.order, made.growth.missed_cells());
+    let report =
+        audit_with_nozzle(&part.cells(), &part.platform, &Rules::default(), &judged, order, &missed, &go).unwrap();
+    (!report.is_ok()).then(|| report.to_string())
+}
+
+/// A shell of a sphere that closes over an empty room.
+fn dome() -> Part {
+    part([41, 41, 12], |[x, y, z]| {
+        let [dx, dy, dz] = [f64::from(x) - 20.0, f64::from(y) - 20.0, f64::from(z) + 14.5];
+        let radius = (dx * dx + dy * dy + dz * dz).sqrt();
+        (22.0..25.5).contains(&radius)
+    })
+}
+
+/// Face steps from the cells that stand on the platform.
+fn face_steps(part: &Part) -> Vec<Option<u32>> {
+    let cells = part.cells();
+    let mut steps = vec![None; part.dims.iter().product::<u32>() as usize];
+    let mut queue: VecDeque<u32> = part.standing().into();
+    queue.iter().for_each(|&cell| steps[cell as usize] = Some(0));
+    while let Some(cell) = queue.pop_front() {
+        for beside in face_neighbours(&cells, cell) {
+            if steps[beside as usize].is_none() {
+                steps[beside as usize] = steps[cell as usize].map(|step| step + 1);
+                queue.push_back(beside);
+            }
+        }
+    }
+    steps
+}
+
+fn face_neighbours(cells: &Cells, cell: u32) -> Vec<u32> {
+    let place = cells.position(cell);
+    let at = |axis: usize, step: i32| {
+        let mut at = place;
+        at[axis] = at[axis].wrapping_add_signed(step);
+        cells.contains(at).then(|| cells.id(at))
+    };
+    (0..3).flat_map(|axis| [at(axis, -1), at(axis, 1)]).flatten().collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    /// Each cell has one beside a face of it half a layer lower, and none more than a layer away; values lie between the straight way and the face steps.
+    #[test]
+    fn fields_rise_evenly_from_the_base(
+        part in parts((2u32..9, 1u32..7, 2u32..9).prop_map(|(x, y, z)| [x, y, z]), 4..8),
+    ) {
+        let (cells, field, steps) = (part.cells(), field_of(&part), face_steps(&part));
+        let base = part.standing();
+        for cell in cells.iter() {
+            prop_assert_eq!(field.value(cell).is_some(), steps[cell as usize].is_some());
+            let Some(value) = field.value(cell) else { continue };
+            let around: Vec<f64> = face_neighbours(&cells, cell).iter().filter_map(|&n| field.value(n)).collect();
+            prop_assert!(around.iter().all(|other| (other - value).abs() <= 1.0 + 1e-12));
+            let lowest = around.iter().copied().fold(f64::INFINITY, f64::min);
+            prop_assert!(base.contains(&cell) && value <= 0.5 || value >= lowest + 0.5, "{} {}", value, lowest);
+            prop_assert!(value <= f64::from(steps[cell as usize].unwrap()) + 0.5 + 1e-9);
+            // Second order may fall short of a straight way by a little where fronts meet.
+            let place = |cell: u32| cells.position(cell).map(f64::from);
+            let to = |&foot: &u32| (0..3).map(|k| (place(foot)[k] - place(cell)[k]).powi(2)).sum::<f64>().sqrt();
+            let straight = base.iter().map(to).fold(f64::INFINITY, f64::min);
+            prop_assert!(value - 0.5 >= 0.9 * straight - 1e-9, "{} {}", value, straight);
+        }
+    }
+
+    /// What is built passes the audit by the nozzle, and the rest is missed.
+    #[test]
+    fn orders_pass_the_audit(
+        part in parts((2u32..9, 1u32..7, 2u32..9).prop_map(|(x, y, z)| [x, y, z]), 3..8),
+        tip in 0.1f64..1.5,
+    ) {
+        let nozzle = NozzleRule { tip_flat_mm: tip, block_mm: 3.0 + tip, ..small() };
+        let made = grown(&part, &nozzle);
+        prop_assert_eq!(faults(&part, &nozzle, &made), None);
+        prop_assert_eq!(made.growth.order.cells().len() + made.growth.missed.len(), part.cells().count());
+        let field = distance_layers(&part.cells(), &made.field, &made.growth.order).unwrap();
+        prop_assert_eq!(field.order(), made.growth.order);
+    }
+}
+
+#[test]
+fn the_distance_in_a_block_is_the_height() {
+    let block = part([5, 4, 6], |_| true);
+    let field = field_of(&block);
+    assert!(
+        block.cells().iter().all(|cell| field.value(cell) == Some(f64::from(block.cells().position(cell)[2]) + 0.5))
+    );
+    assert_eq!((field.layer_cells(), field.steps_per_layer()), (1.0, 2));
+}
+
+/// Over the edge of a wall the front turns in circles around it: distances from the edge, to a tenth of a cell and a hundredth of the way.
+#[test]
+fn the_front_turns_around_an_edge() {
+    // A wall with a broad roof that hangs out over nothing.
+    let roof = part([40, 3, 40], |[x, _, z]| x < 4 || z >= 8);
+    let field = field_of(&roof);
+    for (x, z) in [(20, 8), (39, 8), (30, 20), (12, 15), (39, 39)] {
+        let [dx, dz] = [f64::from(x) - 3.0, f64::from(z) - 8.0];
+        // The edge is between the wall and the roof; level with it or above the way is straight.
+        let exact = 8.5 + dx.hypot(dz);
+        let value = field.value(roof.cells().id([x, 1, z])).unwrap();
+        let seen_from_the_plate = dx.hypot(dz) < dz + 1e-9;
+        assert!(!seen_from_the_plate && (value - exact).abs() < 0.35 + 0.01 * exact, "{x} {z}: {value} {exact}");
+    }
+}
+
+/// Where the shell closes the fronts meet in a pit; delays open it to the nozzle, and the field does not tear.
+#[test]
+fn a_dome_closes_from_its_inside_out() {
+    let (dome, nozzle) = (dome(), NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() });
+    let made = grown(&dome, &nozzle);
+    assert_eq!(faults(&dome, &nozzle, &made), None);
+    assert!(made.rounds > 0);
+    let cells = dome.cells();
+    let share = made.growth.missed.len() as f64 / cells.count() as f64;
+    assert!(share < 0.01, "{share}");
+    for cell in cells.iter() {
+        for beside in face_neighbours(&cells, cell) {
+            let [a, b] = [cell, beside].map(|cell| made.field.value(cell).unwrap());
+            assert!((a - b).abs() <= 1.0 + 1e-9, "{cell} {beside}: {a} {b}");
+        }
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn any_number_of_threads_gives_the_same_order() {
+    let (dome, nozzle) = (dome(), NozzleRule::default());
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let made = pool.install(|| grown(&dome, &nozzle));
+        (made.field.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>(), made.growth, made.rounds)
+    };
+    assert!(with(1) == with(4));
+}
+
+/// A ball that hangs below a beam on two posts.
+fn hanging_ball() -> Part {
+    part([31, 11, 27], |[x, y, z]: [u32; 3]| {
+        let [dx, dy, dz] = [f64::from(x) - 15.0, f64::from(y) - 5.0, f64::from(z) - 12.0];
+        let post = !(2..=28).contains(&x) && (4..7).contains(&y);
+        let beam = z >= 24 && (4..7).contains(&y);
+        let stem = (14..17).contains(&x) && (4..7).contains(&y) && z > 12;
+        post || beam || stem || dx * dx + dy * dy + dz * dz < 5.2 * 5.2
+    })
+}
+
+/// In one call, with support where the nozzle does not get to; the best is never worse than what hulls miss.
+#[test]
+fn a_part_is_complete_by_distance() {
+    for part in [dome(), hanging_ball()] {
+        let cells = part.cells();
+        let mesh = cell_mesh(&cells, &cells.iter().collect::<Vec<u32>>(), 1.0, Point3::origin());
+        let workpiece = Workpiece {
+            vertices: &mesh.vertices,
+            triangles: &mesh.triangles,
+            cells,
+            cell_mm: 1.0,
+            origin: Point3::origin(),
+            platform: &part.platform,
+            rules: Rules::default(),
+            volume_mm3: cells.count() as f64,
+        };
+        let options = |layers_by| CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
+        let complete = |by| workpiece.complete_layers(None, 1.0, &options(by), &go).unwrap();
+        let [by_hull, by_distance, best] = [LayersBy::Hull, LayersBy::Distance, LayersBy::Best].map(complete);
+        let missed = [&by_hull, &by_distance, &best].map(|made| made.layered.growth.missed.len());
+        assert!(missed[2] <= missed[0].min(missed[1]), "{missed:?}");
+        assert_eq!([by_hull.layers_by, by_distance.layers_by], [LayersBy::Hull, LayersBy::Distance]);
+        assert_eq!(by_distance.layered.uniform.method, UniformMethod::Distance);
+        assert!(by_distance.layered.audit.is_ok() && by_distance.layered.uniform.audit.is_ok());
+        let share = by_distance.layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
+        assert!((share - 1.0).abs() < 0.08, "{share}");
+    }
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let tower = part([2, 2, 3], |_| true);
+    let (cells, rules, nozzle) = (tower.cells(), Rules::default(), NozzleRule::default());
+    let grow = |cell_mm: f64, rules: &Rules, nozzle: &NozzleRule| {
+        grow_by_distance(&cells, cell_mm, &tower.platform, rules, nozzle, &go).unwrap_err()
+    };
+    for cell_mm in [0.0, -1.0, f64::INFINITY] {
+        assert_eq!(grow(cell_mm, &rules, &nozzle), NozzleRuleError::Cell { cell_mm }.into());
+    }
+    assert!(matches!(grow(f64::NAN, &rules, &nozzle), GrowthError::Nozzle(NozzleRuleError::Cell { .. })));
+    let narrow = NozzleRule { block_mm: 1.0, ..nozzle };
+    assert!(matches!(grow(1.0, &rules, &narrow), GrowthError::Nozzle(NozzleRuleError::Block { .. })));
+    assert!(matches!(grow(1.0, &Rules { eps: f64::NAN, ..rules }, &nozzle), GrowthError::Rules(_)));
+    let stop = |_: Progress| ControlFlow::Break(());
+    let cancelled = grow_by_distance(&cells, 1.0, &tower.platform, &rules, &nozzle, &stop);
+    assert_eq!(cancelled.unwrap_err(), GrowthError::Cancelled);
+
+    let hanging = part([2, 2, 3], |[_, _, z]| z > 0);
+    let nothing = distance_field(&hanging.cells(), &hanging.platform, &rules);
+    assert_eq!(nothing.unwrap_err(), GrowthError::NothingOnPlatform);
+    let nothing = grow_by_distance(&hanging.cells(), 1.0, &hanging.platform, &rules, &nozzle, &go);
+    assert_eq!(nothing.unwrap_err(), GrowthError::NothingOnPlatform);
+
+    let mut order = LayerOrder::new();
+    assert_eq!(distance_layers(&cells, &field_of(&tower), &order), Err(FieldError::Empty));
+    order.push([12]);
+    assert_eq!(distance_layers(&cells, &field_of(&tower), &order), Err(FieldError::OutsideGrid { cell: 12, len: 12 }));
+    let mut of_empty = LayerOrder::new();
+    of_empty.push([0]);
+    let not_solid = distance_layers(&hanging.cells(), &field_of(&tower), &of_empty);
+    assert_eq!(not_solid, Err(FieldError::NotSolid { cell: 0 }));
+    let workpiece_error = LayersError::Growth(GrowthError::NothingOnPlatform);
+    assert_eq!(LayersError::from(GrowthError::NothingOnPlatform), workpiece_error);
+}
