@@ -35,7 +35,7 @@ pub enum CurveFault {
     #[error("a number is not finite")]
     NotFinite,
     /// A coordinate is too large.
-    #[error("a coordinate is {value:e} mm, beyond the limit of {limit:e} mm")]
+    #[error("a coordinate is {value:.2e} mm, beyond the limit of {limit:e} mm")]
     TooFar {
         /// The coordinate.
         value: f64,
@@ -147,7 +147,8 @@ impl Drawing {
             };
             let mut points: Vec<Point2<f64>> = Vec::new();
             for curve in &entity.curves {
-                curve.check().map_err(named)?;
+                // Before points are made: what is far away would have any number of them.
+                curve.drawable().map_err(named)?;
                 let before = points.len();
                 let fits = match flatten {
                     Flatten::Tolerance(tolerance) => along(curve, tolerance, left, &mut points),
@@ -173,7 +174,7 @@ impl Drawing {
                 points.pop();
             }
             let closed = points.len() > 2 && (entity.closed || returned);
-            contours.push(Contour { points, closed, entity: number });
+            contours.push(Contour { points, closed, entity: number, fill: entity.fill.filter(|_| closed) });
         }
         if contours.is_empty() {
             let layers: Vec<String> = self.layers().into_iter().map(|(name, _)| name).collect();
