@@ -11,6 +11,7 @@
 //! controller while it prints, point by point.
 
 mod design;
+mod input;
 mod outputs;
 mod pictures;
 mod plan;
@@ -43,23 +44,29 @@ pub struct Args {
     /// The design made in code, without a file
     #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg", "load"])]
     design: Design,
+    /// Unit of the file's coordinates, whatever it says [default: what it says; without, mm for DXF and pixels of --dpi for SVG]
+    #[arg(long, conflicts_with = "load")]
+    unit: Option<DrawingUnit>,
+    /// Pixels per inch of an SVG file: 72 of Adobe Illustrator, 90 of Inkscape before 0.92 [default: 96]
+    #[arg(long, value_name = "N", value_parser = dpi, conflicts_with = "unit", allow_negative_numbers = true)]
+    dpi: Option<f64>,
     /// Layers to print, as often as there are some [default: all]
     #[arg(long, value_name = "NAME")]
     layer: Vec<String>,
     /// Scales the design to this diameter in millimetres [default: as it is]
-    #[arg(long = "diameter", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    #[arg(long = "diameter", value_name = "MM", value_parser = length, allow_negative_numbers = true)]
     diameter_mm: Option<f64>,
     /// The point of the drawing that comes to the pole of the dome [default: the middle of the design]
     #[arg(long = "centre", value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     centre_mm: Option<[f64; 2]>,
     /// Width of a bead in millimetres
-    #[arg(long = "bead", value_name = "MM", default_value_t = 3.2, value_parser = above_zero, allow_negative_numbers = true)]
+    #[arg(long = "bead", value_name = "MM", default_value_t = 3.2, value_parser = bead, allow_negative_numbers = true)]
     bead_mm: f64,
     /// How contours are filled
     #[arg(long, default_value = "spiral")]
     fill: FillKind,
     /// Direction of scan lines in degrees
-    #[arg(long = "angle", value_name = "DEG", default_value_t = 90.0, allow_negative_numbers = true)]
+    #[arg(long = "angle", value_name = "DEG", default_value_t = 90.0, value_parser = angle, allow_negative_numbers = true)]
     angle_deg: f64,
     /// Scan lines end at every line, as in the thesis, instead of going on as a zigzag
     #[arg(long)]
@@ -74,13 +81,13 @@ pub struct Args {
     #[arg(long, default_value = "vertical")]
     projection: ProjectionKind,
     /// Diameter of the platform in millimetres
-    #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 300.0, value_parser = above_zero, allow_negative_numbers = true)]
+    #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 300.0, value_parser = length, allow_negative_numbers = true)]
     platform_diameter_mm: f64,
     /// Largest distance of points of the program in millimetres; 0.2 in the thesis
     #[arg(long = "step", value_name = "MM", default_value_t = 1.0, value_parser = step, allow_negative_numbers = true)]
     step_mm: f64,
     /// Ends closer than this are joined, in millimetres
-    #[arg(long = "join", value_name = "MM", default_value_t = 0.005, value_parser = from_zero, allow_negative_numbers = true)]
+    #[arg(long = "join", value_name = "MM", default_value_t = 0.005, value_parser = join_width, allow_negative_numbers = true)]
     join_mm: f64,
     /// Smaller pieces are left out, in square millimetres; open pieces that are shorter than a bead, too
     #[arg(long = "min-area", value_name = "MM2", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
@@ -89,7 +96,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     layers: u32,
     /// Height of a layer of beads in millimetres
-    #[arg(long = "layer-height", value_name = "MM", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
+    #[arg(long = "layer-height", value_name = "MM", default_value_t = 1.0, value_parser = length, allow_negative_numbers = true)]
     layer_height_mm: f64,
     /// Added to the height of the nozzle over the surface, in millimetres
     #[arg(long = "nozzle-height", value_name = "MM", default_value_t = 0.0, value_parser = height, allow_negative_numbers = true)]
@@ -101,6 +108,12 @@ pub struct Args {
     /// Places of the controller's queue
     #[arg(long = "queue", value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
     queue: u32,
+    /// A stream ends after so many connections in a row that fail or bring no progress
+    #[arg(long = "stream-tries", value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    stream_tries: u32,
+    /// A stream waits so long for a reply, and before a new connection: twice as long after each that brings no progress, up to 30 s
+    #[arg(long = "stream-retry", value_name = "S", default_value_t = 1.0, value_parser = retry, allow_negative_numbers = true)]
+    stream_retry_s: f64,
     /// A stream turns the extruder backwards for so many milliseconds at the end of each stroke
     #[arg(long = "pulse-reverse", value_name = "MS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=60_000))]
     pulse_reverse_ms: u32,
@@ -118,6 +131,21 @@ pub enum Design {
     Rosette,
     /// Many narrow leaves: the size of the design of the thesis.
     Large,
+}
+
+/// Unit of a drawing's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrawingUnit {
+    /// Millimetres.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Metres.
+    M,
+    /// Inches.
+    In,
+    /// Points: 1/72 of an inch.
+    Pt,
 }
 
 /// How contours are filled.
@@ -146,6 +174,41 @@ pub enum ProjectionKind {
     Rigid,
     /// Onto a mesh that is unrolled with its angles.
     Conformal,
+}
+
+/// Longest length that an option takes, in millimetres: larger ones are a slip.
+const MAX_LENGTH_MM: f64 = 1e5;
+
+fn length(text: &str) -> Result<f64, String> {
+    at_most(above_zero(text)?, MAX_LENGTH_MM)
+}
+
+fn bead(text: &str) -> Result<f64, String> {
+    let mm = above_zero(text)?;
+    if mm >= 0.01 { at_most(mm, 1000.0) } else { Err("must be at least 0.01".to_owned()) }
+}
+
+fn join_width(text: &str) -> Result<f64, String> {
+    at_most(from_zero(text)?, 1000.0)
+}
+
+fn at_most(value: f64, most: f64) -> Result<f64, String> {
+    if value <= most { Ok(value) } else { Err(format!("must be at most {most}")) }
+}
+
+fn retry(text: &str) -> Result<f64, String> {
+    let seconds = above_zero(text)?;
+    if (0.01..=600.0).contains(&seconds) { Ok(seconds) } else { Err("must be from 0.01 to 600".to_owned()) }
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let degrees: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if degrees.abs() <= 3600.0 { Ok(degrees) } else { Err("must be from -3600 to 3600".to_owned()) }
+}
+
+fn dpi(text: &str) -> Result<f64, String> {
+    let value = above_zero(text)?;
+    if (1.0..=1e5).contains(&value) { Ok(value) } else { Err("must be from 1 to 100000".to_owned()) }
 }
 
 fn step(text: &str) -> Result<f64, String> {

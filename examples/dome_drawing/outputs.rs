@@ -2,7 +2,7 @@
 
 use super::plan::Planned;
 use super::robot::{NAME, Printed};
-use super::{Args, pictures};
+use super::{Args, input, pictures};
 use curvlay_examples::args::{Failure, Outcome, typed_name};
 use curvlay_examples::findings::{Findings, Severity, percent};
 use curvlay_examples::output::{OutputError, OutputFolder};
@@ -54,12 +54,27 @@ pub fn write(args: &Args, planned: &Planned, printed: &Printed, folder: &OutputF
 fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
     let mut findings = Findings::default();
     let drawing = &planned.drawing;
-    let skipped: Vec<String> = drawing.skipped.iter().map(|(what, count)| format!("{count} {what}")).collect();
-    if !skipped.is_empty() {
-        findings.add(Severity::Told, "entities are not drawn", skipped.join(", "), "");
+    if !drawing.skipped.is_empty() {
+        findings.add(Severity::Told, "entities are not drawn", input::skipped(drawing), "");
     }
-    if drawing.unit_mm.is_none() && args.dxf.is_some() {
-        findings.add(Severity::Told, "the file names no unit; millimetres are taken", "", "");
+    let of_file = args.dxf.is_some() || args.svg.is_some();
+    let [width, height] = planned.size_mm;
+    for note in &drawing.notes {
+        let options = if args.svg.is_some() && note.contains("pixels") { "--dpi, --unit" } else { "" };
+        findings.add(Severity::Told, note.as_str(), "", options);
+    }
+    if drawing.unit_mm.is_none() && of_file && drawing.notes.is_empty() {
+        let amount = format!("the design is {width:.1} by {height:.1} mm");
+        findings.add(Severity::Told, "the file names no unit; millimetres are taken", amount, "--unit");
+    }
+    if let Some(widest) = planned.gaps.iter().max_by(|a, b| a.width.total_cmp(&b.width)) {
+        let count = planned.gaps.len();
+        let amount = format!(
+            "{count}, the widest of {:.3} mm at {:.2}, {:.2} in the file",
+            widest.width, widest.at.x, widest.at.y
+        );
+        let join = (widest.width * 1050.0).ceil() / 1000.0;
+        findings.add(Severity::Told, "gaps keep contours open", amount, format!("--join {join}"));
     }
     if planned.duplicates + planned.zero_length > 0 {
         let amount = format!("{} duplicates, {} of no length", planned.duplicates, planned.zero_length);
@@ -176,7 +191,8 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
     let [least, most] = widths(planned);
     let layers: Vec<String> =
         planned.drawing.layers().into_iter().map(|(name, count)| format!("{name} {count}")).collect();
-    let skipped: Vec<String> = planned.drawing.skipped.iter().map(|(what, count)| format!("{what} {count}")).collect();
+    let skipped: Vec<String> =
+        planned.drawing.skipped.iter().map(|skipped| format!("{} {}", skipped.what, skipped.count)).collect();
     let surface = std::path::Path::new(&args.surface).file_name().map(|name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new();
     summary
@@ -195,6 +211,8 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("entities", planned.pieces.len())?
         .set("skipped_entities", planned.drawing.skipped_count())?
         .set("skipped", skipped.join(", "))?
+        .set("unit_mm", planned.drawing.unit_mm.unwrap_or(0.0))?
+        .set("gaps", planned.gaps.len())?
         .set("duplicates", planned.duplicates)?
         .set("zero_length", planned.zero_length)?
         .set("closed", planned.closed())?

@@ -1,18 +1,17 @@
 //! From the file to strokes on the surface.
 
-use super::{Args, FillKind, ProjectionKind, design};
-use curvlay_examples::args::{Failure, typed_name};
+use super::input::{fault, skipped};
+use super::{Args, FillKind, ProjectionKind, input};
+use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::read_mesh;
 use curvlay_kinematics::nalgebra::{Point2, Point3, Vector3};
 use curvlay_toolpath::drawing::{
-    Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, MeshSurface,
+    Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, Gap, MeshSurface,
     Overlaps, Profile, Projection, Revolved, Stroke, Surface, SurfacePoint, UnrollKind, UnrollOptions, UnrolledMesh,
-    centre_of, coverage, distortion, fill, join, load_drawing, order, place, project, raised, read_dxf, read_svg,
-    remove_overlaps, signed_area, start_strokes, thin_clusters, union_area,
+    area_sum, centre_of, coverage, distortion, fill, gaps, join, order, place, project, raised, remove_overlaps,
+    start_strokes, thin_clusters, union_area,
 };
-use std::fs::{self, File};
-use std::io::BufReader;
 use std::path::Path;
 
 /// Radius of the sphere that `--surface sphere` means: near the thesis' dome.
@@ -20,6 +19,9 @@ const SPHERE_MM: f64 = 200.0;
 
 /// Distances over which distortion is sampled, in points of the design.
 const DISTORTION_SAMPLES: usize = 5000;
+
+/// Gaps between ends up to this, in millimetres of the file, are findings.
+const WIDEST_GAP_MM: f64 = 0.5;
 
 /// Open contours are left out where so many beads are: two lines may cross.
 const MAX_BEADS: usize = 2;
@@ -92,6 +94,10 @@ pub struct Planned {
     pub contours: Vec<Contour>,
     pub duplicates: usize,
     pub zero_length: usize,
+    /// Ends of contours that nearly meet, in the drawing.
+    pub gaps: Vec<Gap>,
+    /// Width and height of the design on the chosen layers, before it is scaled.
+    pub size_mm: [f64; 2],
     pub scale: f64,
     pub area_sum_mm2: f64,
     pub area_union_mm2: f64,
@@ -117,27 +123,6 @@ impl Planned {
     pub fn flat(&self, on_surface: &OnSurface) -> &Stroke {
         &self.filled.strokes[on_surface.stroke]
     }
-}
-
-fn fault(path: &Path, what: impl std::fmt::Display) -> Failure {
-    Failure::new(format!("{}: {what}", path.display()))
-}
-
-fn read(args: &Args) -> Result<(String, Drawing), Failure> {
-    let name = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    if let Some(path) = &args.dxf {
-        let file = File::open(path).map_err(|error| fault(path, error))?;
-        return Ok((name(path), read_dxf(BufReader::new(file)).map_err(|error| fault(path, error))?));
-    }
-    if let Some(path) = &args.svg {
-        let bytes = fs::read(path).map_err(|error| fault(path, error))?;
-        return Ok((name(path), read_svg(&bytes).map_err(|error| fault(path, error))?));
-    }
-    if let Some(path) = &args.load {
-        let file = File::open(path).map_err(|error| fault(path, error))?;
-        return Ok((name(path), load_drawing(BufReader::new(file)).map_err(|error| fault(path, error))?));
-    }
-    Ok((typed_name(args.design), design::drawing(args.design)))
 }
 
 fn carrier(args: &Args) -> Result<Carrier, Failure> {
@@ -207,24 +192,90 @@ fn wanted(args: &Args, layer: &str) -> bool {
 /// Areas are those of curves flattened to this, in millimetres: chords of the tolerance of the print would take 1e-3 from small circles.
 const AREA_TOLERANCE_MM: f64 = 1e-4;
 
+/// Whether there is something to draw on each layer that was asked for.
+fn check_layers(args: &Args, drawing: &Drawing) -> Result<(), String> {
+    if drawing.entities.is_empty() {
+        let found = skipped(drawing);
+        let found = if found.is_empty() { "it has no entities".to_owned() } else { format!("found: {found}") };
+        return Err(format!("there is nothing in it that can be drawn; {found}"));
+    }
+    let layers = drawing.layers();
+    let Some(missing) = args.layer.iter().find(|name| !layers.iter().any(|(layer, _)| layer == *name)) else {
+        return Ok(());
+    };
+    let names: Vec<&str> = layers.iter().map(|(layer, _)| layer.as_str()).collect();
+    let mut what = format!("no entity is on layer `{missing}`; layers with entities: {}", names.join(", "));
+    if !drawing.skipped.is_empty() {
+        what += &format!("; not drawn: {}", skipped(drawing));
+    }
+    Err(what)
+}
+
+/// Width and height of contours.
+fn size(contours: &[Contour]) -> [f64; 2] {
+    let points = contours.iter().flat_map(|contour| &contour.points);
+    let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    let [low, high] =
+        points.fold(start, |[low, high], p| [[low[0].min(p.x), low[1].min(p.y)], [high[0].max(p.x), high[1].max(p.y)]]);
+    [0, 1].map(|axis| (high[axis] - low[axis]).max(0.0))
+}
+
+/// Most points of beads that are planned: some hundred megabytes with the postures of the robot. The design of the thesis has 94,419.
+const MAX_BEAD_POINTS: f64 = 2e6;
+
+/// A design that is so many times as wide as the platform lies beside it by any projection.
+const MAX_PLATFORMS: f64 = 100.0;
+
+/// Refuses a design that is far too large, or whose beads would have more points than memory should hold, by their lengths, before any
+/// is laid.
+fn check_points(args: &Args, contours: &[Contour], size_mm: [f64; 2], scale: f64) -> Result<(), String> {
+    let [width, height] = size_mm.map(|mm| mm * scale);
+    if width.max(height) > MAX_PLATFORMS * args.platform_diameter_mm {
+        return Err(format!(
+            "the design is {width:.1} by {height:.1} mm, the platform {} mm across; --diameter makes the design smaller, --unit sets the \
+             unit of the file",
+            args.platform_diameter_mm
+        ));
+    }
+    let outlines: f64 = contours.iter().map(Contour::length).sum();
+    let area = area_sum(contours).map_err(|error| error.to_string())?;
+    let fills = if args.fill == FillKind::None { 0.0 } else { area / args.bead_mm };
+    let points = (outlines + fills) / args.step_mm * f64::from(args.layers);
+    if points <= MAX_BEAD_POINTS {
+        return Ok(());
+    }
+    Err(format!(
+        "the design is {width:.1} by {height:.1} mm: its beads would have some {points:.0} points, more than {MAX_BEAD_POINTS}; \
+         a smaller --diameter, a wider --bead or a larger --step take fewer"
+    ))
+}
+
+/// Why a design has no beads at all.
+fn no_bead(args: &Args, drawing: &Drawing, size_mm: [f64; 2], scale: f64) -> String {
+    let [width, height] = size_mm.map(|mm| mm * scale);
+    let unit = match drawing.unit_mm {
+        None => "; the file does not state its unit, so millimetres were taken: set --unit",
+        Some(_) => "",
+    };
+    format!("no bead of {} mm fits into it: the design is {width:.2} by {height:.2} mm{unit}", args.bead_mm)
+}
+
 /// All stages up to strokes on the surface.
 pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     bars.update("read", 0, 5);
-    let (name, drawing) = read(args)?;
+    let (name, drawing) = input::read(args)?;
     let carrier = carrier(args)?;
     let here = |error: &dyn std::fmt::Display| Failure::new(format!("{name}: {error}"));
-    if let Some(missing) = args.layer.iter().find(|name| !drawing.layers().iter().any(|(layer, _)| layer == *name)) {
-        let layers: Vec<String> = drawing.layers().into_iter().map(|(layer, _)| layer).collect();
-        return Err(here(&format!("no entity is on layer `{missing}`; layers with entities: {}", layers.join(", "))));
-    }
-    if drawing.entities.is_empty() {
-        return Err(here(&"there is nothing in it that can be drawn"));
-    }
+    check_layers(args, &drawing).map_err(|what| here(&what))?;
     let pieces = drawing.contours(|layer| wanted(args, layer), Flatten::default()).map_err(|error| here(&error))?;
 
     bars.update("join", 1, 5);
     let joined = join(&pieces, args.join_mm).map_err(|error| here(&error))?;
     let mut contours = joined.contours;
+    let mut gaps = gaps(&contours, WIDEST_GAP_MM).map_err(|error| here(&error))?;
+    // Ends that meet where three lines do are no gap.
+    gaps.retain(|gap| gap.width > args.join_mm);
+    let size_mm = size(&contours);
     let centre = args.centre_mm.map_or(Centre::Box, |at| Centre::At(Point2::from(at)));
     let middle = centre_of(&contours, centre).ok_or_else(|| here(&"all its lines have no length"))?;
     let scale = place(&mut contours, centre, args.diameter_mm).map_err(|error| here(&error))?;
@@ -235,11 +286,15 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     };
     let pieces: Vec<Contour> = pieces.iter().map(moved).collect();
     order(&mut contours);
+    check_points(args, &contours, size_mm, scale).map_err(|what| here(&what))?;
 
     bars.update("fill", 2, 5);
-    let overlaps =
-        remove_overlaps(&contours, args.min_area_mm2, if args.min_area_mm2 > 0.0 { args.bead_mm } else { 0.0 });
+    let min_length = if args.min_area_mm2 > 0.0 { args.bead_mm } else { 0.0 };
+    let overlaps = remove_overlaps(&contours, args.min_area_mm2, min_length).map_err(|error| here(&error))?;
     let mut filled = fill(&overlaps.regions, &overlaps.open, &fill_options(args)).map_err(|error| here(&error))?;
+    if filled.strokes.is_empty() {
+        return Err(here(&no_bead(args, &drawing, size_mm, scale)));
+    }
     let thinned_mm = thin_clusters(&mut filled.strokes, MAX_BEADS).removed_mm;
     let on_printed = start_strokes(&mut filled.strokes);
 
@@ -275,6 +330,8 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
         pieces,
         duplicates: joined.duplicates,
         zero_length: joined.zero_length,
+        gaps,
+        size_mm,
         scale,
         area_sum_mm2: 0.0,
         area_union_mm2: 0.0,
@@ -298,9 +355,8 @@ pub fn measure(args: &Args, planned: &mut Planned, bars: &Bars) -> Result<(), Fa
     let fine = planned.drawing.contours(|layer| wanted(args, layer), Flatten::Tolerance(AREA_TOLERANCE_MM))?;
     let fine = join(&fine, args.join_mm)?.contours;
     let square = planned.scale * planned.scale;
-    let closed = fine.iter().filter(|contour| contour.closed);
-    planned.area_sum_mm2 = square * closed.map(|contour| signed_area(&contour.points).abs()).sum::<f64>();
-    planned.area_union_mm2 = square * union_area(&fine);
+    planned.area_sum_mm2 = square * area_sum(&fine)?;
+    planned.area_union_mm2 = square * union_area(&fine)?;
     planned.coverage = coverage(&planned.overlaps.regions, &planned.filled.strokes)?;
     let scan = FillOptions { fill: Fill::Lines, zigzag: false, ..fill_options(args) };
     planned.stops_scan_lines = fill(&planned.overlaps.regions, &planned.overlaps.open, &scan)?.stops();

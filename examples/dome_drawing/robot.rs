@@ -174,10 +174,16 @@ pub fn stream(
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
     // Another number for each job, unless two begin within a second.
     let job = (seconds % u64::from(MAX_NUMBER)) as u32 + 1;
-    let link = LinkOptions { job, queue: args.queue, ..LinkOptions::default() };
+    let link = LinkOptions {
+        job,
+        queue: args.queue,
+        retry: Duration::from_secs_f64(args.stream_retry_s),
+        max_tries: args.stream_tries,
+        max_pause: LinkOptions::default().max_pause.max(Duration::from_secs_f64(args.stream_retry_s)),
+    };
     let messages = messages().chain([Ok(LinkMessage::Home)]);
     let report = |progress: &LinkProgress| bars.update("stream", u64::from(progress.done), total);
-    stream::stream(address, messages, link, commands, report)
+    stream::stream(address, messages, link, commands, &stream::SystemClock::start(), report)
         .map_err(|error| Failure::new(format!("--stream: {error}")))
 }
 

@@ -1,7 +1,7 @@
 //! The sender's socket: what `LinkSender` writes goes to the controller, what the controller replies goes to it.
 //!
 //! Brooks (2016), section 4.14.2. All that can go wrong is decided in `curvlay_kinematics::program::link`; here are only a TCP
-//! connection, which is made again when it breaks, the clock, and the commands of who stands beside the robot.
+//! connection, which is made again, after a pause, when it breaks, the clock, and the commands of who stands beside the robot.
 
 use curvlay_examples::args::warn;
 use curvlay_kinematics::program::link::{LinkError, LinkMessage, LinkOptions, LinkProgress, LinkSender};
@@ -56,22 +56,53 @@ const LONGEST_REPLY: usize = 200;
 /// Highest and lowest nozzle that a command may ask for, in millimetres.
 pub const MAX_HEIGHT_MM: f64 = 50.0;
 
+/// The time, and waiting.
+pub trait Clock {
+    /// Time since any begin.
+    fn now(&self) -> Duration;
+    /// Returns after so long.
+    fn wait(&self, time: Duration);
+}
+
+/// That of the machine.
+pub struct SystemClock {
+    begin: Instant,
+}
+
+impl SystemClock {
+    /// It begins now.
+    pub fn start() -> Self {
+        SystemClock { begin: Instant::now() }
+    }
+}
+
+impl Clock for SystemClock {
+    fn now(&self) -> Duration {
+        self.begin.elapsed()
+    }
+
+    fn wait(&self, time: Duration) {
+        thread::sleep(time);
+    }
+}
+
 /// Streams messages until the controller has done the last one.
 ///
-/// `report` gets how far it is after each reply.
+/// `report` gets how far it is after each reply. Before a new connection it waits, the longer the more of them brought no progress.
 pub fn stream(
     address: &str,
     messages: impl Iterator<Item = Result<LinkMessage, LinkError>>,
     options: LinkOptions,
     commands: &Receiver<Command>,
+    clock: &impl Clock,
     mut report: impl FnMut(&LinkProgress),
 ) -> Result<LinkProgress, StreamError> {
     let link = |source, done| StreamError::Link { address: address.to_owned(), source, done };
     let mut sender = LinkSender::new(messages, options).map_err(|error| link(error, 0))?;
-    let begin = Instant::now();
     loop {
-        let mut socket = connect(address, &options)?;
-        let ended = converse(&mut sender, &mut socket, begin, commands, &mut report);
+        clock.wait(sender.pause());
+        let mut socket = connect(address, &options, clock)?;
+        let ended = converse(&mut sender, &mut socket, clock, commands, &mut report);
         let progress = sender.progress();
         match ended {
             Ok(true) => return Ok(progress),
@@ -81,7 +112,7 @@ pub fn stream(
     }
 }
 
-fn connect(address: &str, options: &LinkOptions) -> Result<TcpStream, StreamError> {
+fn connect(address: &str, options: &LinkOptions, clock: &impl Clock) -> Result<TcpStream, StreamError> {
     let mut tries = 0;
     loop {
         let made = TcpStream::connect(address).and_then(|socket| {
@@ -92,11 +123,11 @@ fn connect(address: &str, options: &LinkOptions) -> Result<TcpStream, StreamErro
         match made {
             Ok(socket) => return Ok(socket),
             Err(source) => {
-                tries += 1;
-                if tries >= options.max_tries {
-                    return Err(StreamError::Connect { address: address.to_owned(), tries, source });
+                if tries + 1 >= options.max_tries {
+                    return Err(StreamError::Connect { address: address.to_owned(), tries: tries + 1, source });
                 }
-                thread::sleep(options.retry);
+                clock.wait(options.pause(tries));
+                tries += 1;
             }
         }
     }
@@ -106,7 +137,7 @@ fn connect(address: &str, options: &LinkOptions) -> Result<TcpStream, StreamErro
 fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
     sender: &mut LinkSender<I>,
     socket: &mut TcpStream,
-    begin: Instant,
+    clock: &impl Clock,
     commands: &Receiver<Command>,
     report: &mut impl FnMut(&LinkProgress),
 ) -> Result<bool, LinkError> {
@@ -121,7 +152,7 @@ fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
                 Command::HeightMm(mm) => sender.set_height_mm(mm),
             }
         }
-        while let Some(frame) = sender.next_frame(begin.elapsed())? {
+        while let Some(frame) = sender.next_frame(clock.now())? {
             if socket.write_all(&frame).is_err() {
                 return Ok(false);
             }
@@ -142,7 +173,7 @@ fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
         for &byte in &bytes[..read] {
             line.push(byte);
             if byte == b'\n' || line.len() > LONGEST_REPLY {
-                sender.receive(&String::from_utf8_lossy(&line), begin.elapsed())?;
+                sender.receive(&String::from_utf8_lossy(&line), clock.now())?;
                 line.clear();
                 report(&sender.progress());
             }

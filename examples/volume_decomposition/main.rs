@@ -49,7 +49,7 @@ pub struct Args {
     #[arg(long = "stand-off", value_name = "MM", default_value_t = 15.0, value_parser = above_zero, allow_negative_numbers = true)]
     stand_off_mm: f64,
     /// Holes and features narrower than this are machined later, in millimetres
-    #[arg(long = "feature", value_name = "MM", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
+    #[arg(long = "feature", value_name = "MM", default_value_t = 0.0, value_parser = feature, allow_negative_numbers = true)]
     feature_mm: f64,
     /// Which way the part is printed first
     #[arg(long, value_name = "NAME", default_value = "up")]
@@ -93,7 +93,13 @@ pub enum Base {
 }
 
 fn acute(text: &str) -> Result<f64, String> {
-    above_zero(text).and_then(|deg| if deg < 90.0 { Ok(deg) } else { Err("must be below 90".to_owned()) })
+    let degrees = above_zero(text)?;
+    if (0.1..90.0).contains(&degrees) { Ok(degrees) } else { Err("must be at least 0.1 and below 90".to_owned()) }
+}
+
+fn feature(text: &str) -> Result<f64, String> {
+    let mm = from_zero(text)?;
+    if mm <= 1e4 { Ok(mm) } else { Err("must be at most 10000".to_owned()) }
 }
 
 impl Args {

@@ -93,7 +93,7 @@ fn an_svg_is_printed_in_layers_on_a_sphere() {
     let (path, _) = run("svg", &words).unwrap();
     let summary = summary(&path);
     assert_eq!(summary["drawing_layers"], "0 1, rim 1");
-    assert_eq!(summary["skipped"], "text 1");
+    assert_eq!(summary["skipped"], "text (convert it to paths) 1");
     assert_eq!((&summary["closed"], &summary["open"], &summary["unreachable"]), (&1.into(), &1.into(), &0.into()));
     assert!((summary["area_sum_mm2"].as_f64().unwrap() - 600.0).abs() < 1e-2);
     let csv = fs::read_to_string(path.join("strokes.csv")).unwrap();
@@ -172,14 +172,26 @@ fn bad_files_are_told() {
         text.split_whitespace().map(|word| word.to_owned() + "\n").collect::<String>()
     };
     let line = "0 LINE 8 A 10 0 20 0 11 9 21 9 ";
+    let svg = |text: &str| format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm">{text}</svg>"#);
     for (name, text, told) in [
         ("empty.dxf", String::new(), "has no section ENTITIES"),
-        ("nothing.dxf", entities(""), "nothing in it that can be drawn"),
-        ("text.dxf", "once upon a time\n".to_owned(), "line 1: not an ASCII DXF file"),
+        ("nothing.dxf", entities(""), "nothing in it that can be drawn; it has no entities"),
+        ("text.dxf", "once upon a time\n".to_owned(), "line 1: not a DXF file"),
         ("cut.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n".to_owned(), "the file ends in the middle of a section"),
-        ("nan.dxf", entities(&(line.to_owned() + "0 CIRCLE 8 A 10 NaN 20 0 40 1")), "line 22: `NaN`"),
-        ("zero.dxf", entities("0 CIRCLE 8 A 10 0 20 0 40 0"), "line 6: the CIRCLE has a radius of 0"),
-        ("huge.dxf", entities("0 CIRCLE 8 A 10 9e9 20 0 40 5"), "CIRCLE number 1 (line 6)"),
+        (
+            "nan.dxf",
+            entities("0 CIRCLE 8 A 10 NaN 20 0 40 1"),
+            "found: 1 CIRCLE (`NaN` is not a finite number): line 10",
+        ),
+        ("zero.dxf", entities("0 CIRCLE 8 A 10 0 20 0 40 0"), "found: 1 CIRCLE (its radius is 0): line 6"),
+        ("huge.dxf", entities("0 CIRCLE 8 A 10 9e9 20 0 40 5"), "1 CIRCLE (a coordinate is 9.00e9 mm"),
+        ("words.dxf", entities("0 TEXT 8 A 1 x 0 HATCH 8 A"), "found: 1 HATCH: line 12; 1 TEXT: line 6"),
+        (
+            "small.dxf",
+            entities("0 LWPOLYLINE 8 A 70 1 10 0 20 0 10 2 20 0 10 2 20 2 10 0 20 2"),
+            "the design is 2.00 by 2.00 mm; the file does not state its unit",
+        ),
+        ("words.svg", svg("<text id=\"t\">ABC</text>"), "found: 1 text (convert it to paths): line 1 (id t)"),
         ("wide.dxf", entities("0 CIRCLE 8 A 10 0 20 0 40 200"), "400.0 mm wide about its centre"),
         ("bad.svg", "<svg><path".to_owned(), "not a readable SVG file"),
         ("no.svg", "plain words".to_owned(), "not a readable SVG file"),
@@ -199,6 +211,24 @@ fn bad_files_are_told() {
     let path = file("layers.dxf", &entities(line));
     let error = run("bad_layer", &["--dxf", &path, "--layer", "B"]).unwrap_err();
     assert!(error.contains("no entity is on layer `B`; layers with entities: A"), "{error}");
+    // A kilometre and a half: refused before anything is filled.
+    let path = file("circle.dxf", &entities("0 CIRCLE 8 RIM 10 0 20 0 40 900000"));
+    for fill in ["none", "spiral"] {
+        let error = run("bad_circle", &["--dxf", &path, "--fill", fill]).unwrap_err();
+        assert!(error.contains("the design is 1800000.0 by 1800000.0 mm, the platform 300 mm across"), "{error}");
+    }
+    let path = file("wide_too.dxf", &entities("0 CIRCLE 8 RIM 10 0 20 0 40 900"));
+    let error = run("bad_points", &["--dxf", &path, "--step", "0.1", "--bead", "0.5"]).unwrap_err();
+    assert!(error.contains("points, more than 2000000"), "{error}");
+    for device in ["/dev/zero", "/dev/null"] {
+        for option in ["--dxf", "--svg", "--load"] {
+            let error = run("bad_device", &[option, device]).unwrap_err();
+            assert!(error.contains("not a regular file"), "{option} {device}: {error}");
+        }
+    }
+    for words in [&["--unit", "in"][..], &["--dpi", "72"], &["--dpi", "72", "--dxf", &path]] {
+        assert!(run("bad_scale", words).unwrap_err().contains("goes with"), "{words:?}");
+    }
     assert!(run("bad_gone", &["--dxf", "no/such.dxf"]).unwrap_err().contains("no/such.dxf"));
     assert!(run("bad_mesh", &["--surface", "no/such.stl"]).unwrap_err().contains("no/such.stl"));
 }
@@ -214,10 +244,97 @@ fn arguments_out_of_range_are_refused() {
         ["--fill", "foam"],
         ["--nozzle-height", "90"],
         ["--angle", "x"],
+        ["--angle", "inf"],
+        ["--diameter", "1e308"],
+        ["--platform-diameter", "1e308"],
+        ["--bead", "1e308"],
+        ["--bead", "1e-300"],
+        ["--layer-height", "1e308"],
+        ["--join", "1e308"],
+        ["--dpi", "0"],
+        ["--unit", "ell"],
+        ["--stream-tries", "0"],
+        ["--stream-retry", "1e308"],
     ] {
         assert!(arguments(&words).is_err(), "{words:?}");
     }
     assert!(arguments(&["--dxf", "a", "--svg", "b"]).is_err());
+}
+
+/// What files hold that cannot be drawn, and what was assumed of them, are findings that name the option to change; the rest is printed.
+#[test]
+fn what_is_left_out_or_assumed_is_a_finding() {
+    let entities = |text: &str| {
+        let text = format!("0 SECTION 2 ENTITIES {text} 0 ENDSEC 0 EOF");
+        text.split_whitespace().map(|word| word.to_owned() + "\n").collect::<String>()
+    };
+    let svg = |size: &str, text: &str| format!(r#"<svg xmlns="http://www.w3.org/2000/svg" {size}>{text}</svg>"#);
+    let gaps = "0 LINE 8 0 10 0 20 0 11 39.98 21 0 0 LINE 8 0 10 40 20 0 11 40 21 39.98 \
+                0 LINE 8 0 10 40 20 40 11 0.02 21 40 0 LINE 8 0 10 0 20 40 11 0 21 0.02";
+    let rect = r#"<rect x="10" y="10" width="50" height="50"/>"#;
+    let holes = r#"<path fill-rule="evenodd" d="M10 10H90V90H10Z M30 30H70V70H30Z"/>"#;
+    let in_mm = r#"width="100mm" height="100mm" viewBox="0 0 100 100""#;
+    let image = r#"<image width="1" height="1" href="/dev/zero"/>"#;
+    for (name, text, words, area, told) in [
+        ("gaps.dxf", entities(gaps), "", 0.0, "gaps keep contours open: 4, the widest of 0.020 mm"),
+        (
+            "gaps.dxf",
+            entities(gaps),
+            "--join 0.022",
+            1599.2,
+            "the file names no unit; millimetres are taken: the design is 40.0 by 40.0 mm (--unit)",
+        ),
+        (
+            "inch.dxf",
+            entities("0 CIRCLE 8 A 10 0 20 0 40 1 0 CIRCLE 5 2F 8 A 10 0 20 0 40 0"),
+            "--unit in",
+            2026.8,
+            "1 CIRCLE (its radius is 0): line 16 (handle 2F)",
+        ),
+        ("px.svg", svg(r#"width="100px" height="100px""#, rect), "", 175.0, "its size is in pixels"),
+        (
+            "px.svg",
+            svg(r#"width="100px" height="100px""#, &(rect.to_owned() + "<text>x</text>")),
+            "--dpi 50.8",
+            625.0,
+            "1 text (convert it to paths)",
+        ),
+        ("no.svg", svg(r#"viewBox="0 0 100 100""#, rect), "", 175.0, "its size is not stated"),
+        ("no.svg", svg(r#"viewBox="0 0 100 100""#, &(rect.to_owned() + image)), "--unit mm", 2500.0, "1 image"),
+        ("holes.svg", svg(in_mm, &(holes.to_owned() + image)), "", 4800.0, "1 image"),
+    ] {
+        let path = file(name, &text);
+        let kind = if name.ends_with("svg") { "--svg" } else { "--dxf" };
+        let words: Vec<&str> = [kind, path.as_str(), "--fill", "none", "--step", "10"]
+            .into_iter()
+            .chain(words.split_whitespace())
+            .collect();
+        let (path, outcome) = run(&format!("found_{name}"), &words).unwrap();
+        assert_eq!(outcome, Outcome::Done, "{words:?}");
+        let summary = summary(&path);
+        let findings = summary["findings"].to_string();
+        assert!(findings.contains(told), "{words:?}: {findings}");
+        let found = summary["area_sum_mm2"].as_f64().unwrap();
+        assert!((found - area).abs() < 0.1, "{words:?}: {found}");
+        assert!(
+            fs::read_to_string(path.join("report.html")).unwrap().contains(told.split(['<', '(', '`']).next().unwrap())
+        );
+        // What was read is saved with it.
+        let again = run(
+            &format!("again_{name}"),
+            &[
+                "--load",
+                path.join("design.drawing").to_str().unwrap(),
+                "--fill",
+                "none",
+                "--step",
+                "10",
+                "--join",
+                words.last().filter(|_| area == 1599.2).unwrap_or(&"0.005"),
+            ],
+        );
+        assert_eq!(common::summary(&again.unwrap().0)["area_sum_mm2"], summary["area_sum_mm2"], "{words:?}");
+    }
 }
 
 /// The three designs: nothing out of reach, axis 6 within its turns, and one stop for many of scan lines.

@@ -333,7 +333,7 @@ proptest! {
         count in 0..60u32,
         (places, queue) in (1..7usize, 1..7u32),
     ) {
-        let options = LinkOptions { queue, max_tries: 1_000_000, retry: Duration::from_millis(100), job: 9 };
+        let options = LinkOptions { queue, max_tries: 1_000_000, retry: Duration::from_millis(100), job: 9, ..LinkOptions::default() };
         let mut sender = LinkSender::new(messages(count), options).unwrap();
         let mut controller = Controller { places, ..Controller::default() };
         let (mut frames, mut replies): (Vec<Vec<u8>>, Vec<String>) = (vec![], vec![]);
@@ -399,8 +399,11 @@ fn numbers(frames: &[LinkFrame]) -> Vec<u32> {
 #[test]
 fn frames_are_sent_again_when_no_reply_comes() {
     let ms = Duration::from_millis;
-    let mut sender =
-        LinkSender::new(messages(9), LinkOptions { queue: 3, retry: ms(100), max_tries: 2, job: 4 }).unwrap();
+    let mut sender = LinkSender::new(
+        messages(9),
+        LinkOptions { queue: 3, retry: ms(100), max_tries: 2, job: 4, ..LinkOptions::default() },
+    )
+    .unwrap();
     assert!(written(&mut sender, 0).is_empty());
     sender.connected().unwrap();
     assert_eq!(written(&mut sender, 0), [LinkFrame::Job { job: 4, connection: 1 }]);
@@ -453,7 +456,7 @@ fn frames_are_sent_again_when_no_reply_comes() {
 #[test]
 fn a_controller_that_cannot_go_on_is_an_error() {
     let ms = Duration::from_millis;
-    let options = LinkOptions { queue: 3, retry: ms(100), max_tries: 2, job: 4 };
+    let options = LinkOptions { queue: 3, retry: ms(100), max_tries: 2, job: 4, ..LinkOptions::default() };
     let begun = || {
         let mut sender = LinkSender::new(messages(9), options).unwrap();
         sender.connected().unwrap();
@@ -510,12 +513,47 @@ fn a_controller_that_cannot_go_on_is_an_error() {
         (LinkOptions { queue: 101, ..options }, "queue"),
         (LinkOptions { max_tries: 0, ..options }, "max_tries"),
         (LinkOptions { retry: Duration::ZERO, ..options }, "retry"),
+        (LinkOptions { max_pause: Duration::from_millis(99), ..options }, "max_pause"),
     ] {
         assert!(matches!(LinkSender::new(messages(1), options), Err(LinkError::Option { what, .. }) if what == wanted));
     }
 }
 
 // The controller's side ---------------------------------------------------------------------------------------------------------------
+
+/// One that greets and hangs up: the pauses grow, and after so many connections without progress it is an error. Until 0.1.0 this went on
+/// for ever, without a pause.
+#[test]
+fn connections_without_progress_back_off_and_end() {
+    let ms = Duration::from_millis;
+    let options = LinkOptions { queue: 3, retry: ms(100), max_tries: 5, job: 4, max_pause: ms(500) };
+    let mut sender = LinkSender::new(messages(9), options).unwrap();
+    assert_eq!(sender.pause(), Duration::ZERO);
+    let greet = |sender: &mut LinkSender<_>, connection: u32, taken: u32, hold: u32| -> Result<Duration, LinkError> {
+        sender.connected()?;
+        sender.next_frame(ms(0))?;
+        sender.receive(&format!("R 4 {connection} {taken} {taken} {hold} 0"), ms(0))?;
+        sender.next_frame(ms(0))?;
+        sender.disconnected();
+        Ok(sender.pause())
+    };
+    let pauses: Vec<Duration> = (1..=3).map(|connection| greet(&mut sender, connection, 0, 0).unwrap()).collect();
+    assert_eq!(pauses, [ms(200), ms(400), ms(500)]);
+    // A message is done: it begins anew.
+    assert_eq!(greet(&mut sender, 4, 1, 0), Ok(ms(100)));
+    for connection in 5..=8 {
+        greet(&mut sender, connection, 1, 0).unwrap();
+    }
+    // While the robot pauses there is no progress to be made.
+    sender.set_hold(true);
+    assert_eq!(greet(&mut sender, 9, 1, 1), Ok(ms(100)));
+    sender.set_hold(false);
+    for connection in 10..=14 {
+        greet(&mut sender, connection, 1, 1).unwrap();
+    }
+    assert_eq!(greet(&mut sender, 15, 1, 1), Err(LinkError::NoProgress { connections: 5 }));
+    assert_eq!(sender.next_frame(ms(0)), Err(LinkError::NoProgress { connections: 5 }));
+}
 
 fn modules(options: &LinkRapidOptions) -> BTreeMap<String, String> {
     let mut files: BTreeMap<String, std::rc::Rc<std::cell::RefCell<Vec<u8>>>> = BTreeMap::new();

@@ -106,8 +106,8 @@ pub fn flat_layers(part: &Solid, direction: &Vector3<f64>, height_mm: f64) -> Re
     let layer = |k: usize| {
         let up = (k as f64 + 0.5) * height;
         let within = SIMPLIFIED * height;
-        let region = Region::new(&slice(part, &lowest.moved(up), &frame)).simplified(within);
-        let region = region.offset(-APART * within).simplified(APART * within);
+        let region = Region::of(&slice(part, &lowest.moved(up), &frame)).simplified(within);
+        let region = region.grown(-APART * within).simplified(APART * within);
         let region = region.without_specks((1e-3 * height).powi(2));
         let mut flat = FlatLayer { vertices: Vec::new(), triangles: Vec::new(), thickness: Vec::new(), region };
         for polygon in flat.region.polygons() {

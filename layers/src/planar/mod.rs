@@ -20,7 +20,7 @@ pub use lettori::{
     VolumeAudit, VolumeDecomposition, VolumeError, VolumeOptions, VolumePart, audit_volumes, decompose_volume,
     largest_rectangle,
 };
-pub use region::Region;
+pub use region::{MAX_LENGTH_MM, Region, RegionError};
 pub use solid::{
     Cut, CutPlane, OverhangError, Partition, PlaneError, PlaneFrame, SectionPolygon, Solid, SolidError, risky_area,
     risky_faces, slice,

@@ -10,6 +10,33 @@ use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 use nalgebra::{Point2, Vector2};
 
+/// Greatest coordinate and offset of a region, in millimetres: a thousand kilometres, on whose grid a nanometre is left.
+pub const MAX_LENGTH_MM: f64 = 1e9;
+
+/// Why there is no such region.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RegionError {
+    /// A coordinate is not finite, or too large.
+    #[error("polygon {polygon} has a coordinate that is not finite, or beyond {MAX_LENGTH_MM:e} mm")]
+    Point {
+        /// The polygon, from 0.
+        polygon: usize,
+    },
+    /// A distance is not finite, or too large.
+    #[error("an offset of {by} mm: it must be from -{MAX_LENGTH_MM:e} to {MAX_LENGTH_MM:e} mm")]
+    Offset {
+        /// The distance, in millimetres.
+        by: f64,
+    },
+    /// A normal of another length than 1.
+    #[error("a normal of length {length}: it must be 1")]
+    Normal {
+        /// Its length.
+        length: f64,
+    },
+}
+
 type Shapes = Vec<Vec<Vec<[f64; 2]>>>;
 
 /// A set of points in a plane, bounded by polygons. May be empty.
@@ -26,6 +53,9 @@ const CHORD: f64 = 0.1;
 impl Region {
     /// The region inside polygons; where they overlap it is inside as well.
     ///
+    /// # Errors
+    /// [`RegionError::Point`] for a coordinate that is not finite, or beyond [`MAX_LENGTH_MM`].
+    ///
     /// # Example
     /// ```
     /// use curvlay_layers::nalgebra::Point2;
@@ -37,9 +67,21 @@ impl Region {
     /// let (left, right) = (Region::new(&[square(0.0)]), Region::new(&[square(1.0)]));
     /// assert!((left.union(&right).area() - 6.0).abs() < 1e-9);
     /// assert!((left.difference(&right).area() - 2.0).abs() < 1e-9);
-    /// assert!((left.intersection(&right).offset(-0.5).area() - 0.0).abs() < 1e-9);
+    /// assert!((left.intersection(&right).offset(-0.5)?.area() - 0.0).abs() < 1e-9);
+    /// # Ok::<(), curvlay_layers::planar::RegionError>(())
     /// ```
-    pub fn new(polygons: &[SectionPolygon]) -> Self {
+    pub fn new(polygons: &[SectionPolygon]) -> Result<Self, RegionError> {
+        let far = |p: &Point2<f64>| !p.iter().all(|x| x.abs() <= MAX_LENGTH_MM);
+        for (polygon, rings) in polygons.iter().enumerate() {
+            if std::iter::once(&rings.outer).chain(&rings.holes).flatten().any(far) {
+                return Err(RegionError::Point { polygon });
+            }
+        }
+        Ok(Region::of(polygons))
+    }
+
+    /// The region inside polygons whose points are known to be sound: sections of solids.
+    pub(crate) fn of(polygons: &[SectionPolygon]) -> Self {
         let flat = |points: &Vec<Point2<f64>>| points.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>();
         let shapes: Shapes = polygons
             .iter()
@@ -68,7 +110,15 @@ impl Region {
     }
 
     /// The region grown by a distance on all sides, with round corners; shrunk by a negative one.
-    pub fn offset(&self, by: f64) -> Region {
+    ///
+    /// # Errors
+    /// [`RegionError::Offset`] for a distance that is not finite, or beyond [`MAX_LENGTH_MM`].
+    pub fn offset(&self, by: f64) -> Result<Region, RegionError> {
+        if by.abs() <= MAX_LENGTH_MM { Ok(self.grown(by)) } else { Err(RegionError::Offset { by }) }
+    }
+
+    /// The same for a distance that is known to be in range.
+    pub(crate) fn grown(&self, by: f64) -> Region {
         if self.shapes.is_empty() || by == 0.0 {
             return self.clone();
         }
@@ -159,7 +209,19 @@ impl Region {
     }
 
     /// The part of it where `normal . p` is at most `offset`; the normal has the length 1.
-    pub fn half(&self, normal: [f64; 2], offset: f64) -> Region {
+    ///
+    /// # Errors
+    /// [`RegionError::Normal`] for a normal of another length, by more than 1e-6; [`RegionError::Offset`] for an offset that is not a number.
+    pub fn half(&self, normal: [f64; 2], offset: f64) -> Result<Region, RegionError> {
+        let length = normal[0].hypot(normal[1]);
+        if !((length - 1.0).abs() <= 1e-6) {
+            return Err(RegionError::Normal { length });
+        }
+        if offset.is_nan() { Err(RegionError::Offset { by: offset }) } else { Ok(self.below(normal, offset)) }
+    }
+
+    /// The same for a line that is known to be sound.
+    pub(crate) fn below(&self, normal: [f64; 2], offset: f64) -> Region {
         let Some([low, high]) = self.bounds() else { return Region::default() };
         let n = Vector2::from(normal);
         let middle = low + (high - low) / 2.0;
@@ -169,7 +231,7 @@ impl Region {
             (middle + n * (offset - middle.coords.dot(&n)).clamp(-size, size), Vector2::new(-n.y, n.x) * size);
         let far = edge - n * (3.0 * size);
         let outer = vec![edge - along, edge + along, far + along, far - along];
-        self.intersection(&Region::new(&[SectionPolygon { outer, holes: Vec::new() }]))
+        self.intersection(&Region::of(&[SectionPolygon { outer, holes: Vec::new() }]))
     }
 
     /// A point well inside the first piece: the middle of the longest line of the region at half its height.

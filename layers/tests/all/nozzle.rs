@@ -274,6 +274,15 @@ fn what_cannot_be_is_refused() {
     let away = Platform::polygon(&[[50.0, 50.0], [60.0, 50.0], [60.0, 60.0]]).unwrap();
     let error = grow_with_nozzle(&cells, 1.0, &away, &rules, &nozzle, Growth::default(), &go).unwrap_err();
     assert_eq!(error, GrowthError::NothingOnPlatform);
+    // Orders of other grids: cells that the part does not have, and numbers beyond its grid. Until 0.1.0 they panicked.
+    for cell in [4, 9, u32::MAX] {
+        let hollow = self::part([3, 1, 3], |[x, _, z]| [x, z] != [1, 1]);
+        let mut order = LayerOrder::new();
+        order.push([0, 1, cell]);
+        let growth = Growth { order, ..Growth::default() };
+        let error = grow_with_nozzle(&hollow.cells(), 1.0, &part.platform, &rules, &nozzle, growth, &go).unwrap_err();
+        assert_eq!(error, GrowthError::OtherCells { cell });
+    }
     let stop = |_: Progress| ControlFlow::Break(());
     let stopped = grow_with_nozzle(&cells, 1.0, &part.platform, &rules, &nozzle, Growth::default(), &stop).unwrap_err();
     assert_eq!(stopped, GrowthError::Cancelled);

@@ -2,6 +2,7 @@
 //!
 //! Departs from the thesis: a design is scaled about any centre, not only about the origin.
 
+use super::MAX_COORDINATE_MM;
 use super::join::Contour;
 use super::polygon::signed_area;
 use nalgebra::Point2;
@@ -24,8 +25,10 @@ pub enum ArrangeError {
     /// There is no point.
     #[error("there is no contour to place")]
     Empty,
-    /// The diameter is not above zero, or the centre not finite.
-    #[error("the diameter is {diameter} mm and the centre ({x}, {y}); they must be finite, the diameter above 0")]
+    /// The diameter is not above zero or too large, or the centre not finite.
+    #[error(
+        "the diameter is {diameter} mm and the centre ({x}, {y}); they must be finite, the diameter above 0 and at most 2e6 mm"
+    )]
     Option {
         /// The diameter.
         diameter: f64,
@@ -43,7 +46,7 @@ pub enum ArrangeError {
 /// ```
 /// use curvlay_toolpath::{drawing::{Centre, Contour, centre_of}, nalgebra::Point2};
 /// let points = vec![Point2::new(1.0, 1.0), Point2::new(5.0, 2.0)];
-/// assert_eq!(centre_of(&[Contour { points, closed: false, entity: 0 }], Centre::Box), Some(Point2::new(3.0, 1.5)));
+/// assert_eq!(centre_of(&[Contour { points, closed: false, entity: 0, fill: None }], Centre::Box), Some(Point2::new(3.0, 1.5)));
 /// ```
 pub fn centre_of(contours: &[Contour], centre: Centre) -> Option<Point2<f64>> {
     let mut points = contours.iter().flat_map(|contour| &contour.points);
@@ -70,7 +73,7 @@ pub fn centre_of(contours: &[Contour], centre: Centre) -> Option<Point2<f64>> {
 /// ```
 /// use curvlay_toolpath::{drawing::{Centre, Contour, place}, nalgebra::Point2};
 /// let points = vec![Point2::new(10.0, 0.0), Point2::new(14.0, 3.0)];
-/// let mut contours = [Contour { points, closed: false, entity: 0 }];
+/// let mut contours = [Contour { points, closed: false, entity: 0, fill: None }];
 /// assert_eq!(place(&mut contours, Centre::Box, Some(10.0))?, 2.0);
 /// assert_eq!(contours[0].points[1], Point2::new(4.0, 3.0));
 /// # Ok::<(), curvlay_toolpath::drawing::ArrangeError>(())
@@ -78,13 +81,14 @@ pub fn centre_of(contours: &[Contour], centre: Centre) -> Option<Point2<f64>> {
 pub fn place(contours: &mut [Contour], centre: Centre, diameter: Option<f64>) -> Result<f64, ArrangeError> {
     let middle = centre_of(contours, centre).ok_or(ArrangeError::Empty)?;
     let wanted = diameter.unwrap_or(1.0);
-    if !(wanted > 0.0 && wanted.is_finite() && middle.x.is_finite() && middle.y.is_finite()) {
+    if !(wanted > 0.0 && wanted <= 2.0 * MAX_COORDINATE_MM && middle.x.is_finite() && middle.y.is_finite()) {
         return Err(ArrangeError::Option { diameter: wanted, x: middle.x, y: middle.y });
     }
     let points = || contours.iter().flat_map(|contour| &contour.points);
     let farthest = points().map(|point| (point - middle).norm()).fold(0.0, f64::max);
     let scale = match diameter {
-        Some(_) if farthest <= 0.0 => return Err(ArrangeError::NoExtent),
+        // So small that a scale is not finite either.
+        Some(diameter) if !(0.5 * diameter / farthest).is_finite() => return Err(ArrangeError::NoExtent),
         Some(diameter) => 0.5 * diameter / farthest,
         None => 1.0,
     };
@@ -100,7 +104,7 @@ pub fn place(contours: &mut [Contour], centre: Centre, diameter: Option<f64>) ->
 /// use curvlay_toolpath::{drawing::{Contour, order}, nalgebra::Point2};
 /// let square = |x: f64, y: f64, half: f64| {
 ///     let points = [[-half, -half], [half, -half], [half, half], [-half, half]].map(|[a, b]| Point2::new(x + a, y + b));
-///     Contour { points: points.to_vec(), closed: true, entity: 0 }
+///     Contour { points: points.to_vec(), closed: true, entity: 0, fill: None }
 /// };
 /// let mut contours = vec![square(0.0, 5.0, 1.0), square(5.0, 0.1, 1.0), square(-9.0, 0.0, 2.0)];
 /// order(&mut contours);

@@ -21,7 +21,8 @@ pub struct Thinned {
 const SAMPLE: f64 = 0.1;
 
 /// Removes what of an open stroke lies where `max_beads` other strokes are already: their middle lines within half a width of its own.
-/// Strokes keep their order; pieces shorter than their width are removed.
+/// Strokes keep their order; pieces shorter than their width are removed. A stroke whose width is not above 0, or less than a
+/// millionth of its length, stays as it is.
 ///
 /// # Arguments
 /// * `max_beads`: 2 lets two lines cross; 0 would remove every open stroke, and counts as 1.
@@ -44,11 +45,15 @@ const SAMPLE: f64 = 0.1;
 /// ```
 pub fn thin_clusters(strokes: &mut Vec<Stroke>, max_beads: usize) -> Thinned {
     let max_beads = max_beads.max(1);
-    let widest = strokes.iter().map(|stroke| stroke.width).fold(0.0, f64::max);
+    let widest = strokes.iter().filter(|stroke| is_sampled(stroke)).map(|stroke| stroke.width).fold(0.0, f64::max);
     let mut laid: Grid<u32> = Grid::new(0.5 * widest);
     let mut thinned = Thinned::default();
     let mut out: Vec<Stroke> = Vec::with_capacity(strokes.len());
     for (number, stroke) in std::mem::take(strokes).into_iter().enumerate() {
+        if !is_sampled(&stroke) {
+            out.push(stroke);
+            continue;
+        }
         let samples = sampled(&stroke);
         let crowded = |at: &Point2<f64>| {
             let near = laid.near(at).filter(|(distance, _)| *distance <= 0.5 * stroke.width);
@@ -75,6 +80,14 @@ pub fn thin_clusters(strokes: &mut Vec<Stroke>, max_beads: usize) -> Thinned {
     *strokes = out;
     thinned
 }
+
+/// Whether points along a stroke can be looked at one by one.
+fn is_sampled(stroke: &Stroke) -> bool {
+    stroke.width > 0.0 && stroke.width < f64::INFINITY && stroke.length() <= MAX_WIDTHS * stroke.width
+}
+
+/// Longest stroke that is looked at, in widths: a thousand times a design of the thesis.
+const MAX_WIDTHS: f64 = 1e6;
 
 /// Points along a stroke, and whether each is one of its own.
 fn sampled(stroke: &Stroke) -> Vec<(Point2<f64>, bool)> {

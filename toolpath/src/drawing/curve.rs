@@ -1,8 +1,9 @@
 //! Curves of a drawing: lines, elliptic arcs and rational splines. An affine map takes each kind to itself, so blocks, arrays and
 //! SVG transforms need nothing else.
 
-use super::flatten::CurveFault;
+use super::flatten::{CurveFault, MAX_COORDINATE_MM};
 use nalgebra::{Matrix2, Point2, Vector2};
+use std::f64::consts::PI;
 
 /// A curve in the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,6 +141,29 @@ impl Curve {
                 Ok(())
             }
         }
+    }
+
+    /// Checks that the curve can be evaluated and lies within [`MAX_COORDINATE_MM`]: a spline by its control points, which enclose it.
+    pub(super) fn drawable(&self) -> Result<(), CurveFault> {
+        self.check()?;
+        let far = |p: &Point2<f64>| p.iter().copied().find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM);
+        let farthest = match self {
+            Curve::Spline { points, .. } => points.iter().find_map(far),
+            Curve::Line { from, to } => far(from).or_else(|| far(to)),
+            Curve::Arc { centre, u, v, from, sweep } => {
+                let at = |t: f64| centre + u * t.cos() + v * t.sin();
+                // Where a coordinate is greatest or least, unless the arc ends before.
+                let turning = |axis: usize| {
+                    let first = v[axis].atan2(u[axis]);
+                    let (low, high) = (from.min(from + sweep), from.max(from + sweep));
+                    let next = first + ((low - first) / PI).ceil() * PI;
+                    [next, next + PI].into_iter().filter(move |t| *t <= high)
+                };
+                let stops = [*from, from + sweep].into_iter().chain(turning(0)).chain(turning(1));
+                stops.map(at).find_map(|p| far(&p))
+            }
+        };
+        farthest.map_or(Ok(()), |value| Err(CurveFault::TooFar { value, limit: MAX_COORDINATE_MM }))
     }
 
     /// The Bezier pieces of a spline, in homogeneous coordinates `[w x, w y, w]`: its blossom at the ends of each span of knots.

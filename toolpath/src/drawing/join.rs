@@ -3,6 +3,7 @@
 //! The thesis compares every end with every other. Here ends lie in a grid whose cells are as wide as the tolerance, so an end
 //! looks into nine cells. Closed and open contours stand side by side.
 
+use super::drawing::PathFill;
 use nalgebra::Point2;
 use std::collections::HashMap;
 
@@ -15,6 +16,8 @@ pub struct Contour {
     pub closed: bool,
     /// The entity where it begins, counted from 0.
     pub entity: usize,
+    /// The path with several outlines that it is a part of, as in [`Entity`](super::Entity::fill).
+    pub fill: Option<PathFill>,
 }
 
 impl Contour {
@@ -73,7 +76,7 @@ pub enum JoinError {
 /// ```
 /// use curvlay_toolpath::drawing::{Contour, join};
 /// use curvlay_toolpath::nalgebra::Point2;
-/// let piece = |a: [f64; 2], b: [f64; 2]| Contour { points: vec![a.into(), b.into()], closed: false, entity: 0 };
+/// let piece = |a: [f64; 2], b: [f64; 2]| Contour { points: vec![a.into(), b.into()], closed: false, entity: 0, fill: None };
 /// // A triangle, one side the wrong way round, and a gap of 0.003 mm.
 /// let sides = [piece([0.0, 0.0], [9.0, 0.0]), piece([0.0, 9.0], [9.003, 0.0]), piece([0.0, 9.0], [0.0, 0.0])];
 /// let joined = join(&sides, 0.005)?;
@@ -82,15 +85,7 @@ pub enum JoinError {
 /// # Ok::<(), curvlay_toolpath::drawing::JoinError>(())
 /// ```
 pub fn join(pieces: &[Contour], tolerance: f64) -> Result<Joined, JoinError> {
-    if !(tolerance >= 0.0 && tolerance.is_finite()) {
-        return Err(JoinError::Tolerance { value: tolerance });
-    }
-    for (contour, piece) in pieces.iter().enumerate() {
-        let far = |p: &Point2<f64>| !(p.x.abs() <= super::MAX_COORDINATE_MM && p.y.abs() <= super::MAX_COORDINATE_MM);
-        if let Some(point) = piece.points.iter().position(far) {
-            return Err(JoinError::Point { contour, point });
-        }
-    }
+    check(pieces, tolerance)?;
     let long: Vec<&Contour> = pieces.iter().filter(|piece| piece.length() > tolerance).collect();
     let zero_length = pieces.len() - long.len();
     let single = without_duplicates(&long, tolerance);
@@ -145,6 +140,73 @@ fn middle(a: &Point2<f64>, b: &Point2<f64>) -> Point2<f64> {
     nalgebra::center(a, b)
 }
 
+/// Two open ends that nearly meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Between them.
+    pub at: Point2<f64>,
+    /// Their distance, in millimetres.
+    pub width: f64,
+}
+
+/// The gaps that keep joined contours open: ends of open ones, each with the nearest other end, if that is no farther than `widest`.
+///
+/// # Arguments
+/// * `widest`: in millimetres.
+///
+/// # Errors
+/// [`JoinError`] for a width or a point that cannot be used.
+///
+/// # Cost
+/// `O(n)` for `n` contours, as long as few ends meet at a place.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::drawing::{Contour, gaps};
+/// let points = [[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 0.03]].map(Into::into).to_vec();
+/// let gaps = gaps(&[Contour { points, closed: false, entity: 0, fill: None }], 0.5)?;
+/// assert!(gaps.len() == 1 && (gaps[0].width - 0.03).abs() < 1e-12);
+/// # Ok::<(), curvlay_toolpath::drawing::JoinError>(())
+/// ```
+pub fn gaps(contours: &[Contour], widest: f64) -> Result<Vec<Gap>, JoinError> {
+    check(contours, widest)?;
+    // A line that is no longer than the gap has no gap between its own ends.
+    let open = contours.iter().enumerate().filter(|(_, contour)| !contour.closed && contour.length() > 2.0 * widest);
+    let ends: Vec<(Point2<f64>, (usize, usize))> = open
+        .flat_map(|(k, contour)| {
+            let both = [contour.points.first(), contour.points.last()];
+            both.into_iter().flatten().enumerate().map(move |(side, at)| (*at, (k, side)))
+        })
+        .collect();
+    let mut grid = Grid::new(widest);
+    ends.iter().for_each(|(at, end)| grid.add(at, *end));
+    let mut gaps = Vec::new();
+    for (at, end) in &ends {
+        let Some(other) = grid.nearest(at, |other| other != end) else { continue };
+        let points = &contours[other.0].points;
+        let there = if other.1 == 0 { points[0] } else { points[points.len() - 1] };
+        // Each pair once, when its later end is looked at; an end whose nearest has a nearer one counts by itself.
+        let mutual = grid.nearest(&there, |back| *back != other) == Some(*end);
+        if !mutual || other < *end {
+            gaps.push(Gap { at: middle(at, &there), width: (at - there).norm() });
+        }
+    }
+    Ok(gaps)
+}
+
+fn check(contours: &[Contour], tolerance: f64) -> Result<(), JoinError> {
+    if !(tolerance >= 0.0 && tolerance.is_finite()) {
+        return Err(JoinError::Tolerance { value: tolerance });
+    }
+    for (contour, piece) in contours.iter().enumerate() {
+        let far = |p: &Point2<f64>| !(p.x.abs() <= super::MAX_COORDINATE_MM && p.y.abs() <= super::MAX_COORDINATE_MM);
+        if let Some(point) = piece.points.iter().position(far) {
+            return Err(JoinError::Point { contour, point });
+        }
+    }
+    Ok(())
+}
+
 /// Pieces but for those that have the points of an earlier one, in either direction and, if closed, from any begin.
 fn without_duplicates<'a>(pieces: &[&'a Contour], tolerance: f64) -> Vec<&'a Contour> {
     let mut corners = Grid::new(tolerance);
@@ -164,7 +226,8 @@ fn without_duplicates<'a>(pieces: &[&'a Contour], tolerance: f64) -> Vec<&'a Con
 
 fn lies_on(a: &Contour, b: &Contour, tolerance: f64) -> bool {
     let n = a.points.len();
-    if n != b.points.len() || a.closed != b.closed || n == 0 {
+    // Outlines of a path are not redundant: they may cancel each other.
+    if n != b.points.len() || a.closed != b.closed || n == 0 || a.fill.is_some() || b.fill.is_some() {
         return false;
     }
     let near = |i: usize, k: usize| (a.points[i] - b.points[k]).norm() <= tolerance;

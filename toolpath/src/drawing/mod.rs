@@ -32,6 +32,7 @@ mod join;
 mod overlap;
 mod polygon;
 mod save;
+mod skipped;
 mod starts;
 mod surface;
 #[cfg(feature = "svg")]
@@ -41,18 +42,19 @@ pub use arrange::{ArrangeError, Centre, centre_of, order, place};
 pub use cluster::{Thinned, thin_clusters};
 pub use coverage::{Coverage, CoverageError, coverage};
 pub use curve::Curve;
-pub use drawing::{Drawing, Entity};
-pub use dxf::{DxfError, read_dxf, write_dxf};
+pub use drawing::{Drawing, Entity, FillRule, PathFill};
+pub use dxf::{DxfError, Place, read_dxf, write_dxf};
 pub use fill::{ContourAt, Fill, FillError, FillOptions, Filled, Stroke, StrokeKind, fill};
 pub use flatten::{CurveFault, Flatten, FlattenError, MAX_COORDINATE_MM, MAX_POINTS};
-pub use join::{Contour, JoinError, Joined, join};
-pub use overlap::{Overlaps, Region, remove_overlaps, union_area};
+pub use join::{Contour, Gap, JoinError, Joined, gaps, join};
+pub use overlap::{OverlapError, Overlaps, Region, area_sum, remove_overlaps, union_area};
 pub use polygon::signed_area;
 pub use save::{LoadError, load_drawing, save_drawing};
+pub use skipped::Skipped;
 pub use starts::start_strokes;
 pub use surface::{
     Distortion, HeightField, MeshSurface, MeshSurfaceError, Profile, ProjectError, Projection, Revolved, Surface,
     SurfacePoint, UnrollError, UnrollKind, UnrollOptions, UnrolledMesh, distortion, project, raised,
 };
 #[cfg(feature = "svg")]
-pub use svg::{SvgError, read_svg};
+pub use svg::{SvgError, SvgOptions, SvgScale, read_svg};

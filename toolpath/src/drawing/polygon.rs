@@ -62,6 +62,15 @@ pub(super) fn union(rings: &Vec<Ring>) -> Vec<Shape> {
     rings.simplify_shape_as::<i64>(FillRule::NonZero)
 }
 
+/// What the rings of a path fill together.
+pub(super) fn path_area(rings: &Vec<Ring>, rule: super::FillRule) -> Vec<Shape> {
+    let rule = match rule {
+        super::FillRule::NonZero => FillRule::NonZero,
+        super::FillRule::EvenOdd => FillRule::EvenOdd,
+    };
+    rings.simplify_shape_as::<i64>(rule)
+}
+
 /// What `rings` fill and `others` do not.
 pub(super) fn difference(rings: &Vec<Ring>, others: &Vec<Ring>) -> Vec<Shape> {
     rings.overlay_as::<i64>(others, OverlayRule::Difference, FillRule::NonZero)

@@ -4,11 +4,14 @@
 //!
 //! | line | content |
 //! |---|---|
-//! | `curvlay-drawing 1` | first: the format and its version |
+//! | `curvlay-drawing 2` | first: the format and its version; version 1 has no `at`, `note` and `path` |
 //! | `unit_mm X` | how many millimetres the unit of the file was; no line if it did not say |
 //! | `skipped N KIND` | what was not drawn, and how many |
+//! | `at PLACE` | where one of them was |
+//! | `note TEXT` | what the reader assumed |
 //! | `entity LINE open`, `entity LINE closed` | begins an entity: its line in the file it came from, and whether a segment closes it |
 //! | `kind TEXT`, `layer TEXT` | of the entity |
+//! | `path N nonzero`, `path N evenodd` | the entity is an outline of this path, whose outlines are filled together by this rule |
 //! | `line X Y X Y` | a curve: a segment |
 //! | `arc X Y UX UY VX VY FROM SWEEP` | centre, two conjugate half-diameters, angles in radians |
 //! | `spline DEGREE` | a spline, with the lines `knots X ...`, `points X Y ...` and, if it is rational, `weights X ...` |
@@ -18,7 +21,8 @@
 //! `\\`, `\n` and `\r` for backslash and ends of lines.
 
 use super::curve::Curve;
-use super::drawing::{Drawing, Entity};
+use super::drawing::{Drawing, Entity, FillRule, PathFill};
+use super::skipped::Skipped;
 use nalgebra::{Point2, Vector2};
 use std::io::{self, BufRead, Write};
 
@@ -48,7 +52,8 @@ pub enum LoadError {
     Io(#[from] io::Error),
 }
 
-const HEAD: &str = "curvlay-drawing 1";
+const HEAD: &str = "curvlay-drawing 2";
+const OLD_HEAD: &str = "curvlay-drawing 1";
 
 /// Longest line: a spline of a million points.
 const LONGEST_LINE: u64 = 1 << 26;
@@ -74,13 +79,19 @@ pub fn save_drawing(out: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     if let Some(unit_mm) = drawing.unit_mm {
         writeln!(out, "unit_mm{}", numbers(0, [unit_mm])?)?;
     }
-    for (kind, count) in &drawing.skipped {
-        writeln!(out, "skipped {count} {}", escaped(kind))?;
+    for Skipped { what, count, places } in &drawing.skipped {
+        writeln!(out, "skipped {count} {}", escaped(what))?;
+        places.iter().try_for_each(|place| writeln!(out, "at {}", escaped(place)))?;
     }
+    drawing.notes.iter().try_for_each(|note| writeln!(out, "note {}", escaped(note)))?;
     for (number, entity) in drawing.entities.iter().enumerate() {
-        let Entity { kind, layer, line, curves, closed } = entity;
+        let Entity { kind, layer, line, curves, closed, fill } = entity;
         writeln!(out, "entity {line} {}", if *closed { "closed" } else { "open" })?;
         writeln!(out, "kind {}\nlayer {}", escaped(kind), escaped(layer))?;
+        if let Some(PathFill { path, rule }) = fill {
+            let rule = if *rule == FillRule::EvenOdd { "evenodd" } else { "nonzero" };
+            writeln!(out, "path {path} {rule}")?;
+        }
         let row = |values: Vec<f64>| numbers(number + 1, values);
         let flat = |points: &[Point2<f64>]| points.iter().flat_map(|p| [p.x, p.y]).collect::<Vec<f64>>();
         for curve in curves {
@@ -161,7 +172,7 @@ pub fn load_drawing(mut input: impl BufRead) -> Result<Drawing, LoadError> {
         let text = text.strip_suffix('\n').unwrap_or(text);
         let text = text.strip_suffix('\r').unwrap_or(text);
         if number == 1 {
-            if text != HEAD {
+            if ![HEAD, OLD_HEAD].contains(&text) {
                 return Err(LoadError::Head);
             }
             continue;
@@ -183,8 +194,13 @@ pub fn load_drawing(mut input: impl BufRead) -> Result<Drawing, LoadError> {
             "skipped" => {
                 let parts = rest.split_once(' ').and_then(|(count, kind)| Some((kind, count.parse().ok()?)));
                 let (kind, count) = parts.ok_or_else(|| wrong("it must have a number and a kind"))?;
-                drawing.skipped.push((string(kind)?, count));
+                drawing.skipped.push(Skipped { what: string(kind)?, count, places: Vec::new() });
             }
+            "at" => match drawing.skipped.last_mut() {
+                Some(skipped) => skipped.places.push(string(rest)?),
+                None => return Err(wrong("it belongs to what is skipped, and there is nothing yet")),
+            },
+            "note" => drawing.notes.push(string(rest)?),
             "entity" => {
                 let parts = rest.split_once(' ').and_then(|(line, state)| Some((line.parse().ok()?, state)));
                 let (line, closed) = match parts {
@@ -198,7 +214,16 @@ pub fn load_drawing(mut input: impl BufRead) -> Result<Drawing, LoadError> {
                     line,
                     curves: vec![],
                     closed,
+                    fill: None,
                 });
+            }
+            "path" => {
+                let fill = match rest.split_once(' ').map(|(path, rule)| (path.parse(), rule)) {
+                    Some((Ok(path), "nonzero")) => PathFill { path, rule: FillRule::NonZero },
+                    Some((Ok(path), "evenodd")) => PathFill { path, rule: FillRule::EvenOdd },
+                    _ => return Err(wrong("it must have a number, and `nonzero` or `evenodd`")),
+                };
+                drawing.entities.last_mut().ok_or_else(no_entity)?.fill = Some(fill);
             }
             "kind" => drawing.entities.last_mut().ok_or_else(no_entity)?.kind = string(rest)?,
             "layer" => drawing.entities.last_mut().ok_or_else(no_entity)?.layer = string(rest)?,

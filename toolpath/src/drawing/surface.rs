@@ -13,6 +13,7 @@ pub use mesh::{MeshSurface, MeshSurfaceError};
 pub use revolved::{Profile, Revolved};
 pub use unrolled::{UnrollError, UnrollKind, UnrollOptions, UnrolledMesh};
 
+use super::MAX_POINTS;
 use nalgebra::{Matrix2, Point2, Point3, UnitVector3, Vector3};
 
 /// A point of a surface.
@@ -91,6 +92,14 @@ pub enum ProjectError {
     /// The surface is not unrolled.
     #[error("the surface is not unrolled")]
     NotUnrolled,
+    /// More points than memory should hold, by the length of the line and the step; or a point that is not finite.
+    #[error("stroke {stroke} would have more than {limit} points, or a point is not finite")]
+    TooManyPoints {
+        /// The line.
+        stroke: usize,
+        /// Greatest number.
+        limit: usize,
+    },
     /// A step or height that cannot be used.
     #[error("the option `{what}` is {value}; it must be above 0 and finite")]
     Option {
@@ -146,6 +155,12 @@ pub fn project(
 ) -> Result<Vec<SurfacePoint>, ProjectError> {
     if !(max_step > 0.0 && max_step.is_finite()) {
         return Err(ProjectError::Option { what: "max_step", value: max_step });
+    }
+    let ends = line.iter().skip(1).chain(line.first().filter(|_| closed));
+    let length: f64 = line.iter().zip(ends).map(|(a, b)| (b - a).norm()).sum();
+    let points = length / max_step + line.len() as f64;
+    if points.is_nan() || points > MAX_POINTS as f64 {
+        return Err(ProjectError::TooManyPoints { stroke: number, limit: MAX_POINTS });
     }
     if projection == Projection::Meridian && !surface.has_meridians() {
         return Err(ProjectError::NoMeridians);

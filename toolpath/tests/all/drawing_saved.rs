@@ -59,6 +59,10 @@ fn entity(layer: &str) -> impl Strategy<Value = Entity> + use<> {
         line,
         curves,
         closed,
+        fill: line.is_multiple_of(3).then(|| PathFill {
+            path: line as u32,
+            rule: if line.is_multiple_of(2) { FillRule::EvenOdd } else { FillRule::NonZero },
+        }),
     })
 }
 
@@ -70,12 +74,17 @@ proptest! {
         mut entities in proptest::collection::vec(entity("A"), 0..6),
         texts in proptest::collection::vec(("(?s).{0,12}", "(?s).{0,12}"), 6),
         skipped in proptest::collection::vec(("(?s).{1,9}", 0..9usize), 0..3),
+        notes in proptest::collection::vec("(?s).{0,9}", 0..3),
         unit_mm in proptest::option::of(1e-9..1e9f64),
     ) {
         for (entity, (kind, layer)) in entities.iter_mut().zip(texts) {
             (entity.kind, entity.layer) = (kind, layer);
         }
-        let drawing = Drawing { entities, skipped, unit_mm };
+        let skipped = skipped.into_iter().map(|(what, count)| {
+            let places = (0..count % 3).map(|k| format!("line {k}\n{what}")).collect();
+            Skipped { what, count, places }
+        });
+        let drawing = Drawing { entities, skipped: skipped.collect(), notes, unit_mm };
         let mut file = Vec::new();
         save_drawing(&mut file, &drawing).unwrap();
         prop_assert_eq!(load_drawing(file.as_slice()).unwrap(), drawing);
@@ -182,7 +191,7 @@ fn what_cannot_be_written_is_refused() {
 #[test]
 fn damaged_saves_are_refused_with_their_line() {
     assert!(matches!(load_drawing(&b""[..]), Err(LoadError::Head)));
-    assert!(matches!(load_drawing(&b"curvlay-drawing 2\nend\n"[..]), Err(LoadError::Head)));
+    assert!(matches!(load_drawing(&b"curvlay-drawing 3\nend\n"[..]), Err(LoadError::Head)));
     assert!(matches!(load_drawing(&b"\xff\n"[..]), Err(LoadError::Head)));
     assert!(matches!(load_drawing(&b"curvlay-drawing 1\nentity 1 open\n"[..]), Err(LoadError::Truncated { line: 2 })));
     for (text, told) in [
@@ -198,6 +207,10 @@ fn damaged_saves_are_refused_with_their_line() {
         ("entity 1 open\nspline 3\npoints 1 2 3", "line 4: points have two numbers each"),
         ("entity 1 open\nkind a\\b", "line 3: a backslash"),
         ("kind A", "line 2: it belongs to an entity"),
+        ("at line 3", "line 2: it belongs to what is skipped"),
+        ("path 1 evenodd", "line 2: it belongs to an entity"),
+        ("entity 1 open\npath 1 odd", "line 3: it must have a number, and `nonzero`"),
+        ("entity 1 open\npath -1 evenodd", "line 3: it must have a number"),
         ("skipped TEXT", "it must have a number and a kind"),
         ("unit_mm", "it must have one number"),
         ("circle 1 2 3", "line 2: its first word is unknown"),

@@ -6,10 +6,14 @@ mod common;
 mod conductor;
 mod contacts;
 mod deposition;
+mod drawing_dxf;
+mod drawing_extremes;
 mod drawing_files;
 mod drawing_fill;
 mod drawing_saved;
 mod drawing_surface;
+#[cfg(feature = "svg")]
+mod drawing_svg;
 mod drawing_unrolled;
 mod fiber_fields;
 mod fiber_files;

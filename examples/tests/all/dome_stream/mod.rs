@@ -5,12 +5,14 @@
 mod controller;
 mod extruder;
 
-use crate::dome_drawing::example::stream::{Command, StreamError, parse, stream};
+use crate::dome_drawing::example::stream::{Clock, Command, StreamError, SystemClock, parse, stream};
 use controller::{Faults, is_home, start};
 use curvlay_kinematics::nalgebra::Isometry3;
 use curvlay_kinematics::program::link::{LinkError, LinkMessage, LinkOptions, LinkProgress};
 use curvlay_kinematics::program::{ConfData, ExtruderCommand, Speed, Target, Zone};
 use extruder::Extruder;
+use std::cell::RefCell;
+use std::io::{Read, Write};
 use std::sync::mpsc;
 use std::time::Duration;
 
@@ -18,7 +20,13 @@ const BAD: Faults =
     Faults { drop_frame: 60, repeat_frame: 60, drop_reply: 80, delay_reply: 80, repeat_reply: 80, disconnect: 15 };
 
 fn options() -> LinkOptions {
-    LinkOptions { job: 77, queue: 5, retry: Duration::from_millis(10), max_tries: 1000 }
+    LinkOptions {
+        job: 77,
+        queue: 5,
+        retry: Duration::from_millis(10),
+        max_tries: 1000,
+        max_pause: Duration::from_millis(10),
+    }
 }
 
 /// Strokes with their extruder commands, all moves different; then home.
@@ -71,7 +79,15 @@ fn nothing_is_lost_and_nothing_is_done_twice() {
         let (address, controller) = start(5, faults, seed);
         let all = messages(12);
         let (_keep, commands) = mpsc::channel();
-        let progress = stream(&address, all.iter().map(|message| Ok(*message)), options(), &commands, |_| {}).unwrap();
+        let progress = stream(
+            &address,
+            all.iter().map(|message| Ok(*message)),
+            options(),
+            &commands,
+            &SystemClock::start(),
+            |_| {},
+        )
+        .unwrap();
         assert!(progress.over && progress.done as usize == all.len());
         let controller = controller.join().unwrap();
         assert_eq!(words(&controller.performed), wanted(&all), "{seed}");
@@ -111,7 +127,8 @@ fn a_print_can_be_paused_and_raised() {
             }
             _ => {}
         };
-        stream(&address, all.iter().map(|message| Ok(*message)), options(), &commands, told).unwrap();
+        stream(&address, all.iter().map(|message| Ok(*message)), options(), &commands, &SystemClock::start(), told)
+            .unwrap();
         let controller = controller.join().unwrap();
         assert_eq!(controller.holds, [true, false], "{seed}");
         assert!(!controller.moved_on_hold);
@@ -167,19 +184,71 @@ fn streams_that_cannot_be_are_refused() {
     let few = LinkOptions { max_tries: 2, ..options() };
     // A port that was free a moment ago.
     let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
-    let error = stream(&address, std::iter::empty(), few, &commands, |_| {}).unwrap_err();
+    let error = stream(&address, std::iter::empty(), few, &commands, &SystemClock::start(), |_| {}).unwrap_err();
     assert!(matches!(error, StreamError::Connect { tries: 2, .. }), "{error}");
     assert!(error.to_string().contains(&address));
-    let error = stream("no address", std::iter::empty(), few, &commands, |_| {}).unwrap_err();
+    let error = stream("no address", std::iter::empty(), few, &commands, &SystemClock::start(), |_| {}).unwrap_err();
     assert!(matches!(error, StreamError::Connect { .. }), "{error}");
     // A message that no frame holds ends it.
     let (address, _controller) = start(5, Faults::default(), 8);
     let messages = [Ok(LinkMessage::Speed(Speed { mm_s: f64::NAN, rad_s: 1.0 }))];
-    let error = stream(&address, messages.into_iter(), few, &commands, |_| {}).unwrap_err();
+    let error = stream(&address, messages.into_iter(), few, &commands, &SystemClock::start(), |_| {}).unwrap_err();
     assert!(
         matches!(error, StreamError::Link { source: LinkError::Number { what: "speed", .. }, done: 0, .. }),
         "{error}"
     );
+}
+
+/// A clock that waits by counting.
+#[derive(Default)]
+struct Waits(RefCell<Vec<Duration>>);
+
+impl Clock for Waits {
+    fn now(&self) -> Duration {
+        self.0.borrow().iter().sum()
+    }
+
+    fn wait(&self, time: Duration) {
+        self.0.borrow_mut().push(time);
+    }
+}
+
+/// A controller that greets and hangs up: ten connections, with pauses that grow, and an error. It used to get one after the other
+/// without a pause, for ever.
+#[test]
+fn a_controller_that_hangs_up_is_left_alone() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let greetings = std::thread::spawn(move || {
+        let mut frame = [0; controller::FRAME];
+        (1..=10).for_each(|connection| {
+            let (mut socket, _) = listener.accept().unwrap();
+            socket.read_exact(&mut frame).unwrap();
+            socket.write_all(format!("R 77 {connection} 0 0 0 0\n").as_bytes()).unwrap();
+        });
+        listener
+    });
+    let (_keep, commands) = mpsc::channel();
+    let patient =
+        LinkOptions { max_tries: 10, retry: Duration::from_secs(1), max_pause: Duration::from_secs(30), ..options() };
+    let waits = Waits::default();
+    let all = messages(3);
+    let error =
+        stream(&address, all.iter().map(|message| Ok(*message)), patient, &commands, &waits, |_| {}).unwrap_err();
+    assert!(
+        matches!(error, StreamError::Link { source: LinkError::NoProgress { connections: 10 }, done: 0, .. }),
+        "{error}"
+    );
+    let seconds: Vec<u64> = waits.0.borrow().iter().map(Duration::as_secs).collect();
+    assert_eq!(seconds, [0, 2, 4, 8, 16, 30, 30, 30, 30, 30, 30]);
+    // The eleventh was made, and nothing said on it.
+    drop(greetings.join().unwrap());
+    // Nobody there at all: as many tries, with the same pauses.
+    let (gone, waits) = (std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap(), Waits::default());
+    let error = stream(&gone.to_string(), std::iter::empty(), patient, &commands, &waits, |_| {}).unwrap_err();
+    assert!(matches!(error, StreamError::Connect { tries: 10, .. }), "{error}");
+    let seconds: Vec<u64> = waits.0.borrow().iter().map(Duration::as_secs).collect();
+    assert_eq!(seconds, [0, 1, 2, 4, 8, 16, 30, 30, 30, 30]);
 }
 
 #[test]

@@ -132,6 +132,12 @@ pub enum LinkError {
         /// How often it was tried.
         tries: u32,
     },
+    /// The controller replies and breaks the connection, again and again.
+    #[error("{connections} connections one after the other ended without a message taken or done")]
+    NoProgress {
+        /// How many there were.
+        connections: u32,
+    },
 }
 
 fn fits(what: &'static str, value: f64, [least, most]: [f64; 2]) -> Result<f64, LinkError> {

@@ -17,13 +17,37 @@ pub struct LinkOptions {
     pub queue: u32,
     /// After this time without a reply frames are sent again. Default 1 s.
     pub retry: Duration,
-    /// So many tries, or connections, without any reply are an error. Default 10.
+    /// So many tries without any reply, or connections without progress, are an error. Default 10.
     pub max_tries: u32,
+    /// Longest pause before a new connection; at least [`retry`](Self::retry). Default 30 s.
+    pub max_pause: Duration,
 }
 
 impl Default for LinkOptions {
     fn default() -> Self {
-        LinkOptions { job: 1, queue: 5, retry: Duration::from_secs(1), max_tries: 10 }
+        LinkOptions {
+            job: 1,
+            queue: 5,
+            retry: Duration::from_secs(1),
+            max_tries: 10,
+            max_pause: Duration::from_secs(30),
+        }
+    }
+}
+
+impl LinkOptions {
+    /// How long to wait before a new connection, after so many that failed or brought no progress: `retry`, and twice as long for each of
+    /// them, up to `max_pause`.
+    /// ```
+    /// use curvlay_kinematics::program::link::LinkOptions;
+    /// let pauses = [0, 1, 2, 5, 1000].map(|failed| LinkOptions::default().pause(failed).as_secs());
+    /// assert_eq!(pauses, [1, 2, 4, 30, 30]);
+    /// ```
+    pub fn pause(&self, failed: u32) -> Duration {
+        let factor = 1u32.checked_shl(failed).filter(|factor| *factor > 0);
+        factor
+            .and_then(|factor| self.retry.checked_mul(factor))
+            .map_or(self.max_pause, |pause| pause.min(self.max_pause))
     }
 }
 
@@ -92,6 +116,8 @@ pub struct LinkSender<I> {
     height_mm: f64,
     deadline: Option<Duration>,
     tries: u32,
+    /// Connections with a reply since a message was taken or done.
+    idle: u32,
     fault: Option<LinkError>,
 }
 
@@ -114,6 +140,10 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
             let (value, least) = (options.retry.as_secs_f64(), MIN_RETRY.as_secs_f64());
             return Err(LinkError::Option { what: "retry", value, least, most: Duration::MAX.as_secs_f64() });
         }
+        if options.max_pause < options.retry {
+            let (value, least) = (options.max_pause.as_secs_f64(), options.retry.as_secs_f64());
+            return Err(LinkError::Option { what: "max_pause", value, least, most: Duration::MAX.as_secs_f64() });
+        }
         Ok(LinkSender {
             messages,
             options,
@@ -135,6 +165,7 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
             height_mm: 0.0,
             deadline: None,
             tries: 0,
+            idle: 0,
             fault: None,
         })
     }
@@ -142,12 +173,23 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
     /// A connection is there: what was under way on the last one is lost, or not.
     ///
     /// # Errors
-    /// [`LinkError::NoReply`] if too many connections brought no reply.
+    /// [`LinkError::NoReply`] if too many connections brought no reply, [`LinkError::NoProgress`] if too many brought nothing else.
     pub fn connected(&mut self) -> Result<(), LinkError> {
         self.connection = self.connection % MAX_NUMBER + 1;
         (self.up, self.greeted, self.say_job, self.say_hold) = (true, false, true, false);
         self.deadline = None;
-        self.count_try()
+        self.count_try()?;
+        let connections = self.idle;
+        self.kept(if connections >= self.options.max_tries {
+            Err(LinkError::NoProgress { connections })
+        } else {
+            Ok(())
+        })
+    }
+
+    /// How long to wait before the next connection: nothing before the first, then as [`LinkOptions::pause`] says.
+    pub fn pause(&self) -> Duration {
+        if self.connection == 0 { Duration::ZERO } else { self.options.pause(self.idle.max(self.tries)) }
     }
 
     /// The connection is gone.
@@ -236,6 +278,12 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
         }
         if reply.fault > 0 {
             return Err(LinkError::Refused { number: reply.fault });
+        }
+        self.idle += u32::from(!self.greeted);
+        // While it pauses there is nothing to get on with.
+        let pauses = self.hold && reply.hold == self.version;
+        if reply.taken > self.taken || reply.done > self.done || pauses {
+            self.idle = 0;
         }
         // A late reply has smaller numbers.
         self.taken = self.taken.max(reply.taken);

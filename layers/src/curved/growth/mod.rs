@@ -173,6 +173,12 @@ pub enum GrowthError {
     /// Growth as printed, with a prevention that is not in that work.
     #[error("growth as printed has no prevention `fewer than all`: take incremental, adaptive or none")]
     NotPrinted,
+    /// The order to go on from is of other cells.
+    #[error("the order has cell {cell}, which neither the part nor its mould has: it is of another grid")]
+    OtherCells {
+        /// The cell.
+        cell: u32,
+    },
     /// The nozzle cannot be judged by.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),

@@ -60,7 +60,8 @@ pub struct NozzleCell {
 /// hull of all earlier layers, by rising number, with the direction of the nozzle. [`audit_with_nozzle`](super::audit_with_nozzle) checks it.
 ///
 /// # Errors
-/// [`GrowthError`]: for unsound rules, a nozzle that cannot be, an order without layers for a part that does not stand on the platform.
+/// [`GrowthError`]: for unsound rules, a nozzle that cannot be, an order without layers for a part that does not stand on the platform, an
+/// order of other cells.
 ///
 /// # Cost
 /// For each sheet that comes off a hull and the pieces of what is left, and some 10 to 100 us for each missed cell, on several threads
@@ -118,6 +119,10 @@ pub fn grow_with_nozzle(
     }
     if base.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
+    }
+    let size = cells.dims().iter().fold(1, |size, &side| size * u64::from(side));
+    if let Some(&cell) = base.iter().find(|&&cell| u64::from(cell) >= size || !solid.contains(cell)) {
+        return Err(GrowthError::OtherCells { cell });
     }
     let joined_to_base = joined(&solid, &base, rules.neighbours);
     missed.remove_all(base.iter().copied());

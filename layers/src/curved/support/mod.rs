@@ -191,6 +191,11 @@ pub fn add_support(
     if growth.missed.is_empty() {
         return Ok(Err(NoSupport::NotNeeded));
     }
+    let size = cells.dims().iter().fold(1, |size, &side| size * u64::from(side));
+    let is_own = |cell: u32| u64::from(cell) < size && cells.contains(cells.position(cell));
+    if let Some(missed) = growth.missed.iter().find(|missed| !is_own(missed.cell)) {
+        return Err(GrowthError::OtherCells { cell: missed.cell }.into());
+    }
     let straight_cells = straight_columns(cells, &growth.missed_cells());
     let mut columns = Columns { support: CellSet::none(cells), gap: CellSet::none(cells) };
     let mut missed = growth.missed_cells();

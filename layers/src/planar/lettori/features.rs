@@ -61,19 +61,19 @@ pub(super) fn close_small(section: &Region, size: f64, [low, high]: [f64; 2], fe
     let mut closed = section.clone();
     for hole in section.polygons().into_iter().flat_map(|polygon| polygon.holes) {
         let outer = hole.into_iter().rev().collect();
-        let hole = Region::new(&[SectionPolygon { outer, holes: Vec::new() }]).difference(&closed);
-        if !hole.is_empty() && hole.offset(-size / 2.0).is_empty() {
+        let hole = Region::of(&[SectionPolygon { outer, holes: Vec::new() }]).difference(&closed);
+        if !hole.is_empty() && hole.grown(-size / 2.0).is_empty() {
             note(&hole, FeatureKind::Hole, features);
             closed = closed.union(&hole);
         }
     }
     // Slots and gaps. What closing does to a corner that points inwards is a fillet of 0.054 squares of the size, and stays out.
-    let gaps = closed.offset(size / 2.0).offset(-size / 2.0).difference(&closed).without_specks(0.1 * size * size);
+    let gaps = closed.grown(size / 2.0).grown(-size / 2.0).difference(&closed).without_specks(0.1 * size * size);
     note(&gaps, FeatureKind::Hole, features);
     closed = closed.union(&gaps);
     let mut kept = Region::default();
     for piece in closed.pieces() {
-        if piece.offset(-size / 2.0).is_empty() {
+        if piece.grown(-size / 2.0).is_empty() {
             note(&piece, FeatureKind::Island, features);
         } else {
             kept = kept.union(&piece);

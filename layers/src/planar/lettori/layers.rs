@@ -79,7 +79,7 @@ pub(super) fn analyse(solid: &Solid, stand: &Stand, earlier: &[&Solid], options:
             let [low, high] = other.extent(&direction);
             low <= height && height <= high
         };
-        Region::new(&earlier.iter().filter(is_there).flat_map(|other| cut(other, height)).collect::<Vec<_>>())
+        Region::of(&earlier.iter().filter(is_there).flat_map(|other| cut(other, height)).collect::<Vec<_>>())
     };
     let [_, top] = solid.extent(&direction);
     let mut layers: Vec<Layer> = Vec::new();
@@ -87,10 +87,10 @@ pub(super) fn analyse(solid: &Solid, stand: &Stand, earlier: &[&Solid], options:
     let mut low = stand.base;
     // What is left above the last layer of a rounding's height is none.
     while top - low > 1e-6 * options.layer_mm {
-        let height = layer_height(|height| Region::new(&cut(solid, height)).area(), low, top, options);
+        let height = layer_height(|height| Region::of(&cut(solid, height)).area(), low, top, options);
         let high = low + height;
         let middle = (low + high) / 2.0;
-        let mut section = Region::new(&cut(solid, middle));
+        let mut section = Region::of(&cut(solid, middle));
         if options.min_feature_mm > 0.0 {
             section = close_small(&section, options.min_feature_mm, [low, high], &mut features);
         }
@@ -101,10 +101,10 @@ pub(super) fn analyse(solid: &Solid, stand: &Stand, earlier: &[&Solid], options:
         };
         let below = below.simplified(options.tolerance_mm / 20.0);
         let reach = distance / options.angle.tan();
-        let carrier = below.offset(reach + options.tolerance_mm);
+        let carrier = below.grown(reach + options.tolerance_mm);
         let speck = options.tolerance_mm * options.tolerance_mm;
         let overhang = section.difference(&carrier).without_specks(speck);
-        let supported = section.intersection(&below.offset(reach));
+        let supported = section.intersection(&below.grown(reach));
         layers.push(Layer { low, high, section, supported, overhang, carrier });
         low = high;
     }

@@ -18,15 +18,15 @@ pub enum BaseChoice {
 /// are usual ones, which the paper does not give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeOptions {
-    /// Height of a layer, and the greatest one if they vary (default 3 mm).
+    /// Height of a layer, and the greatest one if they vary (default 3 mm; at most 1000 mm).
     pub layer_mm: f64,
     /// Least height of a layer. Below `layer_mm` a layer is halved while its section changes by more than `area_change` from its
     /// bottom to its top; default 3 mm: all layers are of one height.
     pub min_layer_mm: f64,
     /// The change of the section, as a share of its area, from which on a layer is halved (default 0.1).
     pub area_change: f64,
-    /// The overhang angle in radians: the slope of a side, over the level, below which it needs support (default 45 degrees). A
-    /// layer carries what reaches at most `height / tan(angle)` beyond it.
+    /// The overhang angle in radians: the slope of a side, over the level, below which it needs support (default 45 degrees; at
+    /// least 0.001, and below a right angle). A layer carries what reaches at most `height / tan(angle)` beyond it.
     pub angle: f64,
     /// Diameter of the torch (default 25 mm).
     pub torch_diameter_mm: f64,
@@ -34,7 +34,7 @@ pub struct VolumeOptions {
     /// beside a wall must not meet what stands below.
     pub standoff_mm: f64,
     /// Holes and features narrower than this are machined later: sections are closed over them, and without them (default 0:
-    /// nothing is left out).
+    /// nothing is left out; at most 10,000 mm).
     pub min_feature_mm: f64,
     /// How far a section may pass the supported area before that counts, for rounding and the chords of arcs (default 0.05 mm).
     pub tolerance_mm: f64,
@@ -99,6 +99,16 @@ pub enum VolumeError {
 /// The most layers along one direction.
 pub(super) const MAX_LAYERS: usize = 20_000;
 
+/// Highest layer: no process lays a metre at once. With the least angle a layer then reaches out a kilometre at most, far within
+/// what sections are offset by.
+const MAX_LAYER_MM: f64 = 1e3;
+
+/// Least overhang angle, in radians: lower sides are level.
+const MIN_ANGLE: f64 = 1e-3;
+
+/// Widest feature that is left out, and farthest torch: wider than any part.
+const MAX_FEATURE_MM: f64 = 1e4;
+
 impl VolumeOptions {
     /// Checks all options against a part of a size.
     pub(super) fn check(&self, part_mm: f64) -> Result<(), VolumeError> {
@@ -116,11 +126,20 @@ impl VolumeOptions {
             }
         }
         let refused = |option, value, range| Err(VolumeError::Option { option, value, range });
-        if !(self.angle > 0.0 && self.angle < std::f64::consts::FRAC_PI_2) {
-            return refused("angle", self.angle, "above 0 and below a right angle");
+        for (option, value, most, range) in [
+            ("layer_mm", self.layer_mm, MAX_LAYER_MM, "at most 1000 mm"),
+            ("tolerance_mm", self.tolerance_mm, MAX_LAYER_MM, "at most 1000 mm"),
+            ("standoff_mm", self.standoff_mm, MAX_FEATURE_MM, "at most 10000 mm"),
+        ] {
+            if value > most {
+                return refused(option, value, range);
+            }
         }
-        if !(self.min_feature_mm.is_finite() && self.min_feature_mm >= 0.0) {
-            return refused("min_feature_mm", self.min_feature_mm, "0 or more, and finite");
+        if !(self.angle >= MIN_ANGLE && self.angle < std::f64::consts::FRAC_PI_2) {
+            return refused("angle", self.angle, "at least 0.001, and below a right angle");
+        }
+        if !(0.0..=MAX_FEATURE_MM).contains(&self.min_feature_mm) {
+            return refused("min_feature_mm", self.min_feature_mm, "from 0 to 10000 mm");
         }
         if self.min_layer_mm > self.layer_mm {
             return refused("min_layer_mm", self.min_layer_mm, "at most layer_mm");

@@ -25,9 +25,10 @@ const LAST_STEP: f64 = 1e-7;
 /// use curvlay_layers::nalgebra::Point2;
 /// use curvlay_layers::planar::{Region, SectionPolygon, largest_rectangle};
 /// let triangle = [[0.0, 0.0], [8.0, 0.0], [0.0, 4.0]].map(Point2::from).to_vec();
-/// let region = Region::new(&[SectionPolygon { outer: triangle, holes: Vec::new() }]);
+/// let region = Region::new(&[SectionPolygon { outer: triangle, holes: Vec::new() }])?;
 /// let [low, high] = largest_rectangle(&region).unwrap();
 /// assert!((low - Point2::origin()).norm() < 1e-4 && (high - Point2::new(4.0, 2.0)).norm() < 1e-2); // half of its area
+/// # Ok::<(), curvlay_layers::planar::RegionError>(())
 /// ```
 pub fn largest_rectangle(region: &Region) -> Option<[Point2<f64>; 2]> {
     let [low, high] = region.bounds()?;

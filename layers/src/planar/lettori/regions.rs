@@ -39,7 +39,7 @@ pub(super) fn first_region(layered: &Layered, options: &VolumeOptions) -> Option
     while let Some(from) = reached.pop() {
         // What leans out goes on beside the piece below, by as much as that would carry.
         let layer = &layered.layers[pieces[from].0];
-        let near = pieces[from].1.offset((layer.high - layer.low) / options.angle.tan() + options.tolerance_mm);
+        let near = pieces[from].1.grown((layer.high - layer.low) / options.angle.tan() + options.tolerance_mm);
         for k in 0..pieces.len() {
             let beside = !taken[k] && pieces[from].0.abs_diff(pieces[k].0) == 1;
             if beside && !near.intersection(&pieces[k].1).is_empty() {

@@ -79,7 +79,7 @@ fn hangs_over(partition: &Partition, piece: u32, layered: &Layered, region: &Ove
         let height = layered.layers[*layer].middle();
         let plane = CutPlane::through(&Point3::from(d * height), &d);
         plane.is_ok_and(|plane| {
-            let section = Region::new(&slice(&part, &plane, &layered.frame));
+            let section = Region::of(&slice(&part, &plane, &layered.frame));
             section.intersection(overhang).area() > 1e-6 * overhang.area()
         })
     })

@@ -84,7 +84,7 @@ pub(super) fn wall_of(layered: &Layered, region: &OverhangRegion, options: &Volu
         let nearest = ends.map(|p| layered.place(&p, 0.0).coords.dot(&normal)).fold(f64::INFINITY, f64::min);
         let along = nearest - options.tolerance_mm;
         let flat_normal = [normal.dot(&layered.frame.u), normal.dot(&layered.frame.v)];
-        let behind = carried.half(flat_normal, along - layered.frame.origin.coords.dot(&normal));
+        let behind = carried.below(flat_normal, along - layered.frame.origin.coords.dot(&normal));
         if behind.area() >= STAYS * carried.area() {
             return Some(SeparationWall::new(&d, &normal, along, first.low, options));
         }

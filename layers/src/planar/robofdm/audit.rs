@@ -190,21 +190,21 @@ fn layers(part: &AuditedPart, earlier: &[AuditedPart], options: &AuditOptions) -
     let Ok(lowest) = CutPlane::through(&Point3::from(part.direction * low), &part.direction) else { return [0.0; 3] };
     let frame = PlaneFrame::of(&lowest);
     let section =
-        |solid: &Solid, layer: f64| Region::new(&slice(solid, &lowest.moved((layer + 0.5) * options.layer), &frame));
+        |solid: &Solid, layer: f64| Region::of(&slice(solid, &lowest.moved((layer + 0.5) * options.layer), &frame));
     let reach = options.layer * options.max_angle.tan() * (1.0 + SLACK);
     let (mut area, mut unsupported) = (0.0, 0.0);
-    let mut below = Region::new(&[]);
+    let mut below = Region::of(&[]);
     for layer in 0..count as usize {
         let own = section(part.solid, layer as f64);
         area += own.area();
         if layer > 0 || !part.on_platform {
-            let mut hanging = own.difference(&below.offset(reach));
+            let mut hanging = own.difference(&below.grown(reach));
             // Earlier parts carry what they lie under.
             for other in earlier {
                 if hanging.is_empty() {
                     break;
                 }
-                hanging = hanging.difference(&section(other.solid, layer as f64 - 1.0).offset(reach));
+                hanging = hanging.difference(&section(other.solid, layer as f64 - 1.0).grown(reach));
             }
             unsupported += hanging.area();
         }

@@ -89,7 +89,7 @@ fn depths(part: &AuditedPart, standing: &[Point3<f64>], head: &Head, step: f64) 
     let layers = ((high - low) / every).ceil().max(1.0) as usize;
     for layer in 0..layers {
         let up = ((layer as f64 + 0.5) * every).min((high - low) * 0.999_999);
-        let region = Region::new(&slice(part.solid, &lowest.moved(up), &frame));
+        let region = Region::of(&slice(part.solid, &lowest.moved(up), &frame));
         let tip = low + up + head.layer;
         for at in tips(&region, step) {
             let [x, y] = square(&at);

@@ -50,7 +50,7 @@ pub fn crossing_sections(parts: &[PrintedPart]) -> Vec<[usize; 2]> {
     let base = |(part, of): (usize, &PrintedPart)| {
         let plane = of.base?;
         let frame = PlaneFrame::of(&plane);
-        let region = Region::new(&slice(&of.solid, &plane.moved(INSIDE), &frame)).offset(-INSIDE);
+        let region = Region::of(&slice(&of.solid, &plane.moved(INSIDE), &frame)).grown(-INSIDE);
         Some(Base { part, plane, frame, region })
     };
     let bases: Vec<Base> = parts.iter().enumerate().filter_map(base).collect();

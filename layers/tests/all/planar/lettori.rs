@@ -228,6 +228,14 @@ fn options_that_make_no_sense_are_refused() {
         (VolumeOptions { tolerance_mm: 0.0, ..d }, "tolerance_mm"),
         (VolumeOptions { area_change: 0.0, ..d }, "area_change"),
         (VolumeOptions { min_feature_mm: -1.0, ..d }, "min_feature_mm"),
+        // Offsets that no polygon can have: until 0.1.0 they panicked.
+        (VolumeOptions { min_feature_mm: 1e308, ..d }, "min_feature_mm"),
+        (VolumeOptions { min_feature_mm: f64::NAN, ..d }, "min_feature_mm"),
+        (VolumeOptions { angle: 1e-300, ..d }, "angle"),
+        (VolumeOptions { angle: f64::NAN, ..d }, "angle"),
+        (VolumeOptions { layer_mm: 1e308, min_layer_mm: 1e308, ..d }, "layer_mm"),
+        (VolumeOptions { tolerance_mm: 1e308, ..d }, "tolerance_mm"),
+        (VolumeOptions { standoff_mm: 1e308, ..d }, "standoff_mm"),
         (VolumeOptions { max_parts: 0, ..d }, "max_parts"),
         (VolumeOptions { base: BaseChoice::Along(Vector3::zeros()), ..d }, "base"),
     ] {
@@ -250,14 +258,14 @@ fn area_of([low, high]: [Point2<f64>; 2]) -> f64 {
 fn rectangles_in_known_shapes() {
     let circle: Vec<[f64; 2]> =
         (0..180).map(|k| PI * f64::from(k) / 90.0).map(|a| [10.0 * a.cos(), 10.0 * a.sin()]).collect();
-    let found = largest_rectangle(&Region::new(&[polygon(&circle)])).unwrap();
+    let found = largest_rectangle(&Region::new(&[polygon(&circle)]).unwrap()).unwrap();
     assert!((area_of(found) - 200.0).abs() < 0.3, "{}", area_of(found));
     // A square with a hole in the middle: beside it.
     let mut holed = rectangle([0.0, 0.0], [9.0, 9.0]);
     holed.holes.push(vec![[4.0, 4.0], [4.0, 5.0], [5.0, 5.0], [5.0, 4.0]].into_iter().map(Point2::from).collect());
-    let found = largest_rectangle(&Region::new(&[holed])).unwrap();
+    let found = largest_rectangle(&Region::new(&[holed]).unwrap()).unwrap();
     assert!((area_of(found) - 36.0).abs() < 1e-4, "{found:?}");
-    let cross = Region::new(&[rectangle([-1.0, -6.0], [1.0, 6.0]), rectangle([-5.0, -1.0], [5.0, 1.0])]);
+    let cross = Region::new(&[rectangle([-1.0, -6.0], [1.0, 6.0]), rectangle([-5.0, -1.0], [5.0, 1.0])]).unwrap();
     assert!((area_of(largest_rectangle(&cross).unwrap()) - 24.0).abs() < 1e-4);
     assert!(largest_rectangle(&Region::default()).is_none());
 }
@@ -275,12 +283,12 @@ proptest! {
                 best = area;
             }
         } } } }
-        let region = Region::new(&boxes.iter().map(|&(x, y, w, h)| rectangle([x, y].map(f64::from), [x + w, y + h].map(f64::from))).collect::<Vec<_>>());
+        let region = Region::new(&boxes.iter().map(|&(x, y, w, h)| rectangle([x, y].map(f64::from), [x + w, y + h].map(f64::from))).collect::<Vec<_>>()).unwrap();
         let [low, high] = largest_rectangle(&region).unwrap();
         let found = area_of([low, high]);
         prop_assert!(found >= f64::from(best) * (1.0 - 1e-5) && found <= f64::from(best) * (1.0 + 1e-9), "{found} {best}");
         // Inside, by a boolean that the search does not use.
-        let own = Region::new(&[rectangle([low.x, low.y], [high.x, high.y])]);
+        let own = Region::new(&[rectangle([low.x, low.y], [high.x, high.y])]).unwrap();
         prop_assert!(own.difference(&region).area() < 1e-6);
     }
 }
@@ -301,5 +309,14 @@ proptest! {
         for (part, &area) in audit.unsupported_mm2.iter().enumerate() {
             prop_assert!(area <= 0.0 || result.stuck.iter().any(|stuck| stuck.part == part), "part {part}: {audit:?} {:?}", result.stuck);
         }
+    }
+}
+
+/// The ends of the ranges are as good as their middle.
+#[test]
+fn options_at_the_ends_of_their_ranges_are_taken() {
+    let d = VolumeOptions::default();
+    for options in [VolumeOptions { min_feature_mm: 1e4, ..d }, VolumeOptions { angle: 1e-3, ..d }] {
+        assert!(decompose_volume(&ell(), &options, &|_| ControlFlow::Continue(())).is_ok());
     }
 }

@@ -45,7 +45,7 @@ pub enum Fill {
 /// How a design is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillOptions {
-    /// Wanted width of a bead, in millimetres. Default 3.2, which the thesis reaches with its last motor (section 6.4.2).
+    /// Wanted width of a bead, in millimetres, from 0.0001 to 1000. Default 3.2, which the thesis reaches with its last motor (section 6.4.2).
     pub bead: f64,
     /// Where the outermost bead lies. Default: within the outline.
     pub contour: ContourAt,
@@ -60,7 +60,7 @@ pub struct FillOptions {
     pub gap: f64,
     /// Narrowest bead, as a share of the wanted one; narrower regions are left out. Default 0.5.
     pub min_width: f64,
-    /// How far a bead may be from where it is meant, in millimetres. Default 0.01.
+    /// How far a bead may be from where it is meant, in millimetres, from 0.0001 to a bead. Default 0.01.
     pub tolerance: f64,
 }
 
@@ -162,8 +162,22 @@ pub enum FillError {
     },
 }
 
+/// Narrowest bead and least tolerance, in millimetres: far below what any nozzle lays. Below them round corners have any number of points.
+const MIN_BEAD: f64 = 1e-4;
+const MIN_TOLERANCE: f64 = 1e-4;
+
 /// Most beads side by side in a region: a platform of 300 mm with beads of 0.06 mm.
 const MAX_LEVELS: usize = 5000;
+
+/// Most scan lines of a region: a kilometre of them.
+const MAX_ROWS: usize = 1_000_000;
+
+/// That of the box around some points.
+fn diagonal(points: &[Point2<f64>]) -> f64 {
+    let Some(first) = points.first() else { return 0.0 };
+    let (low, high) = points.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
+    (high - low).norm()
+}
 
 /// Fills regions with beads, and lays one along each open contour.
 ///
@@ -220,11 +234,16 @@ pub fn fill(regions: &[Region], open: &[Contour], options: &FillOptions) -> Resu
 fn check(options: &FillOptions) -> Result<(), FillError> {
     let FillOptions { bead, angle, gap, min_width, tolerance, .. } = *options;
     let checks = [
-        ("bead", bead, bead > 0.0 && bead <= 1e3, "it must be above 0 and at most 1000 mm"),
+        ("bead", bead, (MIN_BEAD..=1e3).contains(&bead), "it must be from 0.0001 to 1000 mm"),
         ("angle", angle, angle.is_finite(), "it must be finite"),
         ("gap", gap, (-0.5..=10.0).contains(&gap), "it must be from -0.5 to 10 beads"),
         ("min_width", min_width, (0.05..=1.0).contains(&min_width), "it must be from 0.05 to 1 bead"),
-        ("tolerance", tolerance, tolerance > 0.0 && tolerance <= bead, "it must be above 0 and at most a bead"),
+        (
+            "tolerance",
+            tolerance,
+            tolerance >= MIN_TOLERANCE && tolerance <= bead,
+            "it must be at least 0.0001 mm and at most a bead",
+        ),
     ];
     match checks.into_iter().find(|(_, _, fits, _)| !fits) {
         Some((what, value, _, need)) => Err(FillError::Option { what, value, need }),
@@ -249,14 +268,17 @@ fn beads(region: &Region, source: usize, options: &FillOptions) -> Result<Option
         ContourAt::Inside => (Vec::new(), 0.0),
     };
     let left = depth - first;
+    if options.fill == Fill::Lines && diagonal(&region.outer) / bead > MAX_ROWS as f64 {
+        return Err(FillError::TooMany { region: source, limit: MAX_ROWS });
+    }
+    if left / bead > MAX_LEVELS as f64 + 0.5 {
+        return Err(FillError::TooMany { region: source, limit: MAX_LEVELS });
+    }
     if left < options.min_width * bead {
         return Ok((options.contour == ContourAt::OnLine).then_some((outlines, Vec::new())));
     }
     // As many beads to the middle, of one width.
     let levels = (left / bead).round().max(1.0);
-    if levels > MAX_LEVELS as f64 {
-        return Err(FillError::TooMany { region: source, limit: MAX_LEVELS });
-    }
     let width = left / levels;
     let at = |depth: f64| inset(&vec![thin.clone()], depth, 0.5 * options.tolerance);
     let mut fill = Vec::new();
