@@ -317,6 +317,10 @@ fn of_plan<const N: usize, const F: usize>(
         );
         findings.add(Told, "motions are slowed down to keep the limits of joints and extruder", amount, "layers.csv");
     }
+    if plan.slow_runs > 0 {
+        let what = "motions may take longer than their limits ask for: the search for the fastest timing ended before";
+        findings.add(Told, what, format!("{} of {}", plan.slow_runs, plan.runs.len()), "summary.json");
+    }
     let Some(checked) = checked else { return };
     let report = &checked.report;
     for class in FindingClass::ALL.into_iter().filter(|class| report.count(*class) > 0) {

@@ -182,6 +182,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("unreachable_waypoints", run.count(FaultKind::Unreachable))?
         .set("blocked_waypoints", run.count(FaultKind::Blocked))?
         .set("min_pace", run.min_pace)?
+        .set("slow_motions", run.slow_runs)?
         .set("waypoint_error_mm", run.max_missed_mm)?
         .set("path_error_mm", run.max_deviation_mm)?
         .set("astray", run.count(FaultKind::Astray))?

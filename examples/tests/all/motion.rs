@@ -96,6 +96,7 @@ fn plan() -> PrintPlan<6, 1> {
         max_missed_mm: 0.0,
         max_deviation_mm: 0.0,
         min_pace: 1.0,
+        slow_runs: 0,
         planned_s: 0.0,
         printing_s: 0.0,
         times: PlanTimes::default(),

@@ -8,7 +8,7 @@
 use super::cell::{Clearance, Moment, OnPath, PrintCell, PrintRobot, Waypoint};
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath};
 use crate::robot::{FreeRange, Posture, Robot};
-use crate::{Bounds, FlowLimits, LadderNode, TimePathError, Trajectory, time_path};
+use crate::{Bounds, FlowLimits, LadderNode, TimePathError, TimePathStatus, Trajectory, time_path};
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -75,6 +75,8 @@ pub(super) struct Timed<const N: usize> {
     pub planned: Vec<f64>,
     /// The lowest pace at a waypoint between the first and the last, as a share of the planned feed.
     pub min_pace: f64,
+    /// Whether the fastest timing was found, or the search ended before.
+    pub is_fastest: bool,
 }
 
 impl<const N: usize> Timed<N> {
@@ -104,7 +106,8 @@ impl<const N: usize, const F: usize> Course<N, F> {
         )?;
         let inner = &found.knots[1..found.knots.len() - 1];
         let min_pace = inner.iter().map(|&knot| found.pace[knot]).fold(1.0, f64::min);
-        Ok(Timed { trajectory: found.trajectory, knots: found.knots, planned: found.planned, min_pace })
+        let is_fastest = found.status == TimePathStatus::Solved;
+        Ok(Timed { trajectory: found.trajectory, knots: found.knots, planned: found.planned, min_pace, is_fastest })
     }
 
     /// Where a motion leaves the way too far: the waypoint before, and how far.

@@ -114,8 +114,7 @@ pub struct PrintOptions<const N: usize, const F: usize> {
 
 impl<const N: usize, const F: usize> Default for PrintOptions<N, F> {
     /// 24 samples of each parameter, 720 where these find nothing, 24 doubled 4 times; steps of 0.35 rad, 0.05 rad from stops, 40 rounds, 5
-    /// units clear at a price of 1,000, timing within a hundredth in 60 steps and 3 rounds: with its own defaults a print
-    /// takes several times as long to plan and is hardly shorter, since it mostly goes at the planned feed.
+    /// units clear at a price of 1,000, and the timing's own defaults.
     fn default() -> Self {
         PrintOptions {
             samples: [24; F],
@@ -127,7 +126,7 @@ impl<const N: usize, const F: usize> Default for PrintOptions<N, F> {
             smoothing_rounds: 40,
             clear: 5.0,
             price: 1e3,
-            timing: TimePathOptions { tolerance: 1e-2, iterations: 60, rounds: 3, ..TimePathOptions::default() },
+            timing: TimePathOptions::default(),
         }
     }
 }

@@ -23,6 +23,9 @@ pub struct PrintPlan<const N: usize, const F: usize> {
     pub max_deviation_mm: f64,
     /// Lowest share of the planned feed at a waypoint between the ends of a run; 1 for none.
     pub min_pace: f64,
+    /// Runs whose fastest timing was not found within the steps of [`PrintOptions::timing`](super::PrintOptions::timing): they
+    /// hold all limits, but may take longer than need be.
+    pub slow_runs: usize,
     /// Seconds of all runs at the planned feed.
     pub planned_s: f64,
     /// Seconds of all runs as they are.
@@ -162,6 +165,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             max_missed_mm: 0.0,
             max_deviation_mm: 0.0,
             min_pace: 1.0,
+            slow_runs: 0,
             planned_s: 0.0,
             printing_s: 0.0,
             times: PlanTimes::default(),

@@ -270,6 +270,7 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
             plan.max_missed_mm = plan.max_missed_mm.max(planned.missed_mm);
             plan.max_deviation_mm = plan.max_deviation_mm.max(planned.deviation_mm);
             plan.min_pace = plan.min_pace.min(planned.min_pace);
+            plan.slow_runs += planned.slow_runs;
             plan.planned_s += planned.planned_s;
             plan.faults.extend(planned.faults);
             plan.runs.extend(planned.runs);

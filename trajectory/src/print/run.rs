@@ -28,6 +28,8 @@ pub(super) struct Planned<const N: usize, const F: usize> {
     pub deviation_mm: f64,
     /// Lowest share of the planned feed at a waypoint between the ends of a run.
     pub min_pace: f64,
+    /// Runs whose fastest timing was not found.
+    pub slow_runs: usize,
     /// Seconds of the runs at the planned feed.
     pub planned_s: f64,
     /// On its thread.
@@ -49,6 +51,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
         missed_mm: 0.0,
         deviation_mm: 0.0,
         min_pace: 1.0,
+        slow_runs: 0,
         planned_s: 0.0,
         took: *took,
     };
@@ -89,6 +92,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             planned.planned_s += ends - began;
             let (course, motion) = on_course(course, of_print, task, cell)?;
             planned.min_pace = planned.min_pace.min(motion.min_pace);
+            planned.slow_runs += usize::from(!motion.is_fastest);
             let missed = |(waypoint, node): (&Waypoint, &LadderNode<N, F>)| {
                 let nozzle = task.robot.nozzle(&node.joints);
                 nozzle.map_or(f64::INFINITY, |nozzle| (nozzle.translation.vector - waypoint.position.coords).norm())

@@ -163,6 +163,8 @@ fn correct<const N: usize>(
                 }
                 (task.bounds.acceleration[joint], 1.0)
             }
+            // The spline may pass a limit of jerk that only the program has.
+            What::Jerk { joint, .. } if task.jerk[joint] < task.bounds.jerk[joint] => continue,
             What::Jerk { cells, joint, width, .. } => {
                 for cell in cells {
                     look(spline.jerks[cell][joint], jerks[cell].map(|end| end[joint]));

@@ -9,7 +9,8 @@
 //!
 //! Departs from them: the path is a function of `sigma` in which rest is regular (see `curve`), and the unknown is
 //! `beta = (d sigma / dt)^2` at knots; accelerations are taken in the middle of cells between knots and jerks at knots, from the difference of
-//! two accelerations; tangents are renewed in each step of one interior-point method (see `program`). What is executed
+//! two accelerations; tangents are renewed in each step of one interior-point method (see `program`), whose steps are of different lengths along the path (see
+//! `local`). What is executed
 //! is the C2 cubic spline through the knots at their times, and not the solution of the program: its accelerations and
 //! jerks, in closed form, are compared with those of the program, the limits of the program move by the difference, and
 //! it is solved again from where it was. A row more at each knot keeps the squared pace from spikes that the spline
@@ -20,6 +21,7 @@ mod executed;
 mod factors;
 mod free;
 mod limits;
+mod local;
 mod program;
 mod row;
 
@@ -32,13 +34,17 @@ use std::ops::ControlFlow;
 /// Tolerance of the first timing, which only finds where knots are needed.
 const ROUGH: f64 = 0.02;
 
+/// Tolerance and steps at most of the duration without limits of jerk, which only says what is short beside it.
+const ESTIMATE: f64 = 0.2;
+const ESTIMATE_STEPS: usize = 30;
+
 /// How a path is timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct TimePathOptions {
     /// By what share the duration may be longer than the least of the discretised problem; between 0 and 1.
     pub tolerance: f64,
-    /// Steps of the interior-point method in all rounds together. When they are spent the best timing so far is
+    /// Steps of the interior-point method in all rounds together, besides a few for the duration without limits of jerk. When they are spent the best timing so far is
     /// returned, which holds all limits.
     pub iterations: usize,
     /// How often the program is solved again with limits moved by how the executed spline differs from it.
@@ -240,14 +246,16 @@ pub fn time_path<const N: usize>(
 ) -> Result<TimedMotion<N>, TimePathError> {
     check(postures, planned, max_pace, flow, bounds, options)?;
     let curve = Curve::new(postures, planned);
-    let task = limits::Task { planned, max_pace, flow, bounds, options };
-    let (warp, parts) = task.layout(&curve);
-    let mut grid = Grid::new(&curve, &warp, &parts, options.ramp);
+    let task = limits::Task { planned, max_pace, flow, bounds, jerk: bounds.jerk, options };
     let mut done = 0;
     let mut stop = || {
         done += 1;
         progress(Progress { stage: "time path", done: done - 1, total: options.iterations as u64 }).is_break()
     };
+    let Some(duration) = jerk_free_duration(&task, &curve, &mut stop) else { return Err(TimePathError::Cancelled) };
+    let task = task.resolved(duration);
+    let (warp, parts) = task.layout(&curve);
+    let mut grid = Grid::new(&curve, &warp, &parts, options.ramp);
     let (mut program, mut rows) = task.program(&grid);
     let rough = program.solve(options.tolerance.max(ROUGH), options.iterations, &mut stop);
     if rough.stopped {
@@ -261,6 +269,19 @@ pub fn time_path<const N: usize>(
         program.start_like(&coarse);
     }
     executed::run(&task, &warp, &grid, (program, &rows), rough.iterations, &mut stop)
+}
+
+/// About the least duration without limits of jerk, in seconds; `None` when it is stopped.
+fn jerk_free_duration<const N: usize>(
+    task: &limits::Task<'_, N>,
+    curve: &Curve<'_, N>,
+    stop: &mut dyn FnMut() -> bool,
+) -> Option<f64> {
+    let task = task.without_jerk();
+    let (warp, parts) = task.layout(curve);
+    let (mut program, _) = task.program(&Grid::new(curve, &warp, &parts, task.options.ramp));
+    let outcome = program.solve(ESTIMATE, ESTIMATE_STEPS, stop);
+    (!outcome.stopped).then(|| program.time())
 }
 
 fn check<const N: usize>(

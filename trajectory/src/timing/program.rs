@@ -9,6 +9,7 @@
 //! pentadiagonal, and a round costs linear time.
 
 use super::factors::Factors;
+use super::local::{RADIUS, smooth_minimum, window_sums};
 use super::row::{Near, Row};
 
 /// How near to the boundary a step may come.
@@ -20,6 +21,9 @@ const MIN_SHARE: f64 = 0.1;
 /// A row takes part in the Newton step once less than this share of its limit is left. Other rows only bound the length
 /// of steps. On a print most rows never take part; with a smaller share steps are cut short more often.
 const NEAR: f64 = 0.5;
+
+/// Steps of different lengths along the path are taken if rows allow this share of them.
+const MIN_ALLOWED: f64 = 0.7;
 
 /// A step uses at most this share of the slack of a row that takes no part.
 const FAR_FRACTION: f64 = 0.9;
@@ -42,13 +46,21 @@ pub(super) struct Outcome {
     pub stopped: bool,
 }
 
-/// What a step meets.
-struct Ahead {
-    /// How much of it unknowns and multipliers allow.
-    primal: f64,
-    dual: f64,
-    /// Sums over all sides: steps of slacks times multipliers, slacks times steps of multipliers, steps times steps.
-    products: [f64; 3],
+/// Fields over the unknowns.
+struct Fields {
+    /// How much of a step unknowns and multipliers allow.
+    primal: Vec<f64>,
+    dual: Vec<f64>,
+    /// Sums of the products of slacks and multipliers, the same after a step, and their number.
+    gap: Vec<f64>,
+    after: Vec<f64>,
+    sides: Vec<f64>,
+    /// Residual of the Lagrangian's gradient, times the unknown.
+    residual: Vec<f64>,
+    /// The product to aim at, the share of the products of steps that is corrected, and the largest aim.
+    centre: Vec<f64>,
+    bend: Vec<f64>,
+    most: Vec<f64>,
 }
 
 pub(super) struct Program {
@@ -131,7 +143,7 @@ impl Program {
 
     /// Sets all multipliers so that each product with its slack is the same, or at least that.
     pub fn centre(&mut self, share: f64, cold: bool) {
-        self.take_part(&[], 0.0, 0.0);
+        self.take_part(0.0);
         let sides = 2 * self.near.len() + self.x.len();
         let product = share * self.time() / sides as f64;
         for ((z, x), upper) in self.upper_multipliers.iter_mut().zip(&self.x).zip(&self.upper) {
@@ -147,23 +159,40 @@ impl Program {
         }
     }
 
-    /// Lets rows take part that are near their limit, with this product of slack and multiplier, at the unknowns or
-    /// after a step of them. Returns how much of the step the rows allow that take no part yet.
-    fn take_part(&mut self, dx: &[f64], step: f64, product: f64) -> f64 {
-        let (mut reach, before) = (step, self.near.len());
+    /// Lets rows take part that are near their limit at the unknowns, with this product of slack and multiplier.
+    fn take_part(&mut self, product: f64) {
+        self.take_part_ahead(&vec![0.0; self.x.len()], &mut vec![0.0; self.x.len()], |_| product);
+    }
+
+    /// The same after a step, which is shortened where such a row does not allow it.
+    fn take_part_ahead(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) {
+        let before = self.near.len();
+        // Another length of the step may bring it to other rows.
+        while self.add_near(dx, step, &product) {
+            smooth_minimum(step, RADIUS);
+        }
+        // Neighbours in memory as along the path; a stable sort merges two sorted parts in linear time.
+        if self.near.len() > before {
+            self.near.sort_by_key(|near| near.row);
+        }
+    }
+
+    /// Adds the rows that are near after a step. Returns whether one shortens it.
+    fn add_near(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) -> bool {
+        let n = self.x.len();
         // The unknowns after the step, and the factors of limits that go with each; 1 for those that go with none.
         let mut ahead = self.x.clone();
-        if step > 0.0 {
-            ahead.iter_mut().zip(dx).for_each(|(x, by)| *x += step * by);
+        for ((x, by), step) in ahead.iter_mut().zip(dx).zip(&*step) {
+            *x += step * by;
         }
         let mut roots: Vec<f64> = ahead.iter().map(|x| 1.0 / x.sqrt()).collect();
         roots.push(1.0);
-        let none = roots.len() - 1;
+        let mut is_shorter = false;
         for (index, row) in self.rows.iter_mut().enumerate() {
             if row.is_near {
                 continue;
             }
-            let of = row.rooted().unwrap_or(none);
+            let of = row.rooted().unwrap_or(n);
             let scale = (1.0 - NEAR) * if row.is_linear { ahead[of] } else { roots[of] };
             let after = row.value(&ahead);
             if row.limits[0] * scale >= after && row.limits[1] * scale >= -after {
@@ -172,23 +201,19 @@ impl Program {
             row.is_near = true;
             let mut near = Near::new(index);
             near.look(row, &self.x);
-            near.multipliers = near.slack.map(|slack| product / slack);
-            if step > 0.0 {
-                near.move_by(row, dx);
-                for side in 0..2 {
-                    if near.slack_step[side] * reach < -FAR_FRACTION * near.slack[side] {
-                        reach = -FAR_FRACTION * near.slack[side] / near.slack_step[side];
-                    }
+            let at = row.middle(n);
+            near.multipliers = near.slack.map(|slack| product(at) / slack);
+            near.move_by(row, dx);
+            for side in 0..2 {
+                if near.slack_step[side] * step[at] < -FAR_FRACTION * near.slack[side] {
+                    step[at] = -FAR_FRACTION * near.slack[side] / near.slack_step[side];
+                    is_shorter = true;
                 }
             }
             near.step = [0.0; 2];
             self.near.push(near);
         }
-        // Neighbours in memory as along the path; a stable sort merges two sorted parts in linear time.
-        if self.near.len() > before {
-            self.near.sort_by_key(|near| near.row);
-        }
-        reach
+        is_shorter
     }
 
     /// Iterates until the gap is below `tolerance` of the value, from unknowns within all rows.
@@ -197,19 +222,14 @@ impl Program {
         let mut factors = Factors { band: vec![[0.0; 3]; n] };
         let (mut gradient, mut predicted, mut right) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut upper_step = vec![0.0; n];
+        let mut fields = Fields::new(n);
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY, stopped: false };
         loop {
             let time = self.assemble(&mut factors.band, &mut gradient, &mut right);
-            let mut gap = 0.0;
-            for ((x, upper), z) in self.x.iter().zip(&self.upper).zip(&self.upper_multipliers) {
-                gap += (upper - x) * z;
-            }
-            for near in &self.near {
-                gap += near.slack[0] * near.multipliers[0] + near.slack[1] * near.multipliers[1];
-            }
-            let sides = (2 * self.near.len() + n) as f64;
             // `right` is the gradient of the Lagrangian here.
-            let dual: f64 = right.iter().zip(&self.x).map(|(r, x)| (r * x).abs()).sum();
+            fields.residual.iter_mut().zip(&right).zip(&self.x).for_each(|((to, r), x)| *to = (r * x).abs());
+            let gap = self.products(&mut fields);
+            let dual: f64 = fields.residual.iter().sum();
             outcome.residual = gap.max(dual) / time;
             if outcome.residual <= tolerance || outcome.iterations >= limit || !outcome.residual.is_finite() {
                 return outcome;
@@ -222,40 +242,99 @@ impl Program {
             factors.factor();
             predicted.iter_mut().zip(&gradient).for_each(|(p, g)| *p = -g);
             factors.solve(&mut predicted);
-            let ahead = self.steps(&predicted, &predicted, &mut upper_step, |_| 0.0);
-            let [reach, dual_reach] = [ahead.primal.min(1.0), ahead.dual.min(1.0)];
-            let [falling, rising, both] = ahead.products;
-            let after = gap + reach * falling + dual_reach * rising + reach * dual_reach * both;
-            let mean = gap / sides;
-            let share = (after / gap).clamp(0.0, 1.0).powi(3);
-            let centre = (share * mean).max(GAP * dual / sides).max(0.02 * tolerance * time / sides);
-            let bend = reach * dual_reach;
-            let aim = |product: f64| (centre - bend * product).clamp(0.0, 10.0 * mean.max(centre));
+            fields.aim_at_none();
+            self.steps(&predicted, &predicted, &mut upper_step, &mut fields);
+            self.products_after(&predicted, &upper_step, &mut fields);
+            fields.aim(0.02 * tolerance * time / (2 * self.near.len() + n) as f64);
             right.iter_mut().zip(&gradient).for_each(|(r, g)| *r = -g);
             for k in 0..n {
                 let slack = self.upper[k] - self.x[k];
-                right[k] -= aim(-predicted[k] * upper_step[k]) / slack;
+                right[k] -= fields.aimed(k, -predicted[k] * upper_step[k]) / slack;
             }
             for near in &self.near {
-                let push = [0, 1].map(|side| -aim(near.slack_step[side] * near.step[side]) * near.inverse[side]);
-                near.add(&self.rows[near.row], &mut right, push);
+                let row = &self.rows[near.row];
+                let at = row.middle(n);
+                let aim = |side: usize| fields.aimed(at, near.slack_step[side] * near.step[side]);
+                near.add(row, &mut right, [0, 1].map(|side| -aim(side) * near.inverse[side]));
             }
             factors.solve(&mut right);
-            let ahead = self.steps(&right, &predicted, &mut upper_step, aim);
-            let (step, dual_step) = ((FRACTION * ahead.primal).min(1.0), (FRACTION * ahead.dual).min(1.0));
-            let step = self.take_part(&right, step, centre);
-            for (x, by) in self.x.iter_mut().zip(&right) {
-                *x += step * by;
-            }
-            for (z, by) in self.upper_multipliers.iter_mut().zip(&upper_step) {
-                *z += dual_step * by;
+            self.steps(&right, &predicted, &mut upper_step, &mut fields);
+            let shorten =
+                |reach: &mut Vec<f64>| reach.iter_mut().for_each(|reach| *reach = (FRACTION * *reach).min(1.0));
+            shorten(&mut fields.primal);
+            shorten(&mut fields.dual);
+            let Fields { primal, centre, .. } = &mut fields;
+            self.take_part_ahead(&right, primal, |at| centre[at]);
+            self.advance(&right, primal);
+            for ((z, by), step) in self.upper_multipliers.iter_mut().zip(&upper_step).zip(&fields.dual) {
+                *z += step * by;
             }
             for near in &mut self.near {
+                let step = fields.dual[self.rows[near.row].middle(n)];
                 for side in 0..2 {
-                    near.multipliers[side] += dual_step * near.step[side];
+                    near.multipliers[side] += step * near.step[side];
                 }
             }
         }
+    }
+
+    /// Sums of the products of slacks and multipliers. Returns that of all.
+    fn products(&self, fields: &mut Fields) -> f64 {
+        let Fields { gap, sides, .. } = fields;
+        sides.fill(1.0);
+        for k in 0..self.x.len() {
+            gap[k] = (self.upper[k] - self.x[k]) * self.upper_multipliers[k];
+        }
+        for near in &self.near {
+            let at = self.rows[near.row].middle(self.x.len());
+            gap[at] += near.slack[0] * near.multipliers[0] + near.slack[1] * near.multipliers[1];
+            sides[at] += 2.0;
+        }
+        gap.iter().sum()
+    }
+
+    /// The same after a step.
+    fn products_after(&self, dx: &[f64], upper_step: &[f64], fields: &mut Fields) {
+        let Fields { after, primal, dual, .. } = fields;
+        for k in 0..self.x.len() {
+            let slack = self.upper[k] - self.x[k] - primal[k].min(1.0) * dx[k];
+            after[k] = slack * (self.upper_multipliers[k] + dual[k].min(1.0) * upper_step[k]);
+        }
+        for near in &self.near {
+            let at = self.rows[near.row].middle(self.x.len());
+            let [step, dual_step] = [primal[at].min(1.0), dual[at].min(1.0)];
+            for side in 0..2 {
+                let slack = near.slack[side] + step * near.slack_step[side];
+                after[at] += slack * (near.multipliers[side] + dual_step * near.step[side]);
+            }
+        }
+    }
+
+    /// Moves the unknowns by a step of these lengths. Where lengths differ, slacks of rows move otherwise than by one length: if
+    /// that costs too much of the step, all unknowns take the shortest.
+    fn advance(&mut self, dx: &[f64], lengths: &[f64]) {
+        let shortest = lengths.iter().fold(1.0f64, |least, length| least.min(*length));
+        let mut by: Vec<f64> = dx.iter().zip(lengths).map(|(by, length)| length * by).collect();
+        let mut whole = self.allowed(&by);
+        if whole < MIN_ALLOWED {
+            by = dx.iter().map(|by| shortest * by).collect();
+            whole = self.allowed(&by);
+        }
+        self.x.iter_mut().zip(&by).for_each(|(x, by)| *x += whole * by);
+    }
+
+    /// How much of a step the rows allow that take part.
+    fn allowed(&mut self, dx: &[f64]) -> f64 {
+        let mut whole = 1.0f64;
+        for near in &mut self.near {
+            near.move_by(&self.rows[near.row], dx);
+            for side in 0..2 {
+                if near.slack_step[side] * whole < -FRACTION * near.slack[side] {
+                    whole = -FRACTION * near.slack[side] / near.slack_step[side];
+                }
+            }
+        }
+        whole
     }
 
     /// The Newton matrix, the gradient of `T`, and that of the Lagrangian. Returns `T`.
@@ -324,42 +403,87 @@ impl Program {
         time
     }
 
-    /// Steps of slacks and multipliers that go with a step of the unknowns. `aim` takes the product of the steps before.
-    fn steps(&mut self, dx: &[f64], before: &[f64], upper_step: &mut [f64], aim: impl Fn(f64) -> f64) -> Ahead {
-        let mut ahead = Ahead { primal: 1.0 / FRACTION, dual: 1.0 / FRACTION, products: [0.0; 3] };
-        for k in 0..dx.len() {
+    /// Steps of slacks and multipliers that go with a step of the unknowns, and how much of them is allowed. `before` is the
+    /// step of the predictor.
+    fn steps(&mut self, dx: &[f64], before: &[f64], upper_step: &mut [f64], fields: &mut Fields) {
+        let n = dx.len();
+        let mut primal = std::mem::take(&mut fields.primal);
+        let mut dual = std::mem::take(&mut fields.dual);
+        primal.fill(1.0 / FRACTION);
+        dual.fill(1.0 / FRACTION);
+        for k in 0..n {
             let (slack, z) = (self.upper[k] - self.x[k], self.upper_multipliers[k]);
-            let product = aim(-before[k] * upper_step[k]);
+            let product = fields.aimed(k, -before[k] * upper_step[k]);
             upper_step[k] = (product + z * dx[k]) / slack - z;
-            ahead.look([slack, -dx[k]], [z, upper_step[k]]);
-            if dx[k] * ahead.primal < (MIN_SHARE - 1.0) * self.x[k] {
-                ahead.primal = (MIN_SHARE - 1.0) * self.x[k] / dx[k];
+            shorten(&mut primal[k], slack, -dx[k]);
+            shorten(&mut dual[k], z, upper_step[k]);
+            if dx[k] * primal[k] < (MIN_SHARE - 1.0) * self.x[k] {
+                primal[k] = (MIN_SHARE - 1.0) * self.x[k] / dx[k];
             }
         }
         for near in &mut self.near {
-            let products = [0, 1].map(|side| aim(near.slack_step[side] * near.step[side]));
-            near.move_by(&self.rows[near.row], dx);
+            let row = &self.rows[near.row];
+            let at = row.middle(n);
+            let products = [0, 1].map(|side| fields.aimed(at, near.slack_step[side] * near.step[side]));
+            near.move_by(row, dx);
             for (side, product) in products.into_iter().enumerate() {
                 let z = near.multipliers[side];
                 near.step[side] = (product - z * near.slack_step[side]) * near.inverse[side] - z;
-                ahead.look([near.slack[side], near.slack_step[side]], [z, near.step[side]]);
+                shorten(&mut primal[at], near.slack[side], near.slack_step[side]);
+                shorten(&mut dual[at], z, near.step[side]);
             }
         }
-        ahead
+        smooth_minimum(&mut primal, RADIUS);
+        smooth_minimum(&mut dual, RADIUS);
+        (fields.primal, fields.dual) = (primal, dual);
     }
 }
 
-impl Ahead {
-    /// Takes a slack and a multiplier with their steps.
-    fn look(&mut self, [slack, move_by]: [f64; 2], [z, step]: [f64; 2]) {
-        if slack + move_by * self.primal < 0.0 {
-            self.primal = -slack / move_by;
+/// Shortens a step that takes a positive number below 0.
+fn shorten(reach: &mut f64, value: f64, step: f64) {
+    if value + step * *reach < 0.0 {
+        *reach = -value / step;
+    }
+}
+
+impl Fields {
+    fn new(n: usize) -> Self {
+        let zero = vec![0.0; n];
+        Fields {
+            primal: zero.clone(),
+            dual: zero.clone(),
+            gap: zero.clone(),
+            after: zero.clone(),
+            sides: zero.clone(),
+            residual: zero.clone(),
+            centre: zero.clone(),
+            bend: zero.clone(),
+            most: zero,
         }
-        if z + step * self.dual < 0.0 {
-            self.dual = -z / step;
+    }
+
+    /// The predictor's aim.
+    fn aim_at_none(&mut self) {
+        self.centre.fill(0.0);
+        self.bend.fill(0.0);
+        self.most.fill(0.0);
+    }
+
+    /// The corrector's aim, from what the predictor leaves around each unknown.
+    fn aim(&mut self, least: f64) {
+        let [gap, after, sides, residual] =
+            [&self.gap, &self.after, &self.sides, &self.residual].map(|values| window_sums(values, RADIUS));
+        for k in 0..gap.len() {
+            let mean = gap[k] / sides[k];
+            let share = if gap[k] > 0.0 { (after[k] / gap[k]).clamp(0.0, 1.0).powi(3) } else { 0.0 };
+            self.centre[k] = (share * mean).max(GAP * residual[k] / sides[k]).max(least);
+            self.bend[k] = self.primal[k].min(1.0) * self.dual[k].min(1.0);
+            self.most[k] = 10.0 * mean.max(self.centre[k]);
         }
-        self.products[0] += move_by * z;
-        self.products[1] += slack * step;
-        self.products[2] += move_by * step;
+    }
+
+    /// The product of a slack and a multiplier to aim at, where the steps of the predictor have this product.
+    fn aimed(&self, at: usize, product: f64) -> f64 {
+        (self.centre[at] - self.bend[at] * product).clamp(0.0, self.most[at])
     }
 }

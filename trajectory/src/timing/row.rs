@@ -43,6 +43,11 @@ impl Row {
         self.by[0] * at(0) + self.by[1] * at(1) + self.by[2] * at(2)
     }
 
+    /// The unknown in the middle, where the row is counted.
+    pub fn middle(&self, unknowns: usize) -> usize {
+        (self.first + 1).min(unknowns - 1)
+    }
+
     /// The unknown that the limit goes with.
     pub fn rooted(&self) -> Option<usize> {
         self.root.map(|root| self.first + usize::from(root))

@@ -23,6 +23,7 @@ mod serde;
 mod spline;
 mod timing;
 mod timing_free;
+mod timing_loose;
 mod transfer;
 mod verify;
 mod verify_dense;

@@ -1,8 +1,8 @@
 //! Timings against closed forms, against a slow solver of another discretisation, and on what is hardly a path.
 
+use crate::common::Natural;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT};
-use curvlay_trajectory::nalgebra::{DMatrix, DVector};
 use curvlay_trajectory::transfer::SCurve;
 use curvlay_trajectory::{
     Bounds, BoundsError, FlowLimits, Progress, TimePathError, TimePathOptions, TimePathStatus, TimedMotion, time_path,
@@ -175,41 +175,13 @@ fn flow_limits_hold() {
 
 const ORACLE_STEP: f64 = 0.1;
 
-/// The natural spline by a dense solve: derivatives of one joint by `s` in a piece.
-struct Natural {
-    angles: Vec<f64>,
-    bends: Vec<f64>,
-}
-
-impl Natural {
-    fn new(angles: Vec<f64>) -> Self {
-        let n = angles.len();
-        let (mut a, mut b) = (DMatrix::identity(n, n), DVector::zeros(n));
-        for k in 1..n - 1 {
-            a[(k, k - 1)] = 1.0;
-            a[(k, k)] = 4.0;
-            a[(k, k + 1)] = 1.0;
-            b[k] = 6.0 * (angles[k + 1] - 2.0 * angles[k] + angles[k - 1]) / ORACLE_STEP.powi(2);
-        }
-        let bends = a.lu().solve(&b).unwrap().iter().copied().collect();
-        Natural { angles, bends }
-    }
-
-    fn at(&self, piece: usize, along: f64) -> [f64; 3] {
-        let (h, third) = (ORACLE_STEP, (self.bends[piece + 1] - self.bends[piece]) / ORACLE_STEP);
-        let rise = (self.angles[piece + 1] - self.angles[piece]) / h;
-        let slope = rise - h * (2.0 * self.bends[piece] + self.bends[piece + 1]) / 6.0;
-        let bend = self.bends[piece] + along * third;
-        [slope + 0.5 * along * (self.bends[piece] + bend), bend, third]
-    }
-}
-
 /// The least duration by the oracle. The first and the last piece are `s = w (x^3 - x^4 / 2)`, the rest is uniform.
 fn oracle<const N: usize>(postures: &[[f64; N]], pace: f64, bounds: &Bounds<N>) -> f64 {
     const END: usize = 16;
     const PART: usize = 6;
     let pieces = postures.len() - 1;
-    let splines: [Natural; N] = std::array::from_fn(|j| Natural::new(postures.iter().map(|q| q[j]).collect()));
+    let splines: [Natural; N] =
+        std::array::from_fn(|j| Natural::new(postures.iter().map(|q| q[j]).collect(), ORACLE_STEP));
     let width = 2.0 * ORACLE_STEP;
     // Knots: sigma, and for each side of them the derivatives of all joints by sigma.
     let mut cells: Vec<f64> = vec![width / END as f64; END];

@@ -1,9 +1,12 @@
 //! Robots for the tests, and what else they share.
 
 pub mod cell;
+pub mod natural;
 pub mod planar;
 pub mod tilt;
 pub mod ur3;
+
+pub use natural::Natural;
 
 use curvlay_trajectory::nalgebra::{Matrix3, Vector3};
 use curvlay_trajectory::{FreeRange, Posture, Progress, Robot};
