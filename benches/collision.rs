@@ -15,7 +15,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_benches::time_questions;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, cubic_control, links};
+use curvlay_kinematics::scene::{
+    Body, Mount, Posture, Scene, SceneModel, Shape, Sweep, cubic_control, estimated_links,
+};
 use curvlay_kinematics::{Arm, robots};
 use parry3d_f64::math::{Pose, Rot3, Vector};
 use parry3d_f64::query::{self, ClosestPoints};
@@ -66,7 +68,7 @@ fn bodies(part: Shape) -> Vec<Body> {
 
 fn scene(part: Shape) -> Scene {
     let arm = Arm::new(&robots::UR3).expect("published numbers");
-    let model = SceneModel { links: links(&robots::UR3), bodies: bodies(part), ..SceneModel::of(arm) };
+    let model = SceneModel { links: estimated_links(&robots::UR3), bodies: bodies(part), ..SceneModel::of(arm) };
     Scene::new(model).expect("a sound scene")
 }
 
@@ -94,9 +96,9 @@ impl Baseline {
             Shape::Mesh { points, triangles } => {
                 SharedShape::new(TriMesh::new(points.iter().map(plain).collect(), triangles.clone()).expect("a mesh"))
             }
-            Shape::Cells { .. } => unreachable!("parry is asked about triangles here"),
+            Shape::Cells { .. } | Shape::Union(_) => unreachable!("parry is asked about triangles here"),
         };
-        let all: Vec<Body> = links(&robots::UR3).into_iter().chain(bodies(vase())).collect();
+        let all: Vec<Body> = estimated_links(&robots::UR3).into_iter().chain(bodies(vase())).collect();
         let index = |name: &str| all.iter().position(|body| body.name == name).expect("a body");
         Baseline {
             arm: Arm::new(&robots::UR3).expect("published numbers"),

@@ -9,7 +9,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
-use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, estimated_links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::transfer::{FreeSpace, Planned, TransferOptions, plan_transfer};
@@ -52,7 +52,8 @@ fn scene() -> Scene {
         base("shelf", Shape::block(p(100.0, 350.0, 300.0), p(600.0, 600.0, 320.0))),
     ];
     let arm = Arm::new(&robots::UR5).expect("published numbers");
-    Scene::new(SceneModel { bodies, links: links(&robots::UR5), ..SceneModel::of(arm) }).expect("a sound scene")
+    Scene::new(SceneModel { bodies, links: estimated_links(&robots::UR5), ..SceneModel::of(arm) })
+        .expect("a sound scene")
 }
 
 /// Checks asked for, of motions and of postures: a cost that no other load on the machine changes.

@@ -19,7 +19,10 @@ const NEEDS: [(Stage, &str); 4] = [
          dialect extrusion tags line_numbers rotary workcell support_distance allow_volume allow_gouging allow_left_out allow_unsupported \
          allow_unsupported_beads",
     ),
-    (Stage::Motion, "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin program_steps"),
+    (
+        Stage::Motion,
+        "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin link_allowance no_links program_steps",
+    ),
 ];
 
 /// How an option is typed, without its dashes.

@@ -4,13 +4,14 @@ use crate::complete::{NozzleGrowth, Support};
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::motion::check::Checked;
-use crate::motion::of_run;
+use crate::motion::{MotionRun, of_run};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Lying, Results, Stage};
 use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{MissedReason, NoSupport};
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
@@ -40,7 +41,12 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
             of_support(paths.bead_mm, run, args, findings);
         }),
         Stage::Motion => {
-            motion.iter().for_each(|motion| of_run!(motion, run => of_plan(&run.plan, run.checked.as_ref(), findings)))
+            motion.iter().for_each(|motion| {
+                of_run!(motion, run => {
+                    of_bodies(run, findings);
+                    of_plan(&run.plan, run.checked.as_ref(), findings);
+                });
+            });
         }
     }
 }
@@ -292,6 +298,26 @@ fn of_support(bead_mm: f64, run: &MachineRun, args: &Args, findings: &mut Findin
     let has_failed = limits.into_iter().any(|(value, limit)| limit.is_some_and(|limit| value > limit));
     let severity = if has_failed { Failed } else { Told };
     findings.add(severity, what, amount, "unsupported.csv; --allow-unsupported, --allow-unsupported-beads");
+}
+
+/// Of the bodies of the arm: what "proven free" is proven for.
+fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>, findings: &mut Findings) {
+    let equipment = run.cell.equipment();
+    let Some(bodies) = equipment.link_bodies().filter(|_| !run.without_links) else {
+        let what = "the arm was planned without bodies: no motion is proven free of collisions";
+        return findings.add(Told, what, "", "--no-links");
+    };
+    let (margin_mm, allowance_mm) = (run.margin_mm, equipment.model().arm.allowance_mm);
+    let amount = format!("{}; with an allowance of {allowance_mm} mm and a margin of {margin_mm} mm", bodies.model);
+    findings.add(Noted, "motions are proven free for this model of the arm", amount, "--link-allowance, --margin");
+    if bodies.is_estimate {
+        let what = "the bodies of the arm are an estimate: real links may be thicker, try the motions slowly first";
+        findings.add(Told, what, "", "arm.bodies of the workcell");
+    }
+    if margin_mm <= bodies.error_mm {
+        let what = "the margin is not above the error of the arm's bodies: motions proven free may touch";
+        findings.add(Told, what, format!("{margin_mm} mm against {} mm", bodies.error_mm), "--margin");
+    }
 }
 
 /// Of the motion: what the plan leaves undone, and what the check of the written motions found.

@@ -415,6 +415,9 @@ impl Setup {
     fn of(args: &Args) -> Result<Self, Failure> {
         let nozzle = args.settings.nozzle.or(if args.motion.workcell.is_none() { Some(NOZZLE) } else { None });
         let cell = args.motion.cell(nozzle)?;
+        if args.stage == Stage::Motion {
+            args.motion.check_links(&cell)?;
+        }
         Ok(Setup { format: args.motion.format(&cell)?, nozzle: nozzle_of(cell.equipment())?, cell })
     }
 }

@@ -11,7 +11,7 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::mesh::{Up, read_mesh};
 use curvlay_examples::motion::{PartInHand, Studied};
 use curvlay_kinematics::robots;
-use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, links};
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, estimated_links};
 use curvlay_trajectory::indicator::geometric::{
     BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricIndicator, GeometricModel, Twist,
 };
@@ -317,7 +317,7 @@ fn scene(robot: &PartInHand, obstacle: &Obstacle) -> Result<Scene, Failure> {
         shape: obstacle.shape.clone(),
     };
     let bodies = head.into_iter().chain([part]).collect();
-    Ok(Scene::new(SceneModel { bodies, links: links(&robots::UR3), ..SceneModel::of(*cell.arm()) })?)
+    Ok(Scene::new(SceneModel { bodies, links: estimated_links(&robots::UR3), ..SceneModel::of(*cell.arm()) })?)
 }
 
 /// The part as a grid; head and links as capsules, foot and flange as cylinders, against it and each other.
@@ -340,12 +340,12 @@ fn geometric(robot: &PartInHand, obstacle: &Obstacle) -> Result<impl CollisionIn
     let base_nozzle = cell.nozzle_frame().1;
     let at = |z: f64| base_nozzle * Point3::new(0.0, 0.0, z);
     let (mut capsules, mut cylinders) = (vec![], vec![]);
-    for link in links(&robots::UR3) {
+    for link in estimated_links(&robots::UR3) {
         let body = if let Mount::Link(link) = link.mount { link } else { 0 };
         match link.shape {
             Shape::Capsule { from, to, radius } => capsules.push(Capsule { body, from, to, radius }),
             Shape::Hull { points, .. } => cylinders.push(drum(body, &points)),
-            Shape::Mesh { .. } | Shape::Cells { .. } => unreachable!("links are capsules and hulls"),
+            Shape::Mesh { .. } | Shape::Cells { .. } | Shape::Union(_) => unreachable!("links are capsules and hulls"),
         }
     }
     capsules.extend(HEAD.map(|(_, from, to, radius)| Capsule { body: 0, from: at(from), to: at(to), radius }));

@@ -8,6 +8,7 @@ pub mod shown;
 pub use parts::{FlatPrint, Moved, Printed, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
 
+use crate::mesh::read_mesh;
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
     self, AnyWorkcell, EightAxisCell, LimitsModel, SixAxisCell, Workcell, WorkcellFileError, WorkcellModel,
@@ -17,6 +18,7 @@ use curvlay_trajectory::{Bounds, FreeRange, LadderError, MinSpeed, Posture, Robo
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
+use std::path::Path;
 
 /// Seconds from one waypoint to the next where no feed is given: 2,545 of them take 460 s, as in the dissertation.
 pub const STEP_S: f64 = 460.0 / 2545.0;
@@ -26,6 +28,15 @@ pub const STEP_S: f64 = 460.0 / 2545.0;
 pub const UR3_CELL: &str = include_str!("../cells/ur3.json");
 /// See [`UR3_CELL`].
 pub const TABLE_CELL: &str = include_str!("../cells/irb1200-table.json");
+
+/// Points and triangles of a mesh of a link, for [`AnyWorkcell::with_link_meshes`]: a file from a folder on.
+///
+/// # Errors
+/// What is wrong with the file, in words.
+pub fn link_mesh(folder: &Path, file: &str) -> Result<workcell::LinkMesh, String> {
+    let mesh = read_mesh(&folder.join(file)).map_err(|error| error.to_string())?;
+    Ok((mesh.vertices, mesh.triangles))
+}
 
 /// The bounds at which all figures are made; the arms' own stops stay.
 const SPEED_RAD_S: f64 = 1.0;

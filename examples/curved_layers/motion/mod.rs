@@ -17,7 +17,7 @@ use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{
-    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, programs, table_options, waypoints,
+    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, link_mesh, programs, table_options, waypoints,
 };
 use curvlay_kinematics::workcell::{
     AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
@@ -30,7 +30,7 @@ use nalgebra::Isometry3;
 use std::f64::consts::PI;
 use std::fs;
 use std::io::BufRead;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// How deep the nozzle may be in a layer on a planned motion, as a share of its height: motions are checked with a little more,
@@ -76,8 +76,16 @@ pub struct MotionArgs {
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// How far arm, part and everything that stands there keep apart, in millimetres; the nozzle touches the part where it prints
-    #[arg(long, value_name = "MM", default_value_t = 0.5, value_parser = from_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 2.0, value_parser = from_zero, allow_negative_numbers = true)]
     pub margin: f64,
+    /// How much thicker the links of the arm are than their bodies, in millimetres, for cables and hoses [default: what the
+    /// workcell says; 10 if it says nothing]
+    #[arg(long, value_name = "MM", value_parser = from_zero, allow_negative_numbers = true)]
+    pub link_allowance: Option<f64>,
+    /// Plans without the bodies of the arm, whatever it touches: then no motion is proven free of collisions. Without this, an arm
+    /// whose bodies are not known is refused
+    #[arg(long)]
+    pub no_links: bool,
     /// Most steps of a program file; a motion that is longer has a file of its own [default: 100000, of RAPID 5000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub program_steps: Option<u32>,
@@ -114,7 +122,24 @@ impl MotionArgs {
             (shape.cone_height_mm, shape.block_diameter_mm) = (height, block);
             shape.block_top_mm = shape.block_top_mm.max(height + MIN_BLOCK_MM);
         }
-        AnyWorkcell::new(model).map_err(|error| named(error.to_string()))
+        if let Some(allowance_mm) = self.link_allowance {
+            model.arm.allowance_mm = allowance_mm;
+        }
+        let folder = self.workcell.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        AnyWorkcell::with_link_meshes(model, &mut |file| link_mesh(folder, file))
+            .map_err(|error| named(error.to_string()))
+    }
+
+    /// Refuses an arm without bodies, unless that is wanted.
+    pub fn check_links(&self, cell: &AnyWorkcell) -> Result<(), Failure> {
+        if self.no_links || cell.equipment().link_bodies().is_some() {
+            return Ok(());
+        }
+        let file = self.workcell.as_ref().map_or_else(String::new, |file| format!("{}: ", file.display()));
+        Err(failure(format!(
+            "{file}arm: the bodies of its links are not known, so no motion can be proven free of collisions; give `arm.bodies` \
+             (docs/formats.md), or --no-links to plan without"
+        )))
     }
 
     /// The format that is wanted.
@@ -145,6 +170,8 @@ pub struct MotionRun<const N: usize, const F: usize, W> {
     pub limits: PrintLimits<N>,
     /// How far things stay apart.
     pub margin_mm: f64,
+    /// Whether the arm is planned without its bodies.
+    pub without_links: bool,
     pub plan: PrintPlan<N, F>,
     /// Maps the part to the frame of what carries it.
     pub frame_part: Isometry3<f64>,
@@ -210,7 +237,8 @@ impl Print<'_> {
     }
 
     fn growing_options(&self) -> GrowingOptions {
-        GrowingOptions { margin_mm: self.args.margin, ..GrowingOptions::default() }
+        let MotionArgs { margin, no_links, .. } = *self.args;
+        GrowingOptions { margin_mm: margin, without_links: no_links, ..GrowingOptions::default() }
     }
 
     /// Plans it.
@@ -243,7 +271,8 @@ impl Print<'_> {
             plan.times.runs += took;
             Ok(plan)
         })?;
-        Ok(MotionRun { cell: cell.clone(), limits, margin_mm: self.args.margin, plan, frame_part, checked: None })
+        let MotionArgs { margin: margin_mm, no_links: without_links, .. } = *self.args;
+        Ok(MotionRun { cell: cell.clone(), limits, margin_mm, without_links, plan, frame_part, checked: None })
     }
 
     /// The workcell before anything is built, for as long as `work` takes. The nozzle may be so deep in a layer, as a share of

@@ -151,7 +151,8 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
     run: &MotionRun<N, F, W>,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let MotionRun { cell, plan: run, limits, margin_mm, frame_part, checked: found, .. } = run;
+    let MotionRun { cell, plan: run, limits, margin_mm, without_links, frame_part, checked: found, .. } = run;
+    let bodies = cell.equipment().link_bodies().filter(|_| !without_links);
     let times = &run.times;
     let worst = run.layers.iter().map(|layer| factor(layer, PlanTimes::all));
     let limit = |values: [f64; N]| {
@@ -169,6 +170,9 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("limit_flow_ramp_mm3_s2", limit([limits.max_flow_ramp_mm3_s2; N]))?
         .set("path_tolerance_mm", limits.tolerance_mm)?
         .set("margin_mm", *margin_mm)?
+        .set("link_bodies", bodies.map_or("none", |bodies| &bodies.model))?
+        .set("link_bodies_error_mm", bodies.map_or(0.0, |bodies| bodies.error_mm))?
+        .set("link_allowance_mm", cell.equipment().model().arm.allowance_mm)?
         .set("robot_time_s", run.robot_s())?
         .set("printing_s", run.printing_s)?
         .set("printing_planned_s", run.planned_s)?

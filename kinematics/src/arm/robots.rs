@@ -75,6 +75,16 @@ pub const UR5: ArmModel =
 pub const UR5E: ArmModel =
     ur([162.5, 0.0, 0.0, 133.3, 99.7, 99.6], -425.0, -392.2, limits(TWO_TURNS.0, TWO_TURNS.1, [180.0; 6]));
 
+/// Universal Robots UR10 (series 3).
+///
+/// Source: CB3 user manual, Table B.4; Universal_Robots_ROS2_Description, `config/ur10`.
+pub const UR10: ArmModel = ur(
+    [127.3, 0.0, 0.0, 163.941, 115.7, 92.2],
+    -612.0,
+    -572.3,
+    limits(TWO_TURNS.0, TWO_TURNS.1, [120.0, 120.0, 180.0, 180.0, 180.0, 180.0]),
+);
+
 /// ABB IRB 120-3/0.6.
 ///
 /// Source: ROS-Industrial `abb_irb120_support`, `irb120_3_58` (limits from ABB's data sheet ROB0149EN_D, 2012);
@@ -119,8 +129,15 @@ pub const IRBP_A250: PositionerModel = PositionerModel {
 /// use curvlay_kinematics::robots;
 /// assert_eq!(robots::ARMS.iter().find(|(name, _)| *name == "UR3").map(|(_, arm)| **arm), Some(robots::UR3));
 /// ```
-pub const ARMS: [(&str, &ArmModel); 6] =
-    [("UR3", &UR3), ("UR3e", &UR3E), ("UR5", &UR5), ("UR5e", &UR5E), ("IRB120", &IRB120), ("IRB1200", &IRB1200)];
+pub const ARMS: [(&str, &ArmModel); 7] = [
+    ("UR3", &UR3),
+    ("UR3e", &UR3E),
+    ("UR5", &UR5),
+    ("UR5e", &UR5E),
+    ("UR10", &UR10),
+    ("IRB120", &IRB120),
+    ("IRB1200", &IRB1200),
+];
 
 /// The positioners by name, as files of workcells call them.
 pub const POSITIONERS: [(&str, &PositionerModel); 1] = [("IRBP_A250", &IRBP_A250)];

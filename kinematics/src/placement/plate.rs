@@ -42,7 +42,7 @@ impl<const F: usize> PlateOptions<F> {
         PlateOptions {
             samples,
             stop_margin: 0.0,
-            margin_mm: 0.5,
+            margin_mm: 2.0,
             comfortable_mm: 9.5,
             rim_mm: 0.0,
             representatives: 120,

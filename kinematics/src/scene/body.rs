@@ -73,6 +73,8 @@ pub enum Shape {
         /// The edge of a cell.
         cell: f64,
     },
+    /// All points of several shapes.
+    Union(Vec<Shape>),
 }
 
 /// Sides of the prism that stands for a cylinder: it is at most 3.6 % wider.
@@ -170,12 +172,12 @@ pub enum SceneError {
         /// Its value.
         value: f64,
     },
-    /// There are no points, no triangles or no cells.
+    /// There are no points, no triangles, no cells or no shapes.
     #[error("body `{body}` has no {what}")]
     Empty {
         /// The body.
         body: String,
-        /// `points`, `triangles` or `cells`.
+        /// `points`, `triangles`, `cells` or `shapes`.
         what: &'static str,
     },
     /// A corner of a triangle is no point.
@@ -220,6 +222,18 @@ pub enum SceneError {
         /// `triangles` or `cells`.
         what: &'static str,
     },
+    /// The allowance of the links is no length.
+    #[error("the allowance of the links is {value}: it must be a length from 0 to 1e6 mm")]
+    Allowance {
+        /// Its value.
+        value: f64,
+    },
+    /// The clearance is no length.
+    #[error("the clearance is {value}: it must be a length from 0 to 1e6 mm")]
+    Clearance {
+        /// Its value.
+        value: f64,
+    },
     /// The margin is no length.
     #[error("the margin is {value}: it must be a length from 0 to 1e6 mm")]
     Margin {
@@ -228,18 +242,32 @@ pub enum SceneError {
     },
 }
 
-/// The pieces of a shape.
+/// The pieces of a body.
 pub(super) fn pieces(body: &Body) -> Result<Vec<Piece>, SceneError> {
     let name = || body.name.clone();
     let sound = parts(&body.mount_body).is_ok() && body.mount_body.translation.vector.amax() <= FARTHEST;
     if !sound {
         return Err(SceneError::Pose { body: name() });
     }
+    shape_pieces(body, &body.shape)
+}
+
+/// The pieces of a shape of a body whose pose is sound.
+fn shape_pieces(body: &Body, shape: &Shape) -> Result<Vec<Piece>, SceneError> {
+    let name = || body.name.clone();
     let length = |what, value: f64, least: f64| {
         let fine = value >= least && value <= FARTHEST;
         if fine { Ok(()) } else { Err(SceneError::Length { body: name(), what, value }) }
     };
-    let piece = match &body.shape {
+    let piece = match shape {
+        Shape::Union(shapes) => {
+            if shapes.is_empty() {
+                return Err(SceneError::Empty { body: name(), what: "shapes" });
+            }
+            let all: Result<Vec<Vec<Piece>>, SceneError> =
+                shapes.iter().map(|shape| shape_pieces(body, shape)).collect();
+            return Ok(all?.into_iter().flatten().collect());
+        }
         Shape::Capsule { from, to, radius } => {
             check_points(&body.name, &[*from, *to])?;
             length("radius", *radius, 0.0)?;

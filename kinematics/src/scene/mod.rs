@@ -49,6 +49,7 @@ mod body;
 mod bounds;
 mod cells;
 mod chain;
+mod hulls;
 mod links;
 mod mesh;
 mod motion;
@@ -60,7 +61,9 @@ mod search;
 mod sweep;
 
 pub use body::{Body, FARTHEST, Mount, SceneError, Shape};
-pub use links::links;
+pub(crate) use hulls::convex_pieces;
+pub(crate) use links::link_body;
+pub use links::{LINK_NAMES, LinkSource, estimated_links, link_source, links};
 pub use motion::cubic_control;
 pub use query::{Clearance, Nearest, Posture, PostureError};
 pub(crate) use sweep::MIN_RESOLUTION;
@@ -87,12 +90,27 @@ pub struct SceneModel {
     pub allowed: Vec<[String; 2]>,
     /// What is this near, in millimetres, counts as touching.
     pub margin: f64,
+    /// By how much the links are thicker than their bodies, in millimetres, against everything that is no link: for cables,
+    /// hoses and clips that run along them. Against each other links are as thick as their bodies. Default 0.
+    pub link_allowance: f64,
+    /// What bodies keep apart beyond the margin, in millimetres, for postures that motions may leave by so much; but links with one
+    /// link between them, which rest side by side on many arms, keep the margin alone. Default 0.
+    pub clearance: f64,
 }
 
 impl SceneModel {
-    /// Nothing but an arm without bodies; a margin of 0.
+    /// Nothing but an arm without bodies; margin, allowance and clearance are 0.
     pub fn of(arm: Arm) -> Self {
-        SceneModel { arm, positioner: None, links: vec![], bodies: vec![], allowed: vec![], margin: 0.0 }
+        SceneModel {
+            arm,
+            positioner: None,
+            links: vec![],
+            bodies: vec![],
+            allowed: vec![],
+            margin: 0.0,
+            link_allowance: 0.0,
+            clearance: 0.0,
+        }
     }
 }
 
@@ -117,6 +135,8 @@ pub struct Scene {
     bodies: Vec<Placed>,
     allowed: Vec<[usize; 2]>,
     margin: f64,
+    link_allowance: f64,
+    clearance: f64,
     /// Pairs that may touch, by index, in order.
     pairs: Vec<[usize; 2]>,
 }
@@ -130,9 +150,15 @@ impl Scene {
     /// # Cost
     /// `O(n log n)` for `n` triangles, `O(n)` for cells.
     pub fn new(model: SceneModel) -> Result<Self, SceneError> {
-        let SceneModel { arm, positioner, links, bodies, allowed, margin } = model;
+        let SceneModel { arm, positioner, links, bodies, allowed, margin, link_allowance, clearance } = model;
         if !(0.0..=FARTHEST).contains(&margin) {
             return Err(SceneError::Margin { value: margin });
+        }
+        if !(0.0..=FARTHEST).contains(&link_allowance) {
+            return Err(SceneError::Allowance { value: link_allowance });
+        }
+        if !(0.0..=FARTHEST).contains(&clearance) {
+            return Err(SceneError::Clearance { value: clearance });
         }
         let mut scene = Scene {
             arm,
@@ -142,6 +168,8 @@ impl Scene {
             bodies: Vec::with_capacity(links.len() + bodies.len()),
             allowed: vec![],
             margin,
+            link_allowance,
+            clearance,
             pairs: vec![],
         };
         let all = links.into_iter().map(|body| (body, true)).chain(bodies.into_iter().map(|body| (body, false)));
@@ -176,6 +204,20 @@ impl Scene {
     /// The margin, in millimetres.
     pub fn margin(&self) -> f64 {
         self.margin
+    }
+
+    /// By how much the links are thicker than their bodies against what is no link, in millimetres.
+    pub fn link_allowance(&self) -> f64 {
+        self.link_allowance
+    }
+
+    /// By how much the two bodies of a pair are thicker than their shapes, against each other.
+    fn growth(&self, [a, b]: &[usize; 2]) -> [f64; 2] {
+        match (self.bodies[*a].is_link, self.bodies[*b].is_link) {
+            (true, false) => [self.link_allowance, 0.0],
+            (false, true) => [0.0, self.link_allowance],
+            (true, true) | (false, false) => [0.0; 2],
+        }
     }
 
     /// The names of the bodies, links first.

@@ -64,6 +64,15 @@ impl Scene {
         matches!(self.bodies[body].body.mount.place(), Place::Table(_))
     }
 
+    /// How far the bodies of a pair must be apart, thicker by their [`growth`](Self::growth).
+    pub(super) fn threshold(&self, [a, b]: &[usize; 2]) -> f64 {
+        let both_links = self.bodies[*a].is_link && self.bodies[*b].is_link;
+        match self.relation(*a, *b) {
+            Some((_, Apart::Behind { table: false, from, to })) if both_links && to - from <= 2 => self.margin,
+            _ => self.margin + self.clearance,
+        }
+    }
+
     pub(super) fn find_pairs(&mut self) {
         let count = self.bodies.len();
         let mut pairs = Vec::new();
@@ -88,9 +97,11 @@ impl Scene {
         let Some(chain) = chain else { return true };
         let ([low, high], radius) = chain.reachable_volume(from, to, |measure| farthest(outer, measure));
         let identity = Isometry3::identity();
+        let [grown, grown_too] = self.growth(&[a, b]);
+        let threshold = self.threshold(&[a, b]) + grown + grown_too;
         let volume = Piece::capsule(&low, &high, radius + ROUNDING, &identity);
         let frees = |piece: &Piece| {
-            Meeting::new(piece, &volume, piece.mount_piece.inv_mul(&volume.mount_piece)).apart(self.margin)
+            Meeting::new(piece, &volume, piece.mount_piece.inv_mul(&volume.mount_piece)).apart(threshold)
         };
         !inner.pieces.iter().all(frees)
     }

@@ -101,7 +101,7 @@ impl Scene {
     pub fn touching(&self, posture: &Posture) -> Result<Option<[&str; 2]>, PostureError> {
         posture.check(self.positioner.is_some())?;
         let poses = self.poses(posture);
-        let touch = self.pairs.iter().find(|pair| !self.pair_apart(&poses, pair, self.margin));
+        let touch = self.pairs.iter().find(|pair| !self.pair_apart(&poses, pair, self.threshold(pair)));
         Ok(touch.map(|pair| self.names_of(pair)))
     }
 
@@ -212,21 +212,25 @@ impl Scene {
     }
 
     pub(super) fn pair_apart(&self, poses: &Poses, pair: &[usize; 2], threshold: f64) -> bool {
+        let growth = self.growth(pair);
+        let far = threshold + growth[0] + growth[1];
         self.meetings(poses, pair).all(|[(i, a), (j, b)]| {
-            poses.gap_of_balls((i, a), (j, b)) > threshold || poses.meeting((i, a), (j, b)).apart(threshold)
+            poses.gap_of_balls((i, a), (j, b)) > far || poses.meeting((i, a), (j, b)).thicker(growth).apart(threshold)
         })
     }
 
     fn least_gap(&self, poses: &Poses, pair: &[usize; 2]) -> f64 {
-        let gap = |[a, b]: [(usize, &Piece); 2]| poses.gap_of_balls(a, b);
+        let [grown, grown_too] = self.growth(pair);
+        let gap = |[a, b]: [(usize, &Piece); 2]| poses.gap_of_balls(a, b) - grown - grown_too;
         self.meetings(poses, pair).map(gap).fold(f64::INFINITY, f64::min)
     }
 
     fn pair_nearest(&self, poses: &Poses, pair: &[usize; 2], known: f64) -> Option<Found> {
+        let growth = self.growth(pair);
         let mut best: Option<Found> = None;
         for [(i, a), (j, b)] in self.meetings(poses, pair) {
             let known = best.map_or(known, |best| best.distance);
-            if let Some(mut found) = poses.meeting((i, a), (j, b)).nearest(known) {
+            if let Some(mut found) = poses.meeting((i, a), (j, b)).thicker(growth).nearest(known) {
                 found.points = found.points.map(|points| points.map(|point| poses.poses[i] * point));
                 best = Some(found);
             }

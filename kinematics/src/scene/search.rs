@@ -11,7 +11,8 @@ pub(super) struct Meeting<'a> {
     b: &'a Piece,
     a_b: Isometry3<f64>,
     between: Between,
-    /// What both are grown by.
+    /// What each is grown by, and both together.
+    radii: [f64; 2],
     grown: f64,
 }
 
@@ -32,7 +33,13 @@ const BUFFER: usize = 32;
 
 impl<'a> Meeting<'a> {
     pub fn new(a: &'a Piece, b: &'a Piece, a_b: Isometry3<f64>) -> Self {
-        Meeting { a, b, a_b, between: Between::new(&a_b), grown: a.radius + b.radius }
+        Meeting { a, b, a_b, between: Between::new(&a_b), radii: [a.radius, b.radius], grown: a.radius + b.radius }
+    }
+
+    /// The same with each piece thicker by so much.
+    pub fn thicker(self, [a, b]: [f64; 2]) -> Self {
+        let radii = [self.radii[0] + a, self.radii[1] + b];
+        Meeting { radii, grown: radii[0] + radii[1], ..self }
     }
 
     /// Whether they are proven farther apart than `threshold`, which is not negative.
@@ -139,7 +146,7 @@ impl<'a> Meeting<'a> {
             *found = Found { distance: 0.0, points: None };
         } else if distance < found.distance {
             let outward = apart / apart.norm();
-            *found = Found { distance, points: Some([p + outward * self.a.radius, q - outward * self.b.radius]) };
+            *found = Found { distance, points: Some([p + outward * self.radii[0], q - outward * self.radii[1]]) };
         }
     }
 }

@@ -175,7 +175,7 @@ impl Scene {
             for k in range {
                 let pair = open[k];
                 let reach = self.reach(pair, &travel);
-                if self.pair_apart(&poses, &pair, self.margin + reach) {
+                if self.pair_apart(&poses, &pair, self.threshold(&pair) + reach) {
                     continue;
                 }
                 if reach <= resolution {
@@ -230,10 +230,10 @@ impl Scene {
                 let first = lacking.len();
                 for pair in &open[range] {
                     let reach = self.reach(*pair, &travel);
-                    if self.pair_apart(&poses, pair, self.margin + reach) {
+                    if self.pair_apart(&poses, pair, self.threshold(pair) + reach) {
                         continue;
                     }
-                    if reach <= resolution || (half >= COARSE && !self.pair_apart(&poses, pair, self.margin)) {
+                    if reach <= resolution || (half >= COARSE && !self.pair_apart(&poses, pair, self.threshold(pair))) {
                         return false;
                     }
                     lacking.push(*pair);

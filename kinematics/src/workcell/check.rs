@@ -47,6 +47,24 @@ pub enum WorkcellError {
         /// The field.
         path: String,
     },
+    /// A mesh of a link cannot be read or holds nothing.
+    #[error("{path}: {file}: {what}")]
+    LinkMesh {
+        /// The field.
+        path: String,
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A link has no mesh, while others have.
+    #[error("arm.bodies.meshes: link {link} ({name}) has no mesh; each of the links 0 to 6 needs one")]
+    NoLinkMesh {
+        /// The link.
+        link: usize,
+        /// What it is called.
+        name: &'static str,
+    },
     /// A name is empty, stands for something else, or is there twice.
     #[error("{path}: the name `{name}` {what}")]
     Name {
@@ -179,7 +197,7 @@ fn limits<const N: usize>(
 }
 
 /// The numbers of one of the robots that have names.
-fn named<T: Copy>(path: &str, name: &str, all: &[(&str, &T)]) -> Result<T, WorkcellError> {
+pub(super) fn named<T: Copy>(path: &str, name: &str, all: &[(&str, &T)]) -> Result<T, WorkcellError> {
     let found = all.iter().find(|(known, _)| *known == name);
     found.map(|(_, model)| **model).ok_or_else(|| WorkcellError::UnknownRobot {
         path: path.into(),

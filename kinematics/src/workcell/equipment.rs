@@ -1,10 +1,11 @@
 //! What stands in a workcell: the bodies of its scene, and the frames of part and nozzle.
 
 use super::check::{self, Table, WorkcellError, each, finite, positive};
+use super::links::{self, LinkBodies, LinkMeshReader};
 use super::model::{Held, MountModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
 use crate::arm::Arm;
 use crate::positioner::Positioner;
-use crate::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use crate::scene::{Body, Mount, Scene, SceneModel, Shape};
 use nalgebra::{Isometry3, Point3, UnitVector3};
 use std::f64::consts::{PI, TAU};
 
@@ -39,6 +40,7 @@ pub struct Equipment {
     arm: Arm,
     positioner: Option<Positioner>,
     links: Vec<Body>,
+    link_bodies: Option<LinkBodies>,
     /// Stand and solids.
     bodies: Vec<Body>,
     part: (Mount, Isometry3<f64>),
@@ -46,7 +48,7 @@ pub struct Equipment {
 }
 
 impl Equipment {
-    pub(super) fn new(model: WorkcellModel) -> Result<(Self, Option<Table>), WorkcellError> {
+    pub(super) fn new(model: WorkcellModel, read: LinkMeshReader<'_>) -> Result<(Self, Option<Table>), WorkcellError> {
         check::version(model.version)?;
         let (arm, arm_model) = check::arm(&model.arm)?;
         let table = model.positioner.as_ref().map(check::positioner).transpose()?;
@@ -61,12 +63,12 @@ impl Equipment {
         };
         check::plate(&model.plate)?;
         let positioner = table.as_ref().map(|table| table.positioner);
-        let links = links(&arm_model);
+        let (links, link_bodies) = links::of(&model.arm, &arm_model, read)?;
         let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links)))?;
         for (index, solid) in model.solids.iter().enumerate() {
             bodies.push(body(&format!("solids[{index}]"), solid, positioner.is_some(), &part, &nozzle)?);
         }
-        let equipment = Equipment { arm, positioner, links, bodies, part, nozzle, model };
+        let equipment = Equipment { arm, positioner, links, link_bodies, bodies, part, nozzle, model };
         equipment.check_names()?;
         Scene::new(equipment.scene(SOME_PLATE_MM))?;
         Ok((equipment, table))
@@ -108,6 +110,11 @@ impl Equipment {
     /// The arm, within the limits of the cell.
     pub fn arm(&self) -> &Arm {
         &self.arm
+    }
+
+    /// Where the bodies of the links come from; `None` where the arm has none, and nothing can be said of what it touches.
+    pub fn link_bodies(&self) -> Option<&LinkBodies> {
+        self.link_bodies.as_ref()
     }
 
     /// The table, where there is one, within the limits of the cell.
@@ -168,7 +175,13 @@ impl Equipment {
             body(HOT_END, self.nozzle, block),
             body(PLATE, self.part, plate),
         ]);
-        SceneModel { links: self.links.clone(), bodies, positioner: self.positioner, ..SceneModel::of(self.arm) }
+        SceneModel {
+            links: self.links.clone(),
+            bodies,
+            positioner: self.positioner,
+            link_allowance: self.model.arm.allowance_mm,
+            ..SceneModel::of(self.arm)
+        }
     }
 }
 
@@ -181,13 +194,22 @@ fn ring(radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
     })
 }
 
-/// The radius of an arm's foot.
+/// The radius of the foot of an arm without bodies, in millimetres.
+const UNKNOWN_FOOT_MM: f64 = 75.0;
+
+/// The radius of an arm's foot: half of its lesser width, so that a plug at its side does not count.
 fn foot(links: &[Body]) -> f64 {
-    links.first().map_or(0.0, |body| match &body.shape {
-        Shape::Hull { points, .. } => points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max),
-        Shape::Capsule { radius, .. } => *radius,
-        Shape::Mesh { .. } | Shape::Cells { .. } => 0.0,
-    })
+    fn points(shape: &Shape) -> Vec<Point3<f64>> {
+        match shape {
+            Shape::Hull { points, .. } => points.clone(),
+            Shape::Union(shapes) => shapes.iter().flat_map(points).collect(),
+            Shape::Capsule { .. } | Shape::Mesh { .. } | Shape::Cells { .. } => vec![],
+        }
+    }
+    let points = links.first().map_or(vec![], |body| points(&body.shape));
+    let width = |of: fn(&Point3<f64>) -> f64| points.iter().map(|point| of(point).abs()).fold(0.0, f64::max);
+    let radius = width(|point| point.x).min(width(|point| point.y));
+    if radius > 0.0 { radius } else { UNKNOWN_FOOT_MM }
 }
 
 fn standing(stand: &StandModel, foot: f64) -> Result<Vec<Body>, WorkcellError> {

@@ -75,7 +75,9 @@ impl WorkcellModel {
     /// [`WorkcellFileError::Io`]; [`WorkcellFileError::Workcell`] names the number that is not finite, which JSON does not
     /// have, or another value that makes no workcell.
     pub fn write_json(&self, mut output: impl std::io::Write) -> Result<(), WorkcellFileError> {
-        super::AnyWorkcell::new(self.clone())?;
+        // Meshes of links are not looked at: any will do.
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(nalgebra::Point3::from);
+        super::AnyWorkcell::with_link_meshes(self.clone(), &mut |_| Ok((corners.to_vec(), vec![[0, 1, 2]])))?;
         let io = |error: std::io::Error| WorkcellFileError::Io { what: error.to_string() };
         serde_json::to_writer_pretty(&mut output, self)?;
         writeln!(output).map_err(io)?;

@@ -36,9 +36,11 @@ impl ClearanceLevel {
 /// How a [`GrowingScene`] is asked. All in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrowingOptions {
-    /// What is this near counts as touching. Default 0.5.
+    /// What is this near counts as touching. Default 2: twice the error of the bodies of links
+    /// ([`LinkSource::error_mm`](crate::scene::LinkSource::error_mm)).
     pub margin_mm: f64,
-    /// How much farther than the margin things are apart at postures, by [`ClearanceLevel`]; not rising. Default 9.5, 2.5 and 0.5. The
+    /// How much farther than the margin things are apart at postures, by [`ClearanceLevel`], but for links with one link between them
+    /// ([`SceneModel::clearance`]); not rising. Default 9.5, 2.5 and 0.5. The
     /// least should be twice the fine resolution, or sweeps through such postures may not be proven free.
     pub clearances_mm: [f64; 3],
     /// Resolution of sweeps. Default 2: coarse sweeps cost an eighth of fine ones.
@@ -47,16 +49,20 @@ pub struct GrowingOptions {
     pub fine_resolution_mm: f64,
     /// The indicator does not look farther than this. Default 30: with less, filters of motions are told too late.
     pub near_mm: f64,
+    /// Whether the arm has no bodies: then nothing says what it touches, and nothing may be called free. Default false: an arm
+    /// without bodies is refused.
+    pub without_links: bool,
 }
 
 impl Default for GrowingOptions {
     fn default() -> Self {
         GrowingOptions {
-            margin_mm: 0.5,
+            margin_mm: 2.0,
             clearances_mm: [9.5, 2.5, 0.5],
             resolution_mm: 2.0,
             fine_resolution_mm: 0.25,
             near_mm: 30.0,
+            without_links: false,
         }
     }
 }
@@ -100,6 +106,12 @@ pub enum GrowingError {
         /// The cell.
         cell: u32,
     },
+    /// The arm has no bodies, so nothing can be said of what it touches.
+    #[error(
+        "the arm of the workcell has no bodies, so no motion can be proven free: name those of a known arm or give link meshes \
+         (`arm.bodies`), or plan without links"
+    )]
+    NoLinks,
     /// The bodies make no scene: the grid, the pose of the part, the margin or the plate.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -227,13 +239,15 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingScene<'a, N, 
             shape: Shape::Cells { dims, rows: vec![0; rows.len()], cell: cell_mm },
         };
         let mut model = equipment.scene(plate_mm);
+        if options.without_links {
+            model.links.clear();
+        } else if equipment.link_bodies().is_none() {
+            return Err(GrowingError::NoLinks);
+        }
         model.bodies.push(body);
         let allowed = nozzle_pairs(&[PART, PLATE]);
         let model = SceneModel { margin: options.margin_mm, ..model };
-        let with = |more: f64| {
-            let margin = options.margin_mm + more;
-            Scene::new(SceneModel { margin, allowed: allowed.clone(), ..model.clone() })
-        };
+        let with = |clearance: f64| Scene::new(SceneModel { clearance, allowed: allowed.clone(), ..model.clone() });
         // Of these the first looks at the grid.
         let printing = with(0.0)?;
         let [wide, narrow, least] = options.clearances_mm.map(with);

@@ -18,15 +18,14 @@
 //! use curvlay_kinematics::nalgebra::{Point3, Vector3};
 //! use curvlay_kinematics::scene::{Mount, Scene};
 //! use curvlay_kinematics::workcell::{
-//!     AnyWorkcell, ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, NozzleModel, PlateModel, VERSION, Workcell,
-//!     WorkcellModel,
+//!     AnyWorkcell, ArmGeometry, ArmPart, FrameModel, Held, NozzleModel, PlateModel, VERSION, Workcell, WorkcellModel,
 //! };
 //! use curvlay_kinematics::Waypoint;
 //! // A UR5 that holds the part under a nozzle that hangs down.
 //! let model = WorkcellModel {
 //!     version: VERSION,
 //!     name: "UR5 under a nozzle".into(),
-//!     arm: ArmPart { geometry: ArmGeometry::Named("UR5".into()), limits: LimitsModel::default() },
+//!     arm: ArmPart::new(ArmGeometry::Named("UR5".into())),
 //!     held: Held::Part,
 //!     part: FrameModel { position_mm: [0.0, 0.0, 45.0], ..FrameModel::default() },
 //!     nozzle: NozzleModel {
@@ -60,6 +59,7 @@ mod eight;
 mod equipment;
 mod file;
 mod growing;
+mod links;
 mod model;
 mod six;
 
@@ -68,9 +68,10 @@ pub use eight::EightAxisCell;
 pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE, PlateContact};
 pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
+pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
-    ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, MountModel, NozzleModel, PlateModel, PositionerGeometry,
-    PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellModel,
+    ArmGeometry, ArmPart, BodiesModel, FrameModel, Held, LimitsModel, LinkMeshModel, MountModel, NozzleModel,
+    PlateModel, PositionerGeometry, PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellModel,
 };
 pub use six::SixAxisCell;
 
@@ -201,7 +202,40 @@ impl AnyWorkcell {
     /// # Errors
     /// [`WorkcellError`] names the field, as in the file.
     pub fn new(model: WorkcellModel) -> Result<Self, WorkcellError> {
-        let (equipment, table) = Equipment::new(model)?;
+        let no_reader = |_: &str| Err("link meshes are not read here: use AnyWorkcell::with_link_meshes".to_owned());
+        Self::with_link_meshes(model, &mut { no_reader })
+    }
+
+    /// Checks the numbers of a workcell whose links may be meshes.
+    ///
+    /// # Arguments
+    /// * `read`: gives the points, in the unit of the file, and the triangles of a mesh by its name in the model, or says why it
+    ///   cannot.
+    ///
+    /// # Errors
+    /// [`WorkcellError`] names the field, as in the file.
+    ///
+    /// # Cost
+    /// `O(n log n)` for `n` triangles of link meshes.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_kinematics::nalgebra::Point3;
+    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, LinkMeshModel, FrameModel, WorkcellModel};
+    /// # #[cfg(feature = "serde")] {
+    /// let mut model = WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes())?;
+    /// let mesh = |link| LinkMeshModel { link, file: "link.stl".into(), unit_mm: 1000.0, frame: FrameModel::default() };
+    /// model.arm.bodies = Some(BodiesModel::Meshes((0..=6).map(mesh).collect()));
+    /// // A tetrahedron of 2 cm, in metres.
+    /// let points = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.02]].map(Point3::from).to_vec();
+    /// let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    /// let cell = AnyWorkcell::with_link_meshes(model, &mut |_| Ok((points.clone(), triangles.clone())))?;
+    /// assert_eq!(cell.equipment().scene(100.0).links.len(), 7);
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_link_meshes(model: WorkcellModel, read: LinkMeshReader<'_>) -> Result<Self, WorkcellError> {
+        let (equipment, table) = Equipment::new(model, read)?;
         Ok(match table {
             None => AnyWorkcell::Six(SixAxisCell::new(equipment)?),
             Some(table) => AnyWorkcell::Eight(EightAxisCell::new(equipment, &table)?),

@@ -57,6 +57,73 @@ pub struct ArmPart {
     /// What its joints may do in this cell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: LimitsModel<6>,
+    /// The bodies of its links; absent: those that are known of an arm of these lengths, see
+    /// [`scene::links`](crate::scene::links).
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub bodies: Option<BodiesModel>,
+    /// How much thicker the links are than their bodies, for cables, hoses and clips; see
+    /// [`SceneModel::link_allowance`](crate::scene::SceneModel::link_allowance).
+    #[cfg_attr(feature = "serde", serde(default = "ArmPart::allowance"))]
+    pub allowance_mm: f64,
+}
+
+impl ArmPart {
+    /// The default of [`allowance_mm`](ArmPart::allowance_mm): a cable of 10 mm along the arm.
+    pub const ALLOWANCE_MM: f64 = 10.0;
+
+    #[cfg(feature = "serde")]
+    fn allowance() -> f64 {
+        Self::ALLOWANCE_MM
+    }
+
+    /// An arm with what is known of it.
+    ///
+    /// ```
+    /// use curvlay_kinematics::workcell::{ArmGeometry, ArmPart};
+    /// let arm = ArmPart::new(ArmGeometry::Named("UR3".into()));
+    /// assert_eq!((arm.bodies, arm.allowance_mm), (None, 10.0));
+    /// ```
+    pub fn new(geometry: ArmGeometry) -> Self {
+        ArmPart { geometry, limits: LimitsModel::default(), bodies: None, allowance_mm: Self::ALLOWANCE_MM }
+    }
+}
+
+/// Bodies of links.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum BodiesModel {
+    /// Those of one of [`robots::ARMS`](crate::robots::ARMS), by its name there: for an arm whose lengths were calibrated. No
+    /// length may differ by more than 5 mm.
+    Named(String),
+    /// Meshes, one or more for each link.
+    Meshes(Vec<LinkMeshModel>),
+}
+
+/// A mesh of a link. Each of its connected pieces becomes its convex hull.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct LinkMeshModel {
+    /// The link: 0 the base, 1 to 6 the link behind that joint.
+    pub link: usize,
+    /// Name of an STL file, from the folder of the workcell file on.
+    pub file: String,
+    /// Millimetres in a unit of the file; 1000 for one in metres.
+    #[cfg_attr(feature = "serde", serde(default = "LinkMeshModel::unit"))]
+    pub unit_mm: f64,
+    /// The frame of the mesh in the frame of the link, see [`Arm::frames`](crate::Arm::frames).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub frame: FrameModel,
+}
+
+#[cfg(feature = "serde")]
+impl LinkMeshModel {
+    fn unit() -> f64 {
+        1.0
+    }
 }
 
 /// The lengths of an arm.

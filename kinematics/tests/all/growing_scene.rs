@@ -19,6 +19,7 @@ const IRB1200: &str = include_str!("../../../examples/cells/irb1200-table.json")
 /// 70 cells in x: rows of two words. Every second cell of the upper half is missing.
 const DIMS: [u32; 3] = [70, 6, 4];
 const PLATE_MM: f64 = 150.0;
+const MARGIN_MM: f64 = 2.0;
 
 fn ur3() -> SixAxisCell {
     match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
@@ -49,7 +50,7 @@ fn part<'a>(layers: &'a [Vec<u32>], rows: &'a [u64]) -> PartCells<'a> {
 }
 
 /// A scene with the first layers in it, by hand.
-fn by_hand(cell: &SixAxisCell, part: &PartCells, layers: usize, margin: f64, nozzle_touches: bool) -> Scene {
+fn by_hand(cell: &SixAxisCell, part: &PartCells, layers: usize, clearance: f64, nozzle_touches: bool) -> Scene {
     let mut rows = vec![0; part.rows.len()];
     for &cell in part.layers[..layers].iter().flatten() {
         let (x, row) = (cell % DIMS[0], cell / DIMS[0]);
@@ -65,7 +66,7 @@ fn by_hand(cell: &SixAxisCell, part: &PartCells, layers: usize, margin: f64, noz
     });
     let pairs = [[NOZZLE, PART], [NOZZLE, PLATE], [HOT_END, PART], [HOT_END, PLATE]];
     let allowed = if nozzle_touches { pairs.map(|pair| pair.map(str::to_owned)).to_vec() } else { vec![] };
-    Scene::new(SceneModel { margin, allowed, ..model }).unwrap()
+    Scene::new(SceneModel { margin: MARGIN_MM, clearance, allowed, ..model }).unwrap()
 }
 
 /// Postures with the nozzle near the part: some touch, some do not.
@@ -102,10 +103,10 @@ fn every_state_is_the_scene_made_by_hand() {
             scene.build(if built == 3 { 1000 } else { built as u32 - 1 }).unwrap();
         }
         assert_eq!(scene.layers(), [begun, built]);
-        let moving = by_hand(&cell, &part, built, 0.5, false);
-        let printing = by_hand(&cell, &part, begun, 0.5, true);
-        let clear = [10.0, 3.0, 1.0].map(|margin| by_hand(&cell, &part, begun, margin, true));
-        let postures = postures(&cell, &mut rng, 30);
+        let moving = by_hand(&cell, &part, built, 0.0, false);
+        let printing = by_hand(&cell, &part, begun, 0.0, true);
+        let clear = [9.5, 2.5, 0.5].map(|clearance| by_hand(&cell, &part, begun, clearance, true));
+        let postures = postures(&cell, &mut rng, 50);
         for joints in &postures {
             let posture = (*joints).into();
             assert_eq!(scene.touching_moving(joints), moving.touching(&posture));
@@ -117,9 +118,9 @@ fn every_state_is_the_scene_made_by_hand() {
             let (value, slope) = scene.indicator(joints);
             match printing.clearance(&posture, 30.0).unwrap() {
                 Some(near) => {
-                    assert_eq!((value, slope), (0.5 - near.nearest.distance, near.joints.map(|rate| -rate)));
+                    assert_eq!((value, slope), (MARGIN_MM - near.nearest.distance, near.joints.map(|rate| -rate)));
                 }
-                None => assert_eq!((value, slope), (-29.5, [0.0; 6])),
+                None => assert_eq!((value, slope), (MARGIN_MM - 30.0, [0.0; 6])),
             }
         }
         for pair in postures.windows(2) {
@@ -144,6 +145,7 @@ fn every_state_is_the_scene_made_by_hand() {
             assert_eq!(free, moving.is_free(&control[0].into(), &control[3].into(), 2.0).unwrap());
         }
     }
+    println!("{touching} {apart} {swept:?} {fine}");
     assert!(touching > 50 && apart > 50 && swept.iter().all(|&count| count > 20) && fine > 0);
 }
 
@@ -159,7 +161,7 @@ fn a_table_moves_the_indicator() {
     let mut looked = [0; 8];
     cell.solutions(&waypoint, &[0.4, 0.6], &mut |_, joints| {
         let (value, slope) = scene.indicator(&joints);
-        if value >= 0.5 {
+        if value >= options.margin_mm {
             return; // something overlaps: no slope
         }
         for j in 0..8 {
@@ -184,7 +186,7 @@ fn a_part_without_layers_is_an_empty_cell() {
     scene.build(u32::MAX).unwrap();
     assert_eq!(scene.layers(), [0, 0]);
     let joints = postures(&cell, &mut Pcg64::seed_from_u64(1), 1)[0];
-    let by_hand = by_hand(&cell, &part(&[], &rows), 0, 0.5, false);
+    let by_hand = by_hand(&cell, &part(&[], &rows), 0, 0.0, false);
     assert_eq!(scene.touching_moving(&joints), by_hand.touching(&joints.into()));
 }
 
@@ -232,7 +234,7 @@ fn numbers_that_cannot_be_are_named() {
     assert!(scene.touching_printing(&nowhere, ClearanceLevel::Wide).is_err());
     assert!(scene.sweep_printing(&[[0.0; 6], nowhere, [0.0; 6], [0.0; 6]]).is_err());
     assert!(scene.is_moving_free(&[0.0; 6], &nowhere).is_err());
-    assert_eq!(scene.indicator(&nowhere), (-29.5, [0.0; 6]));
+    assert_eq!(scene.indicator(&nowhere), (MARGIN_MM - 30.0, [0.0; 6]));
 }
 
 /// The lowest points of the circles around the tip flat, and around both ends of the block.

@@ -10,6 +10,7 @@ mod extremes;
 mod growing_scene;
 mod limits;
 mod link;
+mod link_bodies;
 mod part_place;
 mod placement;
 mod program;

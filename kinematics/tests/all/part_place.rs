@@ -209,7 +209,7 @@ fn ur3() -> SixAxisCell {
     let model = WorkcellModel {
         version: VERSION,
         name: "UR3".into(),
-        arm: ArmPart { geometry: ArmGeometry::Named("UR3".into()), limits: LimitsModel::default() },
+        arm: ArmPart::new(ArmGeometry::Named("UR3".into())),
         held: Held::Part,
         part: FrameModel { position_mm: [0.0, 0.0, 45.0], ..FrameModel::default() },
         nozzle: NozzleModel {
@@ -387,14 +387,14 @@ fn a_print_stands_where_the_fewest_waypoints_are_bad() {
     let print: Vec<Waypoint> =
         [(0.0, 0.0, 5.0), (40.0, 0.0, 5.0), (20.0, 30.0, 160.0)].map(|(x, y, z)| upright(x, y, z)).into();
     let options = PlateOptions { steps: 2, comfortable_mm: 3.0, rim_mm: 1.0, ..PlateOptions::new([3, 4]) };
-    let found = place_on_plate(&cell, &print, 900.0, &options, &|_| Continue(())).unwrap();
+    let found = place_on_plate(&cell, &print, 700.0, &options, &|_| Continue(())).unwrap();
 
     let middle = Isometry3::translation(-20.0, -10.0, 0.0);
     assert!(
         (centred_on_plate(print.iter().map(|at| &at.position)).translation.vector - middle.translation.vector).norm()
             < 1e-12
     );
-    let mut model = cell.equipment().scene(900.0);
+    let mut model = cell.equipment().scene(700.0);
     model.allowed = ["nozzle", "hot end"].map(|name| [name.into(), "plate".into()]).into();
     let scene = Scene::new(SceneModel { margin: options.margin_mm, ..model }).unwrap();
     let at = |range: FreeRange, k: u32, count: u32| match range {
@@ -403,7 +403,7 @@ fn a_print_stands_where_the_fewest_waypoints_are_bad() {
     };
     let [tilt, turn] = cell.free();
     let frees: Vec<[f64; 2]> = (0..3).flat_map(|i| (0..4).map(move |k| [at(tilt, i, 3), at(turn, k, 4)])).collect();
-    let plate_mm = cell.equipment().plate_diameter_mm(900.0);
+    let plate_mm = cell.equipment().plate_diameter_mm(700.0);
     let wide = print.iter().map(|at| (middle * at.position).coords.xy().norm()).fold(0.0, f64::max);
     let places = place_grid((plate_mm / 2.0 - wide - 1.0).max(0.0), 2, 1).unwrap();
     let bad = |place: &PartPlace| {
@@ -422,11 +422,11 @@ fn a_print_stands_where_the_fewest_waypoints_are_bad() {
     assert!((found.translation.vector - expected.translation.vector).norm() < 1e-9, "{found} {expected}");
     let none = PlateOptions { samples: [0, 1], ..options };
     assert!(matches!(
-        place_on_plate(&cell, &print, 900.0, &none, &|_| Continue(())),
+        place_on_plate(&cell, &print, 700.0, &none, &|_| Continue(())),
         Err(PlateError::Place(PlaceError::Option { what: "samples", .. }))
     ));
     assert_eq!(
-        place_on_plate(&cell, &print, 900.0, &options, &|_| Break(())),
+        place_on_plate(&cell, &print, 700.0, &options, &|_| Break(())),
         Err(PlateError::Place(PlaceError::Cancelled))
     );
 }

@@ -95,10 +95,14 @@ fn floor() -> Body {
     fixed("floor", [-1500.0, -1500.0, -650.0], [1500.0, 1500.0, -600.0])
 }
 
-/// The radius of a foot: that of the corners of its prism.
+/// The radius of a foot: half of the lesser width of its prisms.
 fn foot(links: &[Body]) -> f64 {
-    let Shape::Hull { points, .. } = &links[0].shape else { panic!("a foot is a prism") };
-    points.iter().map(|point| point.x.hypot(point.y)).fold(0.0, f64::max)
+    let Shape::Union(pieces) = &links[0].shape else { panic!("a foot is of pieces") };
+    let wide = pieces.iter().fold([0.0f64; 2], |wide, piece| {
+        let Shape::Hull { points, .. } = piece else { panic!("a piece is a prism") };
+        points.iter().fold(wide, |[x, y], point| [x.max(point.x.abs()), y.max(point.y.abs())])
+    });
+    wide[0].min(wide[1])
 }
 
 fn solutions<const N: usize, const F: usize>(
@@ -155,7 +159,7 @@ fn the_ur3_of_the_file_is_the_one_made_by_hand() {
     ];
     bodies.extend(printing((Mount::Base, nozzle), (Mount::Link(6), part)));
     let scene = cell.equipment().scene(150.0);
-    assert_eq!(scene, SceneModel { links, bodies, ..SceneModel::of(*cell.cell().arm()) });
+    assert_eq!(scene, SceneModel { links, bodies, link_allowance: 10.0, ..SceneModel::of(*cell.cell().arm()) });
 }
 
 #[test]
@@ -213,7 +217,8 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
         body("holder", Mount::Link(6), nozzle, Shape::cylinder(25.0, 60.0, 150.0)),
     ];
     bodies.extend(printing((Mount::Link(6), nozzle), (Mount::Table, Isometry3::identity())));
-    let expected = SceneModel { links, bodies, positioner: Some(positioner), ..SceneModel::of(*cell.cell().arm()) };
+    let own = SceneModel { link_allowance: 10.0, ..SceneModel::of(*cell.cell().arm()) };
+    let expected = SceneModel { links, bodies, positioner: Some(positioner), ..own };
     assert_eq!(cell.equipment().scene(150.0), expected);
 }
 
@@ -441,6 +446,14 @@ fn a_table_with_narrow_stops_is_no_turn() {
     assert_eq!(cell.stance(&[0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 2.0, 0.0]), None);
 }
 
+/// The same arm by its lengths, not by its name.
+fn with_lengths(text: &str) -> WorkcellModel {
+    let mut model = model(text);
+    let d_mm = [127.3, 0.0, 0.0, 163.941, 115.7, 92.2];
+    model.arm.geometry = ArmGeometry::Ur { d_mm, upper_arm_mm: -612.0, forearm_mm: -572.3 };
+    model
+}
+
 #[test]
 fn limits_that_are_not_given_are_the_robots_or_none() {
     let mut bare = model(UR3);
@@ -450,7 +463,7 @@ fn limits_that_are_not_given_are_the_robots_or_none() {
     let limits = *six(bare).limits();
     assert_eq!((limits.velocity[0], limits.velocity[1]), (10f64.to_radians(), f64::INFINITY));
     assert_eq!((limits.jerk, limits.upper), ([f64::INFINITY; 6], robots::UR3.limits.upper));
-    let mut own = model(UR10);
+    let mut own = with_lengths(UR10);
     own.arm.limits = LimitsModel::default();
     assert_eq!(*six(own).limits(), JointLimits::NONE);
 }
@@ -507,6 +520,7 @@ fn numbers_that_cannot_be_are_named_as_in_the_file() {
         }),
         (UR3, "arm.limits.max_deg[0]", |m| m.arm.limits.max_deg.as_mut().unwrap()[0] = Some(f64::NAN)),
         (UR10, "arm.geometry.ur.d_mm[3]", |m| {
+            *m = with_lengths(UR10);
             if let ArmGeometry::Ur { d_mm, .. } = &mut m.arm.geometry {
                 d_mm[3] = f64::NAN;
             }
@@ -561,7 +575,8 @@ fn numbers_that_cannot_be_are_named_as_in_the_file() {
 #[test]
 fn cells_that_cannot_be_are_refused() {
     let unknown = refused(UR3, |m| m.arm.geometry = ArmGeometry::Named("UR17".into()));
-    let expected = "arm.geometry.named: no robot is called `UR17`; known are UR3, UR3e, UR5, UR5e, IRB120, IRB1200";
+    let expected =
+        "arm.geometry.named: no robot is called `UR17`; known are UR3, UR3e, UR5, UR5e, UR10, IRB120, IRB1200";
     assert_eq!(unknown.to_string(), expected);
     let unknown = refused(IRB1200, |m| {
         m.positioner.as_mut().unwrap().geometry = PositionerGeometry::Named("A-250".into());
@@ -584,6 +599,7 @@ fn cells_that_cannot_be_are_refused() {
     assert!(mount(UR3, MountModel::Table) && mount(UR3, MountModel::Tilt));
     assert!(mount(IRB1200, MountModel::Link(0)) && mount(IRB1200, MountModel::Link(7)));
     let no_elbow = refused(UR10, |m| {
+        *m = with_lengths(UR10);
         if let ArmGeometry::Ur { upper_arm_mm, .. } = &mut m.arm.geometry {
             *upper_arm_mm = 0.0;
         }

@@ -2,8 +2,8 @@
 #![cfg(feature = "serde")]
 
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, FrameModel, LimitsModel, MountModel, PositionerGeometry, ShapeModel, SolidModel,
-    StandModel, WorkcellError, WorkcellFileError, WorkcellModel,
+    AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, LimitsModel, LinkMeshModel, MountModel, PositionerGeometry,
+    ShapeModel, SolidModel, StandModel, WorkcellError, WorkcellFileError, WorkcellModel,
 };
 use proptest::prelude::*;
 use std::io::{Error, Read, Write};
@@ -35,8 +35,8 @@ fn files_say_what_they_say() {
     assert_eq!((table.tool_angle_deg, table.frame.rpy_deg), (0.0, [0.0; 3]));
     assert_eq!(irb1200.part, FrameModel::default());
     assert_eq!(irb1200.solids[2].mount, MountModel::Nozzle);
-    let d_mm = [127.3, 0.0, 0.0, 163.941, 115.7, 92.2];
-    assert_eq!(ur10.arm.geometry, ArmGeometry::Ur { d_mm, upper_arm_mm: -612.0, forearm_mm: -572.3 });
+    assert_eq!(ur10.arm.geometry, ArmGeometry::Named("UR10".into()));
+    assert_eq!((ur10.arm.bodies, ur10.arm.allowance_mm), (None, 10.0));
     for model in FILES.map(read) {
         assert_eq!(read(&written(&model)), model);
     }
@@ -56,6 +56,8 @@ fn every_kind() -> WorkcellModel {
         offsets_deg: [0.0, 0.0, -90.0, 0.0, 0.0, 0.0],
         signs: [1.0, 1.0, 1.0, -1.0, 1.0, 1.0],
     };
+    let mesh = |link| LinkMeshModel { link, file: "link.stl".into(), unit_mm: 1000.0, frame: FrameModel::default() };
+    model.arm.bodies = Some(BodiesModel::Meshes((0..7).map(mesh).collect()));
     let table = model.positioner.as_mut().unwrap();
     table.geometry = PositionerGeometry::Axes {
         tilt_origin_mm: [733.0, 0.0, 1020.0],

@@ -2,7 +2,7 @@
 
 use crate::common::quiet;
 use crate::common::ur3::Ur3;
-use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, estimated_links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::indicator::geometric::{BodiesFn, Capsule, GeometricIndicator, GeometricModel, Twist};
 use curvlay_trajectory::indicator::{CollisionIndicator, IndicatorFn};
@@ -23,7 +23,7 @@ fn scene(ball: &Point3<f64>) -> Scene {
     let shape = Shape::Capsule { from: *ball, to: *ball, radius: BALL };
     let body = Body { name: "ball".into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape };
     let arm = Arm::new(&robots::UR3).unwrap();
-    Scene::new(SceneModel { bodies: vec![body], links: links(&robots::UR3), ..SceneModel::of(arm) }).unwrap()
+    Scene::new(SceneModel { bodies: vec![body], links: estimated_links(&robots::UR3), ..SceneModel::of(arm) }).unwrap()
 }
 
 /// The links that are capsules, against the ball.
@@ -41,7 +41,7 @@ fn indicator(ball: &Point3<f64>) -> impl CollisionIndicator<6> {
         (Mount::Link(body), Shape::Capsule { from, to, radius }) => Some(Capsule { body, from, to, radius }),
         _ => None,
     };
-    let mut capsules: Vec<Capsule> = links(&robots::UR3).into_iter().filter_map(capsule).collect();
+    let mut capsules: Vec<Capsule> = estimated_links(&robots::UR3).into_iter().filter_map(capsule).collect();
     capsules.push(Capsule { body: 0, from: *ball, to: *ball, radius: BALL });
     let ignored = (1..7).flat_map(|a| (a + 1..7).map(move |b| [a, b])).collect();
     GeometricIndicator::new(bodies, GeometricModel { capsules, ignored, ..GeometricModel::default() }).unwrap()
@@ -66,7 +66,7 @@ fn a_path_that_collides_comes_clear() {
         robot.cell.arm().frames(&joints)[5].translation.vector
     };
     let (wrist, aside) = (wrist_at(0.0), (wrist_at(1e-4) - wrist_at(-1e-4)).normalize());
-    let radius = links(&robots::UR3).iter().find_map(|body| match &body.shape {
+    let radius = estimated_links(&robots::UR3).iter().find_map(|body| match &body.shape {
         Shape::Capsule { radius, .. } if body.name == "wrist 2" => Some(*radius),
         _ => None,
     });

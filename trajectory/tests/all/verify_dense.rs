@@ -3,7 +3,7 @@
 use crate::common;
 use crate::common::quiet;
 use crate::common::ur3::Ur3;
-use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
+use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, estimated_links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_trajectory::verify::{Checks, Repair, RepairError, RepairOptions, Verification, repair_by_turning, verify};
@@ -27,7 +27,7 @@ fn scene(robot: &Ur3, joints: &[f64; 6], deep: f64) -> Scene {
         robot.cell.arm().frames(&joints)[5].translation.vector
     };
     let aside = (wrist(1e-4) - wrist(-1e-4)).normalize();
-    let radius = links(&robots::UR3).iter().find_map(|body| match &body.shape {
+    let radius = estimated_links(&robots::UR3).iter().find_map(|body| match &body.shape {
         Shape::Capsule { radius, .. } if body.name == "wrist 2" => Some(*radius),
         _ => None,
     });
@@ -36,7 +36,7 @@ fn scene(robot: &Ur3, joints: &[f64; 6], deep: f64) -> Scene {
     let shape = Shape::Capsule { from: at, to: at, radius: BALL };
     let body = Body { name: "ball".into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape };
     let arm = Arm::new(&robots::UR3).unwrap();
-    Scene::new(SceneModel { bodies: vec![body], links: links(&robots::UR3), ..SceneModel::of(arm) }).unwrap()
+    Scene::new(SceneModel { bodies: vec![body], links: estimated_links(&robots::UR3), ..SceneModel::of(arm) }).unwrap()
 }
 
 fn checked(scene: &Scene, waypoints: &[[f64; 6]]) -> Verification {

@@ -57,6 +57,7 @@ impl Solid {
 
     pub fn all_of(shape: &Shape) -> Vec<Self> {
         match shape {
+            Shape::Union(shapes) => shapes.iter().flat_map(Solid::all_of).collect(),
             Shape::Capsule { from, to, radius } => vec![Solid::line(*from, *to, *radius)],
             Shape::Hull { points, radius } => vec![Solid::hull(points, *radius)],
             Shape::Mesh { points, triangles } => {

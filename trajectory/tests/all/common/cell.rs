@@ -1,7 +1,7 @@
 //! A made-up cell: a UR5 with an extruder prints a bowl upside down beside a tower, on a desk. The exact answer comes from
 //! the collision scene of `curvlay-kinematics`, the indicator from this crate.
 
-use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, links};
+use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, estimated_links};
 use curvlay_kinematics::{Arm, robots};
 use curvlay_trajectory::indicator::geometric::{
     Bodies, BodiesFn, Capsule, Cylinder, DistanceGrid, GeometricIndicator, GeometricModel, Plane, Twist,
@@ -64,7 +64,7 @@ pub fn scene() -> Scene {
     bodies.push(base("post", Isometry3::identity(), post));
     bodies.push(base("part", Isometry3::translation(CORNER[0], CORNER[1], CORNER[2]), cells));
     let arm = Arm::new(&robots::UR5).unwrap();
-    Scene::new(SceneModel { bodies, links: links(&robots::UR5), ..SceneModel::of(arm) }).unwrap()
+    Scene::new(SceneModel { bodies, links: estimated_links(&robots::UR5), ..SceneModel::of(arm) }).unwrap()
 }
 
 pub fn grid() -> DistanceGrid {
@@ -90,7 +90,7 @@ pub fn bodies() -> impl Bodies<6> {
 /// The indicator: head, links and post as capsules, foot and flange as cylinders, the desk as a plane.
 pub fn indicator() -> GeometricIndicator<6, impl Bodies<6>> {
     let (mut capsules, mut cylinders) = (vec![], vec![]);
-    for body in links(&robots::UR5) {
+    for body in estimated_links(&robots::UR5) {
         let number = if let Mount::Link(link) = body.mount { link } else { 0 };
         match body.shape {
             Shape::Capsule { from, to, radius } => capsules.push(Capsule { body: number, from, to, radius }),

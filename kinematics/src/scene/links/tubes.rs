@@ -1,12 +1,10 @@
-//! Bodies for the links of an arm, from its lengths: ours, not the makers'.
+//! An estimate of the links of any arm from its lengths: tubes.
 //!
-//! Makers publish lengths of links, seldom their girth. So the girth here follows from the lengths in a way that is
-//! right to about a centimetre for the arms in [`robots`](crate::robots) and leaves no two bodies touching that the
-//! joints keep apart: of a UR arm tubes, of an ortho-parallel arm tubes and a foot. For a cell in which a centimetre
-//! matters, give hulls of the maker's models instead.
+//! For studies of planners and indicators, which need bodies of few numbers. The links of real arms are thicker: those of a UR3 by 20
+//! to 33 mm, of a UR10 by 32 to 53, of an IRB 1200 by 30 to 140. So nothing that is shown for these tubes holds for a robot.
 
-use super::body::{Body, Mount, Shape};
 use crate::arm::{ArmModel, DhTable, Geometry, OrthoLengths};
+use crate::scene::body::{Body, Mount, Shape};
 use nalgebra::Isometry3;
 
 fn body(name: &str, link: usize, shape: Shape) -> Body {
@@ -18,15 +16,16 @@ fn tube(from: [f64; 3], to: [f64; 3], radius: f64) -> Shape {
     Shape::Capsule { from: from.into(), to: to.into(), radius }
 }
 
-/// Seven bodies, base to flange, in the frames of the arm: capsules, and convex hulls where an end is flat.
+/// Seven bodies, base to flange, for an arm of any lengths: an estimate, thinner than any real arm. For robots use
+/// [`links`](super::links()).
 ///
-/// Names: `base`, `shoulder`, `upper arm`, `forearm`, `wrist 1`, `wrist 2`, `flange`.
+/// Capsules, and convex hulls where an end is flat; names are [`LINK_NAMES`](super::LINK_NAMES).
 /// ```
 /// use curvlay_kinematics::{robots, scene};
-/// let links = scene::links(&robots::UR5);
+/// let links = scene::estimated_links(&robots::UR5);
 /// assert_eq!((links.len(), links[6].name.as_str(), links[6].mount), (7, "flange", scene::Mount::Link(6)));
 /// ```
-pub fn links(model: &ArmModel) -> Vec<Body> {
+pub fn estimated_links(model: &ArmModel) -> Vec<Body> {
     match &model.geometry {
         Geometry::Ur(table) => ur(table),
         Geometry::Ortho(lengths) => ortho(lengths),
