@@ -6,7 +6,7 @@
 
 use super::Contour;
 use super::curve::Curve;
-use super::drawing::Drawing;
+use super::drawing::{Drawing, Entity};
 use nalgebra::{Matrix2, Point2};
 use std::f64::consts::TAU;
 
@@ -138,6 +138,13 @@ impl Drawing {
         if !(value > 0.0 && value.is_finite()) {
             return Err(FlattenError::Option { value });
         }
+        let chosen = || self.entities.iter().filter(|entity| is_on(&entity.layer));
+        let estimate: f64 =
+            chosen().flat_map(|entity| &entity.curves).map(|curve| estimated_points(curve, flatten)).sum();
+        // An estimate of curves that cannot be drawn is nothing: they are named below.
+        if estimate.is_finite() && estimate > MAX_POINTS as f64 && chosen().all(Entity::is_drawable) {
+            return Err(FlattenError::TooManyPoints { limit: MAX_POINTS });
+        }
         let mut contours = Vec::new();
         let mut left = MAX_POINTS;
         for (number, entity) in self.entities.iter().enumerate().filter(|(_, entity)| is_on(&entity.layer)) {
@@ -182,6 +189,37 @@ impl Drawing {
             return Err(FlattenError::NoEntity { layers });
         }
         Ok(contours)
+    }
+}
+
+impl Entity {
+    fn is_drawable(&self) -> bool {
+        self.curves.iter().all(|curve| curve.drawable().is_ok())
+    }
+}
+
+/// Roughly how many points a curve would have: by the chords of arcs, and by the second differences of a spline's
+/// control points, which bound how far its chords are from it (Wang's formula).
+fn estimated_points(curve: &Curve, flatten: Flatten) -> f64 {
+    let (tolerance, step) = match flatten {
+        Flatten::Tolerance(tolerance) => (tolerance, f64::INFINITY),
+        Flatten::Step(step) => (step * STEP_TOLERANCE, step),
+    };
+    match curve {
+        Curve::Line { from, to } => 2.0 + (to - from).norm() / step,
+        Curve::Arc { u, v, sweep, .. } => {
+            let radius = u.norm().max(v.norm());
+            let chord = (8.0 * tolerance / radius).sqrt();
+            2.0 + sweep.abs() / chord.min(TAU / 3.0) + sweep.abs() * radius / step
+        }
+        Curve::Spline { degree, points, .. } => {
+            let bends = points.windows(3).map(|p| ((p[2] - p[1]) - (p[1] - p[0])).norm());
+            let length: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+            let degree = *degree as f64;
+            let chords = |bend: f64| (degree * (degree - 1.0) / 8.0 * bend / tolerance).sqrt();
+            // Of several pieces the sharpest alone is counted.
+            2.0 + bends.map(chords).fold(0.0, f64::max).max(length / step)
+        }
     }
 }
 

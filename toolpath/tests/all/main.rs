@@ -6,6 +6,7 @@ mod common;
 mod conductor;
 mod contacts;
 mod deposition;
+mod drawing_dxf;
 mod drawing_extremes;
 mod drawing_files;
 mod drawing_fill;
