@@ -214,7 +214,7 @@ impl Region {
     /// [`RegionError::Normal`] for a normal of another length, by more than 1e-6; [`RegionError::Offset`] for an offset that is not a number.
     pub fn half(&self, normal: [f64; 2], offset: f64) -> Result<Region, RegionError> {
         let length = normal[0].hypot(normal[1]);
-        if !((length - 1.0).abs() <= 1e-6) {
+        if length.is_nan() || (length - 1.0).abs() > 1e-6 {
             return Err(RegionError::Normal { length });
         }
         if offset.is_nan() { Err(RegionError::Offset { by: offset }) } else { Ok(self.below(normal, offset)) }
