@@ -4,7 +4,7 @@
 //!
 //! * [`voxelise`]: the cells whose open interior meets a closed solid, from triangles in whatever state. By size of the
 //!   cells or by their number.
-//! * [`orient`]: triangles of mixed winding turned so that they look outwards.
+//! * [`orient`]: triangles of mixed winding turned so that they look outwards. [`triangulate_polygon`]: polygons as triangles.
 //! * [`VoxelGrid`]: cells as bits, with their place in space. Also from functions and lists of cells, from implicit
 //!   functions ([`VoxelGrid::from_implicit`]) and from text ([`read_text_grid`]).
 //! * [`fn@polygonise`]: the surface of an implicit function as a mesh.
@@ -23,6 +23,7 @@ mod interior;
 mod lattice;
 mod neighbours;
 mod orient;
+mod polygon;
 mod polygonise;
 mod progress;
 mod search;
@@ -38,7 +39,8 @@ pub use grid::{GridError, TooFine, VoxelGrid};
 pub use implicit::{ImplicitError, ImplicitOptions};
 pub use nalgebra;
 pub use neighbours::Connectivity;
-pub use orient::{OneSided, OrientError, OrientReport, Oriented, orient};
+pub use orient::{Doubt, OneSided, OrientError, OrientReport, Oriented, orient};
+pub use polygon::{PolygonError, triangulate_polygon};
 pub use polygonise::{ImplicitMesh, PolygoniseError, polygonise};
 pub use progress::Progress;
 pub use solid::{VoxelReport, Voxelisation};

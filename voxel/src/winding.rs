@@ -115,7 +115,7 @@ impl Node {
 }
 
 /// The solid angle of a triangle, positive where the point sees its back (corners clockwise).
-fn solid_angle(corners: &[Point3<f64>; 3], at: &Point3<f64>) -> f64 {
+pub(crate) fn solid_angle(corners: &[Point3<f64>; 3], at: &Point3<f64>) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - at);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let volume = a.dot(&b.cross(&c));

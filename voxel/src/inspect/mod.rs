@@ -24,7 +24,7 @@ pub(crate) use weld::check;
 use bvh::{Aabb, Bvh};
 use edges::Edges;
 use nalgebra::Point3;
-use weld::Welded;
+use weld::{Kind, Welded};
 
 /// Largest coordinate that is accepted, in millimetres: products of four stay finite, so exact signs stay exact.
 pub const MAX_COORDINATE: f64 = 1e60;
@@ -70,6 +70,39 @@ pub enum InspectError {
         /// The width.
         width_mm: f64,
     },
+}
+
+/// The triangles without area that are of no use to their neighbours: those with two corners at one place, and those whose
+/// corners lie on a line (exactly, or but for the rounding of STL files) unless they fill the slit between an edge and a corner
+/// on it. Without them the mesh is as closed as it was.
+///
+/// # Returns
+/// Numbers of the triangles, rising.
+///
+/// # Errors
+/// As [`inspect`].
+///
+/// # Cost
+/// `O(n)` for `n` triangles; `O(n log n)` if some have no area.
+///
+/// # Example
+/// ```
+/// use curvlay_voxel::inspect::without_area;
+/// use curvlay_voxel::nalgebra::Point3;
+/// let vertices = [[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]].map(Point3::from);
+/// let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [2, 2, 3]];
+/// assert_eq!(without_area(&vertices, &triangles)?, [4]);
+/// # Ok::<(), curvlay_voxel::inspect::InspectError>(())
+/// ```
+pub fn without_area(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u32>, InspectError> {
+    weld::check(vertices, triangles)?;
+    let mesh = Welded::new(vertices, triangles);
+    if mesh.kinds.iter().all(|kind| *kind == Kind::Sound) {
+        return Ok(Vec::new());
+    }
+    let part = Edges::new(&mesh).part;
+    let is_useless = |at: &u32| part[*at as usize] == u32::MAX && mesh.kinds[*at as usize] != Kind::Sound;
+    Ok((0..triangles.len() as u32).filter(is_useless).collect())
 }
 
 /// Looks at a triangle mesh.

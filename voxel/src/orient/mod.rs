@@ -4,16 +4,22 @@
 //!   over all triangles that hang together by such edges (`flood`). A surface with one side alone, as a Moebius strip,
 //!   has no such way and is refused.
 //! * What closes a volume by itself is a body, and its signed volume says whether it looks outwards (`bodies`). Bodies
-//!   that lie within others keep their side: the skin of a cavity rightly looks into the cavity.
+//!   that lie within others keep their side: the skin of a cavity rightly looks into the cavity. Holes are closed first.
+//! * Where a mesh may be read in several ways, the report says so, with the volumes (`doubt`, `holes`).
 //!
 //! Corners are joined by exact position. Triangles with two corners at one place stay as they are.
 
 mod bodies;
+mod doubt;
 mod flood;
+mod holes;
+
+pub use doubt::Doubt;
 
 use crate::boundary::welded;
 use crate::inspect::{InspectError, check};
 use flood::Patches;
+use holes::{Holes, Sheets};
 use nalgebra::{Point3, Vector3};
 use std::fmt;
 
@@ -27,7 +33,7 @@ pub struct Oriented {
 }
 
 /// What [`orient`] did.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct OrientReport {
@@ -39,6 +45,26 @@ pub struct OrientReport {
     pub disagreeing_edges: usize,
     /// More than half of the area was turned.
     pub inside_out: bool,
+    /// Volume that the bodies bound, each by itself: cavities are taken off, bodies within others do not count again, holes are
+    /// closed across their rims. Bodies that pass through each other count twice where they do.
+    pub volume_mm3: f64,
+    /// The same if bodies were within others by the winding number without closing holes: another number only where a hole decides
+    /// whether a shell is a cavity.
+    pub other_volume_mm3: f64,
+    /// Bodies that lie within others and look outwards as those do, so that they count as solid, and their volume.
+    pub shells: usize,
+    /// Volume of those.
+    pub shells_mm3: f64,
+    /// Holes that were closed. Seams, where triangles meet without sharing corners, are none.
+    pub holes: usize,
+    /// Area of their mouths.
+    pub holes_mm2: f64,
+    /// Volume that depends on how they are closed: half a ball over each mouth.
+    pub holes_mm3: f64,
+    /// Open surfaces that bound no volume.
+    pub sheets: usize,
+    /// Area of those.
+    pub sheets_mm2: f64,
 }
 
 /// One line for the user; empty if nothing was turned.
@@ -139,14 +165,29 @@ pub(crate) fn orient_welded(
         triangles,
         at: nalgebra::center(&vertices[ends[0] as usize], &vertices[ends[1] as usize]).into(),
     })?;
-    let turned = bodies::outwards(&patches, &corners, &in_box);
-    let turned_area: f64 = areas.iter().zip(&turned).filter(|&(_, &turned)| turned).map(|(area, _)| area).sum();
+    let places: Vec<_> = (0..vertices.len() as u32).map(in_box).collect();
+    let bodies = bodies::outwards(&patches, &corners, &places);
+    let turned = &bodies.turned;
+    let turned_area: f64 = areas.iter().zip(turned).filter(|&(_, &turned)| turned).map(|(area, _)| area).sum();
+    let turn = |(&[a, b, c], &turned): (&[u32; 3], &bool)| if turned { [a, c, b] } else { [a, b, c] };
+    let oriented: Vec<_> = triangles.iter().zip(turned).map(turn).collect();
+    let sheets = Sheets::of(&bodies.sheets, &places, welded, &oriented, &areas);
+    let holes = Holes::of(&places, welded, sheets.others(&oriented));
+    let (square, cube) = (size * size, size * size * size);
     let report = OrientReport {
         triangles: triangles.len(),
         turned_triangles: turned.iter().filter(|&&turned| turned).count(),
         disagreeing_edges: patches.disagreeing_edges,
         inside_out: turned_area > areas.iter().sum::<f64>() / 2.0,
+        volume_mm3: bodies.volume * cube,
+        other_volume_mm3: bodies.other_volume * cube,
+        shells: bodies.shells,
+        shells_mm3: bodies.shells_volume * cube,
+        holes: holes.count,
+        holes_mm2: holes.area * square,
+        holes_mm3: holes.volume * cube,
+        sheets: sheets.count,
+        sheets_mm2: sheets.area * square,
     };
-    let turn = |(&[a, b, c], turned): (&[u32; 3], bool)| if turned { [a, c, b] } else { [a, b, c] };
-    Ok(Oriented { triangles: triangles.iter().zip(turned).map(turn).collect(), report })
+    Ok(Oriented { triangles: oriented, report })
 }

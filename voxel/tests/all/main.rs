@@ -6,6 +6,7 @@ mod distance;
 mod implicit;
 mod inspect;
 mod orient;
+mod polygon;
 mod polygonise;
 mod serde;
 mod text;

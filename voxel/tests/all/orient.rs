@@ -6,7 +6,7 @@
 use crate::common::{Mesh, bumpy_ball, cuboid, shared};
 use curvlay_voxel::inspect::{InspectError, Orientation, inspect};
 use curvlay_voxel::nalgebra::{Point3, center};
-use curvlay_voxel::{OrientError, OrientReport, Resolution, VoxelError, orient};
+use curvlay_voxel::{Doubt, OrientError, OrientReport, Resolution, VoxelError, orient};
 use proptest::prelude::*;
 
 fn oriented(mesh: &Mesh) -> (Mesh, OrientReport) {
@@ -295,4 +295,119 @@ fn the_models_are_sound_and_can_be_mended() {
         assert_eq!(solid.grid, sound.grid, "{name}");
         assert_eq!(solid.report.cells_asked_singly, 0);
     }
+}
+
+/// The volume of a ball of `bumpy_ball`, as its triangles have it.
+fn volume(mesh: &Mesh) -> f64 {
+    mesh.corners().map(|[a, b, c]| a.coords.dot(&b.coords.cross(&c.coords)) / 6.0).sum()
+}
+
+/// A hollow ball of 30 mm around one of 24 mm, each with its mesh.
+fn hollow_ball() -> (Mesh, Mesh) {
+    (bumpy_ball(24, 30.0, 0.0), bumpy_ball(24, 24.0, 0.0).turned())
+}
+
+/// One triangle that is missing, in either skin: the cavity stays, and its volume is that of the skins.
+#[test]
+fn a_hole_of_one_triangle_does_not_fill_a_cavity() {
+    let (outer, inner) = hollow_ball();
+    let whole = volume(&outer) + volume(&inner);
+    for missing in [0, 700, outer.triangles.len() + 300] {
+        for inside_out in [false, true] {
+            let mut hollow = outer.clone().and(&inner);
+            hollow.triangles.remove(missing);
+            let given = if inside_out { hollow.clone().turned() } else { hollow.clone() };
+            let (mended, report) = oriented(&given);
+            assert_eq!(cycles(&mended), cycles(&hollow));
+            assert!((report.volume_mm3 / whole - 1.0).abs() < 1e-3, "{report:?}, {whole}");
+            assert_eq!((report.holes, report.shells, report.sheets), (1, 0, 0));
+            assert!(report.holes_mm3 < 1e-3 * whole && report.doubts(1e-3).is_empty(), "{report:?}");
+        }
+    }
+}
+
+/// A cavity behind a wide mouth: closed across its rim it is one, by the surface alone it is not.
+#[test]
+fn a_wide_hole_leaves_two_volumes() {
+    let (outer, _) = hollow_ball();
+    let mut bowl = outer.clone();
+    bowl.triangles
+        .retain(|t| t.iter().map(|&corner| outer.vertices[corner as usize].z).fold(f64::MIN, f64::max) < 12.0);
+    let inner = cuboid([-3.0, -3.0, 2.0], [3.0, 3.0, 8.0]).turned();
+    let (_, report) = oriented(&bowl.and(&inner));
+    let doubts = report.doubts(1e-3);
+    assert!(doubts.iter().any(|doubt| matches!(doubt, Doubt::Holes { holes: 1, .. })), "{doubts:?}");
+    // Between the two mouths of a short tube the caps fill more than half of all directions.
+    let inner = cuboid([-0.5, -0.5, 1.5], [0.5, 0.5, 2.5]).turned();
+    let (_, report) = oriented(&tube(4.0).and(&inner));
+    assert_eq!((report.volume_mm3 - report.other_volume_mm3).abs().round(), 2.0, "{report:?}");
+    assert!(report.doubts(1e-3).iter().any(|doubt| matches!(doubt, Doubt::Nesting { .. })), "{report:?}");
+}
+
+/// A tube of 5 mm round the z axis, open at both ends.
+fn tube(height: f64) -> Mesh {
+    let side = |k: u32, z: f64| {
+        let angle = f64::from(k) / 24.0 * std::f64::consts::TAU;
+        Point3::new(5.0 * angle.cos(), 5.0 * angle.sin(), z)
+    };
+    let wall = |k: u32| {
+        let [a, b, c, d] = [2 * k, 2 * k + 1, (2 * k + 2) % 48, (2 * k + 3) % 48];
+        [[a, c, d], [a, d, b]]
+    };
+    let vertices: Vec<_> = (0..24).flat_map(|k| [side(k, 0.0), side(k, height)]).collect();
+    Mesh { vertices, triangles: (0..24).flat_map(wall).collect() }
+}
+
+/// An inner shell that faces outward is solid, and the report names what it would be as a cavity.
+#[test]
+fn inner_shells_that_face_outward_are_doubted() {
+    let same = cuboid([0.0; 3], [20.0; 3]).and(&cuboid([6.0; 3], [14.0; 3]));
+    let (mended, report) = oriented(&same);
+    assert_eq!(cycles(&mended), cycles(&same));
+    assert_eq!((report.volume_mm3.round(), report.shells, report.shells_mm3.round()), (8000.0, 1, 512.0));
+    let doubts = report.doubts(1e-3);
+    assert!(matches!(doubts[..], [Doubt::Shells { shells: 1, .. }]));
+    assert!(doubts[0].to_string().contains("8000.0 mm3, with cavities 7488.0 mm3"), "{}", doubts[0]);
+    let (_, proper) = oriented(&cuboid([0.0; 3], [20.0; 3]).and(&cuboid([6.0; 3], [14.0; 3]).turned()));
+    assert_eq!((proper.volume_mm3.round(), proper.shells), (7488.0, 0));
+    assert!(proper.doubts(1e-3).is_empty());
+    // A body in a cavity, and one that only reaches into another, are no such shells.
+    let nested = cuboid([0.0; 3], [20.0; 3]).and(&cuboid([6.0; 3], [14.0; 3]).turned());
+    let (_, nested) = oriented(&nested.and(&cuboid([8.0; 3], [12.0; 3])));
+    assert_eq!((nested.volume_mm3.round(), nested.shells), (7552.0, 0));
+    let (_, across) = oriented(&cuboid([0.0; 3], [6.0; 3]).and(&cuboid([2.0, 2.0, 4.0], [3.0, 3.0, 8.0])));
+    assert_eq!(across.shells, 0);
+}
+
+/// A tube without caps, a sheet on a box, a bare sheet: none becomes a solid without a word.
+#[test]
+fn surfaces_without_thickness_are_doubted() {
+    let (_, report) = oriented(&tube(100.0));
+    assert!(matches!(report.doubts(1e-3)[..], [Doubt::Holes { holes: 2, .. }]), "{report:?}");
+
+    let sheet = Mesh {
+        vertices: [[1.0, 1.0, 8.0], [7.0, 1.0, 8.0], [7.0, 1.0, 14.0], [1.0, 1.0, 14.0]].map(Point3::from).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    let (_, report) = oriented(&cuboid([0.0; 3], [8.0; 3]).and(&sheet));
+    assert_eq!((report.volume_mm3.round(), report.sheets, report.sheets_mm2.round()), (512.0, 1, 36.0));
+    assert!(matches!(report.doubts(1e-3)[..], [Doubt::Sheets { sheets: 1, .. }]), "{report:?}");
+    let (_, report) = oriented(&sheet);
+    assert_eq!((report.volume_mm3, report.sheets), (0.0, 1));
+}
+
+/// A face whose triangles meet those beside them without sharing their corners closes a box all the same.
+#[test]
+fn seams_are_no_holes() {
+    let mut split = cuboid([0.0; 3], [8.0; 3]);
+    // The top is the last quadrilateral: four triangles around its middle edge points instead of two.
+    split.triangles.truncate(10);
+    let first = split.vertices.len() as u32;
+    let top = [[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [8.0, 8.0], [4.0, 8.0], [0.0, 8.0]];
+    split.vertices.extend(top.map(|[x, y]| Point3::new(x, y, 8.0)));
+    split.triangles.extend([[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]].map(|t: [u32; 3]| t.map(|k| k + first)));
+    let (mended, report) = oriented(&split);
+    assert_eq!(cycles(&mended), cycles(&split));
+    assert_eq!((report.holes, report.sheets, report.volume_mm3.round()), (0, 0, 512.0), "{report:?}");
+    assert!(report.doubts(1e-3).is_empty());
 }
