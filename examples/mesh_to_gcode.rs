@@ -4,20 +4,29 @@
 //! cargo run --release --example mesh_to_gcode -- part.stl part.gcode   # without arguments: a jug made in code
 //! ```
 
+use curvlay_examples::args::{Failure, Outcome, run, warn_if_open};
+use curvlay_examples::input::Inputs;
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
 use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
-use std::{env, fs::File, ops::ControlFlow::Continue};
+use std::{env, fs::File, ops::ControlFlow::Continue, process::ExitCode};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    run(mesh_to_gcode)
+}
+
+fn mesh_to_gcode() -> Result<Outcome, Failure> {
     let mut args = env::args().skip(1);
-    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?.oriented()?;
+    let file = args.next();
+    let mesh = file.as_ref().map_or_else(|| Ok(jug()), |file| read_mesh(file.as_ref()))?.oriented()?;
     let out = args.next().unwrap_or_else(|| "mesh_to_gcode.gcode".to_owned());
+    let out = Inputs::new(file.as_deref().map(str::as_ref)).spare(out.into())?;
 
     // The cells of the part. They stand on the plate z = 0, and the mesh is moved there.
     let options = VoxelOptions { resolution: Resolution::Count(10_000), ..VoxelOptions::default() };
+    warn_if_open(inspect(&mesh.vertices, &mesh.triangles)?.open_edges.count);
     let solid = voxelise(&mesh.vertices, &mesh.triangles, &options, &|_| Continue(()))?;
     let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
     let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
@@ -43,7 +52,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let plan = filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &|_| Continue(()))?;
     let written = write_gcode(&plan.deposition.moves, &WriteOptions::default(), File::create(&out)?)?;
 
-    println!("{out}: {} layers, {} moves, {:.0} min", surfaces.len(), written.moves, plan.deposition.total_s / 60.0);
+    println!(
+        "{}: {} layers, {} moves, {:.0} min",
+        out.display(),
+        surfaces.len(),
+        written.moves,
+        plan.deposition.total_s / 60.0
+    );
     println!("{} cells missed, {} waypoints gouge", layered.growth.missed.len(), plan.resolved.left.len());
-    Ok(())
+    Ok(Outcome::Done)
 }

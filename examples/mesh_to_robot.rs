@@ -4,32 +4,36 @@
 //! cargo run --release --example mesh_to_robot -- part.stl cell.json folder   # without arguments: a jug under a UR3
 //! ```
 
-use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, nozzle_of};
-use curvlay_examples::motion::{programs, table_options};
-use curvlay_examples::{mesh::read_mesh, shapes::jug};
+use curvlay_examples::args::{self, Failure, Outcome};
+use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, nozzle_of, programs};
+use curvlay_examples::{input, mesh::read_mesh, motion::table_options, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
 use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
-use std::{env, fs, fs::File, io::BufWriter, ops::ControlFlow::Continue, path::Path};
+use std::{env, io::BufWriter, ops::ControlFlow::Continue, path::Path, process::ExitCode};
 
 /// Diameter of a plate that the workcell leaves open; edge of a cell, height of a layer and width of a bead, in millimetres.
 const PLATE_MM: f64 = 127.5;
 const CELL_MM: f64 = 4.0;
 
-type Failure = Box<dyn std::error::Error>;
+fn main() -> ExitCode {
+    args::run(mesh_to_robot)
+}
 
-fn main() -> Result<(), Failure> {
-    let mut args = env::args().skip(1);
-    let mesh = args.next().map_or_else(|| Ok(jug()), |path| read_mesh(path.as_ref()))?.oriented()?;
-    let cell = args.next().map_or_else(|| Ok(UR3_CELL.to_owned()), fs::read_to_string)?;
-    let cell = AnyWorkcell::from_json(cell.as_bytes())?;
-    let out = args.next().unwrap_or_else(|| "target/out/mesh_to_robot".to_owned());
+fn mesh_to_robot() -> Result<Outcome, Failure> {
+    let args: Vec<String> = env::args().skip(1).collect();
+    let mesh = args.first().map_or_else(|| Ok(jug()), |file| read_mesh(file.as_ref()))?.oriented()?;
+    let cell = args.get(1).map(|file| input::read_text(file.as_ref(), input::MAX_SETTINGS_BYTES)).transpose()?;
+    let cell = AnyWorkcell::from_json(cell.as_deref().unwrap_or(UR3_CELL).as_bytes())?;
+    let inputs = input::Inputs::new(args.iter().take(2).map(Path::new));
+    let out = args.get(2).cloned().unwrap_or_else(|| "target/out/mesh_to_robot".to_owned());
 
     // Cells, layers and tool paths: see mesh_to_gcode.rs. The nozzle is that of the workcell.
     let options = VoxelOptions { resolution: Resolution::Cell(CELL_MM), ..VoxelOptions::default() };
+    args::warn_if_open(inspect(&mesh.vertices, &mesh.triangles)?.open_edges.count);
     let solid = voxelise(&mesh.vertices, &mesh.triangles, &options, &|_| Continue(()))?;
     let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
     let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
@@ -47,8 +51,7 @@ fn main() -> Result<(), Failure> {
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
     let filled = fill_layers(&surfaces, &PathOptions { bead: CELL_MM, ..PathOptions::default() }, &|_| Continue(()))?;
     let nozzle = nozzle_of(cell.equipment())?;
-    let options = surface::PrintOptions::for_robot();
-    let plan = filled.plan(&surfaces, &nozzle, &options, &|_| Continue(()))?;
+    let plan = filled.plan(&surfaces, &nozzle, &surface::PrintOptions::for_robot(), &|_| Continue(()))?;
 
     // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
     let grown = PartCells {
@@ -59,13 +62,12 @@ fn main() -> Result<(), Failure> {
         frame_part: centred_on_plate(plan.resolved.tips()),
         layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
     };
-    let stack = filled.stack(&surfaces)?;
-    let options = GougingOptions { plate: false, ..GougingOptions::default() };
-    let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &|_| Continue(()))?;
+    let gouging = GougingOptions { plate: false, ..GougingOptions::default() };
+    let contacts = filled.stack(&surfaces)?.contacts(&plan.resolved.paths, &nozzle, &gouging, &|_| Continue(()))?;
     println!("{} cells missed, {} pieces left out", layered.growth.missed.len(), plan.resolved.left_out.len());
     match &cell {
-        AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), &out),
-        AnyWorkcell::Eight(cell) => print(cell, &grown, &plan, &contacts, &table_options(), &out),
+        AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), (&out, &inputs)),
+        AnyWorkcell::Eight(cell) => print(cell, &grown, &plan, &contacts, &table_options(), (&out, &inputs)),
     }
 }
 
@@ -76,9 +78,9 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     plan: &PrintPlan,
     contacts: &Contacts,
     options: &PrintOptions<N, F>,
-    out: &str,
-) -> Result<(), Failure> {
-    let takes_stream = programs::takes_stream(cell.equipment())?;
+    (out, inputs): (&str, &input::Inputs),
+) -> Result<Outcome, Failure> {
+    let takes_stream = programs::takes_stream(cell.equipment()).map_err(Failure::new)?;
     // The plate is at least as wide as the part.
     let plate_mm = PLATE_MM.max(part.cell_mm * f64::from(part.dims[0]).hypot(f64::from(part.dims[1])));
     let scene = GrowingScene::new(cell, part, plate_mm, &GrowingOptions::default())?;
@@ -89,19 +91,17 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     for Fault { layer, path, waypoint, kind, what } in &motion.faults {
         println!("layer {}, path {path}, waypoint {waypoint}: {} {what}", layer + 1, kind.name());
     }
-    fs::create_dir_all(out)?;
     for (number, piece) in programs::pieces(&motion, u64::MAX, |_, _| 0.0).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
-        let create = |file: &str| File::create(Path::new(out).join(file)).map(BufWriter::new);
+        let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
         if takes_stream {
-            let options = programs::urscript_options(cell, &motion, &name);
-            let file = create(&format!("{name}.script"))?;
-            write_urscript(programs::stream(cell, &motion, piece.motions), &options, file)?;
+            let (options, file) = (programs::urscript_options(cell, &motion, &name), format!("{name}.script"));
+            write_urscript(programs::stream(cell, &motion, piece.motions), &options, create(&file)?)?;
         } else {
             let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
             write_rapid(programs::targets(cell, &motion, piece.motions), &options, create)?;
         }
     }
     println!("{} motions, {:.0} min, {} faults", motion.runs.len(), motion.robot_s() / 60.0, motion.faults.len());
-    Ok(())
+    Ok(Outcome::Done)
 }

@@ -3,7 +3,7 @@
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 3.4, takes the pose as given; the cells that the hull
 //! shadows depend on it more than on anything else.
 //! ```sh
-//! cargo run --release --example best_orientation -- --mesh part.stl
+//! cargo run --release --example best_orientation -- part.stl
 //! ```
 //! Without `--mesh` it takes a jug made in code. `curved_layers --orient best` does the same search and goes on with the best
 //! pose.
@@ -55,7 +55,7 @@ pub struct Run {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("best_orientation")?;
+        let folder = args.common.folder("best_orientation", [args.mesh.path()], outputs::is_ours)?;
         let (run, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::table(&run.search).print()?;
         Ok(outcome)
@@ -65,8 +65,8 @@ fn main() -> ExitCode {
 /// Searches the pose and writes the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Outcome), Failure> {
     let start = Instant::now();
-    folder.clear(outputs::is_ours)?;
     let part = args.mesh.load("jug (made in code)", jug)?;
+    folder.clear(outputs::is_ours)?;
     let rules = Rules { eps: args.eps, eps_is_inside: !args.beyond_eps, ..Rules::default() };
     let options = args.orient.options(rules, args.platform_diameter_mm);
     let pool = ThreadPoolBuilder::new().num_threads(args.common.threads).build()?;

@@ -3,10 +3,10 @@
 //! H. Boge, *Robotic additive manufacturing* (MSc thesis, NTNU 2019): Tables 5.1, 5.2, 6.4, 6.6 and 6.7.
 //! ```sh
 //! cargo run --release --example boge_objects
-//! cargo run --release --example boge_objects -- --grid my.txt --hardware elevated
+//! cargo run --release --example boge_objects -- my.txt --hardware elevated
 //! ```
 //! Every figure of the tables is printed beside ours, and the same objects follow under our own default rules, each
-//! order audited. With `--grid`, a grid of your own is grown in the same ways, with the platform in the hand, on the floor or
+//! order audited. With a file, a grid of your own is grown in the same ways, with the platform in the hand, on the floor or
 //! elevated. `--help` lists the options, the README the files that it writes.
 
 mod growing;
@@ -23,7 +23,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 pub use growing::Results;
 pub use hardware::Hardware;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 pub use user::{Request, work as work_on_grid};
@@ -34,13 +34,16 @@ pub use user::{Request, work as work_on_grid};
 struct Args {
     /// Text grid of your own to grow instead: `1` cell, `-` platform, `0` empty; the last row of a flat object is the
     /// platform; of one in space blocks with an empty line between, the first block is the platform
-    #[arg(long, value_name = "FILE")]
+    #[arg(value_name = "GRID", group = "of_user")]
+    file: Option<PathBuf>,
+    /// The same file by an option
+    #[arg(long, value_name = "FILE", group = "of_user")]
     grid: Option<PathBuf>,
     /// Where platform and nozzle are, for --grid [default: in-hand]
-    #[arg(long, requires = "grid")]
+    #[arg(long, requires = "of_user")]
     hardware: Option<Hardware>,
     /// Share of missed cells of the best strategy above which the exit status is 3, for --grid [default: 0.001]
-    #[arg(long, value_name = "SHARE", requires = "grid", value_parser = share, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", requires = "of_user", value_parser = share, allow_negative_numbers = true)]
     allow_missed: Option<f64>,
     #[command(flatten)]
     common: Common,
@@ -53,9 +56,14 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl Args {
+    /// The grid of the user, however it was given.
+    fn grid(&self) -> Option<&Path> {
+        self.file.as_deref().or(self.grid.as_deref())
+    }
+
     /// What is asked for of a grid of the user's own.
     fn request(&self) -> Option<Request> {
-        let file = self.grid.clone()?;
+        let file = self.grid()?.to_owned();
         let hardware = self.hardware.unwrap_or(Hardware::InHand);
         Some(Request { file, hardware, allow_missed: self.allow_missed.unwrap_or(0.001), threads: self.common.threads })
     }
@@ -63,7 +71,7 @@ impl Args {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("boge_objects")?;
+        let folder = args.common.folder("boge_objects", [args.grid()], user::is_ours)?;
         if let Some(request) = args.request() {
             let answer = work_on_grid(&request, &Bars::new(args.common.quiet), &folder)?;
             answer.table().print()?;

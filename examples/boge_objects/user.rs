@@ -6,12 +6,12 @@ use super::outputs;
 use super::rating::Rating;
 use curvlay_examples::args::{Failure, Outcome, warn};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::input;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_voxel::{TextGrid, read_text_grid};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -44,6 +44,11 @@ pub struct Answer {
     pub failed: Vec<String>,
 }
 
+/// Whether a file of this name is one that a run writes.
+pub fn is_ours(name: &str) -> bool {
+    [LAYERS_FILE, "report.html"].contains(&name)
+}
+
 /// Reads, grows and writes.
 pub fn work(request: &Request, bars: &Bars, folder: &OutputFolder) -> Result<Answer, Failure> {
     let start = Instant::now();
@@ -63,10 +68,7 @@ pub fn work(request: &Request, bars: &Bars, folder: &OutputFolder) -> Result<Ans
 
 fn read(path: &Path) -> Result<TextGrid, Failure> {
     let named = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", path.display()));
-    let file = File::open(path).map_err(|error| named(&error))?;
-    if !file.metadata().map_err(|error| named(&error))?.is_file() {
-        return Err(named(&"is not a regular file"));
-    }
+    let file = input::open(path, input::MAX_TEXT_BYTES)?;
     let drawn = read_text_grid(BufReader::new(file)).map_err(|error| named(&error))?;
     // By the rules of the thesis the hull is that of the centres of its cells.
     let is_thin = |axis: usize| drawn.platform.iter().all(|cell| cell[axis] == drawn.platform[0][axis]);

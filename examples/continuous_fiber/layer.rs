@@ -4,6 +4,7 @@ use super::specimens::Specimen;
 use super::{Args, Boxed, Pull};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
@@ -16,7 +17,6 @@ use curvlay_toolpath::surface::{
 };
 use curvlay_voxel::inspect::inspect;
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -178,16 +178,18 @@ pub fn arc(specimen: &Specimen, options: &TapeOptions, smoothing: f64, bars: &Ba
 }
 
 /// A layer of the user's part.
-pub fn of_part(args: &Args, part: &Part, bars: &Bars) -> Result<LoadedLayer, Failure> {
+pub fn of_part(args: &Args, part: &Part, stress: Option<&[StressSample]>, bars: &Bars) -> Result<LoadedLayer, Failure> {
     let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
     let resolution = args.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
     let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
     let mesh = &part.mesh;
     let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
     let (surface, lift, name) = layer_of(args, part, &solid, bars)?;
-    let (samples, reach, source, solved) = match &args.stress {
-        Some(path) => (read_stress(path)?, args.reach_mm, format!("stresses of {}", path.display()), None),
-        None => {
+    let (samples, reach, source, solved) = match (&args.stress, stress) {
+        (Some(path), Some(samples)) => {
+            (samples.to_vec(), args.reach_mm, format!("stresses of {}", path.display()), None)
+        }
+        _ => {
             let (loaded, source) = user_load(args, part, &solid);
             let (samples, solved) = loaded.samples(bars)?;
             (samples, REACH_CELLS * solid.grid.cell_mm(), source, Some(solved))
@@ -269,8 +271,8 @@ fn user_load<'a>(args: &Args, part: &Part, solid: &'a Voxelisation) -> (Loaded<'
 }
 
 /// Stresses of a file, by its ending: CSV, VTK, or results of CalculiX.
-fn read_stress(path: &Path) -> Result<Vec<StressSample>, Failure> {
-    let file = BufReader::new(File::open(path).map_err(|error| fault(path, &error))?);
+pub fn read_stress(path: &Path) -> Result<Vec<StressSample>, Failure> {
+    let file = BufReader::new(input::open(path, input::MAX_DATA_BYTES)?);
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let samples = match ending.as_deref() {
         Some("vtk") => read_stress_vtk(file, None),

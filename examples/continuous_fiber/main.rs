@@ -5,8 +5,8 @@
 //! direct deposition of continuous-fibers on curved surfaces", 2020; section 6.2.3 for paths that follow stresses.
 //! ```sh
 //! cargo run --release --example continuous_fiber
-//! cargo run --release --example continuous_fiber -- --mesh part.stl --tape-width 1.1 --min-radius 5
-//! cargo run --release --example continuous_fiber -- --mesh part.stl --layer 12 --stress stress.csv
+//! cargo run --release --example continuous_fiber -- part.stl --tape-width 1.1 --min-radius 5
+//! cargo run --release --example continuous_fiber -- part.stl --layer 12 --stress stress.csv
 //! ```
 //! Without `--mesh` the layer is one of the arc, pressed as in the dissertation's test. `--help` lists the options.
 
@@ -21,22 +21,24 @@ mod tapes;
 mod wires;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, Part, above_zero, from_zero, run_with_args, share};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_examples::input;
 use curvlay_examples::motion::{UR3_CELL, nozzle_of};
+use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_toolpath::surface::{ConductorOptions, SandwichOptions, Tape, TapeHead, TapeOptions};
+use curvlay_toolpath::surface::{ConductorOptions, SandwichOptions, StressSample, Tape, TapeHead, TapeOptions};
 use layer::LoadedLayer;
 use motion::Moved;
 use planar::Planar;
 use predict::{Predictions, predict};
 use rayon::ThreadPoolBuilder;
 use specimens::Specimen;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use tapes::Planned;
@@ -188,6 +190,11 @@ impl Args {
         SandwichOptions { offset, ..SandwichOptions::default() }
     }
 
+    /// The files that it reads.
+    fn files(&self) -> [Option<&Path>; 4] {
+        [self.mesh.path(), self.stress.as_deref(), self.wires.as_deref(), self.workcell.as_deref()]
+    }
+
     /// Options of a layer of a part without a part.
     fn check(&self) -> Result<(), Failure> {
         let of_part = [
@@ -222,7 +229,7 @@ pub struct Run {
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
         args.check()?;
-        let folder = args.common.folder("continuous_fiber")?;
+        let folder = args.common.folder("continuous_fiber", args.files(), outputs::is_ours)?;
         let (run, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         curvlay_examples::table::Table::print_all([&outputs::tapes(&run), &outputs::predictions(&run)])?;
         Ok(outcome)
@@ -232,9 +239,10 @@ fn main() -> ExitCode {
 /// Plans everything and writes the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Outcome), Failure> {
     let start = Instant::now();
+    let given = Given::read(args)?;
     folder.clear(outputs::is_ours)?;
     let pool = ThreadPoolBuilder::new().num_threads(args.common.threads).build()?;
-    let mut run = pool.install(|| plan(args, bars))?;
+    let mut run = pool.install(|| plan(args, &given, bars))?;
     bars.finish();
     outputs::write(args, &run, folder, start)?;
     run.findings.say();
@@ -242,16 +250,33 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Out
     Ok((run, outcome))
 }
 
-fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
-    let cell = match &args.workcell {
-        Some(path) => std::fs::read(path).map_err(|error| fault(path, &error))?,
-        None => UR3_CELL.as_bytes().to_vec(),
-    };
-    let cell = AnyWorkcell::from_json(&cell[..]).map_err(|error| match &args.workcell {
-        Some(path) => fault(path, &error),
-        None => error.into(),
-    })?;
-    let part = args.mesh.path().map(|_| args.mesh.load("part", jug)).transpose()?;
+/// The files of the user, all of them read before anything is removed.
+struct Given {
+    cell: AnyWorkcell,
+    part: Option<Part>,
+    stress: Option<Vec<StressSample>>,
+    wires: Vec<Vec<Point3<f64>>>,
+}
+
+impl Given {
+    fn read(args: &Args) -> Result<Given, Failure> {
+        let text = match &args.workcell {
+            Some(path) => input::read(path, input::MAX_SETTINGS_BYTES)?,
+            None => UR3_CELL.as_bytes().to_vec(),
+        };
+        let cell = AnyWorkcell::from_json(&text[..]).map_err(|error| match &args.workcell {
+            Some(path) => fault(path, &error),
+            None => error.into(),
+        })?;
+        let part = args.mesh.path().map(|_| args.mesh.load("part", jug)).transpose()?;
+        let stress = args.stress.as_deref().map(layer::read_stress).transpose()?;
+        let wires = args.wires.as_deref().map_or(Ok(Vec::new()), wires::read)?;
+        Ok(Given { cell, part, stress, wires })
+    }
+}
+
+fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
+    let Given { cell, part, stress, wires } = given;
     let mut findings = Findings::default();
     part.iter().flat_map(|part| &part.warnings).for_each(|warning| findings.add(Severity::Told, warning, "", ""));
 
@@ -274,15 +299,15 @@ fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
         (bar.specimen, &bar.schedule),
         (arc.specimen, &arc.schedule),
     ])?;
-    let layer = match &part {
-        Some(part) => layer::of_part(args, part, bars)?,
+    let layer = match part {
+        Some(part) => layer::of_part(args, part, stress.as_deref(), bars)?,
         None => layer::arc(&arc.specimen, &args.tape_options(), args.smoothing_mm(), bars)?,
     };
     plan_time += layer.plan_time;
     let wire_options = ConductorOptions { thickness: args.tape_thickness_mm, ..ConductorOptions::default() };
-    let on_layer = |path: &PathBuf| wires::on_layer(path, &layer.surface, &wire_options);
+    let on_layer = |path: &PathBuf| wires::on_layer(path, wires, &layer.surface, &wire_options);
     let wires = args.wires.as_ref().map_or(Ok(Vec::new()), on_layer)?;
-    let moved = (args.stage == Stage::Motion).then(|| motion::plan(arc, &cell, &args.head(), bars)).transpose()?;
+    let moved = (args.stage == Stage::Motion).then(|| motion::plan(arc, cell, &args.head(), bars)).transpose()?;
     for planned in &specimens {
         judge(planned, &tape_options, &mut findings);
     }

@@ -6,7 +6,7 @@ use super::tapes::Planned;
 use super::{Args, Run, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::percent;
-use curvlay_examples::output::OutputFolder;
+use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
@@ -20,10 +20,13 @@ const STRAIGHT_MM: f64 = 1e6;
 
 /// Whether a file is one that the example writes.
 pub fn is_ours(name: &str) -> bool {
-    let ends = |ending: &str| name.ends_with(ending);
-    let named = ["dumbbell", "bar", "arc", "layer"].iter().any(|stem| name.starts_with(stem));
-    matches!(name, "report.html" | "tapes.csv" | "layer_stress.png")
-        || (named && (ends(".gcode") || ends(".png") || ends(".script")))
+    let specimen = |stem: &str| {
+        let rest = name.strip_prefix(stem);
+        rest.is_some_and(|rest| matches!(rest, ".gcode" | ".png") || is_numbered(rest, "_tapes_", 3, ".script"))
+    };
+    ["dumbbell", "bar", "arc"].into_iter().any(specimen)
+        || ["report.html", "tapes.csv", "arc_planar.gcode", "layer.gcode", "layer.png", "layer_stress.png"]
+            .contains(&name)
 }
 
 pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> Result<(), Failure> {

@@ -1,19 +1,16 @@
 //! Wires on the loaded layer: polylines of a file, laid by a tool of their own (section 5.5).
 
 use curvlay_examples::args::Failure;
+use curvlay_examples::input;
 use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::waypoints::fault;
 use curvlay_toolpath::surface::{ConductorOptions, SurfaceMesh, Tape, conductor};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-/// Most bytes of a file: beyond them it is another kind of file.
-const MOST_BYTES: u64 = 1 << 24;
-
 /// Reads polylines: a point `x,y,z` a line, an empty line between two of them.
-fn read(path: &Path) -> Result<Vec<Vec<Point3<f64>>>, Failure> {
-    let file = File::open(path).map_err(|error| fault(path, &error))?.take(MOST_BYTES);
+pub fn read(path: &Path) -> Result<Vec<Vec<Point3<f64>>>, Failure> {
+    let file = input::open(path, input::MAX_TEXT_BYTES)?;
     let mut wires = vec![Vec::new()];
     for (number, line) in BufReader::new(file).lines().enumerate() {
         let line = line.map_err(|error| fault(path, &error))?;
@@ -33,9 +30,14 @@ fn read(path: &Path) -> Result<Vec<Vec<Point3<f64>>>, Failure> {
 }
 
 /// The wires of a file on a layer.
-pub fn on_layer(path: &Path, surface: &SurfaceMesh, options: &ConductorOptions) -> Result<Vec<Tape>, Failure> {
+pub fn on_layer(
+    path: &Path,
+    wires: &[Vec<Point3<f64>>],
+    surface: &SurfaceMesh,
+    options: &ConductorOptions,
+) -> Result<Vec<Tape>, Failure> {
     let lay = |(number, wire): (usize, &Vec<Point3<f64>>)| {
         conductor(surface, wire, options).map_err(|error| fault(path, &format!("wire {}: {error}", number + 1)))
     };
-    read(path)?.iter().enumerate().map(lay).collect()
+    wires.iter().enumerate().map(lay).collect()
 }

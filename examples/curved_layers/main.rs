@@ -50,7 +50,7 @@ use paths::PathsRun;
 use ranges::{LayerFill, Pick};
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use surfaces::{SurfaceOptions, SurfacesRun};
@@ -176,6 +176,12 @@ impl Args {
         Ok(self)
     }
 
+    /// The files that it reads.
+    fn files(&self) -> impl Iterator<Item = Option<&Path>> {
+        let one = [&self.resume, &self.profile, &self.motion.workcell].map(Option::as_deref);
+        one.into_iter().chain([self.mesh.path()]).chain(self.merge.iter().map(|path| Some(path.as_path())))
+    }
+
     /// Whether it is said what cells there are, in one way or another: then layers and beads follow from them.
     fn has_cells(&self) -> bool {
         self.resume.is_some() || self.voxel.resolution().is_some()
@@ -203,6 +209,8 @@ impl Args {
     fn bead(&self, height_mm: f64) -> Result<f64, String> {
         let (settings, has_cells) = (&self.settings, self.has_cells());
         let bead_mm = settings.bead_mm.unwrap_or(if has_cells { height_mm } else { BEAD_MM });
+        // Layers are stretched a little so that they fill the part: what counts is what was asked for.
+        let height_mm = self.height().or(self.voxel.cell).unwrap_or(height_mm);
         if height_mm <= bead_mm {
             return Ok(bead_mm);
         }
@@ -386,15 +394,12 @@ fn main() -> ExitCode {
     run_with_checked_args(check_arguments, |args: Args| {
         let args = args.with_profile()?;
         let setup = Setup::of(&args)?;
-        let folder = args.common.folder("curved_layers")?;
+        let folder = args.common.folder("curved_layers", args.files(), outputs::is_ours)?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
-        // What an earlier run has left goes, but for what this one goes on from: it may fail before it has written its own.
-        let read = [args.resume.as_deref(), args.mesh.path()].into_iter().flatten();
-        let read = read.chain(args.merge.iter().map(PathBuf::as_path));
-        let kept: Vec<PathBuf> = read.filter_map(|path| path.canonicalize().ok()).collect();
-        let is_kept = |name: &str| folder.path().join(name).canonicalize().is_ok_and(|path| kept.contains(&path));
-        folder.clear(|name| outputs::is_ours(name) && !is_kept(name))?;
+        ranges::check(&args.merge).map_err(failure)?;
         let mut part = args.part(saved.as_ref())?;
+        // All that is read has been read, or can be: what an earlier run has left goes now.
+        folder.clear(outputs::is_ours)?;
         let bars = &Bars::new(args.common.quiet);
         pool(&args)?.install(|| {
             let posed = (args.orient == Lying::Best).then(|| args.lay(&mut part, bars)).transpose()?;

@@ -4,12 +4,13 @@
 //! order of the curves and which short ones stay, looks at all layers: it is done when they are put together. So the
 //! result is that of one run, bit for bit.
 //!
-//! The file is text, a JSON value a line: a [`Header`], what was made of each layer (`null` for one without a surface), and `"end"`.
-//! Numbers are written with all digits.
+//! The file is text, a JSON value a line: a [`Header`], what was made of each layer (`null` for one without a surface), and an [`End`] with
+//! a checksum of the lines before it. Numbers are written with all digits.
 
+use curvlay_examples::input::{self, InputError};
 use curvlay_examples::output::{OutputError, OutputFolder};
 use curvlay_layers::curved::surface::mesh_stamp;
-use curvlay_toolpath::surface::{FilledLayer, LayerSurface, PathOptions};
+use curvlay_toolpath::surface::{FilledLayer, LayerPaths, LayerSurface, PathOptions, SurfacePoint};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub const FILE: &str = "paths.jsonl";
 
 /// What the first line says that the file is.
-const FORMAT: &str = "curvlay paths 2";
+const FORMAT: &str = "curvlay paths 3";
 
 /// Layers that are picked, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,6 +80,8 @@ pub enum RangeError {
     Pieces { of: usize, count: usize },
     #[error("{}: cannot be read: {source}", .path.display())]
     Unreadable { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Input(InputError),
     #[error("{}: line {line}: {why}", .path.display())]
     Line { path: PathBuf, line: usize, why: String },
     #[error("{}: these are no paths of a range of layers: --merge wants the paths.jsonl of runs with --layers", .path.display())]
@@ -134,14 +137,32 @@ struct Header {
     last: usize,
 }
 
+/// The last line of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct End {
+    /// FNV-1a hash of the bytes of all lines before, with their line breaks, hexadecimal.
+    checksum: String,
+}
+
+/// Start of an FNV-1a hash of 64 bits, and its step.
+const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
+
+fn mix(hash: u64, value: u64) -> u64 {
+    (hash ^ value).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+fn mix_bytes(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, &byte| mix(hash, u64::from(byte)))
+}
+
 /// A number that differs for other surfaces: the FNV-1a hash of the stamps of all of them and the bits of their thickness.
 fn stamp(surfaces: &[LayerSurface]) -> String {
-    let mix = |hash: u64, value: u64| (hash ^ value).wrapping_mul(0x0000_0100_0000_01b3);
     let of = |hash: u64, surface: &LayerSurface| {
         let hash = mix(hash, mesh_stamp(surface.vertices, surface.triangles));
         surface.thickness.iter().fold(hash, |hash, thickness| mix(hash, thickness.to_bits()))
     };
-    format!("{:016x}", surfaces.iter().fold(0xcbf2_9ce4_8422_2325, of))
+    format!("{:016x}", surfaces.iter().fold(FNV_START, of))
 }
 
 /// Writes what was made of a range of layers.
@@ -156,14 +177,25 @@ pub fn write(
     let header =
         Header { format: FORMAT.to_owned(), surfaces, fill: *fill, count, first: range.start + 1, last: range.end };
     folder.write_with(FILE, |out| {
-        serde_json::to_writer(&mut *out, &header)?;
-        for layer in layers {
-            writeln!(out)?;
-            serde_json::to_writer(&mut *out, layer)?;
-        }
-        writeln!(out, "\n\"end\"")
-    })?;
-    Ok(())
+        let mut hash = FNV_START;
+        let mut line = |mut text: Vec<u8>| {
+            text.push(b'\n');
+            hash = mix_bytes(hash, &text);
+            out.write_all(&text)
+        };
+        line(serde_json::to_vec(&header)?)?;
+        layers.iter().try_for_each(|layer| line(serde_json::to_vec(layer)?))?;
+        serde_json::to_writer(&mut *out, &End { checksum: format!("{hash:016x}") })?;
+        writeln!(out)
+    })
+}
+
+/// Whether all files are there and are such files, before the work for which they are read.
+///
+/// # Errors
+/// [`RangeError::Unreadable`] or [`RangeError::Format`] for the first that is not.
+pub fn check(files: &[PathBuf]) -> Result<(), RangeError> {
+    files.iter().try_for_each(|path| Lines::open(path)?.header().map(|_| ()))
 }
 
 /// What the files hold of these surfaces: each layer once.
@@ -177,14 +209,8 @@ pub fn read(
     let mut owner: Vec<Option<usize>> = vec![None; count];
     for (number, path) in files.iter().enumerate() {
         let mut lines = Lines::open(path)?;
-        let header: Header = lines.next().map_err(|error| match error {
-            RangeError::Line { path, .. } => RangeError::Format { path },
-            error => error,
-        })?;
+        let header = lines.header()?;
         let path = path.clone();
-        if header.format != FORMAT {
-            return Err(RangeError::Format { path });
-        }
         if header.surfaces != stamp || header.count != count {
             return Err(RangeError::OtherSurfaces { path });
         }
@@ -200,12 +226,12 @@ pub fn read(
             return Err(RangeError::Overlap { layers: [at + 1, last + 1], paths: [files[other].clone(), path] });
         }
         for at in range {
-            layers[at] = lines.next()?;
+            let layer: Option<FilledLayer> = lines.next()?;
+            fits(layer.as_ref(), &surfaces[at]).map_err(|why| lines.fault(format!("layer {}: {why}", at + 1)))?;
+            layers[at] = layer;
             owner[at] = Some(number);
         }
-        if lines.next::<String>()? != "end" {
-            return Err(RangeError::Line { path, line: lines.line, why: "\"end\" expected".to_owned() });
-        }
+        lines.end()?;
     }
     let mut missing: Vec<[usize; 2]> = Vec::new();
     for layer in (1..=count).filter(|layer| owner[layer - 1].is_none()) {
@@ -217,22 +243,99 @@ pub fn read(
     if missing.is_empty() { Ok(layers) } else { Err(RangeError::Missing(missing)) }
 }
 
+/// How far weights of a point may be from adding up to one, and how far the point from where they put it, as a share of the size of its
+/// triangle: both are rounded numbers.
+const ROUNDING: f64 = 1e-6;
+
+/// Whether the paths of a layer lie on its surface: a file that was changed by hand may say anything.
+fn fits(layer: Option<&FilledLayer>, surface: &LayerSurface) -> Result<(), String> {
+    let Some(layer) = layer else {
+        return if surface.triangles.is_empty() {
+            Ok(())
+        } else {
+            Err("its surface is there, its paths are not".to_owned())
+        };
+    };
+    let LayerPaths { paths, short, narrow, .. } = &layer.paths;
+    for (number, path) in [paths, short, narrow].into_iter().flatten().enumerate() {
+        for (k, point) in path.points.iter().enumerate() {
+            let place = || format!("curve {}, point {}", number + 1, k + 1);
+            on_surface(&point.at, surface).map_err(|why| format!("{}: {why}", place()))?;
+            if !(point.width.is_finite() && point.width > 0.0) {
+                return Err(format!("{}: a bead {} mm wide", place(), point.width));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a point is where its triangle and its weights put it.
+fn on_surface(point: &SurfacePoint, surface: &LayerSurface) -> Result<(), String> {
+    let count = surface.triangles.len();
+    let Some(corners) = surface.triangles.get(point.triangle as usize) else {
+        return Err(format!("triangle {} of {count}", point.triangle));
+    };
+    let corners = corners.map(|corner| surface.vertices[corner as usize].coords);
+    let weights = point.barycentric;
+    let is_inside =
+        weights.iter().all(|weight| *weight >= -ROUNDING) && (weights.iter().sum::<f64>() - 1.0).abs() <= ROUNDING;
+    if !is_inside {
+        return Err(format!("weights {weights:?} are not those of a point of a triangle"));
+    }
+    let size = corners.iter().map(|corner| corner.amax()).fold(1.0, f64::max);
+    let expected = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+    let off = (point.position.coords - expected).norm();
+    // A distance that is no number is wrong, too.
+    if off <= ROUNDING * size { Ok(()) } else { Err(format!("{off:.3} mm off its triangle")) }
+}
+
 /// The values of a file, one a line.
 struct Lines {
     path: PathBuf,
-    source: BufReader<File>,
+    source: BufReader<io::Take<File>>,
     text: String,
     line: usize,
+    /// Of the lines that were read.
+    hash: u64,
 }
 
 impl Lines {
     fn open(path: &Path) -> Result<Self, RangeError> {
         let unreadable = |source| RangeError::Unreadable { path: path.to_owned(), source };
-        if !path.metadata().map_err(unreadable)?.is_file() {
-            return Err(RangeError::Format { path: path.to_owned() });
+        let source = input::open(path, input::MAX_DATA_BYTES).map_err(|error| match error {
+            InputError::Unreadable { source, .. } => unreadable(source),
+            InputError::NotAFile { path } => RangeError::Format { path },
+            error => RangeError::Input(error),
+        })?;
+        let source = BufReader::new(source);
+        Ok(Lines { path: path.to_owned(), source, text: String::new(), line: 0, hash: FNV_START })
+    }
+
+    /// The first line.
+    fn header(&mut self) -> Result<Header, RangeError> {
+        match self.next::<Header>() {
+            Ok(header) if header.format == FORMAT => Ok(header),
+            Ok(_) | Err(RangeError::Line { .. }) => Err(RangeError::Format { path: self.path.clone() }),
+            Err(error) => Err(error),
         }
-        let source = BufReader::new(File::open(path).map_err(unreadable)?);
-        Ok(Lines { path: path.to_owned(), source, text: String::new(), line: 0 })
+    }
+
+    /// The last line: its checksum is that of the lines before, and nothing follows.
+    fn end(&mut self) -> Result<(), RangeError> {
+        let hash = self.hash;
+        let end: End = self.next()?;
+        if end.checksum != format!("{hash:016x}") {
+            return Err(self.fault("the lines before were changed, their checksum is another: make the file again"));
+        }
+        self.text.clear();
+        match self.source.read_line(&mut self.text) {
+            Ok(0) => Ok(()),
+            _ => Err(self.fault("more follows behind the end: make the file again")),
+        }
+    }
+
+    fn fault(&self, why: impl Into<String>) -> RangeError {
+        RangeError::Line { path: self.path.clone(), line: self.line, why: why.into() }
     }
 
     fn next<T: for<'a> Deserialize<'a>>(&mut self) -> Result<T, RangeError> {
@@ -241,7 +344,10 @@ impl Lines {
         let failed = |why: String| RangeError::Line { path: self.path.clone(), line: self.line, why };
         match self.source.read_line(&mut self.text) {
             Ok(0) => Err(failed("the file is cut short: make it again".to_owned())),
-            Ok(_) => serde_json::from_str(&self.text).map_err(|error| failed(error.to_string())),
+            Ok(_) => {
+                self.hash = mix_bytes(self.hash, self.text.as_bytes());
+                serde_json::from_str(&self.text).map_err(|error| failed(error.to_string()))
+            }
             Err(source) => Err(RangeError::Unreadable { path: self.path.clone(), source }),
         }
     }

@@ -3,6 +3,7 @@
 use crate::failure;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
+use curvlay_examples::input::{self, InputError};
 use curvlay_layers::curved::surface::{
     LayerField, PrintAids, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field,
 };
@@ -14,7 +15,6 @@ use curvlay_layers::nalgebra::Vector3;
 use curvlay_toolpath::surface::{DirectionHints, LayerSurface};
 use curvlay_voxel::Resolution;
 use std::fmt::Display;
-use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::{ControlFlow, Deref};
 use std::path::Path;
@@ -135,10 +135,10 @@ impl SurfacesRun {
 /// A field saved by an earlier run, from a regular file: others may never end.
 pub fn load(path: &Path) -> Result<SavedField, Failure> {
     let failed = |error: &dyn Display| failure(format!("{}: {error}", path.display()));
-    if !fs::metadata(path).map_err(|error| failed(&format!("cannot be read: {error}")))?.is_file() {
-        return Err(failed(&"is not a file; --resume wants the field.txt of an earlier run"));
-    }
-    let file = File::open(path).map_err(|error| failed(&format!("cannot be read: {error}")))?;
+    let file = input::open(path, input::MAX_DATA_BYTES).map_err(|error| match error {
+        InputError::NotAFile { .. } => failed(&"is not a file; --resume wants the field.txt of an earlier run"),
+        error => failure(error),
+    })?;
     let saved = SavedField::read(BufReader::new(file)).map_err(|error| failed(&error))?;
     Ok(saved)
 }

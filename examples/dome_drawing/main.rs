@@ -4,8 +4,8 @@
 //! B. Brooks, *3D printing a transposed design in biopolymer materials using an articulated robot and pellet-based extrusion* (ME
 //! thesis, Massey University 2016), chapter 4.
 //! ```sh
-//! cargo run --release --example dome_drawing -- --dxf rosette-leaves.dxf
-//! cargo run --release --example dome_drawing -- --svg flower.svg --diameter 250 --fill lines --angle 90
+//! cargo run --release --example dome_drawing -- rosette-leaves.dxf
+//! cargo run --release --example dome_drawing -- flower.svg --diameter 250 --fill lines --angle 90
 //! ```
 //! Without a file it prints a design made in code. `--help` lists the options. With `--stream` it sends the program to the robot's
 //! controller while it prints, point by point.
@@ -24,7 +24,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 use plan::Planned;
 use robot::Printed;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -32,10 +32,13 @@ use std::time::Instant;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "dome_drawing")]
 pub struct Args {
-    /// DXF file with the design
+    /// DXF or SVG file with the design, or `design.drawing` as an earlier run saved it, by the ending of its name
+    #[arg(value_name = "DRAWING", conflicts_with_all = ["dxf", "svg", "load", "design"])]
+    file: Option<PathBuf>,
+    /// DXF file with the design, whatever it is called
     #[arg(long, value_name = "FILE", conflicts_with_all = ["svg", "load"])]
     dxf: Option<PathBuf>,
-    /// SVG file with the design
+    /// SVG file with the design, whatever it is called
     #[arg(long, value_name = "FILE", conflicts_with = "load")]
     svg: Option<PathBuf>,
     /// File with the design as an earlier run saved it, `design.drawing`
@@ -103,7 +106,7 @@ pub struct Args {
     nozzle_height_mm: f64,
     /// Streams the program, once it is checked, to a controller that runs `drawing_link.mod` and `drawing_move.mod`; lines on
     /// the standard input are `pause`, `resume`, and `height MM`
-    #[arg(long = "stream", value_name = "HOST:PORT")]
+    #[arg(long = "stream", value_name = "HOST:PORT", value_parser = address)]
     stream: Option<String>,
     /// Places of the controller's queue
     #[arg(long = "queue", value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
@@ -220,15 +223,48 @@ fn height(text: &str) -> Result<f64, String> {
     if value.abs() <= 50.0 { Ok(value) } else { Err("must be from -50 to 50".to_owned()) }
 }
 
+fn address(text: &str) -> Result<String, String> {
+    let is_address = text
+        .rsplit_once(':')
+        .is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0));
+    if is_address { Ok(text.to_owned()) } else { Err("must be HOST:PORT, as in 192.168.125.1:5000".to_owned()) }
+}
+
 fn pair(text: &str) -> Result<[f64; 2], String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|word| word.trim().parse().ok().filter(|x: &f64| x.abs() <= 1e6)).collect();
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| "must be two numbers, as in 10,-5".to_owned())
 }
 
+impl Args {
+    /// Takes the word by the ending of its name, as --dxf, --svg or --load.
+    fn sorted(mut self) -> Result<Self, Failure> {
+        let Some(file) = self.file.take() else { return Ok(self) };
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let place = match ending.as_deref() {
+            Some("dxf") => &mut self.dxf,
+            Some("svg" | "svgz") => &mut self.svg,
+            Some("drawing") => &mut self.load,
+            _ => {
+                let why = "the ending of its name says no format; export a drawing as .dxf or .svg, or name it with --dxf or --svg";
+                return Err(Failure::new(format!("{}: {why}", file.display())));
+            }
+        };
+        *place = Some(file);
+        Ok(self)
+    }
+
+    /// The files that it reads.
+    fn files(&self) -> [Option<&Path>; 4] {
+        let surface = (!matches!(self.surface.as_str(), "dome" | "sphere")).then(|| Path::new(&self.surface));
+        [self.dxf.as_deref(), self.svg.as_deref(), self.load.as_deref(), surface]
+    }
+}
+
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("dome_drawing")?;
+        let args = args.sorted()?;
+        let folder = args.common.folder("dome_drawing", args.files(), outputs::is_ours)?;
         let (planned, printed, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::table(&args, &planned, &printed).print()?;
         Ok(outcome)

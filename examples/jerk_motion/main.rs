@@ -4,7 +4,7 @@
 //! (Fig. 4.14), and Table 4.1 on the UR3.
 //! ```sh
 //! cargo run --release --example jerk_motion -- --count 4681
-//! cargo run --release --example jerk_motion -- --waypoints layer.txt --feed 5 --up y
+//! cargo run --release --example jerk_motion -- layer.txt --feed 5 --up y
 //! ```
 //! Without `--waypoints` the path is a spiral over a patch made in code. `--help` lists the options.
 //!
@@ -35,7 +35,7 @@ use curvlay_trajectory::{LadderSearch, PathOptions, PathSegment, TimedPath, Timi
 use outputs::smoothest;
 use path::Path6;
 use planning::{Finer, METHODS, Plan, Planned, plan};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -43,7 +43,10 @@ use std::time::Instant;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "jerk_motion")]
 pub struct Args {
-    /// Waypoints instead of the spiral: lines of `px py pz nx ny nz`, place in mm and direction of growth
+    /// Waypoints instead of the layer made in code: lines of `px py pz nx ny nz`, place in mm and direction of growth
+    #[arg(value_name = "WAYPOINTS", conflicts_with = "waypoints")]
+    file: Option<PathBuf>,
+    /// The same file by an option
     #[arg(long, value_name = "FILE")]
     waypoints: Option<PathBuf>,
     /// Which axis of the file points up
@@ -129,9 +132,16 @@ pub struct Results {
     pub study: Option<Study>,
 }
 
+impl Args {
+    /// The waypoints of the user, however they were given.
+    fn waypoints(&self) -> Option<&Path> {
+        self.file.as_deref().or(self.waypoints.as_deref())
+    }
+}
+
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("jerk_motion")?;
+        let folder = args.common.folder("jerk_motion", [args.waypoints(), args.part.as_deref()], outputs::is_ours)?;
         let (results, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::told(results.faults()).iter().for_each(warn);
         outputs::table(&results).print()?;
@@ -142,7 +152,7 @@ fn main() -> ExitCode {
 /// Plans by every method and writes the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results, Outcome), Failure> {
     let start = Instant::now();
-    let given = match &args.waypoints {
+    let given = match args.waypoints() {
         Some(file) => path::upright(&path::read(file)?, args.up),
         None => path::spiral(args.count as usize, args.crest_mm),
     };

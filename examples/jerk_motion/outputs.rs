@@ -98,6 +98,11 @@ fn breaks<const N: usize>(run: &Run<N>) -> Option<(&'static str, &[usize])> {
     Some((run.robot, &ladder.figures.breaks))
 }
 
+/// Whether a file of this name is one that a run writes.
+pub fn is_ours(name: &str) -> bool {
+    [FAULTS, "ur3_trajectory.csv", "cell8_trajectory.csv", "report.html"].contains(&name)
+}
+
 pub fn write(args: &Args, results: &Results, folder: &OutputFolder, time: Duration) -> Result<(), Failure> {
     if let Some(run) = &results.ur3 {
         write_run(run, folder)?;
@@ -247,8 +252,7 @@ fn set_study(study: &Study, summary: &mut Summary) -> Result<(), Failure> {
 
 fn summary(args: &Args, results: &Results, time: Duration) -> Result<Summary, Failure> {
     let failed = results.failed_checks();
-    let file =
-        args.waypoints.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    let file = args.waypoints().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new();
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?

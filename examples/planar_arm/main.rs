@@ -67,7 +67,7 @@ pub struct Stage {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("planar_arm")?;
+        let folder = args.common.folder("planar_arm", [], |_| false)?;
         let (stages, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         table(&stages).print()?;
         Ok(outcome)

@@ -44,7 +44,7 @@ pub struct Args {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("reach")?;
+        let folder = args.common.folder("reach", [], |_| false)?;
         let (reached, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::table(&reached).print()?;
         Ok(outcome)

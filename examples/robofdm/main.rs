@@ -5,7 +5,7 @@
 //! *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 2.
 //! ```sh
 //! cargo run --release --example robofdm
-//! cargo run --release --example robofdm -- --mesh part.stl --stage parts
+//! cargo run --release --example robofdm -- part.stl --stage parts
 //! ```
 //! Without `--mesh` it prints a shape made in code that no single direction prints without support. `--help` lists the options.
 
@@ -190,7 +190,7 @@ impl Made {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("robofdm")?;
+        let folder = args.common.folder("robofdm", [args.mesh.path(), args.workcell.as_deref()], outputs::is_ours)?;
         let (made, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::parts_table(&made).print()?;
         outputs::comparison(&args, &made).print()?;
@@ -201,6 +201,8 @@ fn main() -> ExitCode {
 /// From the mesh to the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Outcome), Failure> {
     let start = Instant::now();
+    // Read once before the work: a workcell that is not there is no news for the end of it.
+    print::model(args)?;
     let divided = decompose::divide(args, bars)?;
     divided.warnings.iter().for_each(warn);
     let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };

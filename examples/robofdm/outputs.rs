@@ -5,8 +5,8 @@ use super::{Args, Base, Made, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::{Findings, percent};
 use curvlay_examples::mesh::Mesh;
-use curvlay_examples::motion::{Moved, Printed, shown};
-use curvlay_examples::output::OutputFolder;
+use curvlay_examples::motion::{Moved, Printed, is_program, shown};
+use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
@@ -59,15 +59,10 @@ pub fn write(
 }
 
 /// Files that an earlier run may have left.
-fn is_ours(name: &str) -> bool {
-    let numbered = |prefix: &str, suffix: &str| {
-        let number = name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix));
-        number.is_some_and(|number| number.len() >= 2 && number.bytes().all(|digit| digit.is_ascii_digit()))
-    };
-    let program = name.starts_with("print_") && (name.ends_with(".script") || name.ends_with(".mod"));
-    numbered("part_", ".stl")
-        || numbered("step_", ".png")
-        || program
+pub fn is_ours(name: &str) -> bool {
+    is_numbered(name, "part_", 2, ".stl")
+        || is_numbered(name, "step_", 2, ".png")
+        || is_program(name)
         || ["parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"].contains(&name)
 }
 

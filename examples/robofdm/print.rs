@@ -4,6 +4,7 @@ use super::decompose::Divided;
 use super::{Args, PatternName, Stage};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::input;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{FlatPrint, Printed, UR3_CELL, nozzle_of, plate_mm, print_parts};
 use curvlay_examples::nalgebra::Isometry3;
@@ -11,7 +12,6 @@ use curvlay_kinematics::workcell::{AnyWorkcell, Held, WorkcellModel};
 use curvlay_kinematics::{ReachOptions, fullest_box, reachable_points};
 use curvlay_layers::planar::robofdm::Head;
 use curvlay_toolpath::surface::{DepositionOptions, Pattern};
-use std::fs;
 
 /// A box with a part's edge in which an arm's frames are counted lies above the floor and in front of the arm, in millimetres.
 const FRONT_MM: f64 = 150.0;
@@ -52,9 +52,10 @@ pub fn head(args: &Args, mesh: &Mesh) -> Result<Head, Failure> {
     })
 }
 
-fn model(args: &Args) -> Result<WorkcellModel, Failure> {
+/// The workcell as its file has it.
+pub fn model(args: &Args) -> Result<WorkcellModel, Failure> {
     let text = match &args.workcell {
-        Some(file) => fs::read_to_string(file).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?,
+        Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
         None => UR3_CELL.to_owned(),
     };
     Ok(WorkcellModel::from_json(text.as_bytes())?)

@@ -17,8 +17,10 @@
 //! # Ok::<(), clap::Error>(())
 //! ```
 
+use crate::input::Inputs;
 use crate::mesh::{Mesh, MeshError, MeshFault, Placement, Unit, Up, read_mesh};
 use crate::output::{OutputError, OutputFolder};
+use crate::signals;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, Parser, ValueEnum};
 use curvlay_layers::curved;
@@ -48,13 +50,20 @@ pub struct Common {
 }
 
 impl Common {
-    /// Opens the output folder: the one asked for, or `target/out/NAME`. To be done before the work.
+    /// Opens the output folder: the one asked for, or `target/out/NAME`. To be done before the work. `inputs` are the files that the run
+    /// reads, and `is_ours` says which names it writes.
     ///
     /// # Errors
-    /// [`OutputError`] when it cannot be written.
-    pub fn folder(&self, name: &str) -> Result<OutputFolder, OutputError> {
+    /// [`OutputError`] when it cannot be written, or when an input has the name of a file that the run writes there.
+    pub fn folder<'a>(
+        &self,
+        name: &str,
+        inputs: impl IntoIterator<Item = Option<&'a Path>>,
+        is_ours: impl Fn(&str) -> bool,
+    ) -> Result<OutputFolder, OutputError> {
         let default = || Path::new("target").join("out").join(name);
-        OutputFolder::create(&self.out.clone().unwrap_or_else(default))
+        let inputs = Inputs::new(inputs.into_iter().flatten());
+        OutputFolder::create(&self.out.clone().unwrap_or_else(default))?.guarding(inputs, is_ours)
     }
 }
 
@@ -134,7 +143,7 @@ impl MeshArgs {
             Some(path) => (path.to_owned(), read_mesh(path)?),
             None => (PathBuf::from(shape_name), shape()),
         };
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let name = path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()));
         let placement = self.placement();
         let spacing_mm = mesh.float32_spacing().map(|spacing| spacing * placement.unit.millimetres() * placement.scale);
         let mut prepare = || -> Result<[Vec<String>; 2], MeshFault> {
@@ -434,6 +443,7 @@ pub fn run_on<A: Parser>(
 
 /// Runs `main` and turns its end into an exit status, as [`run_with_args`].
 pub fn run(main: impl FnOnce() -> Result<Outcome, Failure>) -> ExitCode {
+    signals::handle();
     match main() {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::ChecksFailed(failed)) => {
@@ -460,8 +470,25 @@ pub fn warn(message: impl Display) {
     say(&format!("warning: {message}"));
 }
 
+/// Writes a warning to stderr that a mesh is not closed, if edges of it are open.
+pub fn warn_if_open(open_edges: usize) {
+    if open_edges > 0 {
+        warn(format!(
+            "the mesh is not closed: {open_edges} of its edges have one triangle only; holes are closed by a guess"
+        ));
+    }
+}
+
 /// Writes a line to stderr.
 pub(crate) fn say(line: &str) {
     // With stderr gone there is no place left to complain.
-    let _ = writeln!(io::stderr(), "{line}");
+    let _ = writeln!(io::stderr(), "{}", printable(line));
+}
+
+/// A text on one line as a terminal may show it: a file's name may hold control characters, which would clear the screen or worse.
+/// ```
+/// assert_eq!(curvlay_examples::args::printable("a\u{1b}[2J.stl"), "a\\u{1b}[2J.stl");
+/// ```
+pub fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() }).collect()
 }

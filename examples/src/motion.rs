@@ -5,7 +5,7 @@ mod printing;
 pub mod programs;
 pub mod shown;
 
-pub use parts::{FlatPrint, Moved, Printed, plate_mm, print_parts};
+pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
 
 use crate::mesh::read_mesh;

@@ -1,5 +1,8 @@
-//! The output folder: checked before the work begins, written file by file, each whole or not at all.
+//! The output folder: checked before the work begins, written file by file, each whole or not at all. What was given as input is never
+//! removed nor written over.
 
+use crate::input::Inputs;
+use crate::signals;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -16,6 +19,7 @@ pub struct OutputFolder {
     /// Folders that were not there before, outermost first.
     made: Vec<PathBuf>,
     written: AtomicBool,
+    inputs: Inputs,
 }
 
 /// Why there is no output.
@@ -44,6 +48,26 @@ pub enum OutputError {
         /// What the system says.
         source: io::Error,
     },
+    /// A file that the run would remove or write over was given to it as input, under this name or another.
+    #[error("{}: is an input of this run, which would write over it; take another folder with --out", .path.display())]
+    IsInput {
+        /// The file in the folder.
+        path: PathBuf,
+    },
+}
+
+/// Whether `name` is `prefix`, a number from 1, `suffix`, the number as `{:0min_digits}` writes it.
+/// ```
+/// use curvlay_examples::output::is_numbered;
+/// assert!(is_numbered("part_01.stl", "part_", 2, ".stl") && is_numbered("part_123.stl", "part_", 2, ".stl"));
+/// assert!(!["part_1.stl", "part_012.stl", "part_00.stl", "part_a1.stl", "part_.stl"].iter().any(|name| is_numbered(name, "part_", 2, ".stl")));
+/// ```
+pub fn is_numbered(name: &str, prefix: &str, min_digits: usize, suffix: &str) -> bool {
+    let digits = name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix));
+    digits.is_some_and(|digits| {
+        let number = digits.bytes().all(|digit| digit.is_ascii_digit()).then(|| digits.parse::<u64>().ok()).flatten();
+        number.is_some_and(|number| number > 0 && format!("{number:0min_digits$}") == digits)
+    })
 }
 
 impl OutputFolder {
@@ -60,13 +84,47 @@ impl OutputFolder {
         let mut made: Vec<PathBuf> = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         made.reverse();
         // From here on dropping the folder clears up.
-        let folder = OutputFolder { path: path.to_owned(), made, written: AtomicBool::new(false) };
+        let folder =
+            OutputFolder { path: path.to_owned(), made, written: AtomicBool::new(false), inputs: Inputs::default() };
         fs::create_dir_all(path).map_err(|source| OutputError::Make { path: path.to_owned(), source })?;
         let trial = folder.temporary("trial");
-        File::create(&trial)
-            .and_then(|_| fs::remove_file(&trial))
+        signals::briefly(|| File::create(&trial).and_then(|_| fs::remove_file(&trial)))
             .map_err(|source| OutputError::Write { path: path.to_owned(), source })?;
         Ok(folder)
+    }
+
+    /// The same for a run that reads `inputs` and writes files whose name `is_ours`.
+    ///
+    /// # Errors
+    /// [`OutputError::IsInput`] when one of the two is the other, links included; nothing is removed or written then.
+    pub fn guarding(mut self, inputs: Inputs, is_ours: impl Fn(&str) -> bool) -> Result<Self, OutputError> {
+        self.inputs = inputs;
+        self.ours(is_ours)?;
+        Ok(self)
+    }
+
+    /// Names of the files in the folder that a run would remove or write over, the summary among them.
+    fn ours(&self, is_ours: impl Fn(&str) -> bool) -> Result<Vec<String>, OutputError> {
+        let unread = |source| OutputError::Write { path: self.path.clone(), source };
+        let mut names = Vec::new();
+        for entry in fs::read_dir(&self.path).map_err(unread)? {
+            let entry = entry.map_err(unread)?;
+            // We write no name that is not Unicode.
+            let Ok(name) = entry.file_name().into_string() else { continue };
+            let written = begun(&name).unwrap_or(&name);
+            let is_ours = is_ours(written) || written == SUMMARY;
+            if is_ours && entry.file_type().is_ok_and(|kind| !kind.is_dir()) {
+                self.spare_input(&name)?;
+                names.push(name);
+            }
+        }
+        Ok(names)
+    }
+
+    /// An error if a file of the folder is an input.
+    fn spare_input(&self, name: &str) -> Result<(), OutputError> {
+        let path = self.path.join(name);
+        if self.inputs.contains(&path) { Err(OutputError::IsInput { path }) } else { Ok(()) }
     }
 
     /// Where it is.
@@ -75,22 +133,24 @@ impl OutputFolder {
     }
 
     /// Takes away what an earlier run has left: the summary first, so that none stands beside files of another run, then all
-    /// files whose name `is_ours`, begun ones included. Folders and all other files stay.
+    /// files whose name `is_ours`, begun ones included. Folders and all other files stay. To be called once all input is read.
     ///
     /// # Errors
-    /// [`OutputError`] when a file cannot be removed or the folder not be read.
+    /// [`OutputError`] when a file is an input (none is removed then), when it cannot be removed, or the folder not be read.
     pub fn clear(&self, is_ours: impl Fn(&str) -> bool) -> Result<(), OutputError> {
-        self.write_list(SUMMARY, false, |_| Ok(()))?;
-        let unread = |source| OutputError::Write { path: self.path.clone(), source };
-        for entry in fs::read_dir(&self.path).map_err(unread)? {
-            let entry = entry.map_err(unread)?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let begun = || name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.').map(|(name, _)| name);
-            if (is_ours(&name) || begun().is_some_and(&is_ours)) && entry.file_type().is_ok_and(|kind| !kind.is_dir()) {
-                self.write_list(&name, false, |_| Ok(()))?;
-            }
+        let names = self.ours(is_ours)?;
+        self.remove(SUMMARY)?;
+        names.iter().try_for_each(|name| self.remove(name))
+    }
+
+    /// Removes a file of the folder if it is there.
+    fn remove(&self, name: &str) -> Result<(), OutputError> {
+        self.spare_input(name)?;
+        let path = self.path.join(name);
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(OutputError::Write { path, source }),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// Writes a file at once.
@@ -135,11 +195,7 @@ impl OutputFolder {
         if to_list {
             return self.write_with(name, fill);
         }
-        let path = self.path.join(name);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(OutputError::Write { path, source }),
-            _ => Ok(()),
-        }
+        self.remove(name)
     }
 
     /// Begins a file under a temporary name, for files that belong together: begin all of them, fill them, finish them.
@@ -148,7 +204,7 @@ impl OutputFolder {
     /// What the system says.
     pub fn begin(&self, name: &str) -> io::Result<(Unfinished<'_>, File)> {
         let unfinished = Unfinished { folder: self, temporary: self.temporary(name), target: self.path.join(name) };
-        let file = File::create(&unfinished.temporary)?;
+        let file = signals::begin(&unfinished.temporary, || File::create(&unfinished.temporary))?;
         Ok((unfinished, file))
     }
 
@@ -156,6 +212,12 @@ impl OutputFolder {
     fn temporary(&self, name: &str) -> PathBuf {
         self.path.join(format!(".{name}.{}.part", process::id()))
     }
+}
+
+/// The name that a file under a temporary name is to have.
+fn begun(name: &str) -> Option<&str> {
+    let (name, process) = name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.')?;
+    process.parse::<u32>().is_ok().then_some(name)
 }
 
 /// A file under its temporary name. Dropped, it goes away.
@@ -171,10 +233,13 @@ impl Unfinished<'_> {
     /// Gives the file its name; to be called when all of it is written. Returns how many bytes it has.
     ///
     /// # Errors
-    /// [`OutputError::Write`] when the system says no; an earlier file of that name then stays as it was.
+    /// [`OutputError`] when the system says no or the file of that name is an input; it then stays as it was.
     pub fn finish(self) -> Result<u64, OutputError> {
+        if self.folder.inputs.contains(&self.target) {
+            return Err(OutputError::IsInput { path: self.target.clone() });
+        }
         let named = fs::metadata(&self.temporary).and_then(|file| {
-            fs::rename(&self.temporary, &self.target)?;
+            signals::end(&self.temporary, || fs::rename(&self.temporary, &self.target))?;
             Ok(file.len())
         });
         let bytes = named.map_err(|source| OutputError::Write { path: self.target.clone(), source })?;
@@ -186,7 +251,7 @@ impl Unfinished<'_> {
 impl Drop for Unfinished<'_> {
     fn drop(&mut self) {
         // Finished, it has another name.
-        let _ = fs::remove_file(&self.temporary);
+        let _ = signals::end(&self.temporary, || fs::remove_file(&self.temporary));
     }
 }
 

@@ -3,14 +3,14 @@
 //! What is set nowhere has the default of the crates' options, but for the layer height and the width of a bead, which nobody but the
 //! user of a printer knows: [`LAYER_HEIGHT_MM`] and [`BEAD_MM`].
 
-use crate::args::{above_zero, celsius, from_zero, share};
+use crate::args::{Failure, above_zero, celsius, from_zero, share};
+use crate::input;
 use clap::{Args, ValueEnum};
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
 use curvlay_toolpath::surface::{DepositionOptions, InfillOptions, InfillPattern, Nozzle, TravelOptions};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -33,10 +33,10 @@ pub struct Settings {
     pub name: Option<String>,
     /// Distance of the layers in millimetres [default: 0.3, or the edge of a cell where --voxels, --cell or --resume say what cells
     /// there are]
-    #[arg(long = "layer-height", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LAYERS)]
+    #[arg(long = "layer-height", value_name = "MM", value_parser = length, allow_negative_numbers = true, help_heading = LAYERS)]
     pub layer_height_mm: Option<f64>,
     /// Width of a bead in millimetres [default: 0.5, or the distance of the layers where --voxels, --cell or --resume are given]
-    #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LAYERS)]
+    #[arg(long = "bead", value_name = "MM", value_parser = length, allow_negative_numbers = true, help_heading = LAYERS)]
     pub bead_mm: Option<f64>,
     /// How much of the inside is filled, in percent; 100: all is solid, below there are walls, skins and sparse infill [default: 100]
     #[arg(long = "density", value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true, help_heading = LAYERS)]
@@ -65,16 +65,16 @@ pub struct Settings {
     #[arg(long = "platform-diameter", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = MACHINE)]
     pub platform_diameter_mm: Option<f64>,
     /// What is kept from everything built while the nozzle travels, in millimetres [default: 1]
-    #[arg(long = "clearance", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true, help_heading = MACHINE)]
+    #[arg(long = "clearance", value_name = "MM", value_parser = distance, allow_negative_numbers = true, help_heading = MACHINE)]
     pub clearance_mm: Option<f64>,
     /// How far the nozzle backs off along its direction for a travel at least, in millimetres [default: 2]
-    #[arg(long = "min-lift", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true, help_heading = MACHINE)]
+    #[arg(long = "min-lift", value_name = "MM", value_parser = distance, allow_negative_numbers = true, help_heading = MACHINE)]
     pub min_lift_mm: Option<f64>,
     /// The material, by name
     #[arg(long, value_name = "NAME", help_heading = MATERIAL)]
     pub material: Option<String>,
     /// Diameter of the filament in millimetres [default: 1.75]
-    #[arg(long = "filament", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = MATERIAL)]
+    #[arg(long = "filament", value_name = "MM", value_parser = filament, allow_negative_numbers = true, help_heading = MATERIAL)]
     pub filament_diameter_mm: Option<f64>,
     /// Density of the material in g/cm3, for the mass
     #[arg(long = "material-density", value_name = "G_CM3", value_parser = material_density, allow_negative_numbers = true, help_heading = MATERIAL)]
@@ -92,28 +92,28 @@ pub struct Settings {
     #[arg(long = "fan", value_name = "SHARE", value_parser = share, allow_negative_numbers = true, help_heading = MATERIAL)]
     pub fan_share: Option<f64>,
     /// Wanted flow of material in mm3/s, kept as long as the tip is neither too slow nor too fast [default: 8]
-    #[arg(long = "flow", value_name = "MM3_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "flow", value_name = "MM3_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub flow_mm3_s: Option<f64>,
     /// The tip is not slower than this while it prints, in mm/s [default: 2]
-    #[arg(long = "min-feed", value_name = "MM_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "min-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub min_feed_mm_s: Option<f64>,
     /// Nor faster than this [default: 40]
-    #[arg(long = "max-feed", value_name = "MM_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "max-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub max_feed_mm_s: Option<f64>,
     /// The nozzle does not turn faster than this, in degrees a second [default: 180]
-    #[arg(long = "max-turn-rate", value_name = "DEG_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "max-turn-rate", value_name = "DEG_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub max_turn_rate_deg_s: Option<f64>,
     /// Speed of travels in mm/s [default: 80]
-    #[arg(long = "travel-feed", value_name = "MM_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "travel-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub travel_feed_mm_s: Option<f64>,
     /// Filament drawn back before a travel and pushed forward after it, in millimetres [default: 1]
-    #[arg(long = "retraction", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "retraction", value_name = "MM", value_parser = distance, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub retraction_mm: Option<f64>,
     /// Speed of the filament while it is drawn back, in mm/s [default: 30]
-    #[arg(long = "retract-feed", value_name = "MM_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "retract-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub retract_feed_mm_s: Option<f64>,
     /// Speed of the filament while it is pushed forward, in mm/s [default: 20]
-    #[arg(long = "prime-feed", value_name = "MM_S", value_parser = above_zero, allow_negative_numbers = true, help_heading = SPEEDS)]
+    #[arg(long = "prime-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub prime_feed_mm_s: Option<f64>,
     /// How the machine file says the direction of the nozzle [default: comment]
     #[arg(long, help_heading = FILES)]
@@ -190,32 +190,15 @@ pub enum Count {
     Relative,
 }
 
-/// Why a profile cannot be used, in one line.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {problem}", .path.display())]
-pub struct ProfileError {
-    /// The file.
-    pub path: PathBuf,
-    /// What is wrong, and where.
-    pub problem: String,
-}
-
-/// Largest profile that is read, in bytes: ours have less than two thousand.
-const MAX_BYTES: u64 = 1 << 20;
-
 impl Settings {
     /// Reads a profile. The path of a workcell in it counts from its folder.
     ///
     /// # Errors
-    /// [`ProfileError`] with line and column, or with the setting; for an unknown setting with the nearest known one.
-    pub fn load(path: &Path) -> Result<Settings, ProfileError> {
-        let failed = |problem: String| ProfileError { path: path.to_owned(), problem };
-        let unread = |error: io::Error| failed(format!("cannot be read: {error}"));
-        let about = fs::metadata(path).map_err(unread)?;
-        if !about.is_file() || about.len() > MAX_BYTES {
-            return Err(failed("is not a profile: a JSON file of a megabyte at most".to_owned()));
-        }
-        let mut settings = Settings::from_json(&fs::read_to_string(path).map_err(unread)?).map_err(failed)?;
+    /// A line with the file, and line and column or the setting; for an unknown setting with the nearest known one.
+    pub fn load(path: &Path) -> Result<Settings, Failure> {
+        let failed = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
+        let text = input::read_text(path, input::MAX_SETTINGS_BYTES)?;
+        let mut settings = Settings::from_json(&text).map_err(failed)?;
         if let (Some(workcell), Some(folder)) = (&mut settings.workcell, path.parent()) {
             *workcell = folder.join(&workcell);
         }
@@ -246,27 +229,27 @@ impl Settings {
     fn check(&self) -> Result<(), String> {
         type Rule = fn(&str) -> Result<f64, String>;
         let numbers: [(&str, Option<f64>, Rule); 22] = [
-            ("layer_height_mm", self.layer_height_mm, above_zero),
-            ("bead_mm", self.bead_mm, above_zero),
+            ("layer_height_mm", self.layer_height_mm, length),
+            ("bead_mm", self.bead_mm, length),
             ("density_percent", self.density_percent, percent),
             ("infill_turn_deg", self.infill_turn_deg, turn),
             ("platform_diameter_mm", self.platform_diameter_mm, above_zero),
-            ("clearance_mm", self.clearance_mm, from_zero),
-            ("min_lift_mm", self.min_lift_mm, from_zero),
-            ("filament_diameter_mm", self.filament_diameter_mm, above_zero),
+            ("clearance_mm", self.clearance_mm, distance),
+            ("min_lift_mm", self.min_lift_mm, distance),
+            ("filament_diameter_mm", self.filament_diameter_mm, filament),
             ("material_density_g_cm3", self.material_density_g_cm3, material_density),
             ("price_per_kg", self.price_per_kg, from_zero),
             ("nozzle_celsius", self.nozzle_celsius, celsius),
             ("bed_celsius", self.bed_celsius, celsius),
             ("fan_share", self.fan_share, share),
-            ("flow_mm3_s", self.flow_mm3_s, above_zero),
-            ("min_feed_mm_s", self.min_feed_mm_s, above_zero),
-            ("max_feed_mm_s", self.max_feed_mm_s, above_zero),
-            ("max_turn_rate_deg_s", self.max_turn_rate_deg_s, above_zero),
-            ("travel_feed_mm_s", self.travel_feed_mm_s, above_zero),
-            ("retraction_mm", self.retraction_mm, from_zero),
-            ("retract_feed_mm_s", self.retract_feed_mm_s, above_zero),
-            ("prime_feed_mm_s", self.prime_feed_mm_s, above_zero),
+            ("flow_mm3_s", self.flow_mm3_s, rate),
+            ("min_feed_mm_s", self.min_feed_mm_s, rate),
+            ("max_feed_mm_s", self.max_feed_mm_s, rate),
+            ("max_turn_rate_deg_s", self.max_turn_rate_deg_s, rate),
+            ("travel_feed_mm_s", self.travel_feed_mm_s, rate),
+            ("retraction_mm", self.retraction_mm, distance),
+            ("retract_feed_mm_s", self.retract_feed_mm_s, rate),
+            ("prime_feed_mm_s", self.prime_feed_mm_s, rate),
             ("nozzle[0]", self.nozzle.map(|shape| shape[0]), above_zero),
         ];
         for (name, value, rule) in numbers {
@@ -459,6 +442,36 @@ fn nozzle_of(shape: [f64; 4]) -> Result<[f64; 4], String> {
 
 /// Most walls, and layers of a skin.
 const MOST: i64 = 10_000;
+
+/// Longest length of a setting, in millimetres, and fastest speed, flow and turning, in their units a second: ten times what the largest
+/// machines do. Beyond, a zero too many was typed, and figures of a run would overflow.
+const MAX_LENGTH_MM: f64 = 1e4;
+const MAX_RATE: f64 = 1e5;
+
+/// Diameters of filament, in millimetres: of what is sold 1.75 and 2.85; pellets are counted as a filament of any.
+const FILAMENTS_MM: [f64; 2] = [0.1, 50.0];
+
+fn at_most(value: f64, max: f64, unit: &str) -> Result<f64, String> {
+    if value <= max { Ok(value) } else { Err(format!("must be at most {max} {unit}").trim_end().to_owned()) }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    at_most(above_zero(text)?, MAX_LENGTH_MM, "mm")
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    at_most(from_zero(text)?, MAX_LENGTH_MM, "mm")
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    at_most(above_zero(text)?, MAX_RATE, "")
+}
+
+fn filament(text: &str) -> Result<f64, String> {
+    let [least, most] = FILAMENTS_MM;
+    let value = above_zero(text)?;
+    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("must be from {least} to {most} mm")) }
+}
 
 fn percent(text: &str) -> Result<f64, String> {
     let value = from_zero(text)?;

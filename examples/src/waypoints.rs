@@ -1,8 +1,8 @@
 //! Waypoints from a file: six numbers a line, a place in millimetres and a direction.
 
 use crate::args::Failure;
+use crate::input;
 use std::fmt::Display;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub fn fault(path: &Path, what: &dyn Display) -> Failure {
 /// A [`Failure`] that names the file and the line.
 pub fn read_waypoints(path: &Path) -> Result<Vec<Line>, Failure> {
     let failed = |what: &dyn Display| fault(path, what);
-    let mut reader = BufReader::new(File::open(path).map_err(|error| failed(&error))?);
+    let mut reader = BufReader::new(input::open(path, input::MAX_TEXT_BYTES)?);
     let (mut lines, mut bytes, mut number) = (Vec::new(), Vec::new(), 0u64);
     loop {
         bytes.clear();

@@ -5,7 +5,7 @@
 //! Sci. Eng. 137, 2015.
 //! ```sh
 //! cargo run --release --example stewart_table -- --radius 50 --rise 12
-//! cargo run --release --example stewart_table -- --waypoints layer.csv
+//! cargo run --release --example stewart_table -- layer.csv
 //! ```
 //! Without `--waypoints` the layer is a dome made in code. `--help` lists the options.
 
@@ -17,7 +17,7 @@ use clap::Parser;
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use table::Printed;
@@ -26,7 +26,10 @@ use table::Printed;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "stewart_table")]
 pub struct Args {
-    /// Waypoints instead of the dome: lines of `x,y,z,nx,ny,nz`, place in mm on the platform and direction of growth
+    /// Waypoints instead of the layer made in code: lines of `px py pz nx ny nz`, place in mm and direction of growth
+    #[arg(value_name = "WAYPOINTS", conflicts_with = "waypoints")]
+    file: Option<PathBuf>,
+    /// The same file by an option
     #[arg(long, value_name = "FILE")]
     waypoints: Option<PathBuf>,
     /// Radius of the dome in millimetres
@@ -54,9 +57,16 @@ fn spacing(text: &str) -> Result<f64, String> {
     above_zero(text).and_then(|mm| if mm >= 0.2 { Ok(mm) } else { Err("must be at least 0.2".to_owned()) })
 }
 
+impl Args {
+    /// The waypoints of the user, however they were given.
+    fn waypoints(&self) -> Option<&Path> {
+        self.file.as_deref().or(self.waypoints.as_deref())
+    }
+}
+
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("stewart_table")?;
+        let folder = args.common.folder("stewart_table", [args.waypoints()], outputs::is_ours)?;
         let (printed, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::table(&printed).print()?;
         Ok(outcome)
@@ -66,7 +76,7 @@ fn main() -> ExitCode {
 /// Poses the platform for every waypoint and writes the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Printed, Outcome), Failure> {
     let start = Instant::now();
-    let waypoints = match &args.waypoints {
+    let waypoints = match args.waypoints() {
         Some(path) => layer::read(path)?,
         None => layer::dome(args.radius_mm, args.rise_mm, args.spacing_mm),
     };

@@ -24,6 +24,11 @@ const BASE: Rgb = [150, 158, 168];
 const PLATE: Rgb = [205, 210, 216];
 const NOZZLE: Rgb = [232, 98, 20];
 
+/// Whether a file of this name is one that a run writes.
+pub fn is_ours(name: &str) -> bool {
+    ["legs.csv", "report.html"].contains(&name)
+}
+
 pub fn write(args: &Args, printed: &Printed, folder: &OutputFolder, time: Duration) -> Result<(), Failure> {
     folder.write_with("legs.csv", |out| write_legs(printed, out))?;
     folder.write("report.html", report(args, printed).to_html())?;
@@ -60,8 +65,7 @@ pub fn table(printed: &Printed) -> Table {
 
 fn summary(args: &Args, printed: &Printed, time: Duration) -> Result<Summary, Failure> {
     let failed = printed.failed_checks();
-    let file =
-        args.waypoints.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    let file = args.waypoints().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new();
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?

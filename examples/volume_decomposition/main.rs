@@ -5,7 +5,7 @@
 //! additive manufacturing", CAD'22, 2022.
 //! ```sh
 //! cargo run --release --example volume_decomposition
-//! cargo run --release --example volume_decomposition -- --mesh part.stl --layer 2 --torch 20
+//! cargo run --release --example volume_decomposition -- part.stl --layer 2 --torch 20
 //! ```
 //! Without `--mesh` four shapes made in code are divided: the paper's curved part, an L, a T and a mushroom. `--help` lists the options.
 
@@ -120,7 +120,7 @@ impl Args {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("volume_decomposition")?;
+        let folder = args.common.folder("volume_decomposition", [args.mesh.path()], outputs::is_ours)?;
         let (divided, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::table(&divided).print()?;
         Ok(outcome)

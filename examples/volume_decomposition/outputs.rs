@@ -1,13 +1,14 @@
 //! What the example leaves behind: the table on stdout, meshes of the parts, `parts.csv`, `separations.csv`, `features.csv`,
 //! `report.html` and `summary.json`.
 
-use super::volumes::Divided;
-use super::{Args, drawing};
+use super::volumes::{Divided, PART};
+use super::{Args, Shape, drawing};
+use clap::ValueEnum;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Findings;
 use curvlay_examples::mesh::Mesh;
-use curvlay_examples::motion::Printed;
-use curvlay_examples::output::OutputFolder;
+use curvlay_examples::motion::{Printed, is_program};
+use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
@@ -46,10 +47,11 @@ pub fn write(
 }
 
 /// Files that an earlier run may have left.
-fn is_ours(name: &str) -> bool {
-    let part = name.strip_suffix(".stl").and_then(|stem| stem.rsplit_once("_part_"));
-    part.is_some_and(|(_, number)| number.len() >= 2 && number.bytes().all(|digit| digit.is_ascii_digit()))
-        || (name.starts_with("print_") && name.ends_with(".mod"))
+pub fn is_ours(name: &str) -> bool {
+    let shapes = Shape::value_variants().iter().map(|&shape| typed_name(shape));
+    let mut stems = shapes.chain([PART.to_owned()]);
+    stems.any(|stem| is_numbered(name, &format!("{stem}_part_"), 2, ".stl"))
+        || is_program(name)
         || ["parts.csv", "separations.csv", "features.csv", "report.html"].contains(&name)
 }
 
@@ -146,8 +148,7 @@ fn summary(
     start: Instant,
 ) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
-    let file =
-        args.mesh.mesh.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    let file = args.mesh.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("mesh", file.unwrap_or_else(|| typed_name(args.shape)))?
@@ -161,7 +162,7 @@ fn summary(
         .set("threads", args.common.threads)?;
     let plain = typed_name(args.shape);
     for of in divided {
-        let prefixes = if args.mesh.mesh.is_some() {
+        let prefixes = if args.mesh.path().is_some() {
             vec![String::new()]
         } else if of.name == plain {
             vec![String::new(), format!("{}_", of.name)]

@@ -24,11 +24,14 @@ pub struct Divided {
     pub warnings: Vec<String>,
 }
 
+/// What a part of the user is called in files and keys.
+pub const PART: &str = "part";
+
 /// Divides the file, or every shape.
 pub fn divide(args: &Args, bars: &Bars) -> Result<Vec<Divided>, Failure> {
-    if args.mesh.mesh.is_some() {
-        let part = args.mesh.load("part", Mesh::default)?;
-        return Ok(vec![divide_one("part", &part.mesh, part.warnings, args, bars)?]);
+    if args.mesh.path().is_some() {
+        let part = args.mesh.load(PART, Mesh::default)?;
+        return Ok(vec![divide_one(PART, &part.mesh, part.warnings, args, bars)?]);
     }
     let shapes = Shape::value_variants().iter();
     shapes

@@ -16,6 +16,7 @@ use check::Checked;
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::input;
 use curvlay_examples::motion::{
     OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, link_mesh, programs, table_options, waypoints,
 };
@@ -28,7 +29,6 @@ use curvlay_trajectory::Bounds;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, Waypoint, plan_print};
 use nalgebra::Isometry3;
 use std::f64::consts::PI;
-use std::fs;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -112,7 +112,7 @@ impl MotionArgs {
             None => failure(error),
         };
         let text = match &self.workcell {
-            Some(file) => fs::read_to_string(file).map_err(|error| named(format!("cannot be read: {error}")))?,
+            Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
             None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
         };
         let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;

@@ -65,13 +65,9 @@ const NAMES: [&str; 27] = [
     "programs.csv",
 ];
 
-/// Whether a file of this name is one that a run may write. Programs are `print`, or `print` with numbers behind it.
+/// Whether a file of this name is one that a run may write.
 pub fn is_ours(name: &str) -> bool {
-    let is_program = |stem: &str| {
-        stem.strip_prefix("print").is_some_and(|rest| !rest.contains(|c: char| !c.is_ascii_digit() && c != '_'))
-    };
-    let endings = [".script", ".mod", ".csv"];
-    NAMES.contains(&name) || endings.iter().any(|ending| name.strip_suffix(ending).is_some_and(is_program))
+    NAMES.contains(&name) || programs::is_ours(name)
 }
 
 /// What stands in the machine file and in the programs.

@@ -12,7 +12,7 @@ use crate::motion::check::Checked;
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::programs::{LIFT_POSTURES, pieces, stream, takes_stream, targets, urscript_options};
-use curvlay_examples::output::{OutputError, OutputFolder, Unfinished};
+use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::program::{
@@ -155,6 +155,19 @@ fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
         programs.bytes += file.finish()?;
     }
     Ok(programs)
+}
+
+/// Whether a file of this name is a program: `print_001.script` or `.csv`; in RAPID `print.mod` with its modules `print_001.mod`, or `print1.mod`
+/// with its modules `print1_001.mod`.
+pub fn is_ours(name: &str) -> bool {
+    let is_module = || {
+        let stem = name.strip_suffix(".mod").and_then(|stem| stem.rsplit_once('_'));
+        stem.is_some_and(|(piece, module)| is_numbered(piece, "print", 1, "") && is_numbered(module, "", 3, ""))
+    };
+    [".script", ".csv", ".mod"].iter().any(|ending| is_numbered(name, "print_", 3, ending))
+        || name == "print.mod"
+        || is_numbered(name, "print", 1, ".mod")
+        || is_module()
 }
 
 /// A file for each piece, and a list of them.

@@ -5,6 +5,7 @@ use crate::args::Failure;
 use crate::bars::Bars;
 use crate::findings::{Findings, Severity};
 use crate::mesh::Mesh;
+use crate::output::is_numbered;
 use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
@@ -33,6 +34,28 @@ const TOLERANCE: f64 = 0.25;
 
 /// How deep it may be in a layer on its way, as a share of its height.
 const DEPTH: f64 = 0.25;
+
+/// Whether a file of this name is a program as [`print_parts`] makes them: `print_001`, with `_filament_1` where filaments are changed and
+/// the number of a module behind it.
+/// ```
+/// use curvlay_examples::motion::is_program;
+/// let ours = ["print_001.script", "print_012_filament_2.script", "print_001.mod", "print_001_002.mod", "print_001_filament_1_003.mod"];
+/// assert!(ours.into_iter().all(is_program));
+/// let others = ["print_my_life.script", "print_cell_setup.mod", "print_1.mod", "print_001_filament_.mod", "print_001_2.mod", "print_001_002.script"];
+/// assert!(!others.into_iter().any(is_program));
+/// ```
+pub fn is_program(name: &str) -> bool {
+    let Some((stem, ending)) = name.rsplit_once('.').filter(|(_, ending)| matches!(*ending, "script" | "mod")) else {
+        return false;
+    };
+    let is_piece = |stem: &str| {
+        let (run, filament) = stem.split_once("_filament").unwrap_or((stem, "_1"));
+        is_numbered(run, "print_", 3, "") && is_numbered(filament, "_", 1, "")
+    };
+    let is_module =
+        || stem.rsplit_once('_').is_some_and(|(piece, part)| is_piece(piece) && is_numbered(part, "", 3, ""));
+    is_piece(stem) || (ending == "mod" && is_module())
+}
 
 /// What is printed, and how.
 #[derive(Clone, Copy, Debug)]

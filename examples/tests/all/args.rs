@@ -182,9 +182,9 @@ fn facets_that_look_the_wrong_way_are_told() {
 fn the_folder_is_named_after_the_example() {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("args-out");
     let common = parse(&format!("--out {}", out.display())).unwrap().common;
-    assert_eq!(common.folder("curved_layers").unwrap().path(), out);
+    assert_eq!(common.folder("curved_layers", [], |_| false).unwrap().path(), out);
     let here = std::env::current_dir().unwrap();
-    let default = parse("").unwrap().common.folder("a_test").unwrap();
+    let default = parse("").unwrap().common.folder("a_test", [], |_| false).unwrap();
     assert_eq!(default.path(), Path::new("target/out/a_test"));
     drop(default);
     assert!(!here.join("target/out/a_test").exists());

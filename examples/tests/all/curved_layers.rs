@@ -720,6 +720,10 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--cell", "1", "--bead", "0.5"], 2, "layers of 1 mm, the edge of a cell, are higher than a bead"),
         (&["--voxels", "2000", "--bead", "0.5"], 1, "the edge of a cell, are higher than a bead"),
         (&["--min-feed", "50"], 2, "--min-feed 50 is above --max-feed 40"),
+        (&["--filament", "1e308"], 2, "--filament <MM>': must be from 0.1 to 50 mm"),
+        (&["--clearance", "1e308"], 2, "--clearance <MM>': must be at most 10000 mm"),
+        (&["--retraction", "1e9"], 2, "--retraction <MM>': must be at most 10000 mm"),
+        (&["--travel-feed", "1e99"], 2, "--travel-feed <MM_S>': must be at most 100000"),
         (&["--price-per-kg", "20"], 2, "--material-density"),
         (&["--material-density", "1240"], 2, "g/cm3"),
         (&["--stage", "paths", "--fan", "1"], 2, "--fan does nothing with --stage paths: it needs --stage gcode"),
@@ -755,6 +759,18 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     }
     let (status, line) = status_and_line(&run(&["--out", &in_the_way]));
     assert!(status == 1 && line.contains(&in_the_way), "{status} {line}");
+}
+
+/// Bug: layers of 1 mm, stretched to 1.003 mm so that they fill the part, were refused with beads of 1 mm.
+#[test]
+fn beads_may_be_as_wide_as_layers_are_high() {
+    let scratch = Scratch::new("square-beads");
+    let (mesh, out) = (scratch.path("block.stl"), scratch.path("out"));
+    fs::write(&mesh, boxes(&[[[0.0; 3], [8.0, 6.0, 4.6]]])).unwrap();
+    let output = run(&[&mesh, "--layer-height", "1", "--bead", "1", "--stage", "paths", "--quiet", "--out", &out]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = summary(&out);
+    assert!(figures["layer_height_mm"].as_f64().unwrap() > 1.0 && figures["bead_mm"] == 1.0, "{figures}");
 }
 
 /// What a profile says holds where nothing is typed, and both are in the summary; cells follow from the layer height.
@@ -1133,11 +1149,14 @@ fn what_an_earlier_run_has_left_goes_away() {
     for name in ["mine.txt", "printer.csv", "print_notes.csv"] {
         fs::write(at(name), "mine").unwrap();
     }
-    // It goes on from a field in the same folder, and keeps it also when it fails.
-    let field = at("field.txt").display().to_string();
+    // Nothing is removed before all input is read, and never an input: a field in the same folder is refused.
+    let (before, own, field) = (names(), at("field.txt").display().to_string(), scratch.path("saved.txt"));
+    let (status, line) = status_and_line(&run_with(&["--resume", &own]));
+    assert!(status == 1 && line.contains("field.txt: is an input"), "{status} {line}");
+    fs::copy(&own, &field).unwrap();
     let gone = run(&["--mesh", "no-such.stl", "--resume", &field, "--quiet", "--out", &out]);
     assert_eq!(gone.status.code(), Some(1));
-    assert_eq!(names(), ["field.txt", "mine.txt", "print_notes.csv", "printer.csv"]);
+    assert_eq!(names(), before);
     assert_eq!(run_with(&["--resume", &field, "--stage", "surfaces"]).status.code(), Some(0));
     let of_surfaces =
         ["field.csv", "field.txt", "field.vtk", "layers.obj", "layers.vtk", "report.html", "summary.json"];

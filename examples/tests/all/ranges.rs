@@ -124,8 +124,34 @@ fn ranges_of_layers_put_together_are_one_run() {
     refused(&["--layers", "2..9999"], 1, &format!("there are {surfaces} layers; --layers 2..{surfaces}"));
     refused(&["--layers", "9998..9999"], 1, &format!("may begin at {surfaces}"));
     refused(&["--layers", "1/9999"], 1, &format!("9999 pieces of {surfaces} layers"));
-    // Cut short, in a line and after one.
+    // Changed: a digit of a width, which the checksum sees; with its checksum put right, a triangle that is not there and weights of
+    // no point.
     let text = fs::read_to_string(&a).unwrap();
+    let (body, _) = text.trim_end().rsplit_once('\n').unwrap();
+    let sealed = |body: String| {
+        let body = body + "\n";
+        let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+        let hash = body.bytes().fold(0xcbf2_9ce4_8422_2325, step);
+        format!("{body}{{\"checksum\":\"{hash:016x}\"}}\n")
+    };
+    assert_eq!(sealed(body.to_owned()), text, "the checksum is FNV-1a");
+    let at = body.find("\"triangle\":").unwrap() + "\"triangle\":".len();
+    let number = body[at..].find(',').unwrap();
+    let elsewhere = format!("{}4000000000{}", &body[..at], &body[at + number..]);
+    let weights = body.find("\"barycentric\":[").unwrap() + "\"barycentric\":[".len();
+    let weight = body[weights..].find(',').unwrap();
+    let heavy = format!("{}7.5{}", &body[..weights], &body[weights + weight..]);
+    for (changed, words) in [
+        (text.replacen("\"width\":", "\"width\":1", 1), "checksum is another"),
+        (sealed(elsewhere), "triangle 4000000000 of "),
+        (sealed(heavy), "weights [7.5, "),
+        (text.clone() + "\n", "more follows"),
+    ] {
+        assert_ne!(changed, text);
+        fs::write(&a, changed).unwrap();
+        refused(&["--merge", &a, &b, &c], 1, words);
+    }
+    // Cut short, in a line and after one.
     for end in [text.len() - 7, text.len() / 2] {
         fs::write(&a, &text[..end]).unwrap();
         refused(&["--merge", &a, &b, &c], 1, "line ");
@@ -195,9 +221,9 @@ fn a_part_is_laid_in_its_best_pose() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("the part was turned"));
     let layers = fs::read(place.join("best/layers.obj")).unwrap();
     let (field, turned) = (path("best/field.txt"), path("best/oriented.obj"));
-    let output = run(&["--mesh", &turned, "--resume", &field, "--stage", "surfaces", "--out", &path("best")]);
+    let output = run(&["--mesh", &turned, "--resume", &field, "--stage", "surfaces", "--out", &path("again")]);
     assert_eq!(output.status.code(), Some(0), "{}", line(&output));
-    assert_eq!(fs::read(place.join("best/layers.obj")).unwrap(), layers);
+    assert_eq!(fs::read(place.join("again/layers.obj")).unwrap(), layers);
 
     let output = run(&[&common_args[..], &["--directions", "12", "--out", &path("best")]].concat());
     assert_eq!(
