@@ -50,7 +50,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
     let layered = part.layers(None, CELL_MM, &|_| Continue(()))?;
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
     let filled = fill_layers(&surfaces, &PathOptions { bead: CELL_MM, ..PathOptions::default() }, &|_| Continue(()))?;
-    let nozzle = nozzle_of(cell.equipment())?;
+    let (nozzle, stack) = (nozzle_of(cell.equipment())?, filled.stack(&surfaces)?);
     let plan = filled.plan(&surfaces, &nozzle, &surface::PrintOptions::for_robot(), &|_| Continue(()))?;
 
     // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
@@ -63,7 +63,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
         layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
     };
     let gouging = GougingOptions { plate: false, ..GougingOptions::default() };
-    let contacts = filled.stack(&surfaces)?.contacts(&plan.resolved.paths, &nozzle, &gouging, &|_| Continue(()))?;
+    let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &gouging, &|_| Continue(()))?;
     println!("{} cells missed, {} pieces left out", layered.growth.missed.len(), plan.resolved.left_out.len());
     match &cell {
         AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), (&out, &inputs)),
