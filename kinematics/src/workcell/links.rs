@@ -111,7 +111,7 @@ fn hulls(path: &str, mesh: &LinkMeshModel, read: LinkMeshReader<'_>) -> Result<V
     let mut placed = Vec::with_capacity(points.len());
     for (k, point) in points.iter().enumerate() {
         let point = point * unit;
-        if let Some(value) = point.iter().find(|value| !(value.abs() <= FARTHEST)) {
+        if let Some(value) = point.iter().find(|value| value.is_nan() || value.abs() > FARTHEST) {
             finite(format!("{path}.file: vertex {k}"), *value)?;
         }
         placed.push(link_mesh * point);
