@@ -11,13 +11,16 @@ use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, Pa
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
-use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
+use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, Run, Travel, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, io::BufWriter, ops::ControlFlow::Continue, path::Path, process::ExitCode};
 
 /// Diameter of a plate that the workcell leaves open; edge of a cell, height of a layer and width of a bead, in millimetres.
 const PLATE_MM: f64 = 127.5;
 const CELL_MM: f64 = 4.0;
+
+/// Steps of a program: 13 minutes at 125 Hz.
+const MAX_STEPS: u64 = 100_000;
 
 fn main() -> ExitCode {
     args::run(mesh_to_robot)
@@ -91,7 +94,12 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     for Fault { layer, path, waypoint, kind, what } in &motion.faults {
         println!("layer {}, path {path}, waypoint {waypoint}: {} {what}", layer + 1, kind.name());
     }
-    for (number, piece) in programs::pieces(&motion, u64::MAX, |_, _| 0.0).into_iter().enumerate() {
+    // A stream is cut where the nozzle is lifted; the writer of RAPID cuts its modules itself.
+    let period = programs::rate(cell.equipment()).seconds();
+    let steps = |run: &Run<N, F>, travel: Option<&Travel<N>>| {
+        if takes_stream { (run.duration() + travel.map_or(0.0, Travel::duration)) / period } else { 0.0 }
+    };
+    for (number, piece) in programs::pieces(&motion, MAX_STEPS, steps).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
         let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
         if takes_stream {

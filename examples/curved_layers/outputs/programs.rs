@@ -11,12 +11,14 @@ use crate::failure;
 use crate::motion::check::Checked;
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::programs::{LIFT_POSTURES, pieces, stream, takes_stream, targets, urscript_options};
+use curvlay_examples::motion::programs::{
+    LIFT_POSTURES, pieces, rate, stream, takes_stream, targets, urscript_options,
+};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::program::{
-    PrintPiece, ProgramLimits, RapidOptions, ServoRate, WriteError, write_csv, write_rapid, write_urscript,
+    PrintPiece, ProgramLimits, RapidOptions, WriteError, write_csv, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::check::FindingClass;
@@ -101,7 +103,7 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> Result<Programs, Trouble> {
     let most = u64::from(most.unwrap_or(STREAM_STEPS));
     let pieces = pieces(plan, most, |run, travel| {
-        (run.duration() + travel.map_or(0.0, Travel::duration)) / ServoRate::Hz125.seconds()
+        (run.duration() + travel.map_or(0.0, Travel::duration)) / rate(cell.equipment()).seconds()
     });
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
     let ending = if format == ProgramFormat::Csv { "csv" } else { "script" };
@@ -138,9 +140,10 @@ fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     }
     // A program for all that hangs together; it is cut into modules by the writer.
     let pieces = pieces(plan, u64::MAX, moves);
-    let (mut programs, mut unfinished) = (Programs::default(), Vec::new());
+    let (mut programs, mut unfinished, mut list) = (Programs::default(), Vec::new(), String::from(LIST_HEAD));
     for (number, piece) in pieces.iter().enumerate() {
         let name = if pieces.len() == 1 { "print".to_owned() } else { format!("print{}", number + 1) };
+        let main = name.clone();
         let moves_per_module = most.unwrap_or(MODULE_MOVES);
         let options = RapidOptions { name, moves_per_module, ..RapidOptions::of_workcell(cell.equipment()) };
         let done = write_rapid(targets(cell, plan, piece.motions.clone()), &options, |name| {
@@ -150,10 +153,12 @@ fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
         })?;
         programs.files += done.modules as usize + 1;
         programs.steps += done.moves;
+        list += &listed(plan, number, piece, &format!("{main}.mod"), done.moves);
     }
     for file in unfinished {
         programs.bytes += file.finish()?;
     }
+    folder.write("programs.csv", list)?;
     Ok(programs)
 }
 
@@ -170,6 +175,26 @@ pub fn is_ours(name: &str) -> bool {
         || is_module()
 }
 
+/// The first line of `programs.csv`.
+const LIST_HEAD: &str = "file,steps,first_layer,last_layer,begins\n";
+
+/// A line of `programs.csv`.
+fn listed<const N: usize, const F: usize>(
+    plan: &PrintPlan<N, F>,
+    number: usize,
+    piece: &PrintPiece,
+    file: &str,
+    steps: u64,
+) -> String {
+    let [first, last] = [piece.motions.start, piece.motions.end - 1].map(|at| plan.runs[at].layer + 1);
+    let begins = match (number, piece.joined) {
+        (0, _) => "first",
+        (_, true) => "where the one before ends",
+        _ => "apart: bring the robot there by hand",
+    };
+    format!("{file},{steps},{first},{last},{begins}\n")
+}
+
 /// A file for each piece, and a list of them.
 fn of_pieces<const N: usize, const F: usize>(
     plan: &PrintPlan<N, F>,
@@ -179,7 +204,7 @@ fn of_pieces<const N: usize, const F: usize>(
     write: impl Fn(&PrintPiece, &str, &mut dyn Write) -> Result<(), WriteError>,
 ) -> Result<Programs, Trouble> {
     let mut unfinished: Vec<Unfinished> = Vec::new();
-    let mut list = String::from("file,steps,first_layer,last_layer,begins\n");
+    let mut list = String::from(LIST_HEAD);
     for (number, piece) in pieces.iter().enumerate() {
         let name = format!("print_{:03}", number + 1);
         let file_name = format!("{name}.{ending}");
@@ -189,13 +214,7 @@ fn of_pieces<const N: usize, const F: usize>(
         write(piece, &name, &mut file)?;
         file.flush().map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         unfinished.push(begun);
-        let [first, last] = [piece.motions.start, piece.motions.end - 1].map(|at| plan.runs[at].layer + 1);
-        let begins = match (number, piece.joined) {
-            (0, _) => "first",
-            (_, true) => "where the one before ends",
-            _ => "apart: bring the robot there by hand",
-        };
-        list += &format!("{file_name},{},{first},{last},{begins}\n", piece.steps.ceil());
+        list += &listed(plan, number, piece, &file_name, piece.steps.ceil() as u64);
     }
     let mut programs = Programs { files: pieces.len(), ..Programs::default() };
     programs.steps = pieces.iter().map(|piece| piece.steps.ceil() as u64).sum();

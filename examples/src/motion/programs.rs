@@ -1,10 +1,10 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, PrintPiece, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
-    UrScriptOptions, print_pieces, print_stream, print_targets,
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, PrintPiece, ServoRate, Step, StreamLeg, StreamOptions, TargetMotion,
+    TargetOptions, UrScriptOptions, print_pieces, print_stream, print_targets,
 };
-use curvlay_kinematics::workcell::{Equipment, Workcell};
+use curvlay_kinematics::workcell::{ArmGeometry, Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
 use std::ops::Range;
 
@@ -35,7 +35,17 @@ pub fn pieces<const N: usize, const F: usize>(
     print_pieces(motions, max_steps)
 }
 
-/// Some runs and the travels behind them as joints of the arm over time, at the 125 Hz of a UR.
+/// The rate at which the controller of an arm of Universal Robots takes joints: 500 Hz for e-Series, whose names end with `e`, and
+/// 125 Hz for others, which e-Series take as well.
+pub fn rate(equipment: &Equipment) -> ServoRate {
+    match &equipment.model().arm.geometry {
+        ArmGeometry::Named(name) if name.ends_with('e') => ServoRate::Hz500,
+        _ => ServoRate::Hz125,
+    }
+}
+
+/// Some runs and the travels behind them as joints of the arm over time, at the rate of its controller; signals of the extruder as
+/// late as the arm is behind.
 pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &'a W,
     plan: &'a PrintPlan<N, F>,
@@ -55,7 +65,21 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
         filament_mm: (leg.kind == LegKind::Print).then_some(move |time: f64| leg.filament_mm(time)),
         signals: Vec::new(),
     });
-    print_stream(ends.map(|joints| joints.map_or([0.0; 6], arm)), legs, StreamOptions::default())
+    let lag_s = UrScriptOptions::default().lookahead_s;
+    let options = StreamOptions { rate: rate(cell.equipment()), lag_s, ..StreamOptions::default() };
+    print_stream(ends.map(|joints| joints.map_or([0.0; 6], arm)), legs, options)
+}
+
+/// The least of 1, 2, 5, 10, 20 ... that holds a speed: so a signal uses half of its range or nearly so, and prints of one kind have
+/// the same. [`FILAMENT_FULL_SCALE_MM_S`] where there is no speed.
+pub fn full_scale(mm_s: f64) -> f64 {
+    if !(mm_s > 0.0 && mm_s.is_finite()) {
+        return FILAMENT_FULL_SCALE_MM_S;
+    }
+    // The decade by its own power, so that 10 is 10.
+    let decade = 10f64.powi(mm_s.log10().floor() as i32);
+    let steps = [1.0, 2.0, 5.0, 10.0, 20.0].map(|step| step * decade);
+    steps.into_iter().find(|scale| *scale >= mm_s).unwrap_or(mm_s)
 }
 
 /// Options of a stream: the frames, the arm and its limits, and a range of the filament's signal that holds the whole print.
@@ -64,9 +88,9 @@ pub fn urscript_options<const N: usize, const F: usize, W: Workcell<N, F>>(
     plan: &PrintPlan<N, F>,
     name: &str,
 ) -> UrScriptOptions {
-    let filament_full_scale_mm_s = plan.max_filament_mm_s().ceil().max(FILAMENT_FULL_SCALE_MM_S);
+    let filament_full_scale_mm_s = full_scale(plan.max_filament_mm_s());
     let options = UrScriptOptions::of_workcell(cell.equipment());
-    UrScriptOptions { name: name.to_owned(), filament_full_scale_mm_s, ..options }
+    UrScriptOptions { name: name.to_owned(), filament_full_scale_mm_s, starts: true, ..options }
 }
 
 /// Some runs as targets on the part, and the travels behind them by joints.

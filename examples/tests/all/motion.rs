@@ -1,6 +1,6 @@
 //! The cells of the examples, and what is said of their motions.
 
-use curvlay_examples::motion::programs::pieces;
+use curvlay_examples::motion::programs::{full_scale, pieces};
 use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, bounds_of, dissertation_cells};
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_kinematics::workcell::Workcell;
@@ -8,6 +8,23 @@ use curvlay_trajectory::print::{LegKind, PlanTimes, PrintPlan, PrintRobot, Run, 
 use curvlay_trajectory::transfer::Transfer;
 use curvlay_trajectory::{Bounds, Robot, RunIn, Timeline, Trajectory};
 use std::f64::consts::TAU;
+
+/// A signal of the filament uses at least two fifths of its range.
+#[test]
+fn the_range_of_the_filament_holds_the_print() {
+    let known = [(0.9, 1.0), (1.0, 1.0), (1.01, 2.0), (3.0, 5.0), (7.5, 10.0), (10.0, 10.0), (0.03, 0.05), (0.0, 20.0)];
+    for (mm_s, scale) in known {
+        assert!(
+            (full_scale(mm_s) - scale).abs() < 1e-12 * scale && full_scale(mm_s) >= mm_s,
+            "{mm_s}: {}",
+            full_scale(mm_s)
+        );
+    }
+    for k in 1..2000 {
+        let mm_s = 0.01 * f64::from(k);
+        assert!((0.4..=1.0).contains(&(mm_s / full_scale(mm_s))), "{mm_s}");
+    }
+}
 
 /// A bent line over the flange, with turning directions.
 fn line(count: usize) -> Vec<Waypoint> {

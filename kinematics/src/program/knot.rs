@@ -24,13 +24,15 @@ pub struct TargetOptions {
     /// The tip's speed is written as this at least, in mm/s. Default 0.01: what is slower goes by micrometres.
     pub min_speed_mm_s: f64,
     /// Waypoints from which the straight line between two others leads by no more than this, in millimetres, are no targets
-    /// of their own. Default 0: each is one. With 0.05 a straight path of 100 mm is a few lines.
+    /// of their own. Default 0.05, an eighth of a bead: a straight path of 100 mm is a few lines, and no move is shorter than a cycle of the controller for the spacing of waypoints alone. With 0 each is one.
     pub merge_mm: f64,
     /// And where the tool, or the table, is turned from its interpolation by no more than this, in radians. Default 1e-3.
     pub merge_rad: f64,
     /// And where the speed of the tip and the filament for a millimetre are those of the line within this share. Default
     /// 0.05.
     pub merge_share: f64,
+    /// The speed of the filament is written again where it changes by more than this share, as in a stream. Default 0.002.
+    pub same_speed: f64,
 }
 
 impl Default for TargetOptions {
@@ -40,9 +42,10 @@ impl Default for TargetOptions {
             turn_factor: 2.0,
             min_turn_rad_s: 0.5,
             min_speed_mm_s: 0.01,
-            merge_mm: 0.0,
+            merge_mm: 0.05,
             merge_rad: 1e-3,
             merge_share: 0.05,
+            same_speed: 2e-3,
         }
     }
 }

@@ -38,6 +38,7 @@ mod dome_print;
 mod external;
 mod extruder;
 mod knot;
+mod lag;
 pub mod link;
 mod merge;
 mod names;

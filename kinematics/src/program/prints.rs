@@ -9,6 +9,7 @@
 //! Nothing here knows of a planner: a motion is a duration with closures, or a list of knots.
 
 use super::knot::{PrintKnot, TargetOptions};
+use super::lag::Delayed;
 use super::merge::merged;
 use super::{
     ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step,
@@ -40,11 +41,14 @@ pub struct StreamOptions {
     /// The speed of the filament is written again where it changes by more than this share. Default 0.002: with less every tick
     /// writes one, with more the beads are as much too thick or too thin.
     pub same_speed: f64,
+    /// How far the arm is behind the stream, in seconds: signals come as much later, and the last posture is held as long. Arms
+    /// of Universal Robots follow `servoj` with a lag of its look-ahead time. Default 0.
+    pub lag_s: f64,
 }
 
 impl Default for StreamOptions {
     fn default() -> Self {
-        StreamOptions { rate: ServoRate::Hz125, same_speed: 2e-3 }
+        StreamOptions { rate: ServoRate::Hz125, same_speed: 2e-3, lag_s: 0.0 }
     }
 }
 
@@ -77,7 +81,7 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
     legs: impl IntoIterator<Item = StreamLeg<J, L>>,
     options: StreamOptions,
 ) -> impl Iterator<Item = Step> {
-    let StreamOptions { rate, same_speed } = options;
+    let StreamOptions { rate, same_speed, lag_s } = options;
     let period = rate.seconds();
     let first = by_joints(ends[0], None);
     let mut begin = 0.0;
@@ -114,7 +118,9 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
         signal(true).into_iter().chain(servo).chain(behind).chain(end).chain(signal(false))
     });
     // The end lies between two ticks.
-    [first].into_iter().chain(along).chain([Step::Servo { joints: ends[1], seconds: period }])
+    let steps = [first].into_iter().chain(along).chain([Step::Servo { joints: ends[1], seconds: period }]);
+    // A lag that is not a number is none.
+    Delayed::new(steps, (lag_s / period).round() as u64)
 }
 
 fn by_joints(joints: [f64; 6], table: Option<[f64; 2]>) -> Step {
@@ -179,11 +185,9 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
         let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
         let speed = Speed { mm_s: mm_s.max(min_speed_mm_s), rad_s: (turn_factor * turn).max(min_turn_rad_s) };
-        let filament = Step::FilamentSpeed((b.filament_mm - a.filament_mm).max(0.0) / step);
-        Some([
-            filament,
-            Step::Move(Move { goal: Goal::Line(to.target), table: to.table.map(ExternalAxes::from), speed, zone }),
-        ])
+        let filament_mm_s = (b.filament_mm - a.filament_mm).max(0.0) / step;
+        let to = Move { goal: Goal::Line(to.target), table: to.table.map(ExternalAxes::from), speed, zone };
+        Some((filament_mm_s, to))
     };
     motions.into_iter().flat_map(move |TargetMotion { knots, onward }| {
         let knots = if options.merge_mm > 0.0 { merged(cell, &knots, &options) } else { knots };
@@ -194,7 +198,15 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         if let Some(first) = knots.first() {
             steps.extend(joints_move(&first.joints));
             steps.push(Step::Extruder(true));
-            steps.extend(along.flatten());
+            let mut fed: Option<f64> = None;
+            for (mm_s, to) in along {
+                // An output keeps its value.
+                if fed.is_none_or(|fed| (mm_s - fed).abs() > options.same_speed * fed) {
+                    steps.push(Step::FilamentSpeed(mm_s));
+                    fed = Some(mm_s);
+                }
+                steps.push(Step::Move(to));
+            }
             steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
         }
         steps.extend(onward.iter().filter_map(joints_move));

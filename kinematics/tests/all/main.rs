@@ -17,6 +17,7 @@ mod program;
 mod program_fuzz;
 mod program_prints;
 mod program_rapid;
+mod program_servo;
 mod program_signals;
 mod program_urscript;
 mod rows;

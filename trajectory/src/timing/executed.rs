@@ -50,14 +50,15 @@ struct Spline<const N: usize> {
 }
 
 impl<const N: usize> Spline<N> {
-    fn new(times: Vec<f64>, grid: &Grid<N>) -> Result<Self, TimePathError> {
+    /// `inner` are the joints at all knots but the two at rest.
+    fn new(times: Vec<f64>, inner: &[[f64; N]]) -> Result<Self, TimePathError> {
         let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
-        let cells = grid.cells.len();
+        let cells = inner.len() + 1;
         let mut accelerations = vec![[0.0; N]; cells + 1];
         let (mut jerks, mut speeds) = (vec![[0.0; N]; cells], vec![[0.0; N]; cells]);
         let mut angles = vec![0.0; cells - 1];
         for j in 0..N {
-            angles.iter_mut().zip(&grid.knots[1..]).for_each(|(angle, knot)| *angle = knot.joints[j]);
+            angles.iter_mut().zip(inner).for_each(|(angle, knot)| *angle = knot[j]);
             let m = line.second_derivatives(&angles);
             m.iter().zip(&mut accelerations[1..]).for_each(|(&m, to)| to[j] = m);
             let mut speed = 0.0f64;
@@ -192,10 +193,10 @@ fn correct<const N: usize>(
 /// Times at which the spline holds all limits: stretched where it does not, then as a whole by what is left.
 fn stretch<const N: usize>(
     task: &Task<'_, N>,
-    grid: &Grid<N>,
+    inner: &[[f64; N]],
     first: &Spline<N>,
 ) -> Result<(f64, Vec<f64>), TimePathError> {
-    let last = grid.cells.len();
+    let last = inner.len() + 1;
     let mut best = (f64::INFINITY, Vec::new());
     let mut spline = None;
     for _ in 0..LOCAL_STRETCHES {
@@ -208,9 +209,31 @@ fn stretch<const N: usize>(
         if whole <= 1.0 + ROUNDING {
             break;
         }
-        spline = Some(Spline::new(this.stretched(&excess), grid)?);
+        spline = Some(Spline::new(this.stretched(&excess), inner)?);
     }
     Ok(best)
+}
+
+/// Moves the outermost inner knots so that the resting ones, which follow from their neighbours, are the ends of the path. The knots are
+/// moved by about as much as the ends were missed; a knot that is a posture stays. Stretching all time changes nothing in it.
+fn meet_ends<const N: usize>(grid: &Grid<N>, times: &[f64], inner: &mut [[f64; N]]) -> Result<(), TimePathError> {
+    let line = Timeline::at_rest(times).map_err(|_| TimePathError::Range)?;
+    let last = inner.len() - 1;
+    for (at, end, step) in [(0, 0, line.step(0)), (last, last + 2, line.step(last + 1))] {
+        if last < 2 || grid.postures.contains(&(at + 1)) {
+            continue;
+        }
+        let resting = |angles: &[f64]| angles[at] - step * step * line.second_derivatives(angles)[at] / 6.0;
+        let mut angles = vec![0.0; inner.len()];
+        angles[at] = 1.0;
+        // The resting knot is a linear function of it.
+        let by = resting(&angles);
+        for j in 0..N {
+            angles.iter_mut().zip(&*inner).for_each(|(angle, knot)| *angle = knot[j]);
+            inner[at][j] += (grid.knots[end].joints[j] - resting(&angles)) / by;
+        }
+    }
+    Ok(())
 }
 
 /// Solves, corrects and stretches.
@@ -223,6 +246,7 @@ pub(super) fn run<const N: usize>(
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<TimedMotion<N>, TimePathError> {
     let options = task.options;
+    let mut inner: Vec<[f64; N]> = grid.knots[1..grid.cells.len()].iter().map(|knot| knot.joints).collect();
     // Duration, pace and times.
     let mut best: Option<(f64, Vec<f64>, Vec<f64>)> = None;
     let mut ideal = f64::INFINITY;
@@ -236,8 +260,8 @@ pub(super) fn run<const N: usize>(
         if round == 0 {
             ideal = program.time();
         }
-        let spline = Spline::new(times_of(&program), grid)?;
-        let (duration, times) = stretch(task, grid, &spline)?;
+        let spline = Spline::new(times_of(&program), &inner)?;
+        let (duration, times) = stretch(task, &inner, &spline)?;
         solved = outcome.residual <= options.tolerance;
         let gained = best.as_ref().map_or(f64::INFINITY, |(least, ..)| least / duration - 1.0);
         let left = duration / program.time() - 1.0;
@@ -258,8 +282,9 @@ pub(super) fn run<const N: usize>(
         program.centre(WARM, false);
     }
     let Some((_, pace, mut times)) = best else { return Err(TimePathError::Range) };
+    meet_ends(grid, &times, &mut inner)?;
     for _ in 0..STRETCHES {
-        let excess = Spline::new(times.clone(), grid)?.excess(task);
+        let excess = Spline::new(times.clone(), &inner)?.excess(task);
         let whole = excess.iter().fold(1.0f64, |most, excess| most.max(*excess));
         if whole <= 1.0 {
             break;
@@ -268,7 +293,6 @@ pub(super) fn run<const N: usize>(
     }
     let cells = grid.cells.len();
     let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
-    let inner: Vec<[f64; N]> = grid.knots[1..cells].iter().map(|knot| knot.joints).collect();
     let trajectory = Trajectory::new(&line, &inner).map_err(|_| TimePathError::Range)?;
     if trajectory.joints().iter().flatten().any(|angle| !angle.is_finite()) {
         return Err(TimePathError::Range);

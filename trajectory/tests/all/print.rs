@@ -257,6 +257,40 @@ fn rings_are_printed_whole_and_nothing_is_found() {
 }
 
 /// Chords of 0.3 rad on a circle of 40 mm are 0.45 mm off the arc that the table goes by itself.
+/// A workcell without limits of jerk: each motion begins where the one before ends, as the check wants it, and is none too slow.
+#[test]
+fn without_a_limit_of_jerk_motions_are_joined() {
+    let (paths, limits) = (rings(), limits());
+    let lent: Vec<PrintPath<'_>> = paths.iter().map(Owned::lend).collect();
+    let with = |jerk: f64| {
+        let limits = PrintLimits { bounds: Bounds { jerk: [jerk; 4], ..limits.bounds }, ..limits };
+        plan_print(&Turntable, Cell(Wall::None), &lent, &limits, &options(), &quiet).unwrap()
+    };
+    let (free, loose, held) = (with(f64::INFINITY), with(1e5), with(limits.bounds.jerk[0]));
+    for plan in [&free, &loose, &held] {
+        let legs: Vec<_> = plan.legs(0..plan.runs.len()).map(|leg| leg.knots()).collect();
+        for pair in legs.windows(2) {
+            let (end, begin) = (pair[0][pair[0].len() - 1].1, pair[1][0].1);
+            let gap = (0..4).map(|j| (end[j] - begin[j]).abs()).fold(0.0, f64::max);
+            // What the check allows between two motions.
+            assert!(gap <= CheckOptions::default().max_gap, "{gap}");
+        }
+        assert_eq!((plan.faults.len(), plan.slow_runs), (0, 0));
+    }
+    assert!(free.robot_s() <= 1.005 * loose.robot_s(), "{} {}", free.robot_s(), loose.robot_s());
+    assert!(loose.robot_s() <= 1.005 * held.robot_s(), "{} {}", loose.robot_s(), held.robot_s());
+}
+
+#[test]
+fn runs_whose_fastest_timing_was_not_found_are_counted() {
+    let paths = rings();
+    let lent: Vec<PrintPath<'_>> = paths.iter().map(Owned::lend).collect();
+    let mut options = options();
+    options.timing.iterations = 2;
+    let plan = plan_print(&Turntable, Cell(Wall::None), &lent, &limits(), &options, &quiet).unwrap();
+    assert_eq!((plan.slow_runs, plan.runs.len()), (lent.len(), lent.len()));
+}
+
 #[test]
 fn steps_are_split_where_the_nozzle_leaves_the_straight_way() {
     let path = Owned::new(0, circle(40.0, 1.0, 0.9, 0.3));

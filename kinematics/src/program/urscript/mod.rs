@@ -73,9 +73,10 @@ pub struct UrScriptOptions {
     pub acceleration_rad_s2: f64,
     /// Speed of a `movej` to the begin of a stream, rad/s of the fastest joint. Default 0.5.
     pub approach_rad_s: f64,
-    /// How far `servoj` looks ahead, seconds, 0.03 to 0.2. Default 0.1.
+    /// How far `servoj` looks ahead, seconds, 0.03 to 0.2: the arm is that far behind the stream, and cuts corners that are
+    /// shorter. Default 0.03.
     pub lookahead_s: f64,
-    /// How hard `servoj` follows, 100 to 2000. Default 300.
+    /// How hard `servoj` follows, 100 to 2000. Default 2000: with less the arm lags as much, but swings beyond corners.
     pub gain: f64,
     /// The standard digital output of the extruder, 0 to 7.
     pub output: u8,
@@ -87,6 +88,9 @@ pub struct UrScriptOptions {
     /// Speed of the filament at which that output is at 1, mm/s: faster is refused. Default
     /// [`FILAMENT_FULL_SCALE_MM_S`].
     pub filament_full_scale_mm_s: f64,
+    /// Whether the file ends with a call of the function: then it runs where a program of the controller loads it (`Script` with
+    /// a file). One that is sent to a port of the controller runs at its end by itself, and must not have it. Default `false`.
+    pub starts: bool,
     /// What the controller takes. Default [`ProgramLimits::universal_robots`]; [`ProgramLimits::of_arm`] is one arm's.
     pub limits: ProgramLimits,
 }
@@ -104,10 +108,11 @@ impl Default for UrScriptOptions {
             acceleration_mm_s2: 1200.0,
             acceleration_rad_s2: 1.4,
             approach_rad_s: 0.5,
-            lookahead_s: 0.1,
-            gain: 300.0,
+            lookahead_s: 0.03,
+            gain: 2000.0,
             output: 0,
             head_outputs: HeadSignal::UR_OUTPUTS,
+            starts: false,
             filament_output: 0,
             filament_full_scale_mm_s: FILAMENT_FULL_SCALE_MM_S,
             limits: ProgramLimits::universal_robots(),

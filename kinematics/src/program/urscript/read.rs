@@ -100,6 +100,7 @@ impl<R: BufRead> UrScriptReader<R> {
 /// The next step; `None` at the end of the program.
 fn step(
     tokens: &mut Tokens<impl BufRead>,
+    name: &str,
     part_in_hand: bool,
     full_scale: &mut Option<f64>,
 ) -> Result<Option<Step>, ReadError> {
@@ -169,7 +170,13 @@ fn step(
             tokens.number()?;
             tokens.marks(")")?;
         } else if tokens.is_word(token, "end") {
-            return match tokens.next()? {
+            let mut token = tokens.next()?;
+            if tokens.is_word(token, name) {
+                // A file that starts itself calls its function.
+                tokens.marks("()")?;
+                token = tokens.next()?;
+            }
+            return match token {
                 Token::End => Ok(None),
                 more => Err(tokens.unexpected("the end of the file", more)),
             };
@@ -244,6 +251,7 @@ impl<R: BufRead> Iterator for UrScriptReader<R> {
     type Item = Result<Step, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        until_error(&mut self.over, || step(&mut self.tokens, self.head.part_in_hand, &mut self.full_scale))
+        let Head { name, part_in_hand, .. } = &self.head;
+        until_error(&mut self.over, || step(&mut self.tokens, name, *part_in_hand, &mut self.full_scale))
     }
 }

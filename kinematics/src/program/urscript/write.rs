@@ -308,6 +308,9 @@ impl<'a> Program<'a> {
         }
         self.stop_stream();
         self.text.word("end\n");
+        if self.options.starts {
+            self.text.word(&self.options.name).word("()\n");
+        }
     }
 
     fn place_of(&self, goal: &Goal) -> Option<Place> {
