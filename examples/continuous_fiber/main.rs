@@ -253,7 +253,7 @@ fn plan(args: &Args, bars: &Bars) -> Result<Run, Failure> {
     })?;
     let part = args.mesh.path().map(|_| args.mesh.load("part", jug)).transpose()?;
     let mut findings = Findings::default();
-    part.iter().flat_map(|part| &part.warnings).for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+    part.iter().for_each(|part| part.find(&mut findings));
 
     let nozzle = nozzle_of(cell.equipment())?;
     let nozzle = (args.stage >= Stage::Paths).then_some(&nozzle);

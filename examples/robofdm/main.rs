@@ -15,9 +15,8 @@ mod outputs;
 mod print;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share, warn};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::findings::Findings;
 use curvlay_examples::motion::Printed;
 use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::output::OutputFolder;
@@ -202,11 +201,10 @@ fn main() -> ExitCode {
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Outcome), Failure> {
     let start = Instant::now();
     let divided = decompose::divide(args, bars)?;
-    divided.warnings.iter().for_each(warn);
     let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };
     bars.finish();
     let made = Made { filaments: args.filaments, load: args.load, divided, printed };
-    let mut findings = Findings::default();
+    let mut findings = made.divided.of_mesh.clone();
     made.divided.find(args, &mut findings);
     if let Some(printed) = &made.printed {
         printed.find(&mut findings);

@@ -12,6 +12,8 @@ mod dome_drawing;
 mod dome_stream;
 mod jerk_motion;
 mod mesh;
+mod mesh_doubts;
+mod mesh_formats;
 mod mesh_to_gcode;
 mod mesh_to_robot;
 mod motion;
