@@ -74,7 +74,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Out
     let search = pool.install(|| search(&part.mesh, &args.orient, &options, bars))?;
     let search_time = begin.elapsed();
     let mut findings = Findings::default();
-    part.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+    part.find(&mut findings);
     let best = search.best();
     if best.missed_cells > 0 {
         let amount = format!("{} of the cells", percent(best.missed_share()));

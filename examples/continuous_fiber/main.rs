@@ -278,7 +278,7 @@ impl Given {
 fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
     let Given { cell, part, stress, wires } = given;
     let mut findings = Findings::default();
-    part.iter().flat_map(|part| &part.warnings).for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+    part.iter().for_each(|part| part.find(&mut findings));
 
     let nozzle = nozzle_of(cell.equipment())?;
     let nozzle = (args.stage >= Stage::Paths).then_some(&nozzle);

@@ -6,6 +6,7 @@ use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
+use curvlay_examples::mesh::UNCERTAIN_SHARE;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, LayersBy,
@@ -85,6 +86,8 @@ pub struct FieldRun {
     pub quality: LayerQuality,
     /// Volume of the part, overlaps of its mesh counted once, and what of it lies in missed cells.
     pub part_mm3: f64,
+    /// It is a sum over the cells, since bodies of the mesh pass through each other.
+    pub part_is_estimated: bool,
     pub missed_mm3: f64,
     pub times: Times,
 }
@@ -132,6 +135,15 @@ pub struct Times {
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     (work(), start.elapsed())
+}
+
+/// The volume of the part, where its bodies bound it by themselves: none passes through another, and what holes there are leave
+/// nothing open.
+fn exact_volume(part: &Part, mesh: &MeshReport) -> Option<f64> {
+    let [holes_mm3, volume_mm3] = [part.orientation.holes_mm3, part.orientation.volume_mm3];
+    let faults = [&mesh.crossings, &mesh.repeated, &mesh.inconsistent_edges];
+    let is_exact = mesh.contacts_complete && faults.iter().all(|finding| finding.count == 0);
+    (is_exact && holes_mm3 <= UNCERTAIN_SHARE * volume_mm3).then_some(volume_mm3)
 }
 
 /// Makes the cells and their order, and with options for them the surfaces; of a field that was `saved` if there is one.
@@ -193,7 +205,9 @@ pub fn run(
         clock.note(p.stage, p.done);
         bars.show(p.stage, p.done, p.total)
     };
-    if !(mesh.is_sound() && mesh.components == 1 + mesh.cavities) {
+    if let Some(exact_mm3) = exact_volume(part, &mesh) {
+        workpiece.volume_mm3 = exact_mm3;
+    } else {
         clock.note("volume", 0);
         let all: Vec<u32> = cells.iter().collect();
         workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
@@ -275,7 +289,7 @@ pub fn run(
         total,
     };
     let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
-    let part_mm3 = workpiece.volume_mm3;
+    let (part_mm3, part_is_estimated) = (workpiece.volume_mm3, exact_volume(part, &mesh).is_none());
     let missed_mm3 = match &surfaces {
         Some(surfaces) => surfaces.missed_mm3,
         None => workpiece.volume_of(&growth.missed_cells(), &progress).map_err(layers_failed)?,
@@ -296,6 +310,7 @@ pub fn run(
         proofs,
         quality,
         part_mm3,
+        part_is_estimated,
         missed_mm3,
         times,
     };

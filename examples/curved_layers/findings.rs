@@ -62,6 +62,10 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if report.dropped_triangles > 0 {
         findings.add(Noted, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
     }
+    if run.part_is_estimated {
+        let what = "bodies of the mesh pass through each other: the volume of the part is an estimate by its cells";
+        findings.add(Noted, what, format!("{:.0} mm3", run.part_mm3), "a smaller --cell gives a better one");
+    }
     if report.leak_faces > 0 {
         let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
         findings.add(Told, "the mesh has holes wider than a cell", amount, "");

@@ -454,8 +454,7 @@ impl Job<'_> {
     fn work(&self, saved: Option<SavedField>) -> Result<Outcome, Failure> {
         let Job { args, part, bars, .. } = *self;
         let mut findings = Findings::default();
-        part.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
-        part.notes.iter().for_each(|note| findings.add(Severity::Noted, note, "", ""));
+        part.find(&mut findings);
         findings.say();
         let longest = part.mesh.bounds().map_or(0.0, |[low, high]| (high - low).max());
         if let Some(bead) = args.settings.bead_mm.filter(|bead| *bead > longest) {

@@ -2,9 +2,9 @@
 
 use super::input::{fault, skipped};
 use super::{Args, FillKind, ProjectionKind, input};
-use curvlay_examples::args::Failure;
+use curvlay_examples::args::{Failure, warn};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::mesh::read_mesh;
+use curvlay_examples::mesh::{MeshFile, read_mesh_file};
 use curvlay_kinematics::nalgebra::{Point2, Point3, Vector3};
 use curvlay_toolpath::drawing::{
     Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, Gap, MeshSurface,
@@ -132,7 +132,8 @@ fn carrier(args: &Args) -> Result<Carrier, Failure> {
         "sphere" => Profile::Sphere { radius: SPHERE_MM, top: 149.6 },
         file => {
             let path = Path::new(file);
-            let mesh = read_mesh(path)?;
+            let MeshFile { mesh, findings, .. } = read_mesh_file(path)?;
+            findings.iter().for_each(|finding| warn(format!("{file}: {finding}")));
             // Its box in the middle of the axis, its highest point where that of the dome is.
             let first = mesh.vertices.first().copied().unwrap_or_else(Point3::origin);
             let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));

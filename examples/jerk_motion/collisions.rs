@@ -7,8 +7,8 @@
 //! nothing to learn); near ones are up to [`NEAR`] away in the joints.
 
 use super::path::upright;
-use curvlay_examples::args::Failure;
-use curvlay_examples::mesh::{Up, read_mesh};
+use curvlay_examples::args::{Failure, warn};
+use curvlay_examples::mesh::{MeshFile, Up, read_mesh_file};
 use curvlay_examples::motion::{PartInHand, Studied};
 use curvlay_kinematics::robots;
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, Sweep, estimated_links};
@@ -289,7 +289,8 @@ fn slab(robot: &PartInHand) -> Result<Obstacle, Failure> {
 
 /// A closed part from a file, where the waypoints have it.
 fn from_file(file: &Path, up: Up, origin: &Vector3<f64>) -> Result<Obstacle, Failure> {
-    let mesh = read_mesh(file)?;
+    let MeshFile { mesh, findings, .. } = read_mesh_file(file)?;
+    findings.iter().for_each(|finding| warn(format!("{}: {finding}", file.display())));
     let (vertices, _) = upright(&(mesh.vertices, vec![]), up);
     let points: Vec<Point3<f64>> = vertices.iter().map(|point| point - origin).collect();
     let low = points.iter().fold(Point3::from([f64::INFINITY; 3]), |low, at| low.inf(at));

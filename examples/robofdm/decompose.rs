@@ -30,12 +30,17 @@ pub struct Divided {
     pub crossing: Vec<[usize; 2]>,
     pub decompose_time: Duration,
     pub audit_time: Duration,
-    pub warnings: Vec<String>,
+    /// What there is to say about the mesh.
+    pub of_mesh: Findings,
 }
 
 /// Divides the file, or the shape made in code.
 pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
-    let Part { name, mut mesh, warnings, .. } = args.mesh.load("branches", shapes::branches)?;
+    let part = args.mesh.load("branches", shapes::branches)?;
+    let mut of_mesh = Findings::default();
+    part.find(&mut of_mesh);
+    of_mesh.say();
+    let Part { name, mut mesh, .. } = part;
     let start = Instant::now();
     let max_angle = args.angle_deg.to_radians();
     let options = SegmentOptions { clusters: args.parts.map(|parts| parts as usize), ..SegmentOptions::default() };
@@ -92,7 +97,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         audit,
         decompose_time,
         audit_time: start.elapsed(),
-        warnings,
+        of_mesh,
     })
 }
 

@@ -15,9 +15,8 @@ mod outputs;
 mod print;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share, warn};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::findings::Findings;
 use curvlay_examples::motion::Printed;
 use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::output::OutputFolder;
@@ -204,11 +203,10 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Ou
     // Read once before the work: a workcell that is not there is no news for the end of it.
     print::model(args)?;
     let divided = decompose::divide(args, bars)?;
-    divided.warnings.iter().for_each(warn);
     let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };
     bars.finish();
     let made = Made { filaments: args.filaments, load: args.load, divided, printed };
-    let mut findings = Findings::default();
+    let mut findings = made.divided.of_mesh.clone();
     made.divided.find(args, &mut findings);
     if let Some(printed) = &made.printed {
         printed.find(&mut findings);

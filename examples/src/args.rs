@@ -17,14 +17,15 @@
 //! # Ok::<(), clap::Error>(())
 //! ```
 
+use crate::findings::{Finding, Findings, Severity};
 use crate::input::Inputs;
-use crate::mesh::{Mesh, MeshError, MeshFault, Placement, Unit, Up, read_mesh};
+use crate::mesh::{Mesh, MeshError, MeshFault, MeshFile, Placement, Unit, Up, mesh_findings, read_mesh_file};
 use crate::output::{OutputError, OutputFolder};
 use crate::signals;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, Parser, ValueEnum};
 use curvlay_layers::curved;
-use curvlay_voxel::Resolution;
+use curvlay_voxel::{OrientReport, Resolution};
 use std::env;
 use std::error::Error;
 use std::ffi::OsString;
@@ -71,7 +72,7 @@ impl Common {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Part")]
 pub struct MeshArgs {
-    /// STL, OBJ or PLY file [default: a jug made in code, 41 mm tall; with --voxels or --cell 93 mm]
+    /// STL, 3MF, OBJ or PLY file [default: a jug made in code, 41 mm tall; with --voxels or --cell 93 mm]
     #[arg(value_name = "MESH", help_heading = "Part")]
     pub file: Option<PathBuf>,
     /// The same as an option
@@ -89,6 +90,10 @@ pub struct MeshArgs {
     /// Takes a part of more than 10 m
     #[arg(long)]
     pub allow_large: bool,
+    /// Accepts a mesh that may be read as another part (open, or with shells or sheets of unclear meaning): without this option the
+    /// exit status is 3
+    #[arg(long)]
+    pub allow_guesses: bool,
 }
 
 /// A part as it was read, in millimetres with z up.
@@ -100,8 +105,10 @@ pub struct Part {
     pub mesh: Mesh,
     /// What the user should look at, a line each: doubts about its size.
     pub warnings: Vec<String>,
-    /// What was done to it, a line each: triangles that were turned.
-    pub notes: Vec<String>,
+    /// What the reader decided, what was done to the mesh, and in what it may be another part than its author's.
+    pub findings: Vec<Finding>,
+    /// How its triangles were turned, with the volume that they bound.
+    pub orientation: OrientReport,
     /// How fine its coordinates are if they are of single precision.
     pub spacing_mm: Option<f64>,
 }
@@ -111,6 +118,12 @@ pub struct Part {
 const COARSE: f64 = 0.05;
 
 impl Part {
+    /// Adds all that there is to say about the mesh.
+    pub fn find(&self, findings: &mut Findings) {
+        self.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+        self.findings.iter().for_each(|finding| findings.push(finding.clone()));
+    }
+
     /// A warning if the coordinates are too coarse for cells of that size.
     pub fn coarse_for(&self, cell_mm: f64) -> Option<String> {
         let spacing_mm = self.spacing_mm.filter(|&spacing_mm| spacing_mm > COARSE * cell_mm)?;
@@ -134,28 +147,36 @@ impl MeshArgs {
     }
 
     /// Reads the file, or makes `shape` when there is none; unit, scale and axis apply to both. Triangles that look the
-    /// wrong way are turned.
+    /// wrong way are turned; what was guessed or left out is among the findings.
     ///
     /// # Errors
     /// [`MeshError`] when the file cannot be used.
     pub fn load(&self, shape_name: &str, shape: impl FnOnce() -> Mesh) -> Result<Part, MeshError> {
-        let (path, mut mesh) = match self.path() {
-            Some(path) => (path.to_owned(), read_mesh(path)?),
-            None => (PathBuf::from(shape_name), shape()),
+        let (path, file) = match self.path() {
+            Some(path) => (path.to_owned(), read_mesh_file(path)?),
+            None => (PathBuf::from(shape_name), MeshFile::of(shape())),
         };
         let name = path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()));
-        let placement = self.placement();
-        let spacing_mm = mesh.float32_spacing().map(|spacing| spacing * placement.unit.millimetres() * placement.scale);
-        let mut prepare = || -> Result<[Vec<String>; 2], MeshFault> {
-            let warnings = placement.apply(&mut mesh)?;
-            let turned = mesh.orient()?;
-            let notes = if turned.turned_triangles > 0 { vec![turned.to_string()] } else { Vec::new() };
-            Ok([warnings, notes])
-        };
-        match prepare() {
-            Ok([warnings, notes]) => Ok(Part { name, mesh, warnings, notes, spacing_mm }),
-            Err(fault) => Err(MeshError { path, fault }),
+        self.prepare(name, file).map_err(|fault| MeshError { path, fault })
+    }
+
+    /// Places and orients a mesh.
+    fn prepare(&self, name: String, file: MeshFile) -> Result<Part, MeshFault> {
+        let MeshFile { mut mesh, mut findings, states_unit } = file;
+        let mut placement = self.placement();
+        let mut warnings = Vec::new();
+        if states_unit && placement.unit != Unit::Mm {
+            warnings.push(format!("the file states its unit: --unit {} was not used", typed_name(placement.unit)));
+            placement.unit = Unit::Mm;
         }
+        let spacing_mm = mesh.float32_spacing().map(|spacing| spacing * placement.unit.millimetres() * placement.scale);
+        warnings.extend(placement.apply(&mut mesh)?);
+        let orientation = mesh.orient()?;
+        findings.extend(mesh_findings(&orientation, self.allow_guesses));
+        if orientation.volume_mm3 <= 0.0 {
+            return Err(MeshFault::NoVolume { triangles: mesh.triangles.len() });
+        }
+        Ok(Part { name, mesh, warnings, findings, orientation, spacing_mm })
     }
 }
 

@@ -82,6 +82,11 @@ impl Findings {
         self.list.push(Finding { severity, what, amount, place });
     }
 
+    /// Adds one that was made elsewhere.
+    pub fn push(&mut self, finding: Finding) {
+        self.list.push(finding);
+    }
+
     /// All of them.
     pub fn iter(&self) -> impl Iterator<Item = &Finding> {
         self.list.iter()

@@ -15,7 +15,7 @@ mod torch;
 mod volumes;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, warn};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::Findings;
 use curvlay_examples::output::OutputFolder;
@@ -132,12 +132,11 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Divi
     let start = Instant::now();
     let divided = volumes::divide(args, bars)?;
     bars.finish();
-    for warning in divided.iter().flat_map(|divided| &divided.warnings) {
-        warn(warning);
-    }
     let printed = if args.rapid { Some(torch::print(args, &divided, bars)?) } else { None };
     bars.finish();
     let mut findings = Findings::default();
+    let of_meshes = divided.iter().flat_map(|divided| divided.of_mesh.iter());
+    of_meshes.for_each(|finding| findings.push(finding.clone()));
     divided.iter().for_each(|divided| divided.find(&mut findings));
     if let Some(printed) = &printed {
         printed.find(&mut findings);

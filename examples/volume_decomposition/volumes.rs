@@ -2,7 +2,7 @@
 
 use super::{Args, Shape};
 use clap::ValueEnum;
-use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::args::{Failure, Part, typed_name};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::mesh::Mesh;
@@ -21,7 +21,8 @@ pub struct Divided {
     pub audit: VolumeAudit,
     pub decompose_time: Duration,
     pub audit_time: Duration,
-    pub warnings: Vec<String>,
+    /// What there is to say about the mesh.
+    pub of_mesh: Findings,
 }
 
 /// What a part of the user is called in files and keys.
@@ -31,7 +32,7 @@ pub const PART: &str = "part";
 pub fn divide(args: &Args, bars: &Bars) -> Result<Vec<Divided>, Failure> {
     if args.mesh.path().is_some() {
         let part = args.mesh.load(PART, Mesh::default)?;
-        return Ok(vec![divide_one(PART, &part.mesh, part.warnings, args, bars)?]);
+        return Ok(vec![divide_one(PART, &part, args, bars)?]);
     }
     let shapes = Shape::value_variants().iter();
     shapes
@@ -43,14 +44,16 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Vec<Divided>, Failure> {
                 Shape::Mushroom => shapes::mushroom(),
             };
             let part = args.mesh.load(&typed_name(shape), made)?;
-            divide_one(&typed_name(shape), &part.mesh, part.warnings, args, bars)
+            divide_one(&typed_name(shape), &part, args, bars)
         })
         .collect()
 }
 
-fn divide_one(name: &str, mesh: &Mesh, warnings: Vec<String>, args: &Args, bars: &Bars) -> Result<Divided, Failure> {
-    let solid =
-        Solid::new(&mesh.vertices, &mesh.triangles).map_err(|error| Failure::new(format!("{name}: {error}")))?;
+fn divide_one(name: &str, part: &Part, args: &Args, bars: &Bars) -> Result<Divided, Failure> {
+    let mut of_mesh = Findings::default();
+    part.find(&mut of_mesh);
+    let solid = Solid::new(&part.mesh.vertices, &part.mesh.triangles)
+        .map_err(|error| Failure::new(format!("{name}: {error}")))?;
     let options = args.options();
     let start = Instant::now();
     let show = |at: Progress| bars.show(at.stage, at.done, at.total);
@@ -58,7 +61,7 @@ fn divide_one(name: &str, mesh: &Mesh, warnings: Vec<String>, args: &Args, bars:
     let decompose_time = start.elapsed();
     let start = Instant::now();
     let audit = audit_volumes(&solid, &result.parts, &options, &AuditOptions::default());
-    Ok(Divided { name: name.to_owned(), solid, result, audit, decompose_time, audit_time: start.elapsed(), warnings })
+    Ok(Divided { name: name.to_owned(), solid, result, audit, decompose_time, audit_time: start.elapsed(), of_mesh })
 }
 
 impl Divided {

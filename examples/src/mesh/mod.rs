@@ -1,20 +1,27 @@
-//! Triangle meshes from files: STL (binary and ASCII), OBJ, PLY.
+//! Triangle meshes from files: STL (binary and ASCII), 3MF, OBJ, PLY.
 //!
 //! A file is read whole and then parsed, so that every number in it can be held against the bytes that are there.
-//! Corners at exactly the same place become one vertex, in the order in which they appear.
+//! Corners at exactly the same place become one vertex, in the order in which they appear. What a reader has to decide is a
+//! finding, never a silent repair; what has no area is left out and named.
 
+mod doubts;
+mod formats;
 mod obj;
 mod placement;
 mod ply;
 mod stl;
+mod threemf;
+mod weld;
 mod write;
 
+pub use doubts::{UNCERTAIN_SHARE, mesh_findings};
 pub use placement::{LARGE_MM, Placement, Unit, Up};
 
+use crate::findings::{Finding, Severity};
+use curvlay_voxel::inspect::without_area;
 use curvlay_voxel::{OrientError, OrientReport, Oriented, orient};
+use formats::{Format, recognise};
 use nalgebra::Point3;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs, io};
 
@@ -108,8 +115,33 @@ pub enum MeshFault {
     #[error("is not a file")]
     NotAFile,
     /// The name does not tell the format.
-    #[error("the ending of the name must be .stl, .obj or .ply")]
+    #[error("the ending of the name must be .stl, .3mf, .obj or .ply")]
     UnknownEnding,
+    /// Another kind of file.
+    #[error("this is {what}: {to_do}")]
+    OtherFormat {
+        /// What it is.
+        what: &'static str,
+        /// What the user may do.
+        to_do: &'static str,
+    },
+    /// A file of points alone.
+    #[error("this is a point cloud: {points} points without faces; export a mesh with faces")]
+    PointCloud {
+        /// Points that the header states.
+        points: usize,
+    },
+    /// A 3MF package that cannot be used.
+    #[error("the 3MF package: {0}")]
+    Package(String),
+    /// More than is taken from one file.
+    #[error("{what} would take more than {limit}")]
+    TooMuch {
+        /// What of the file.
+        what: String,
+        /// How much is taken.
+        limit: &'static str,
+    },
     /// No bytes.
     #[error("the file is empty")]
     Empty,
@@ -120,8 +152,10 @@ pub enum MeshFault {
     #[error("this is not an STL file: neither `solid` in front nor the length of a binary one")]
     NotStl,
     /// A binary STL file whose length does not fit its count.
-    #[error("the header promises {triangles} triangles, which take {expected} bytes, but the file has {bytes}: {}",
-        excess(*.expected, *.bytes))]
+    #[error(
+        "the header promises {triangles} triangles, which take {expected} bytes, but the file has {bytes}: cut \
+        short, or not an STL file; export it anew"
+    )]
     Length {
         /// Triangles that the header promises.
         triangles: u32,
@@ -163,12 +197,21 @@ pub enum MeshFault {
     /// Triangles that cannot be turned so that they bound a solid.
     #[error(transparent)]
     Orientation(#[from] OrientError),
+    /// A surface that bounds no solid.
+    #[error(
+        "the mesh encloses no volume: its {triangles} triangles are a surface without thickness; give it one in the program that \
+        made it"
+    )]
+    NoVolume {
+        /// How many triangles it has.
+        triangles: usize,
+    },
     /// Text of two bytes a character.
     #[error("the text is UTF-16: save it as UTF-8 or ASCII")]
     Utf16,
 }
 
-/// A place in a file, counted from 1 (bytes from 0).
+/// A place in a file, counted from 1 (bytes from 0, objects by their ids).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// A line of a text file.
@@ -177,6 +220,10 @@ pub enum Place {
     Byte(u64),
     /// A triangle, and where it starts.
     Triangle(usize, u64),
+    /// A vertex of an object.
+    Vertex(usize),
+    /// A triangle of an object, by the number of the object.
+    ObjectTriangle(u32, usize),
 }
 
 impl fmt::Display for Place {
@@ -185,80 +232,83 @@ impl fmt::Display for Place {
             Place::Line(line) => write!(f, "line {line}"),
             Place::Byte(byte) => write!(f, "byte {byte}"),
             Place::Triangle(triangle, byte) => write!(f, "triangle {triangle} (byte {byte})"),
+            Place::Vertex(vertex) => write!(f, "vertex {vertex}"),
+            Place::ObjectTriangle(object, triangle) => write!(f, "object {object}, triangle {triangle}"),
         }
     }
 }
 
-/// Reads a mesh; the ending of the name (any case) tells the format, polygons are cut into fans.
+/// A mesh as it was read, and what was decided on the way.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What the reader decided, guessed or left out.
+    pub findings: Vec<Finding>,
+    /// The file states its unit (3MF), and the mesh is in millimetres.
+    pub states_unit: bool,
+}
+
+impl MeshFile {
+    /// A mesh about which there is nothing to say.
+    pub fn of(mesh: Mesh) -> Self {
+        MeshFile { mesh, findings: Vec::new(), states_unit: false }
+    }
+}
+
+/// Reads a mesh; the content tells the format, and where it does not, the ending of the name (any case). Polygons are cut into
+/// triangles in their own plane.
 ///
 /// # Errors
 /// [`MeshError`] names the file, the place in it and the fault, in one line.
 ///
 /// # Cost
 /// Linear in the size of the file, which is read whole. Nothing is set aside by a count that the file states.
-pub fn read_mesh(path: &Path) -> Result<Mesh, MeshError> {
+pub fn read_mesh_file(path: &Path) -> Result<MeshFile, MeshError> {
     read(path).map_err(|fault| MeshError { path: path.to_owned(), fault })
 }
 
-fn read(path: &Path) -> Result<Mesh, MeshFault> {
+/// The mesh of [`read_mesh_file`] alone, for those who tell nobody what was decided.
+///
+/// # Errors
+/// As [`read_mesh_file`].
+pub fn read_mesh(path: &Path) -> Result<Mesh, MeshError> {
+    Ok(read_mesh_file(path)?.mesh)
+}
+
+fn read(path: &Path) -> Result<MeshFile, MeshFault> {
     if !fs::metadata(path).map_err(MeshFault::Unreadable)?.is_file() {
         return Err(MeshFault::NotAFile);
     }
-    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-    let parse = match ending.as_deref() {
-        Some("stl") => stl::parse,
-        Some("obj") => obj::parse,
-        Some("ply") => ply::parse,
-        _ => return Err(MeshFault::UnknownEnding),
-    };
     let bytes = fs::read(path).map_err(MeshFault::Unreadable)?;
     if bytes.is_empty() {
         return Err(MeshFault::Empty);
     }
-    let mesh = parse(&bytes)?;
-    if mesh.triangles.is_empty() { Err(MeshFault::NoTriangles) } else { Ok(mesh) }
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    let welder = match recognise(&bytes, ending.as_deref())? {
+        Format::Stl => stl::parse(&bytes),
+        Format::Obj => obj::parse(&bytes),
+        Format::Ply => ply::parse(&bytes),
+        Format::ThreeMf => threemf::parse(&bytes),
+    }?;
+    let states_unit = welder.states_unit;
+    let (mut mesh, mut findings) = welder.finish();
+    findings.extend(leave_out(&mut mesh)?);
+    if mesh.triangles.is_empty() { Err(MeshFault::NoTriangles) } else { Ok(MeshFile { mesh, findings, states_unit }) }
 }
 
-/// Collects triangles, giving each place one vertex.
-#[derive(Default)]
-struct Welder {
-    mesh: Mesh,
-    vertex_at: HashMap<[u64; 3], u32>,
-}
-
-impl Welder {
-    /// The vertex at `p`, made when it is new.
-    fn vertex(&mut self, p: [f64; 3]) -> Result<u32, MeshFault> {
-        let next = self.mesh.vertices.len();
-        // Adding zero makes -0 and 0 one place.
-        match self.vertex_at.entry(p.map(|c| (c + 0.0).to_bits())) {
-            Entry::Occupied(known) => Ok(*known.get()),
-            Entry::Vacant(new) => {
-                let id = u32::try_from(next).map_err(|_| syntax(Place::Byte(0), "more than 2^32 vertices"))?;
-                self.mesh.vertices.push(Point3::from(p));
-                Ok(*new.insert(id))
-            }
-        }
+/// Leaves out the triangles without area that no neighbour needs.
+fn leave_out(mesh: &mut Mesh) -> Result<Option<Finding>, MeshFault> {
+    if mesh.triangles.is_empty() {
+        return Ok(None);
     }
-
-    /// Adds a polygon as a fan around its first corner. A fan over a corner that points inwards overlaps itself, but
-    /// its windings still add up to those of the polygon.
-    fn polygon(&mut self, corners: &[u32]) {
-        for i in 2..corners.len() {
-            self.mesh.triangles.push([corners[0], corners[i - 1], corners[i]]);
-        }
-    }
-}
-
-/// What a binary STL file of the wrong length may be.
-fn excess(expected: u64, bytes: u64) -> String {
-    match bytes.checked_sub(expected) {
-        None => "cut short, or not an STL file".to_owned(),
-        Some(extra) if extra < stl::TRIANGLE as u64 => {
-            format!("{extra} bytes were added behind the last triangle; remove them")
-        }
-        Some(_) => "bytes were added, or it is not an STL file".to_owned(),
-    }
+    let useless = without_area(&mesh.vertices, &mesh.triangles).map_err(OrientError::from)?;
+    let Some(first) = useless.first() else { return Ok(None) };
+    let (what, amount) = ("triangles without area were left out".to_owned(), useless.len().to_string());
+    let place = format!("first: triangle {} of the mesh", first + 1);
+    let mut numbers = 0..;
+    mesh.triangles.retain(|_| numbers.next().is_some_and(|number: u32| useless.binary_search(&number).is_err()));
+    Ok(Some(Finding { severity: Severity::Noted, what, amount, place }))
 }
 
 /// Text without the byte-order mark that some editors put in front.

@@ -1,8 +1,9 @@
 //! Wavefront OBJ: its vertices and faces. Everything else in it (normals, textures, groups, lines) is passed over.
 
-use super::{Mesh, MeshFault, Place, Welder, finite, quoted, syntax, three_numbers, unmarked};
+use super::weld::Welder;
+use super::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
     let text = String::from_utf8_lossy(unmarked(bytes)?);
     let mut welder = Welder::default();
     // OBJ counts vertices in the order of the file; `ids` leads from there to the welded ones.
@@ -11,14 +12,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
     let mut lines = text.lines().enumerate();
     while let Some((i, line)) = lines.next() {
         let place = Place::Line(i + 1);
-        // A line that ends in a backslash goes on in the next one.
-        let mut joined = line.trim_end().to_owned();
+        let mut joined = without_comment(line).to_owned();
+        // A line that ends in a backslash goes on in the next one; a comment ends with its line.
         while joined.ends_with('\\') {
             joined.pop();
             joined.push(' ');
-            joined.push_str(lines.next().map_or("", |(_, more)| more.trim_end()));
+            joined.push_str(lines.next().map_or("", |(_, more)| without_comment(more)));
         }
-        let mut words = joined.split('#').next().unwrap_or("").split_ascii_whitespace();
+        let mut words = joined.split_ascii_whitespace();
         match words.next() {
             Some("v") => {
                 let p = finite(three_numbers(&mut words, place)?, place, ids.len() + 1)?;
@@ -29,15 +30,17 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
                 for word in words {
                     polygon.push(ids[corner(word, ids.len(), place)?]);
                 }
-                if polygon.len() < 3 {
-                    return Err(syntax(place, format!("a face with {} corners", polygon.len())));
-                }
-                welder.polygon(&polygon);
+                welder.polygon(&polygon, place);
             }
             _ => {}
         }
     }
-    Ok(welder.mesh)
+    Ok(welder)
+}
+
+/// A line up to its comment, without blanks at the end.
+fn without_comment(line: &str) -> &str {
+    line.split('#').next().unwrap_or("").trim_end()
 }
 
 /// The vertex that a corner such as `7`, `7/1/2`, `7//2` or `-1` (the last one so far) names, counted from 0.

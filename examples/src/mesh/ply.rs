@@ -1,11 +1,13 @@
-//! PLY, ASCII or binary, through `ply-rs-bw`; its header counts are held against the size of the file.
+//! PLY, ASCII or binary, through `ply-rs-bw`; its header counts are held against the size of the file. Faces and strips of
+//! triangles are read.
 
-use super::{Mesh, MeshFault, Place, Welder, finite, printable, quoted, syntax, unmarked};
+use super::weld::Welder;
+use super::{MeshFault, Place, finite, printable, quoted, syntax, unmarked};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 use std::io::Cursor;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
     let whole = bytes.len();
     let bytes = unmarked(bytes)?;
     // Places are those in the file.
@@ -42,24 +44,40 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
                     ids.push(welder.vertex(finite(vertex.position, place(i), i + 1)?)?);
                 }
             }
-            "face" => {
+            "face" | STRIPS => {
                 for (i, face) in elements.iter().enumerate() {
                     let corner = |&v: &i64| {
                         usize::try_from(v).ok().and_then(|v| ids.get(v).copied()).ok_or_else(|| {
-                            syntax(place(i), format!("face {} names vertex {v} (from 0) of {}", i + 1, ids.len()))
+                            let what = def.name.trim_end_matches('s');
+                            syntax(place(i), format!("{what} {} names vertex {v} (from 0) of {}", i + 1, ids.len()))
                         })
                     };
-                    let corners = face.corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
-                    if corners.len() < 3 {
-                        return Err(syntax(place(i), format!("face {} has {} corners", i + 1, corners.len())));
+                    if def.name == "face" {
+                        let corners = face.corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
+                        welder.polygon(&corners, place(i));
+                    } else {
+                        // A corner of -1 ends a strip.
+                        for strip in face.corners.split(|&v| v == -1) {
+                            let corners = strip.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
+                            add_strip(&mut welder, &corners, place(i));
+                        }
                     }
-                    welder.polygon(&corners);
                 }
             }
             _ => {}
         }
     }
-    Ok(welder.mesh)
+    Ok(welder)
+}
+
+/// Adds a strip of triangles: each corner from the third on makes one with the two before, every second one turned. Corners
+/// that repeat only steer the strip.
+fn add_strip(welder: &mut Welder, corners: &[u32], place: Place) {
+    for (k, &[a, b, c]) in corners.array_windows::<3>().enumerate() {
+        if a != b && b != c && c != a {
+            welder.polygon(&if k % 2 == 0 { [a, b, c] } else { [b, a, c] }, place);
+        }
+    }
 }
 
 /// Holds the header against what we need and what the rest of the file can hold.
@@ -83,17 +101,25 @@ fn check_header(header: &Header, bytes_left: usize) -> Result<(), MeshFault> {
             return Err(in_header(format!("the header has no number `{axis}` of `vertex`")));
         }
     }
-    let corners = CORNERS.iter().find_map(|name| kind("face", name));
+    let count = |element: &str| header.elements.get(element).map_or(0, |def| def.count);
+    if count("face") == 0 && count(STRIPS) == 0 && count("vertex") > 0 {
+        return Err(MeshFault::PointCloud { points: count("vertex") });
+    }
+    let element = if count("face") > 0 { "face" } else { STRIPS };
+    let corners = CORNERS.iter().find_map(|name| kind(element, name));
     if !matches!(corners, Some(PropertyType::List(_, item)) if ![ScalarType::Float, ScalarType::Double].contains(item))
     {
-        return Err(in_header("the header has no list of whole numbers `vertex_indices` of `face`".to_owned()));
+        return Err(in_header(format!("the header has no list of whole numbers `vertex_indices` of `{element}`")));
     }
     let order = |name| header.elements.get_index_of(name);
-    if order("face") < order("vertex") {
+    if order(element) < order("vertex") {
         return Err(in_header("faces before vertices cannot be read".to_owned()));
     }
     Ok(())
 }
+
+/// The element that holds strips.
+const STRIPS: &str = "tristrips";
 
 /// Both names are about.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];

@@ -1,62 +1,116 @@
-//! STL: binary when the length is what the count in its header calls for, whatever the header says; else ASCII.
+//! STL, binary or ASCII, whatever the header says. The length of a binary file decides how many triangles it has.
 
-use super::{Mesh, MeshFault, Place, Welder, finite, quoted, syntax, three_numbers, unmarked};
+use super::weld::Welder;
+use super::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 
 /// Header and count.
 const HEAD: usize = 84;
 /// Normal, three corners, and two bytes that nobody agrees on.
-pub(super) const TRIANGLE: usize = 50;
+const TRIANGLE: usize = 50;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
     let count = bytes.get(HEAD - 4..HEAD).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]));
     let expected = count.map(|n| HEAD as u64 + TRIANGLE as u64 * u64::from(n));
     if expected == Some(bytes.len() as u64) {
-        return binary(bytes);
+        return binary(&bytes[HEAD..], Welder::default());
     }
     let text = match unmarked(bytes) {
         // Of two bytes a character one is zero; else the mark is only how a binary file begins.
         Err(wide) if bytes.get(2..4).is_some_and(|first| first.contains(&0)) => return Err(wide),
         text => text.unwrap_or(bytes),
     };
-    let solid = text.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
-    match (count, expected) {
-        _ if solid && !bytes.contains(&0) => ascii(text),
-        (Some(triangles), Some(expected)) if bytes.contains(&0) => {
-            Err(MeshFault::Length { triangles, expected, bytes: bytes.len() as u64 })
-        }
+    match (count, bytes.contains(&0)) {
+        (_, false) if has_keyword(text) => ascii(text),
+        (Some(count), true) => miscounted(bytes, count),
         _ => Err(MeshFault::NotStl),
     }
 }
 
-fn binary(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+/// Whether a line begins as those of ASCII STL do.
+fn has_keyword(text: &[u8]) -> bool {
+    let lines = text.split(|&byte| byte == b'\n' || byte == b'\r');
+    lines.map(<[u8]>::trim_ascii_start).any(|line| {
+        let begins = |word: &[u8]| line.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+        begins(b"solid") || begins(b"facet")
+    })
+}
+
+/// A binary file with another count than its length calls for: read by its length, unless it was cut short.
+fn miscounted(bytes: &[u8], count: u32) -> Result<Welder, MeshFault> {
+    let body = &bytes[HEAD..];
+    let (fits, rest) = (body.len() / TRIANGLE, body.len() % TRIANGLE);
+    let stated = u64::from(count);
+    // A count of 0 or of 2^32 - 1 was never filled in; one too many is a slip that programs make.
+    let no_count = count == 0 || count == u32::MAX || stated == fits as u64 + 1;
+    let taken = match rest {
+        0 if no_count => fits,
+        0 if stated < fits as u64 && body[count as usize * TRIANGLE..].chunks_exact(TRIANGLE).all(is_facet) => fits,
+        _ if count > 0 && stated <= fits as u64 => count as usize,
+        _ => {
+            let expected = HEAD as u64 + TRIANGLE as u64 * stated;
+            return Err(MeshFault::Length { triangles: count, expected, bytes: bytes.len() as u64 });
+        }
+    };
     let mut welder = Welder::default();
-    for (i, facet) in bytes[HEAD..].chunks_exact(TRIANGLE).enumerate() {
+    if taken as u64 != stated {
+        let amount = format!("the header says {stated}, the length of the file {taken}");
+        welder.note("the count of triangles in the file is wrong; its length decided", amount, "");
+    }
+    let behind = body.len() - taken * TRIANGLE;
+    if behind > 0 {
+        welder.note("bytes behind the last triangle were passed over", behind.to_string(), "");
+    }
+    binary(&body[..taken * TRIANGLE], welder)
+}
+
+/// Number `at` of a facet: three of the normal, then those of the corners.
+fn number(facet: &[u8], at: usize) -> f64 {
+    let bytes = &facet[4 * at..4 * at + 4];
+    f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+}
+
+/// Whether bytes are a facet and not a filling: finite corners, not all at one place.
+fn is_facet(facet: &[u8]) -> bool {
+    let corners = [1, 2, 3].map(|corner| [0, 1, 2].map(|axis| number(facet, 3 * corner + axis)));
+    let place = |corner: [f64; 3]| corner.map(|c| (c + 0.0).to_bits());
+    corners.as_flattened().iter().all(|c| c.is_finite())
+        && corners.iter().any(|&corner| place(corner) != place(corners[0]))
+}
+
+fn binary(facets: &[u8], mut welder: Welder) -> Result<Welder, MeshFault> {
+    for (i, facet) in facets.chunks_exact(TRIANGLE).enumerate() {
         let place = Place::Triangle(i + 1, (HEAD + TRIANGLE * i) as u64);
         let mut corners = [0; 3];
         for (k, corner) in corners.iter_mut().enumerate() {
-            let number = |axis: usize| {
-                let at = 12 * (k + 1) + 4 * axis;
-                f64::from(f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]))
-            };
-            *corner = welder.vertex(finite([number(0), number(1), number(2)], place, k + 1)?)?;
+            let p = [0, 1, 2].map(|axis| number(facet, 3 * (k + 1) + axis));
+            *corner = welder.vertex(finite(p, place, k + 1)?)?;
         }
-        welder.mesh.triangles.push(corners);
+        welder.polygon(&corners, place);
     }
-    Ok(welder.mesh)
+    Ok(welder)
 }
 
 /// `solid` and a name, then facets of three corners, then `endsolid`; several such parts may follow one another. Where
-/// the lines end does not matter but behind the names. Normals are not looked at.
-fn ascii(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+/// the lines end does not matter but behind the names. Normals are not looked at. Lines before the first `solid` or `facet` are
+/// passed over, and the end may be missing behind a whole facet.
+fn ascii(bytes: &[u8]) -> Result<Welder, MeshFault> {
     let text = String::from_utf8_lossy(bytes);
     let mut welder = Welder::default();
     let mut corners = Vec::new();
-    let (mut open, mut last) = (false, 0);
+    let (mut open, mut last, mut started, mut passed_over) = (false, 0, false, 0);
     let mut in_line: Vec<&str> = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let place = Place::Line(i + 1);
         in_line.clear();
         in_line.extend(line.split_ascii_whitespace());
+        let keyword = |word: &&str| word.eq_ignore_ascii_case("solid") || word.eq_ignore_ascii_case("facet");
+        if !started && !in_line.is_empty() {
+            started = in_line.first().is_some_and(keyword);
+            if !started {
+                passed_over += 1;
+                continue;
+            }
+        }
         let mut words = in_line.iter();
         while let Some(word) = words.next() {
             last = i + 1;
@@ -66,12 +120,17 @@ fn ascii(bytes: &[u8]) -> Result<Mesh, MeshFault> {
                     corners.push(welder.vertex(finite(p, place, corners.len() + 1)?)?);
                 }
                 "endfacet" if corners.len() == 3 => {
-                    welder.polygon(&corners);
+                    welder.polygon(&corners, place);
                     corners.clear();
                 }
                 "endfacet" => return Err(syntax(place, format!("the facet has {} corners, not 3", corners.len()))),
-                "solid" if open => return Err(syntax(place, "`solid` before the `endsolid` of the part before")),
                 "solid" => {
+                    if !corners.is_empty() {
+                        return Err(syntax(place, "`solid` before the `endfacet` of the last facet"));
+                    }
+                    if open {
+                        welder.note("a part of the file has no `endsolid`", "", place.to_string());
+                    }
                     open = true;
                     words = from_facet(words.as_slice()).iter();
                 }
@@ -101,10 +160,22 @@ fn ascii(bytes: &[u8]) -> Result<Mesh, MeshFault> {
             }
         }
     }
-    if open {
-        return Err(syntax(Place::Line(last), "the file ends before `endsolid`: cut short"));
+    // `outer loop` or `facet` stand at the end of a file that was cut, `endfacet` of one without an end.
+    let ends_whole = text
+        .split_ascii_whitespace()
+        .next_back()
+        .is_some_and(|word| word.eq_ignore_ascii_case("endfacet") && corners.is_empty());
+    if open && !ends_whole && !welder.mesh.triangles.is_empty() || !corners.is_empty() {
+        return Err(syntax(Place::Line(last), "the file ends within a facet: cut short"));
     }
-    Ok(welder.mesh)
+    if open && ends_whole {
+        let what = "the file ends without `endsolid`: complete unless it was cut off there";
+        welder.note(what, "", Place::Line(last).to_string());
+    }
+    if passed_over > 0 {
+        welder.note("lines before `solid` were passed over", passed_over.to_string(), "");
+    }
+    Ok(welder)
 }
 
 /// What follows the name of a part in its line: from the first `facet normal` on.

@@ -13,6 +13,8 @@ mod dome_stream;
 mod input_files;
 mod jerk_motion;
 mod mesh;
+mod mesh_doubts;
+mod mesh_formats;
 mod mesh_to_gcode;
 mod mesh_to_robot;
 mod motion;
