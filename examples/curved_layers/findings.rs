@@ -13,11 +13,12 @@ use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, percent};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{MissedReason, NoSupport};
+use curvlay_toolpath::surface::NozzlePart;
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
 use std::collections::BTreeSet;
 
-/// Shares of area from which on something is worth a word. Of thin walls sharp edges alone make up some tenths of a percent.
+/// Area shares above which a finding is reported. Of thin walls sharp edges alone make up some tenths of a percent.
 const NOTABLE_SHARE: f64 = 0.01;
 
 /// From how far on the volume of layers is told, and the volume laid; as shares of the part.
@@ -26,6 +27,9 @@ const NOTABLE_VOLUME: f64 = 0.02;
 
 /// From how much longer on than planned printing is told to be slow: a motion from rest to rest is always a little longer.
 const NOTABLE_DELAY: f64 = 0.05;
+
+/// Share of the time of printing at the limit of turning above which a finding is reported: from half on it rules the print.
+const NOTABLE_TURNING: f64 = 0.5;
 
 /// Adds what is wrong with a stage that has ended; the first two end together.
 pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
@@ -38,6 +42,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
         Stage::Gcode => machine.iter().zip(paths.iter()).for_each(|(run, paths)| {
             of_machine(field, paths, run, args, findings);
+            of_feed(run, findings);
             of_support(paths.bead_mm, run, args, findings);
         }),
         Stage::Motion => {
@@ -103,14 +108,31 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     }
     let share = run.missed_share();
     if !run.growth.missed.is_empty() {
-        let amount = format!("{} of its volume, {}", percent(share), missed_in_words(run, args));
-        let place = "field.csv, cell_layer 0; impossible.csv; --allow-missed";
-        findings.add(Severity::above(share, allow.allow_missed), "a part of the solid is not built", amount, place);
+        let amount = format!("{} of its volume, {}", percent(share), missed_in_words(run));
+        let place = "field.csv, cell_layer 0; impossible.csv";
+        let finding = findings.explain(
+            Severity::above(share, allow.allow_missed),
+            "a part of the solid is not built",
+            amount,
+            place,
+        );
+        ways_out(run, args).into_iter().for_each(|way| _ = finding.try_to(way));
+        finding.allow(accept("--allow-missed", share));
     }
 }
 
-/// Which cells are missed and why, which of them no order can build, and what to do.
-fn missed_in_words(run: &FieldRun, args: &Args) -> String {
+/// The option with a value, rounded up to two digits, that accepts a share.
+fn accept(option: &str, share: f64) -> String {
+    if !(share > 0.0 && share.is_finite()) {
+        return String::new();
+    }
+    let digit = 10f64.powf(share.log10().floor() - 1.0);
+    let decimals = (-digit.log10()).round().max(0.0) as usize;
+    format!("{option} {:.decimals$}", (share / digit).ceil() * digit)
+}
+
+/// Which cells are missed and why, and which of them no order can build.
+fn missed_in_words(run: &FieldRun) -> String {
     let (missed, grid) = (&run.growth.missed, &run.solid.grid);
     let count = |is: &dyn Fn(MissedReason) -> bool| missed.iter().filter(|cell| is(cell.reason)).count();
     let inside = count(&|reason| matches!(reason, MissedReason::Shadowed { .. }));
@@ -128,19 +150,21 @@ fn missed_in_words(run: &FieldRun, args: &Args) -> String {
     format!(
         "{} of {} cells at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of what is built by then{reach}, {} with nothing to \
          stand on; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {} cells, of which \
-         {} are proven impossible in any order, {} are undecided; to do: {}",
+         {} are proven impossible in any order, {} are undecided",
         missed.len(),
         grid.count(),
         missed.len() - inside - out_of_reach,
         run.missed_by_hull.len(),
         run.impossible.len(),
-        run.undecided(),
-        ways_out(run, args, [inside, out_of_reach])
+        run.undecided()
     )
 }
 
-/// What to do about missed cells, of which so many lie inside the hull, and out of reach of the nozzle.
-fn ways_out(run: &FieldRun, args: &Args, [inside, out_of_reach]: [usize; 2]) -> String {
+/// What to do about missed cells.
+fn ways_out(run: &FieldRun, args: &Args) -> [&'static str; 3] {
+    let has = |is: &dyn Fn(MissedReason) -> bool| run.growth.missed.iter().any(|cell| is(cell.reason));
+    let inside = has(&|reason| matches!(reason, MissedReason::Shadowed { .. }));
+    let out_of_reach = has(&|reason| reason == MissedReason::OutOfReach);
     let support = match run.no_support {
         Some(NoSupport::Forbidden) => "--support auto builds them on columns (it is off)",
         Some(NoSupport::NoPlace) => "support finds no place below them",
@@ -151,12 +175,12 @@ fn ways_out(run: &FieldRun, args: &Args, [inside, out_of_reach]: [usize; 2]) -> 
     };
     let (nozzle_growth, _) = args.complete.with_strategy(args.grow.strategy().is_none());
     let nozzle = match nozzle_growth {
-        NozzleGrowth::Off if inside > 0 => "--nozzle-growth after builds what the nozzle reaches (it is off)",
-        _ if out_of_reach > 0 => "a slimmer --nozzle reaches more",
+        NozzleGrowth::Off if inside => "--nozzle-growth after builds what the nozzle reaches (it is off)",
+        _ if out_of_reach => "a slimmer --nozzle reaches more",
         _ => "",
     };
     let pose = if args.orient == Lying::Best { "" } else { "--orient best looks for a pose that misses fewer" };
-    [support, nozzle, pose].into_iter().filter(|way| !way.is_empty()).collect::<Vec<_>>().join(", ")
+    [support, nozzle, pose]
 }
 
 /// Of the surfaces.
@@ -214,30 +238,37 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
         let share = left as f64 / waypoints as f64;
-        let amount = format!("at {left} of {waypoints} waypoints, {}", percent(share));
+        let amount = format!("at {} of {} waypoints, {}", grouped(left), grouped(waypoints), percent(share));
         let severity = Severity::above(share, allow.allow_gouging);
-        findings.add(
-            severity,
-            "the nozzle is in what is built or in the plate",
-            amount,
-            "gouging.csv; --allow-gouging",
-        );
+        let finding =
+            findings.explain(severity, "the nozzle collides with the part or the plate", amount, "gouging.csv");
+        let by_tip = run.resolved.left.iter().filter(|gouge| gouge.part == NozzlePart::Tip).count();
+        if run.tip_mm > paths.bead_mm && by_tip > 0 {
+            let (tip, bead) = (run.tip_mm, paths.bead_mm);
+            finding
+                .cause(format!("the tip of the nozzle is {tip} mm across, the beads are {bead:.2} mm wide: at {} of them it is the tip that collides", grouped(by_tip)))
+                .try_to(format!("--nozzle with a tip of {bead:.2} mm or less, if that is your nozzle"))
+                .try_to(format!("--bead {tip}"));
+        } else {
+            finding.try_to("--nozzle with the true shape of a slimmer nozzle").try_to("--orient best");
+        }
+        finding.allow(accept("--allow-gouging", share));
     }
     if run.resolved.lifted > 0 {
         let amount = format!("at {} waypoints, by {:.2} mm at most", run.resolved.lifted, run.resolved.max_lift);
-        findings.add(Noted, "the nozzle is raised a little, where it would be in what is built", amount, "");
+        findings.add(Noted, "the nozzle is raised a little where it would collide with printed material", amount, "");
     }
     let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
     if pieces > 0 {
         let share = left_out / (laid + left_out);
-        let amount = format!("{pieces} pieces, {left_out:.1} of {:.1} mm, {}", laid + left_out, percent(share));
+        let amount = format!("{left_out:.1} of {:.1} mm, {}", laid + left_out, percent(share));
         let severity = Severity::above(share, allow.allow_left_out);
-        findings.add(
-            severity,
-            "paths are left out, as the nozzle does not get there",
-            amount,
-            "left_out.csv; --allow-left-out",
-        );
+        let what = format!("{} skipped: out of the nozzle's reach", counted(pieces, "path segment"));
+        findings
+            .explain(severity, what, amount, "left_out.csv")
+            .try_to("a slimmer --nozzle")
+            .try_to("--orient best")
+            .allow(accept("--allow-left-out", share));
     }
     if !run.resolved.sharp.is_empty() {
         let amount = format!(
@@ -254,7 +285,7 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     }
     if !run.travels.blocked.is_empty() {
         let amount = run.travels.blocked.len().to_string();
-        findings.add(Failed, "travels run into what is built", amount, "blocked_travels.csv");
+        findings.add(Failed, "travels collide with printed material", amount, "blocked_travels.csv");
     }
     // With its support, which is laid as well; what sparse infill leaves empty is not to be laid.
     let (laid, missed) = (run.deposition.extruded_mm3, field.missed_mm3);
@@ -262,21 +293,62 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     let (filled, rest) = (laid / part, laid / (part - missed));
     let off = |share: f64| (share - 1.0).abs();
     if off(filled).max(off(rest)) > NOTABLE_VOLUME {
-        let what = if rest < 1.0 { "less is laid than the part holds" } else { "more is laid than the part holds" };
         let severity = Severity::above(off(filled).max(off(rest)), allow.allow_volume);
         // These cells follow one by one, so their layers are torn into pieces that take no bead.
         let by_nozzle = field.growth.nozzle.len() as f64 / field.growth.order.cells().len() as f64;
         let (_, support) = args.complete.with_strategy(args.grow.strategy().is_none());
         let is_torn = rest < 1.0 && by_nozzle > NOTABLE_SHARE && support == Support::None;
         let advice = if is_torn {
-            "; layers of cells that only this nozzle reaches are torn, and no bead fits: to do: --support auto builds such cells \
-             on columns (it is off)"
+            "--support auto, which builds on columns the cells that only this nozzle reaches; their layers are torn, and no bead fits"
         } else {
             ""
         };
+        let unfilled = paths.totals.unfillable_fraction;
+        let cause = match (rest < 1.0, missed > 0.0) {
+            (true, _) if unfilled > NOTABLE_SHARE => {
+                format!("no bead of {:.3} mm fits into {} of the layers' area", paths.bead_mm, percent(unfilled))
+            }
+            (true, true) => format!("{missed:.1} mm3 are cells that are not built"),
+            _ => String::new(),
+        };
+        let rest_share = rest;
         let rest = if missed > 0.0 { format!("; {} of what is not missed", percent(rest)) } else { String::new() };
-        let amount = format!("{} of its volume, {laid:.1} of {part:.1} mm3{rest}{advice}", percent(filled));
-        findings.add(severity, what, amount, "--allow-volume");
+        let what = format!("deposited volume is {} of the part's", percent(filled));
+        let slimmer = if cause.starts_with("no bead") { "a smaller --bead" } else { "" };
+        let share = off(filled).max(off(rest_share));
+        findings
+            .explain(severity, what, format!("{laid:.1} of {part:.1} mm3{rest}"), "")
+            .cause(cause)
+            .try_to(advice)
+            .try_to(slimmer)
+            .allow(accept("--allow-volume", share));
+    }
+}
+
+/// A number with its thousands apart, such as `95,905`.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let comma = |(at, digit): (usize, char)| {
+        let before = (at > 0 && (digits.len() - at).is_multiple_of(3)).then_some(',');
+        before.into_iter().chain([digit])
+    };
+    digits.chars().enumerate().flat_map(comma).collect()
+}
+
+/// `1 piece`, `2 pieces`.
+fn counted(number: usize, what: &str) -> String {
+    format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
+}
+
+/// Of the feed: most of the time held by the limit of turning.
+fn of_feed(run: &MachineRun, findings: &mut Findings) {
+    let [_, _, _, turning] = run.deposition.limits.shares();
+    if turning > NOTABLE_TURNING {
+        let (mean, asked) = (run.deposition.bead_mm / run.deposition.print_s, run.max_feed);
+        let amount = format!("{mean:.0} mm/s in the mean, at most {asked:.0} asked for");
+        let cause = format!("the nozzle turns as fast as it may for {} of the time of printing", percent(turning));
+        let finding = findings.explain(Told, "printing is slowed down by the turns of the nozzle", amount, "");
+        finding.cause(cause).try_to("a higher --max-turn-rate, if the machine permits");
     }
 }
 
@@ -288,20 +360,31 @@ fn of_support(bead_mm: f64, run: &MachineRun, args: &Args, findings: &mut Findin
     }
     let (share, longest) = (support.unsupported_share(), support.longest_mm());
     let what =
-        format!("beads lie on nothing: neither plate nor earlier bead within {} layer heights", args.support_distance);
+        format!("unsupported beads: neither plate nor earlier bead within {} layer heights", args.support_distance);
+    let long = support.unsupported.iter().filter(|piece| piece.length() > bead_mm).count();
     let amount = format!(
-        "{:.1} of {:.1} mm, {}, in {} pieces, the longest {longest:.1} mm",
+        "{:.1} of {:.1} mm, {}; {} longer than a bead is wide, the longest {longest:.1} mm, and {}",
         support.unsupported_mm(),
         support.bead_mm,
         percent(share),
-        support.unsupported.len()
+        counted(long, "piece"),
+        counted(support.unsupported.len() - long, "crumb")
     );
     let AllowArgs { allow_unsupported, allow_unsupported_beads, .. } = args.allow;
     let limits = [(share, allow_unsupported), (longest / bead_mm, allow_unsupported_beads)];
     // Layers that end inside the part leave steps on which nothing can be done for beads: told unless a limit is asked for.
     let has_failed = limits.into_iter().any(|(value, limit)| limit.is_some_and(|limit| value > limit));
     let severity = if has_failed { Failed } else { Told };
-    findings.add(severity, what, amount, "unsupported.csv; --allow-unsupported, --allow-unsupported-beads");
+    findings
+        .explain(severity, what, amount, "unsupported.csv")
+        .cause("layers that end inside the part leave steps that nothing lies under")
+        .try_to("--support auto")
+        .try_to("--orient best")
+        .allow(format!(
+            "{} and {}",
+            accept("--allow-unsupported", share),
+            accept("--allow-unsupported-beads", longest / bead_mm)
+        ));
 }
 
 /// Of the bodies of the arm: what "proven free" is proven for.
@@ -332,7 +415,7 @@ fn of_plan<const N: usize, const F: usize>(
 ) {
     let kinds = [
         (FaultKind::Unreachable, "waypoints are out of the robot's reach and not printed"),
-        (FaultKind::Blocked, "waypoints are not printed, as the robot would run into something at each of them"),
+        (FaultKind::Blocked, "waypoints skipped: the robot would collide"),
         (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed"),
         (FaultKind::NoTransfer, "transfers were not found: programs end there, and the robot has to be moved by hand"),
     ];

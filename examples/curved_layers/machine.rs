@@ -23,6 +23,10 @@ pub struct MachineRun {
     /// How the nozzle gets from path to path.
     pub travels: Travels,
     pub deposition: Deposition,
+    /// Diameter of the flat tip of the nozzle.
+    pub tip_mm: f64,
+    /// The maximum print speed that was asked for, in millimetres a second.
+    pub max_feed: f64,
     /// Beads that lie on nothing.
     pub support: BeadSupport,
     /// Area that beads cover by the thickness of the layer there, if that is measured.
@@ -95,7 +99,19 @@ pub fn run(
         support: clock.on_the_clock(&["support"]),
     };
     let covered_mm3 = args.has_statistics().then(|| paths.filled.covered_mm3(&layers));
-    let mut run = MachineRun { before, resolved, travels, deposition, support, covered_mm3, unfiltered: None, times };
+    let (tip_mm, max_feed) = (2.0 * nozzle.tip_radius(), options.deposition.max_feed);
+    let mut run = MachineRun {
+        before,
+        resolved,
+        travels,
+        deposition,
+        tip_mm,
+        max_feed,
+        support,
+        covered_mm3,
+        unfiltered: None,
+        times,
+    };
     if let Some(longest) = run.longest().filter(|_| args.compare) {
         let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
         let unfiltered = stack.orient(&options, &progress)?;

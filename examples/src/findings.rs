@@ -1,5 +1,5 @@
 //! What a run finds wrong, as data. One list, from which come the lines on stderr, the notices on top of the report, keys of
-//! the summary, and the exit status: nothing is told in one place alone.
+//! the summary, and the exit status: all of them show the same.
 
 use crate::args::{Outcome, say};
 use crate::report::Report;
@@ -16,7 +16,7 @@ pub fn percent(share: f64) -> String {
 pub enum Severity {
     /// Nothing, and nothing is wrong: what was done to the part, what was taken.
     Noted,
-    /// Nothing: the user should know.
+    /// Nothing: a warning.
     Told,
     /// It becomes 3.
     Failed,
@@ -29,7 +29,7 @@ impl Severity {
     }
 }
 
-/// Something that is wrong.
+/// Something that is wrong, and what helps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// Whether the run counts as failed for it.
@@ -38,8 +38,43 @@ pub struct Finding {
     pub what: String,
     /// How much: a count, a share, a length; may be empty.
     pub amount: String,
-    /// Where: a place, the file that lists the places, or the option to change; may be empty.
+    /// Where: a place, or the file that lists the places; may be empty.
     pub place: String,
+    /// The likely cause, computed from the run; empty if it is unknown.
+    pub cause: String,
+    /// What to try, the most promising first; may be empty.
+    pub tries: Vec<String>,
+    /// The option that accepts it, with the value that would do, such as `--allow-missed 0.03`; empty if there is no such option.
+    pub allow: String,
+}
+
+impl Finding {
+    /// Sets the likely cause. An empty text is no cause.
+    pub fn cause(&mut self, cause: impl Into<String>) -> &mut Self {
+        self.cause = cause.into();
+        self
+    }
+
+    /// Appends something to try. An empty text is left out.
+    pub fn try_to(&mut self, advice: impl Into<String>) -> &mut Self {
+        let advice = advice.into();
+        if !advice.is_empty() {
+            self.tries.push(advice);
+        }
+        self
+    }
+
+    /// Sets the option that accepts it.
+    pub fn allow(&mut self, option: impl Into<String>) -> &mut Self {
+        self.allow = option.into();
+        self
+    }
+
+    /// What follows the line of the finding: its cause, what to try, and last how to accept it, each under its word.
+    pub fn advice(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let all = [("cause", self.cause.clone()), ("try", self.tries.join("; ")), ("accept", self.allow.clone())];
+        all.into_iter().filter(|(_, text)| !text.is_empty())
+    }
 }
 
 /// One line: `what: amount (place)`.
@@ -60,17 +95,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Adds one.
-    ///
-    /// # Example
-    /// ```
-    /// use curvlay_examples::findings::{Findings, Severity};
-    /// let (missed, allowed) = (0.24, 1e-3);
-    /// let mut findings = Findings::default();
-    /// findings.add(Severity::above(missed, allowed), "cells are missed", "24 % of the volume", "field.csv");
-    /// assert!(findings.has_failed());
-    /// assert_eq!(findings.iter().next().unwrap().to_string(), "cells are missed: 24 % of the volume (field.csv)");
-    /// ```
+    /// Adds one of which neither cause nor remedy is known; see [`Findings::explain`].
     pub fn add(
         &mut self,
         severity: Severity,
@@ -78,8 +103,36 @@ impl Findings {
         amount: impl Into<String>,
         place: impl Into<String>,
     ) {
+        self.explain(severity, what, amount, place);
+    }
+
+    /// Adds one, and returns it for its cause, what to try, and the option that accepts it.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_examples::findings::{Findings, Severity};
+    /// let (missed, allowed) = (0.24, 1e-3);
+    /// let mut findings = Findings::default();
+    /// findings
+    ///     .explain(Severity::above(missed, allowed), "cells are missed", "24 % of the volume", "field.csv")
+    ///     .cause("nothing stands below them")
+    ///     .try_to("--support auto")
+    ///     .allow("--allow-missed 0.25");
+    /// assert!(findings.has_failed());
+    /// let finding = findings.iter().next().unwrap();
+    /// assert_eq!(finding.to_string(), "cells are missed: 24 % of the volume (field.csv)");
+    /// assert_eq!(finding.advice().nth(1), Some(("try", "--support auto".to_owned())));
+    /// ```
+    pub fn explain(
+        &mut self,
+        severity: Severity,
+        what: impl Into<String>,
+        amount: impl Into<String>,
+        place: impl Into<String>,
+    ) -> &mut Finding {
         let (what, amount, place) = (what.into(), amount.into(), place.into());
-        self.list.push(Finding { severity, what, amount, place });
+        let (cause, allow) = (String::new(), String::new());
+        self.list.push_mut(Finding { severity, what, amount, place, cause, tries: Vec::new(), allow })
     }
 
     /// Adds one that was made elsewhere.
@@ -102,7 +155,7 @@ impl Findings {
         self.of(Severity::Failed).next().is_some()
     }
 
-    /// Writes what has been added since the last call to stderr, a line each.
+    /// Writes what has been added since the last call to stderr: a line each, and under it cause and advice, indented.
     pub fn say(&mut self) {
         for finding in &self.list[self.said..] {
             let word = match finding.severity {
@@ -111,18 +164,19 @@ impl Findings {
                 Severity::Failed => "check failed",
             };
             say(&format!("{word}: {finding}"));
+            finding.advice().for_each(|(word, text)| say(&format!("  {word}: {text}")));
         }
         self.said = self.list.len();
     }
 
-    /// A notice for each, what failed first; notes are paragraphs behind them.
+    /// A notice for each, failed checks first and unlike warnings; notes are paragraphs behind them.
     pub fn report(&self, report: &mut Report) {
-        self.of(Severity::Failed).for_each(|finding| _ = report.notice(&format!("Check failed: {finding}")));
-        self.of(Severity::Told).for_each(|finding| _ = report.notice(&finding.to_string()));
-        self.of(Severity::Noted).for_each(|finding| _ = report.paragraph(&format!("Note: {finding}.")));
+        for severity in [Severity::Failed, Severity::Told, Severity::Noted] {
+            self.of(severity).for_each(|finding| _ = report.finding(finding));
+        }
     }
 
-    /// How many there are of each severity, and all of them, a line each.
+    /// How many there are of each severity, and all of them: a line each, and under it cause and advice, indented by two spaces.
     ///
     /// # Errors
     /// [`SummaryError`] if the keys `findings_failed`, `findings_told`, `findings_noted` or `findings` are taken.
@@ -132,7 +186,13 @@ impl Findings {
             Severity::Told => "told",
             Severity::Failed => "failed",
         };
-        let lines: Vec<String> = self.iter().map(|finding| format!("{}: {finding}", word(finding))).collect();
+        let lines: Vec<String> = self
+            .iter()
+            .flat_map(|finding| {
+                let advice = finding.advice().map(|(word, text)| format!("  {word}: {text}"));
+                std::iter::once(format!("{}: {finding}", word(finding))).chain(advice)
+            })
+            .collect();
         summary
             .set("findings_failed", self.of(Severity::Failed).count())?
             .set("findings_told", self.of(Severity::Told).count())?

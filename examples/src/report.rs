@@ -1,5 +1,6 @@
 //! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
 
+use crate::findings::{Finding, Severity};
 use crate::html::{base64, escaped};
 use crate::plot::Plot;
 use crate::table::Table;
@@ -42,6 +43,20 @@ impl Report {
     /// A paragraph that stands out: a warning, a failed check.
     pub fn notice(&mut self, text: &str) -> &mut Self {
         self.push(&format!("<p class=\"notice\" role=\"note\">{}</p>", escaped(text)))
+    }
+
+    /// A finding with its cause and advice: red if it failed, yellow if it is a warning, a plain paragraph if it is a note.
+    pub fn finding(&mut self, finding: &Finding) -> &mut Self {
+        let (class, word) = match finding.severity {
+            Severity::Failed => ("notice failed", "Check failed: "),
+            Severity::Told => ("notice", ""),
+            Severity::Noted => ("noted", "Note: "),
+        };
+        let mut html = format!("<div class=\"{class}\" role=\"note\"><p>{}</p>", escaped(&format!("{word}{finding}")));
+        for (word, text) in finding.advice() {
+            let _ = write!(html, "\n<p class=\"advice\"><b>{word}</b> {}</p>", escaped(&text));
+        }
+        self.push(&(html + "</div>"))
     }
 
     /// A table; columns of figures are set flush right. An empty caption is left out.
@@ -114,6 +129,15 @@ impl Report {
         self.push(&model.to_html())
     }
 
+    /// Two parts side by side where there is room, the first one wide; else below one another.
+    pub fn beside(&mut self, first: impl FnOnce(&mut Report), second: impl FnOnce(&mut Report)) -> &mut Self {
+        self.push("<div class=\"beside\"><div>");
+        first(self);
+        self.push("</div><div>");
+        second(self);
+        self.push("</div></div>")
+    }
+
     /// A plot with its legend and a line under it.
     pub fn plot(&mut self, caption: &str, plot: &Plot) -> &mut Self {
         let (svg, legend, caption) = (plot.to_svg(), plot.legend(), escaped(caption));
@@ -166,10 +190,12 @@ const CHOOSE: &str = "const f = this.parentNode; f.querySelectorAll('img').forEa
 
 const STYLE: &str = "\
 :root { --ink: #1f2630; --soft: #5b6675; --line: #dfe3e8; --paper: #fbfbfa; --card: #ffffff; --accent: #0b7a75;
-  --notice: #fff4d6; --notice-line: #d9a400; }
+  --notice: #fff4d6; --notice-line: #d9a400;
+  --failed: #fde4e1; --failed-line: #c62f22; }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e4e7eb; --soft: #9aa5b3; --line: #333b46; --paper: #15191e; --card: #1c2127; --accent: #4cc2b8;
-    --notice: #33290c; --notice-line: #b58a12; }
+    --notice: #33290c; --notice-line: #b58a12;
+    --failed: #3b1815; --failed-line: #e0584b; }
 }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink);
@@ -180,7 +206,15 @@ h1 { font-size: 2rem; line-height: 1.2; letter-spacing: -0.015em; margin: 0 0 1.
 h2 { font-size: 1.25rem; line-height: 1.3; margin: 2.5rem 0 0.75rem; }
 p { max-width: 44rem; margin: 0.75rem 0; overflow-wrap: anywhere; }
 .notice { background: var(--notice); border-left: 4px solid var(--notice-line); padding: 0.6rem 1rem; border-radius: 4px; }
-.scroll { overflow-x: auto; margin: 1.25rem 0; }
+.failed { background: var(--failed); border-left: 8px solid var(--failed-line); }
+div.notice, .noted { max-width: 44rem; margin: 0.75rem 0; }
+.notice p, .noted p { margin: 0; }
+.notice .advice, .noted .advice { margin: 0.2rem 0 0 1rem; font-size: 0.9rem; }
+.advice b { color: var(--soft); font-weight: 600; margin-right: 0.3rem; }
+.beside > div { min-width: 0; }
+@media (min-width: 72rem) { main:has(.beside) { max-width: 88rem; }
+  .beside { display: grid; grid-template-columns: minmax(0, 1fr) 22rem; gap: 1.25rem; align-items: start; } }
+.scroll { overflow-x: auto; max-width: 100%; margin: 1.25rem 0; }
 table { border-collapse: collapse; font-size: 0.94rem; min-width: min(24rem, 100%); }
 caption { text-align: left; color: var(--soft); padding-bottom: 0.4rem; }
 th, td { padding: 0.38rem 1.1rem 0.38rem 0; border-bottom: 1px solid var(--line); text-align: left;

@@ -15,6 +15,7 @@ use nalgebra::Point3;
 
 /// Colours of findings, red, green and blue.
 const RED: [u8; 3] = [216, 40, 40];
+const MAROON: [u8; 3] = [120, 10, 40];
 const ORANGE: [u8; 3] = [240, 140, 20];
 const VIOLET: [u8; 3] = [150, 60, 200];
 const BLUE: [u8; 3] = [40, 110, 230];
@@ -90,10 +91,10 @@ fn found(run: &MachineRun) -> [Marks; 5] {
     let blocked = run.travels.blocked.iter().map(|travel| at(travel.path, travel.tip));
     let sharp = run.resolved.sharp.iter().map(|turn| at(turn.path, tip(turn.path, turn.waypoint)));
     [
-        marks("the nozzle is in what is built", RED, gouging.collect()),
-        marks("travels run into what is built", RED, blocked.collect()),
+        marks("nozzle collides", RED, gouging.collect()),
+        marks("travels collide", MAROON, blocked.collect()),
         marks("paths left out", VIOLET, left_out.collect()),
-        marks("beads on nothing", ORANGE, unsupported.collect()),
+        marks("unsupported beads", ORANGE, unsupported.collect()),
         marks("sharp turns of the nozzle", BLUE, sharp.collect()),
     ]
 }

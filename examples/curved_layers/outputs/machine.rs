@@ -141,6 +141,7 @@ pub fn summary(
     let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
         job.setup.cell.equipment().model().nozzle;
     let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
+    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
         .set("filled_share", deposition.extruded_mm3 / (field.part_mm3 + field.support_mm3() - paths.hollow_mm3()))?
@@ -173,6 +174,10 @@ pub fn summary(
         .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
         .set("filament_cost", cost.map_or_else(|| "none".into(), Value::from))?
         .set("print_time_s", deposition.total_s)?
+        .set("flow_limit_share", at_flow)?
+        .set("max_feed_share", at_max_feed)?
+        .set("min_feed_share", at_min_feed)?
+        .set("turn_limit_share", turning)?
         .set("travel_mm", deposition.travel_mm)?
         .set("lifted_travels", run.travels.lifted)?
         .set("blocked_travels", run.travels.blocked.len())?
@@ -209,8 +214,9 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
         .row(["extruded".to_owned(), extruded])
         .row(["filament".to_owned(), format!("{:.2} m", deposition.filament_mm / 1000.0)])
         .row(["print time".to_owned(), format!("{:.1} min", deposition.total_s / 60.0)])
+        .row(["speed limited by".to_owned(), limits(run)])
         .row(["travels".to_owned(), travels(run)])
-        .row(["on nothing".to_owned(), on_nothing(run)])
+        .row(["unsupported".to_owned(), on_nothing(run)])
         .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
         .row([
             "time".to_owned(),
@@ -221,6 +227,13 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
                 seconds(times.travels)
             ),
         ]);
+}
+
+/// Which limit of the feed holds for how much of the time of printing.
+fn limits(run: &MachineRun) -> String {
+    let names = ["flow", "maximum feed", "minimum feed", "turns of the nozzle"];
+    let of = |(name, share): (&str, f64)| format!("{name} {}", percent(share));
+    names.into_iter().zip(run.deposition.limits.shares()).map(of).collect::<Vec<_>>().join(", ")
 }
 
 fn gouging_row(resolved: &ResolvedPaths) -> String {
@@ -257,7 +270,7 @@ fn travels(run: &MachineRun) -> String {
 
 pub fn report(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun, report: &mut Report) {
     if let Some(picture) = pictures::unsupported(surfaces, paths, run) {
-        report.heading("Beads on nothing").pictures(&borrowed(&[picture]));
+        report.heading("Unsupported beads").pictures(&borrowed(&[picture]));
     }
     let Some(printed) = run.longest() else { return };
     let turns = |path: &ToolPath| -> Vec<[f64; 2]> {

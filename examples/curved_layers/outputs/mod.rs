@@ -214,13 +214,15 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
     Ok(summary)
 }
 
-/// What is wrong comes first.
+/// The build comes first, what is wrong with it beside it.
 fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> Result<Report, Failure> {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
     let mut report = Report::new(&format!("Curved layers: {}", job.part.name));
-    findings.report(&mut report);
-    report.table("", &people::table(job, results));
-    report.viewer(build);
+    let said = |beside: &mut Report| {
+        findings.report(beside);
+        beside.table("", &people::table(job, results));
+    };
+    report.beside(|first| _ = first.viewer(build), said);
     field::report(field, &mut report)?;
     if let Some(surfaces) = surfaces {
         surfaces::report(field, surfaces, &mut report);

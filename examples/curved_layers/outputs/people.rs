@@ -1,4 +1,4 @@
-//! What whoever prints the part wants to know: a table on stdout, and on top of the report. All other figures are in the report, behind a
+//! Summary for the operator: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
 use crate::motion::of_run;
@@ -45,7 +45,10 @@ pub fn table(job: &Job, results: &Results) -> Table {
         cost.iter().for_each(|cost| material += &format!(", costs {cost:.2}"));
         args.settings.material.iter().for_each(|name| material += &format!(" ({name})"));
         row("material", material);
-        row("starts", format!("{}, with a nozzle of {of_nozzle} mm at its tip", machine.resolved.paths.len()));
+        row(
+            "starts",
+            format!("{}; nozzle tip {of_nozzle} mm across (not the bead width)", machine.resolved.paths.len()),
+        );
         row("printed", super::machine::filled(field, paths, machine));
     }
     if let Some(motion) = motion {

@@ -132,7 +132,7 @@ pub fn unsupported(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun) -
         }
     }
     let [width, height] = PATHS;
-    Some((format!("layer {}: {most:.1} mm of bead on nothing, red", at + 1), scene.draw(width, height).to_png()))
+    Some((format!("layer {}: {most:.1} mm of unsupported beads, red", at + 1), scene.draw(width, height).to_png()))
 }
 
 /// The geodesic distance to the boundary of one surface, in bands of a bead.

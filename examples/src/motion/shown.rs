@@ -46,7 +46,7 @@ pub fn steps(paths: &[ToolPath], moves: &[Move]) -> Vec<Step> {
     moves.iter().filter_map(step).collect()
 }
 
-/// Takes every so-manieth of `knots` postures, so that there are not more than a viewer needs.
+/// Takes every n-th of the `knots` postures, so that there are not more than a viewer needs.
 pub fn stride(knots: usize) -> usize {
     knots.div_ceil(STANCES).max(1)
 }
@@ -80,7 +80,7 @@ pub fn nozzle(model: &NozzleModel) -> Nozzle {
 pub struct Played<'a, W> {
     cell: &'a W,
     frame_part: Isometry3<f64>,
-    /// Every so-manieth knot has a stance.
+    /// Every n-th knot has a stance.
     stride: usize,
     knots: usize,
     seconds: f64,

@@ -82,7 +82,7 @@ const TUBE = `
   uvec4 step_(int at) { return texelFetch(steps, ivec2(at & 2047, at >> 11), 0); }
   vec3 place(uvec4 s) { return (part * vec4(low + vec3(s.x & 65535u, s.x >> 16, s.y & 65535u) * unit, 1)).xyz; }
   void main() {
-    // Every so-manieth step where frames would take long: straight from one to the next, on the same path.
+    // Every n-th step where frames would take long: straight from one to the next, on the same path.
   int segment = gl_VertexID / 6 * stride + base, corner = gl_VertexID % 6;
     corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
     uvec4 from = step_(segment), s = step_(segment + stride);
@@ -129,8 +129,8 @@ const tube = program(TUBE, `
     colour = vec4(texture(palette, vec2((tint + 0.5) / 256.0, 0.5)).rgb * light(n, toward), 1);
   }`);
 const solid = program(`
-  layout(location = 0) in vec3 place; uniform mat4 frame, view; uniform vec3 low; uniform float unit, dot_; out vec3 at;
-  void main() { at = (frame * vec4(low + place * unit, 1)).xyz; gl_Position = view * vec4(at, 1); gl_PointSize = dot_; }`, `
+  layout(location = 0) in vec3 place; uniform mat4 frame, view; uniform vec3 low; uniform vec3 from; uniform float unit, dot_, raise; out vec3 at;
+  void main() { at = (frame * vec4(low + place * unit, 1)).xyz; gl_Position = view * vec4(at + (raise > 0.0 ? normalize(from - at) * raise : vec3(0)), 1); gl_PointSize = dot_; }`, `
   in vec3 at; uniform vec4 tone; uniform vec3 eye; uniform int flat_; out vec4 colour;` + LIGHT + `
   void main() {
     if (flat_ == 2 && length(gl_PointCoord - 0.5) > 0.5) discard;
@@ -255,7 +255,7 @@ function start(columns) {
   const touch = () => { dirty = true; };
 
   // ---- colours
-  const KINDS = ['#3f6fd1', '#2f9e8f', '#e08a2c', '#b04fc4', '#d8473f', '#8a8f98', '#6b9e2f', '#c7a12b'];
+  const KINDS = ['#5b8fb9', '#2f9e8f', '#b8a642', '#7d8f3c', '#8c6d4f', '#8a8f98', '#6b9e2f', '#b9c7a0'];
   const rgb = hex => [1, 3, 5].map(at => parseInt(hex.slice(at, at + 2), 16));
   const ramp = t => {
     const steps = header.ramp, at = Math.min(Math.max(t, 0), 1) * (steps.length - 1), i = Math.min(Math.floor(at), steps.length - 2);
@@ -359,6 +359,7 @@ function start(columns) {
     gl.useProgram(which.made);
     gl.uniformMatrix4fv(which.places.view, false, view);
     gl.uniform3fv(which.places.eye, eye);
+    if (which.places.from) gl.uniform3fv(which.places.from, eye);
   }
   function drawMesh(what, matrix, tone, mode = gl.TRIANGLES, from = 0, many = what.count, flat = 0, dots = 1) {
     if (!many) return;
@@ -432,19 +433,29 @@ function start(columns) {
         if (layer >= state.low && layer <= state.high) drawMesh(ends, part, [0.85, 0.2, 0.15, 1], gl.LINES, 2 * i, 2, 1);
       });
     }
-    // Findings show through; where there is nothing else they are what is shown.
-    if (count) gl.disable(gl.DEPTH_TEST);
+    // Where there is nothing inside of it the part is opaque.
+    if (shown.part && !count && !sheets.count) drawMesh(parts, part, [0.45, 0.6, 0.75, 1]);
+    // Marks are hidden with what hides them and with layers that are not shown. Those of a layer follow one another, mostly: a call a row.
     let from = 0;
+    gl.uniform1f(solid.places.raise, 1.5 * Math.max(header.width * 127, 1));
     header.marks.forEach(([, colour, many], at) => {
-      if (shown['mark' + at]) drawMesh(marks, part, [...colour.map(c => c / 255), 0.9], gl.POINTS, from, many, 2, 7 * devicePixelRatio * scale);
-      from += many;
+      const end = from + many;
+      while (shown['mark' + at] && from < end) {
+        const begin = from, visible = markShows(from);
+        while (from < end && markShows(from) === visible) from++;
+        if (visible) drawMesh(marks, part, [...colour.map(c => c / 255), 0.9], gl.POINTS, begin, from - begin, 2, 7 * devicePixelRatio * scale);
+      }
+      from = end;
     });
+    gl.uniform1f(solid.places.raise, 0);
+    // The one that is looked at shows through.
+    gl.disable(gl.DEPTH_TEST);
     if (state.selected >= 0 || spot) {
       const at = spot || tip(state.selected);
       drawMesh(pin, times(part, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...at, 1]), [1, 0.85, 0, 1], gl.POINTS, 0, 1, 2, 11 * devicePixelRatio * scale);
     }
     gl.enable(gl.DEPTH_TEST);
-    if (shown.part) {
+    if (shown.part && (count || sheets.count)) {
       gl.enable(gl.BLEND);
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.depthMask(false);
@@ -454,6 +465,8 @@ function start(columns) {
     }
     if (gl.getError()) state.errors++;
   }
+  const markLayer = Array.from(columns['mark.path'], path => ofPath.has(path) ? L[ofPath.get(path)[0]] : -1);
+  const markShows = mark => markLayer[mark] < 0 || markLayer[mark] >= state.low && markLayer[mark] <= state.high;
   const pin = mesh(new Float32Array([0, 0, 0]));
   let spot = null;
   function pick(x, y) {

@@ -97,7 +97,8 @@ fn findings_are_told_in_every_place() {
     let mut findings = Findings::default();
     assert!(!findings.has_failed() && findings.outcome() == Outcome::Done);
     findings.add(Severity::above(0.001, 0.001), "walls < a cell", "0.1 %", "near x 1");
-    findings.add(Severity::above(f64::NAN, 1.0), "no volume", "", "");
+    let failed = findings.explain(Severity::above(f64::NAN, 1.0), "no volume", "", "");
+    failed.cause("the mesh is <empty>").try_to("another mesh").try_to("").try_to("--scale").allow("--allow-volume 1");
     let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
     assert_eq!(lines, ["walls < a cell: 0.1 % (near x 1)", "no volume"]);
     assert_eq!((findings.of(Severity::Told).count(), findings.of(Severity::Failed).count()), (1, 1));
@@ -105,12 +106,17 @@ fn findings_are_told_in_every_place() {
     let mut summary = Summary::new();
     findings.summary(&mut summary).unwrap();
     assert_eq!((summary.get("findings_failed"), summary.get("findings_told")), (Some(&1.into()), Some(&1.into())));
-    assert_eq!(summary.get("findings"), Some(&"told: walls < a cell: 0.1 % (near x 1)\nfailed: no volume".into()));
+    assert_eq!(summary.get("findings"), Some(&"told: walls < a cell: 0.1 % (near x 1)\nfailed: no volume\n  cause: the mesh is <empty>\n  try: another mesh; --scale\n  accept: --allow-volume 1".into()));
     let mut report = Report::new("part");
     findings.report(&mut report);
     let html = report.to_html();
     let [failed, told] = ["Check failed: no volume", "walls &lt; a cell: 0.1 %"].map(|text| html.find(text).unwrap());
     assert!(failed < told, "what failed comes first");
+    assert!(html.contains("<p class=\"advice\"><b>cause</b> the mesh is &lt;empty&gt;</p>"), "{html}");
+    assert_eq!(
+        (html.matches("<div class=\"notice failed\"").count(), html.matches("<div class=\"notice\"").count()),
+        (1, 1)
+    );
 }
 
 #[test]

@@ -143,6 +143,37 @@ pub struct Deposition {
     pub even_flow_mm: f64,
     /// Length of all beads, in millimetres.
     pub bead_mm: f64,
+    /// Which limit the planned feed is held by, for how long.
+    pub limits: FeedLimits,
+}
+
+/// Seconds of printing at each limit of the feed; they add up to the planned time of printing, before [`Deposition::retime`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FeedLimits {
+    /// The wanted flow of material.
+    pub flow_s: f64,
+    /// The maximum feed.
+    pub max_feed_s: f64,
+    /// The minimum feed.
+    pub min_feed_s: f64,
+    /// How fast the nozzle may turn.
+    pub turn_s: f64,
+}
+
+impl FeedLimits {
+    /// Shares of the time of printing at the flow, the maximum feed, the minimum feed, and the limit of turning; all 0 if nothing
+    /// is printed.
+    ///
+    /// # Example
+    /// ```
+    /// let limits = curvlay_toolpath::surface::FeedLimits { flow_s: 1.0, turn_s: 3.0, ..Default::default() };
+    /// assert_eq!(limits.shares(), [0.25, 0.0, 0.0, 0.75]);
+    /// ```
+    pub fn shares(&self) -> [f64; 4] {
+        let seconds = [self.flow_s, self.max_feed_s, self.min_feed_s, self.turn_s];
+        let all: f64 = seconds.iter().sum();
+        seconds.map(|part| if all > 0.0 { part / all } else { 0.0 })
+    }
 }
 
 /// How a path is laid at the planned feed: times and filament since it began, at each of its waypoints.
@@ -382,11 +413,22 @@ impl Planner<'_> {
         // The bead and the tip may go ways of different length; neither is to be too fast.
         let way = length.max(to.arc - from.arc);
         let wanted = volume / self.options.flow_mm3_s;
-        let limited = wanted.max(way / self.options.max_feed).min(way / self.options.min_feed);
+        let [fastest, slowest] = [way / self.options.max_feed, way / self.options.min_feed];
+        let limited = wanted.max(fastest).min(slowest);
         let turn = angle(&from.direction, &to.direction);
         let seconds = limited.max(turn / self.options.max_turn_rate);
         let area = PI / 4.0 * self.options.filament_diameter.powi(2);
         let plan = &mut self.plan;
+        let limits = &mut plan.limits;
+        *(if seconds > limited {
+            &mut limits.turn_s
+        } else if wanted > slowest {
+            &mut limits.min_feed_s
+        } else if wanted < fastest {
+            &mut limits.max_feed_s
+        } else {
+            &mut limits.flow_s
+        }) += seconds;
         plan.moves.push(Move {
             kind: MoveKind::Print,
             bead: Some(to.kind),

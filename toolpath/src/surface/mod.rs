@@ -47,7 +47,7 @@ mod vtp;
 mod with_support;
 
 pub use deposition::{
-    Deposition, DepositionError, DepositionOptions, Move, MoveKind, PathSchedule, deposit, deposit_along,
+    Deposition, DepositionError, DepositionOptions, FeedLimits, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
 pub use fiber::{
     CentreLine, ConductorError, ConductorOptions, DirectionError, DirectionField, EmptyPlan, LayUp, LayerStress,

@@ -5,9 +5,9 @@ use crate::common::layers;
 use crate::common::{go_on, to_boundary};
 use curvlay_toolpath::nalgebra::{Point3, Unit, Vector3};
 use curvlay_toolpath::surface::{
-    BeadCurve, BeadKind, BuiltLayer, Deposition, DepositionError, DepositionOptions, LayerCurve, LayerStack,
-    LevelField, MoveKind, OrientOptions, PathOptions, StatisticsOptions, SurfaceMesh, ToolPath, Waypoint, deposit,
-    path_statistics,
+    BeadCurve, BeadKind, BuiltLayer, Deposition, DepositionError, DepositionOptions, FeedLimits, LayerCurve,
+    LayerStack, LevelField, MoveKind, OrientOptions, PathOptions, StatisticsOptions, SurfaceMesh, ToolPath, Waypoint,
+    deposit, path_statistics,
 };
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -52,6 +52,10 @@ fn the_flow_is_constant_within_the_limits() {
         let plan = deposit(&[path], &options).unwrap();
         let print = plan.moves.iter().find(|m| m.kind == MoveKind::Print).unwrap();
         assert!((print.feed - feed).abs() < 1e-9 && (print.seconds - 3.0 / feed).abs() < 1e-12);
+        // The limit that holds is known.
+        let expected =
+            [feed - 20.0, feed - 50.0, feed - 5.0, f64::INFINITY].map(|off| if off.abs() < 1e-9 { 1.0 } else { 0.0 });
+        assert_eq!(plan.limits.shares(), expected);
         let even = plan.even_flow_mm > 2.9;
         assert_eq!(even, (feed - 20.0).abs() < 1e-9);
         assert!((plan.bead_mm - 3.0).abs() < 1e-12);
@@ -60,6 +64,8 @@ fn the_flow_is_constant_within_the_limits() {
     let turning = path_of(vec![waypoint(0.0, 0.0, 1.0, 0.5), waypoint(1.0, PI / 2.0, 1.0, 0.5)]);
     let plan = deposit(&[turning], &options).unwrap();
     assert!((plan.print_s - 0.5).abs() < 1e-9, "{}", plan.print_s);
+    assert_eq!((plan.limits.shares(), plan.limits.turn_s.to_bits()), ([0.0, 0.0, 0.0, 1.0], plan.print_s.to_bits()));
+    assert_eq!(FeedLimits::default().shares(), [0.0; 4]);
 }
 
 #[test]
