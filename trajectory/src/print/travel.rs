@@ -145,7 +145,6 @@ pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
 }
 
 /// A transfer between home and a posture above an end of a run, and the postures of the lift from that end.
-#[expect(clippy::type_complexity, reason = "the end of a run, its joints and the moment go together")]
 fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
     name: &str,
     number: usize,
