@@ -23,6 +23,7 @@ use curvlay_kinematics::workcell::{
     AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
+use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, Waypoint, plan_print};
@@ -263,10 +264,13 @@ impl Print<'_> {
         let stack = self.paths.filled.stack(&layers)?;
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
         let (grid, height_mm) = (&field.solid.grid, surfaces.height_mm);
-        let layers = surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
+        // Part and support; the cells of the gap between them stay empty.
+        let SavedField { field: order, rows, aids, .. } = &surfaces.saved;
+        let mut layers = order.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
+        layers.iter_mut().for_each(|layer| layer.retain(|cell| aids.gap.binary_search(cell).is_err()));
         let part = PartCells {
             dims: grid.dims(),
-            rows: grid.rows(),
+            rows,
             cell_mm: grid.cell_mm(),
             origin: grid.origin(),
             frame_part: *frame_part,
