@@ -11,16 +11,13 @@ use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, Pa
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
-use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, Run, Travel, plan_print};
+use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, io::BufWriter, ops::ControlFlow::Continue, path::Path, process::ExitCode};
 
 /// Diameter of a plate that the workcell leaves open; edge of a cell, height of a layer and width of a bead, in millimetres.
 const PLATE_MM: f64 = 127.5;
 const CELL_MM: f64 = 4.0;
-
-/// Steps of a program: 13 minutes at 125 Hz.
-const MAX_STEPS: u64 = 100_000;
 
 fn main() -> ExitCode {
     args::run(mesh_to_robot)
@@ -95,19 +92,16 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
         println!("layer {}, path {path}, waypoint {waypoint}: {} {what}", layer + 1, kind.name());
     }
     // A stream is cut where the nozzle is lifted; the writer of RAPID cuts its modules itself.
-    let period = programs::rate(cell.equipment()).seconds();
-    let steps = |run: &Run<N, F>, travel: Option<&Travel<N>>| {
-        if takes_stream { (run.duration() + travel.map_or(0.0, Travel::duration)) / period } else { 0.0 }
-    };
-    for (number, piece) in programs::pieces(&motion, MAX_STEPS, steps).into_iter().enumerate() {
+    let cuts = programs::cuts(cell, &motion, false, None);
+    for (number, runs) in programs::pieces_cut(&motion, &cuts).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
         let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
         if takes_stream {
             let (options, file) = (programs::urscript_options(cell, &motion, &name), format!("{name}.script"));
-            write_urscript(programs::stream(cell, &motion, piece.motions), &options, create(&file)?)?;
+            write_urscript(programs::stream(cell, &motion, runs), &options, create(&file)?)?;
         } else {
             let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
-            write_rapid(programs::targets(cell, &motion, piece.motions), &options, create)?;
+            write_rapid(programs::targets(cell, &motion, runs), &options, create)?;
         }
     }
     println!("{} motions, {:.0} min, {} faults", motion.runs.len(), motion.robot_s() / 60.0, motion.faults.len());

@@ -226,11 +226,11 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
         faults: plan.faults.clone(),
         files: BTreeMap::new(),
     };
-    for (number, piece) in programs::pieces(&plan, u64::MAX, |_, _| 0.0).into_iter().enumerate() {
+    for (number, piece) in programs::pieces(&plan).into_iter().enumerate() {
         let name = format!("{}_tapes_{:03}", planned.specimen.name, number + 1);
         let options = UrScriptOptions { name: name.clone(), ..UrScriptOptions::of_workcell(cell.equipment()) };
         let mut file = Vec::new();
-        write_urscript(stream(&plan, piece.motions, &placed, head), &options, &mut file)?;
+        write_urscript(stream(&plan, piece, &placed, head), &options, &mut file)?;
         moved.files.insert(format!("{name}.script"), file);
     }
     Ok(moved)

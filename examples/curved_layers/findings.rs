@@ -417,7 +417,10 @@ fn of_plan<const N: usize, const F: usize>(
         (FaultKind::Unreachable, "waypoints are out of the robot's reach and not printed"),
         (FaultKind::Blocked, "waypoints skipped: the robot would collide"),
         (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed"),
-        (FaultKind::NoTransfer, "transfers were not found: programs end there, and the robot has to be moved by hand"),
+        (
+            FaultKind::NoTransfer,
+            "transfers were not found: programs end there at home, and paths to which no way leads from home are not printed",
+        ),
     ];
     for (kind, what) in kinds.into_iter().filter(|(kind, _)| plan.count(*kind) > 0) {
         findings.add(Failed, what, plan.count(kind).to_string(), "motion-faults.csv");
@@ -444,7 +447,8 @@ fn of_plan<const N: usize, const F: usize>(
     }
     if checked.unprinted_mm > 0.0 {
         let (unprinted, all) = (checked.unprinted_mm, checked.path_mm);
-        let amount = format!("{unprinted:.1} of {all:.1} mm, {}", percent(unprinted / all));
-        findings.add(Failed, "paths are not printed", amount, "left_out.csv, motion-faults.csv");
+        let amount =
+            format!("{unprinted:.1} of {all:.1} mm, {}; layers above them go over the void", percent(unprinted / all));
+        findings.add(Failed, "paths are in no program", amount, "left_out.csv, motion-faults.csv");
     }
 }

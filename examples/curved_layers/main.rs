@@ -526,13 +526,19 @@ impl Job<'_> {
                 results.machine = Some(machine::run(nozzle, &options, &support, args, surfaces, paths, bars)?);
             }
             (Stage::Motion, Some(paths), Some(machine)) => {
-                let (filament_mm, args) = (args.settings.deposition().filament_diameter, &args.motion);
-                let print = Print { args, nozzle, filament_mm, field, surfaces, paths, machine };
+                let (filament_mm, travel_mm_s) =
+                    (args.settings.deposition().filament_diameter, args.settings.travel_feed_mm_s);
+                let args = &args.motion;
+                let print = Print { args, nozzle, filament_mm, travel_mm_s, field, surfaces, paths, machine };
                 let mut motion = motion::run(&print, &setup.cell, bars)?;
                 // What was written is checked, and the machine file then goes as fast as the robot.
-                outputs::trajectory(&motion, self.folder)?;
-                let file = File::open(self.folder.path().join(outputs::TRAJECTORY)).map_err(failure)?;
-                motion.check(&print, BufReader::new(file), bars)?;
+                for _ in 0..CHECK_ROUNDS {
+                    outputs::trajectory(&motion, self.folder)?;
+                    let file = File::open(self.folder.path().join(outputs::TRAJECTORY)).map_err(failure)?;
+                    if !motion.check(&print, BufReader::new(file), bars)? {
+                        break;
+                    }
+                }
                 results.machine.iter_mut().for_each(|machine| machine.deposition.retime(motion.steps()));
                 results.motion = Some(motion);
             }
@@ -549,6 +555,9 @@ impl Job<'_> {
         outputs::write(stage, self, results)
     }
 }
+
+/// How often motions are written, checked, and unsafe ones taken out, at most; if some are unsafe at last, there are no programs.
+const CHECK_ROUNDS: usize = 8;
 
 fn pool(args: &Args) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build().map_err(failure)

@@ -24,10 +24,13 @@ use curvlay_kinematics::workcell::{
     AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
+use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
-use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, Waypoint, plan_print};
+use curvlay_trajectory::check::FindingClass;
+use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, TipSpeed, Waypoint, home_above, plan_print};
 use nalgebra::Isometry3;
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
@@ -175,8 +178,16 @@ pub struct MotionRun<const N: usize, const F: usize, W> {
     pub plan: PrintPlan<N, F>,
     /// Maps the part to the frame of what carries it.
     pub frame_part: Isometry3<f64>,
-    /// What the check of the written motions found.
+    /// Where programs begin and end; `None` where there is no such posture.
+    pub home: Option<[f64; N]>,
+    /// What the first check of the written motions found.
     pub checked: Option<Checked<N>>,
+    /// What the last one found, once the unsafe motions were taken out.
+    pub rechecked: Option<Checked<N>>,
+    /// Number of motions that were taken out, since they are not safe.
+    pub withheld: usize,
+    options: PrintOptions<N, F>,
+    format: ProgramFormat,
 }
 
 /// Does the same with the run of whichever cell it is.
@@ -191,18 +202,40 @@ macro_rules! of_run {
 pub(crate) use of_run;
 
 impl Motion {
-    /// Checks the motions that were written to `trajectory.csv`.
-    pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<(), Failure> {
+    /// Checks the motions that were written to `trajectory.csv`. Returns whether some are unsafe and were taken out: then the file is
+    /// to be written and checked again.
+    pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<bool, Failure> {
         of_run!(self, run => {
             let cell = (&run.cell, &run.frame_part);
-            run.checked = Some(check::check(print, cell, &run.limits, &read_csv(file)?, bars)?);
-        });
-        Ok(())
+            let checked = check::check(print, cell, &run.limits, &read_csv(file)?, bars)?;
+            run.take_in(checked);
+            print.withhold(run, bars)
+        })
     }
 
     /// How long the motion takes to each waypoint from the one before: path, waypoint, seconds.
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
         of_run!(self, run => run.plan.steps())
+    }
+}
+
+impl<const N: usize, const F: usize, W> MotionRun<N, F, W> {
+    /// Keeps what a check found: findings of the first one, the lengths of the last one.
+    fn take_in(&mut self, checked: Checked<N>) {
+        match &mut self.checked {
+            None => self.checked = Some(checked),
+            Some(first) => {
+                first.unprinted_mm = checked.unprinted_mm;
+                first.took += checked.took;
+                self.rechecked = Some(checked);
+            }
+        }
+    }
+
+    /// Unsafe motions by the last check.
+    pub fn unsafe_motions(&self) -> BTreeSet<usize> {
+        let last = self.rechecked.as_ref().or(self.checked.as_ref());
+        last.map(|checked| checked.report.print.motions_with(FindingClass::is_unsafe)).unwrap_or_default()
     }
 }
 
@@ -213,6 +246,8 @@ pub struct Print<'a> {
     pub nozzle: &'a Nozzle,
     /// Diameter of the filament.
     pub filament_mm: f64,
+    /// Speed of travels at most, in mm/s, where the user asks for one.
+    pub travel_mm_s: Option<f64>,
     pub field: &'a FieldRun,
     pub surfaces: &'a SurfacesRun,
     pub paths: &'a PathsRun,
@@ -236,6 +271,14 @@ impl Print<'_> {
         }
     }
 
+    /// Options with travels no faster than the user asks for.
+    fn unhurried<const N: usize, const F: usize>(&self, options: &PrintOptions<N, F>) -> PrintOptions<N, F> {
+        let TipSpeed { near_mm_s, far_mm_s, near_mm } = options.tip_speed;
+        let [near_mm_s, far_mm_s] =
+            [near_mm_s, far_mm_s].map(|limit| self.travel_mm_s.map_or(limit, |mm_s| limit.min(mm_s)));
+        PrintOptions { tip_speed: TipSpeed { near_mm_s, far_mm_s, near_mm }, ..*options }
+    }
+
     fn growing_options(&self) -> GrowingOptions {
         let MotionArgs { margin, no_links, .. } = *self.args;
         GrowingOptions { margin_mm: margin, without_links: no_links, ..GrowingOptions::default() }
@@ -245,10 +288,11 @@ impl Print<'_> {
     fn plan<const N: usize, const F: usize, W: Workcell<N, F>>(
         &self,
         cell: &W,
-        options: &PrintOptions<N, F>,
+        (options, format): (&PrintOptions<N, F>, ProgramFormat),
         bars: &Bars,
     ) -> Result<MotionRun<N, F, W>, Failure> {
         let start = Instant::now();
+        let options = &self.unhurried(options);
         let robot = OnCell::new(cell.clone(), Vec::new());
         let place = PlateOptions {
             stop_margin: options.stop_margin,
@@ -265,14 +309,94 @@ impl Print<'_> {
         let limits = self.limits(cell.limits());
         let paths = PlacedPaths::new(&self.machine.resolved.paths, &self.machine.deposition, &frame_part);
         let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
-        let plan = self.in_workcell((cell, &frame_part), PLANNED_DEPTH, bars, |growing| {
+        let (plan, home) = self.in_workcell((cell, &frame_part), PLANNED_DEPTH, bars, |growing| {
             let took = start.elapsed();
-            let mut plan = plan_print(&robot, growing, &paths.paths(), &limits, options, &progress)?;
+            let mut plan = plan_print(&robot, growing.clone(), &paths.paths(), &limits, options, &progress)?;
             plan.times.runs += took;
-            Ok(plan)
+            let start = Instant::now();
+            let home = self.home(&robot, growing, &plan, &paths, (&limits, options))?;
+            plan.times.travels += start.elapsed();
+            Ok((plan, home))
         })?;
         let MotionArgs { margin: margin_mm, no_links: without_links, .. } = *self.args;
-        Ok(MotionRun { cell: cell.clone(), limits, margin_mm, without_links, plan, frame_part, checked: None })
+        let (cell, options) = (cell.clone(), *options);
+        let [checked, rechecked] = [None, None];
+        let mut run = MotionRun {
+            cell,
+            limits,
+            margin_mm,
+            without_links,
+            plan,
+            frame_part,
+            home,
+            checked,
+            rechecked,
+            withheld: 0,
+            options,
+            format,
+        };
+        self.go_home(&mut run, bars)?;
+        Ok(run)
+    }
+
+    /// The home posture: that of the workcell, or else one above the part, free with all layers there.
+    fn home<const N: usize, const F: usize, W: Workcell<N, F>>(
+        &self,
+        robot: &OnCell<W>,
+        mut growing: PrintingCell<N, F, W>,
+        plan: &PrintPlan<N, F>,
+        paths: &PlacedPaths,
+        (limits, options): (&PrintLimits<N>, &PrintOptions<N, F>),
+    ) -> Result<Option<[f64; N]>, Failure> {
+        let Some(first) = plan.runs.first() else { return Ok(None) };
+        for layer in &plan.layers {
+            growing.begin_and_build(layer.layer).map_err(failure)?;
+        }
+        if let Some(home) = robot.workcell().equipment().home::<N>() {
+            if let Some(what) = growing.in_the_way(&home) {
+                return Err(failure(format!(
+                    "home_deg of the workcell: {what} touch there with the whole part on the plate"
+                )));
+            }
+            return Ok(Some(home));
+        }
+        let near = first.trajectory.joints()[0];
+        let all = paths.paths().into_iter().flat_map(|path| path.waypoints.iter().copied());
+        Ok(home_above(robot, &growing, all, &near, limits, options))
+    }
+
+    /// Cuts the plan into programs that begin and end at home.
+    fn go_home<const N: usize, const F: usize, W: Workcell<N, F>>(
+        &self,
+        run: &mut MotionRun<N, F, W>,
+        bars: &Bars,
+    ) -> Result<(), Failure> {
+        let Some(home) = run.home else { return Ok(()) };
+        let robot = OnCell::new(run.cell.clone(), Vec::new());
+        let cuts = programs::cuts(&run.cell, &run.plan, run.format == ProgramFormat::Csv, self.args.program_steps);
+        let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
+        let start = Instant::now();
+        run.plan = self.in_workcell((&run.cell, &run.frame_part), PLANNED_DEPTH, bars, |growing| {
+            Ok(run.plan.with_homes(&robot, growing, &home, &cuts, &run.limits, &run.options, &progress)?)
+        })?;
+        run.plan.times.travels += start.elapsed();
+        Ok(())
+    }
+
+    /// Takes unsafe motions out of the plan, and plans ways home around them. Returns whether there are any.
+    fn withhold<const N: usize, const F: usize, W: Workcell<N, F>>(
+        &self,
+        run: &mut MotionRun<N, F, W>,
+        bars: &Bars,
+    ) -> Result<bool, Failure> {
+        let found = run.unsafe_motions();
+        if found.is_empty() {
+            return Ok(false);
+        }
+        run.withheld += found.len();
+        run.plan = run.plan.without(&found);
+        self.go_home(run, bars)?;
+        Ok(true)
     }
 
     /// The workcell before anything is built, for as long as `work` takes. The nozzle may be so deep in a layer, as a share of
@@ -292,10 +416,13 @@ impl Print<'_> {
         let stack = self.paths.filled.stack(&layers)?;
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
         let (grid, height_mm) = (&field.solid.grid, surfaces.height_mm);
-        let layers = surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
+        // Part and support; the cells of the gap between them stay empty.
+        let SavedField { field: order, rows, aids, .. } = &surfaces.saved;
+        let mut layers = order.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
+        layers.iter_mut().for_each(|layer| layer.retain(|cell| aids.gap.binary_search(cell).is_err()));
         let part = PartCells {
             dims: grid.dims(),
-            rows: grid.rows(),
+            rows,
             cell_mm: grid.cell_mm(),
             origin: grid.origin(),
             frame_part: *frame_part,
@@ -308,8 +435,9 @@ impl Print<'_> {
 
 /// Plans the whole print in a cell.
 pub fn run(print: &Print, cell: &AnyWorkcell, bars: &Bars) -> Result<Motion, Failure> {
+    let format = print.args.format(cell)?;
     Ok(match cell {
-        AnyWorkcell::Six(cell) => Motion::Six(Box::new(print.plan(cell, &PrintOptions::default(), bars)?)),
-        AnyWorkcell::Eight(cell) => Motion::Eight(Box::new(print.plan(cell, &table_options(), bars)?)),
+        AnyWorkcell::Six(cell) => Motion::Six(Box::new(print.plan(cell, (&PrintOptions::default(), format), bars)?)),
+        AnyWorkcell::Eight(cell) => Motion::Eight(Box::new(print.plan(cell, (&table_options(), format), bars)?)),
     })
 }

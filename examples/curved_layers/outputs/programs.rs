@@ -1,32 +1,25 @@
 //! Robot programs of the whole print, as the controllers of the two cells take them.
 //!
 //! For the UR3 the stream of joints at the controller's 125 Hz, cut into files: a file ends where the arm rests with the
-//! extruder off, and begins with a `movej` to its first posture. One after the other they are the whole print; where no
-//! transfer was found the next file has to be approached by hand (`programs.csv` says which). For the arm over the table
-//! targets on the part, with tilt and turn, at the speed of the deposition; the controller splits them itself.
+//! extruder off. One after the other they are the whole print. Each program begins at the home posture and ends there: it
+//! comes down to its first path from above, and lifts off its last one. For the arm over the table targets on the part, with tilt and turn, at the speed of the deposition; the controller splits them itself.
 //!
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
-use crate::motion::check::Checked;
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::programs::{
-    LIFT_POSTURES, pieces, rate, stream, takes_stream, targets, urscript_options,
-};
+use curvlay_examples::motion::programs::{pieces, rate, stream, takes_stream, targets, urscript_options};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::program::{
-    PrintPiece, ProgramLimits, RapidOptions, WriteError, write_csv, write_rapid, write_urscript,
+    ProgramLimits, RapidOptions, Step, WriteError, write_csv, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::Workcell;
-use curvlay_trajectory::check::FindingClass;
-use curvlay_trajectory::print::{PrintPlan, Run, Travel};
+use curvlay_trajectory::print::PrintPlan;
 use std::io::{BufWriter, Write};
-
-/// Steps of a file: 13 minutes of motion in about 13 MB. B. Brooks (2016, section 4.14) could not load 180,000 lines.
-const STREAM_STEPS: u32 = 100_000;
+use std::ops::Range;
 
 /// Moves of a RAPID module, half a megabyte.
 const MODULE_MOVES: u32 = 5000;
@@ -72,22 +65,25 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Failure> {
-    let unsafe_motions = |checked: &Checked<N>| checked.report.print.motions_with(FindingClass::is_unsafe);
-    let withheld = run.checked.as_ref().map(unsafe_motions).unwrap_or_default();
-    let safe = (!withheld.is_empty()).then(|| run.plan.without(&withheld));
-    let (cell, plan) = (&run.cell, safe.as_ref().unwrap_or(&run.plan));
-    let none = Programs { withheld: withheld.len(), ..Programs::default() };
+    let (cell, plan, withheld) = (&run.cell, &run.plan, run.withheld);
+    let none = Programs { withheld, ..Programs::default() };
     if format == ProgramFormat::None || plan.runs.is_empty() {
         return Ok(none);
     }
+    if run.home.is_none() {
+        let why =
+            "no home posture is free above the part: programs are not written; `home_deg` in the workcell names one";
+        return Ok(Programs { refused: Some(why.to_owned()), ..none });
+    }
+    if !run.unsafe_motions().is_empty() {
+        let why = "motions are unsafe (motion-check.csv): programs are not written";
+        return Ok(Programs { refused: Some(why.to_owned()), ..none });
+    }
     let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
-    let written = if is_stream {
-        streams(cell, plan, format, most, folder)
-    } else {
-        targets_of(cell, plan, format, most, folder)
-    };
+    let written =
+        if is_stream { streams(cell, plan, format, folder) } else { targets_of(cell, plan, format, most, folder) };
     match written {
-        Ok(programs) => Ok(Programs { withheld: withheld.len(), ..programs }),
+        Ok(programs) => Ok(Programs { withheld, ..programs }),
         Err(Trouble::Refused(error)) => Ok(Programs { refused: Some(error.to_string()), ..none }),
         Err(Trouble::Failed(failure)) => Err(failure),
     }
@@ -98,24 +94,21 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
     format: ProgramFormat,
-    most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
-    let most = u64::from(most.unwrap_or(STREAM_STEPS));
-    let pieces = pieces(plan, most, |run, travel| {
-        (run.duration() + travel.map_or(0.0, Travel::duration)) / rate(cell.equipment()).seconds()
-    });
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
     let ending = if format == ProgramFormat::Csv { "csv" } else { "script" };
-    let write = |piece: &PrintPiece, name: &str, out: &mut dyn Write| {
-        let steps = stream(cell, plan, piece.motions.clone());
+    let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
+        let steps = stream(cell, plan, piece);
         if format == ProgramFormat::Csv {
             return write_csv(steps, &limits, out);
         }
         let options = urscript_options(cell, plan, name);
         write_urscript(steps, &options, out).map(|_| ())
     };
-    of_pieces(plan, &pieces, ending, folder, write)
+    let steps =
+        |piece: Range<usize>| plan.legs(piece).map(|leg| leg.duration()).sum::<f64>() / rate(cell.equipment()).seconds();
+    of_pieces(plan, steps, ending, folder, write)
 }
 
 /// Programs of targets on the part, with the axes of a table.
@@ -126,34 +119,29 @@ fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
-    let moves = |motion: &Run<N, F>, travel: Option<&Travel<N>>| {
-        let corners = travel.map_or(0, |travel| travel.way.corners().len() + 2 * LIFT_POSTURES as usize);
-        (motion.passes.len() + 2 + corners) as f64
-    };
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
     if format == ProgramFormat::Csv {
-        let pieces = pieces(plan, u64::from(most.unwrap_or(STREAM_STEPS)), moves);
-        let write = |piece: &PrintPiece, _: &str, out: &mut dyn Write| {
-            write_csv(targets(cell, plan, piece.motions.clone()), &limits, out)
-        };
-        return of_pieces(plan, &pieces, "csv", folder, write);
+        let write =
+            |piece: Range<usize>, _: &str, out: &mut dyn Write| write_csv(targets(cell, plan, piece), &limits, out);
+        let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
+        return of_pieces(plan, moves, "csv", folder, write);
     }
     // A program for all that hangs together; it is cut into modules by the writer.
-    let pieces = pieces(plan, u64::MAX, moves);
+    let pieces = pieces(plan);
     let (mut programs, mut unfinished, mut list) = (Programs::default(), Vec::new(), String::from(LIST_HEAD));
     for (number, piece) in pieces.iter().enumerate() {
         let name = if pieces.len() == 1 { "print".to_owned() } else { format!("print{}", number + 1) };
         let main = name.clone();
         let moves_per_module = most.unwrap_or(MODULE_MOVES);
         let options = RapidOptions { name, moves_per_module, ..RapidOptions::of_workcell(cell.equipment()) };
-        let done = write_rapid(targets(cell, plan, piece.motions.clone()), &options, |name| {
+        let done = write_rapid(targets(cell, plan, piece.clone()), &options, |name| {
             let (begun, file) = folder.begin(name)?;
             unfinished.push(begun);
             Ok(file)
         })?;
         programs.files += done.modules as usize + 1;
         programs.steps += done.moves;
-        list += &listed(plan, number, piece, &format!("{main}.mod"), done.moves);
+        list += &listed(plan, piece, &format!("{main}.mod"), done.moves);
     }
     for file in unfinished {
         programs.bytes += file.finish()?;
@@ -181,43 +169,39 @@ const LIST_HEAD: &str = "file,steps,first_layer,last_layer,begins\n";
 /// A line of `programs.csv`.
 fn listed<const N: usize, const F: usize>(
     plan: &PrintPlan<N, F>,
-    number: usize,
-    piece: &PrintPiece,
+    piece: &Range<usize>,
     file: &str,
     steps: u64,
 ) -> String {
-    let [first, last] = [piece.motions.start, piece.motions.end - 1].map(|at| plan.runs[at].layer + 1);
-    let begins = match (number, piece.joined) {
-        (0, _) => "first",
-        (_, true) => "where the one before ends",
-        _ => "apart: bring the robot there by hand",
-    };
-    format!("{file},{steps},{first},{last},{begins}\n")
+    let [first, last] = [piece.start, piece.end - 1].map(|at| plan.runs[at].layer + 1);
+    format!("{file},{steps},{first},{last},at home\n")
 }
 
-/// A file for each piece, and a list of them.
+/// A file for each program, and a list of them.
 fn of_pieces<const N: usize, const F: usize>(
     plan: &PrintPlan<N, F>,
-    pieces: &[PrintPiece],
+    steps: impl Fn(Range<usize>) -> f64,
     ending: &str,
     folder: &OutputFolder,
-    write: impl Fn(&PrintPiece, &str, &mut dyn Write) -> Result<(), WriteError>,
+    write: impl Fn(Range<usize>, &str, &mut dyn Write) -> Result<(), WriteError>,
 ) -> Result<Programs, Trouble> {
     let mut unfinished: Vec<Unfinished> = Vec::new();
+    let mut programs = Programs::default();
     let mut list = String::from(LIST_HEAD);
-    for (number, piece) in pieces.iter().enumerate() {
+    for (number, piece) in pieces(plan).into_iter().enumerate() {
         let name = format!("print_{:03}", number + 1);
         let file_name = format!("{name}.{ending}");
         let (begun, file) =
             folder.begin(&file_name).map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         let mut file = BufWriter::new(file);
-        write(piece, &name, &mut file)?;
+        write(piece.clone(), &name, &mut file)?;
         file.flush().map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         unfinished.push(begun);
-        list += &listed(plan, number, piece, &file_name, piece.steps.ceil() as u64);
+        let steps = steps(piece.clone()).ceil() as u64;
+        list += &listed(plan, &piece, &file_name, steps);
+        programs.files += 1;
+        programs.steps += steps;
     }
-    let mut programs = Programs { files: pieces.len(), ..Programs::default() };
-    programs.steps = pieces.iter().map(|piece| piece.steps.ceil() as u64).sum();
     for file in unfinished {
         programs.bytes += file.finish()?;
     }

@@ -92,6 +92,20 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
         PrintingCell { scene, contacts: None }
     }
 
+    /// Adds a layer that is printed.
+    ///
+    /// # Errors
+    /// Why it cannot be added, in words.
+    pub fn begin_and_build(&mut self, layer: u32) -> Result<(), String> {
+        PrintCell::begin(self, layer)?;
+        self.build(layer)
+    }
+
+    /// What touches at a posture while moving, in words; `None` where all is free.
+    pub fn in_the_way(&self, joints: &[f64; N]) -> Option<String> {
+        swept(self.scene.touching_moving(joints))
+    }
+
     /// Where a nozzle over the part frame is in the part.
     fn in_part(&self, nozzle: &Waypoint) -> Pose {
         let frame_part = self.scene.frame_part();

@@ -1,11 +1,12 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, PrintPiece, ServoRate, Step, StreamLeg, StreamOptions, TargetMotion,
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, ServoRate, Step, StreamLeg, StreamOptions, TargetMotion,
     TargetOptions, UrScriptOptions, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::workcell::{ArmGeometry, Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Postures by which the nozzle lifts off, and by which it comes down, in a program of targets.
@@ -22,17 +23,52 @@ pub fn takes_stream(equipment: &Equipment) -> Result<bool, &'static str> {
     }
 }
 
-/// The runs of a print that make a program each, by the steps of a run with the travel behind it.
-pub fn pieces<const N: usize, const F: usize>(
+/// Steps of a program of joints over time: 13 minutes of motion in about 13 MB. B. Brooks (2016, section 4.14) could not load 180,000 lines.
+const STREAM_STEPS: u32 = 100_000;
+
+/// The runs before which a program of at most so many steps ends, if steps are counted: for streams of joints, and for targets in CSV
+/// (`is_csv`). RAPID is divided into modules by its writer.
+pub fn cuts<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
     plan: &PrintPlan<N, F>,
-    max_steps: u64,
-    steps: impl Fn(&Run<N, F>, Option<&Travel<N>>) -> f64,
-) -> Vec<PrintPiece> {
+    is_csv: bool,
+    max_steps: Option<u32>,
+) -> BTreeSet<usize> {
+    let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
+    if !is_stream && !is_csv {
+        return BTreeSet::new();
+    }
+    let steps = |run: &Run<N, F>, travel: Option<&Travel<N>>| match is_stream {
+        true => (run.duration() + travel.map_or(0.0, Travel::duration)) / rate(cell.equipment()).seconds(),
+        false => (run.passes.len() + 2 + travel.map_or(0, |travel| travel.postures(LIFT_POSTURES).len())) as f64,
+    };
     let motions = plan.runs.iter().enumerate().map(|(number, run)| {
         let travel = plan.travels.get(number).and_then(Option::as_ref);
         (steps(run, travel), travel.is_some())
     });
-    print_pieces(motions, max_steps)
+    let pieces = print_pieces(motions, u64::from(max_steps.unwrap_or(STREAM_STEPS)));
+    pieces.into_iter().map(|piece| piece.motions.start).filter(|start| *start > 0).collect()
+}
+
+/// The runs of each program: from home to home, where the plan has such ways, or else as far as travels lead.
+pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Range<usize>> {
+    pieces_cut(plan, &BTreeSet::new())
+}
+
+/// The runs of each program as far as travels lead, and no farther than to a [cut](cuts).
+pub fn pieces_cut<const N: usize, const F: usize>(
+    plan: &PrintPlan<N, F>,
+    cuts: &BTreeSet<usize>,
+) -> Vec<Range<usize>> {
+    let mut pieces: Vec<Range<usize>> = Vec::new();
+    for run in 0..plan.runs.len() {
+        let joins = run > 0 && plan.travels[run - 1].is_some() && !cuts.contains(&run);
+        match pieces.last_mut() {
+            Some(piece) if joins => piece.end = run + 1,
+            _ => pieces.push(run..run + 1),
+        }
+    }
+    pieces
 }
 
 /// The rate at which the controller of an arm of Universal Robots takes joints: 500 Hz for e-Series, whose names end with `e`, and
@@ -52,13 +88,12 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     runs: Range<usize>,
 ) -> impl Iterator<Item = Step> + 'a {
     let arm = move |joints: &[f64; N]| cell.scene_posture(joints).joints;
-    let (first, last) = (plan.runs.get(runs.start), plan.runs.get(runs.end.wrapping_sub(1)));
-    let travel = plan.travels.get(runs.end.wrapping_sub(1)).and_then(Option::as_ref);
-    let end = travel.map(|travel| &travel.approach).or(last.map(|run| &run.trajectory));
-    let ends = [
-        first.map(|run| &run.trajectory).and_then(|way| way.joints().first()),
-        end.and_then(|way| way.joints().last()),
-    ];
+    let (mut first, mut last) = (None, None);
+    for leg in plan.legs(runs.clone()) {
+        first = first.or(Some(leg.at(0.0)));
+        last = Some(leg.at(leg.duration()));
+    }
+    let ends = [first, last];
     let legs = plan.legs(runs).map(move |leg| StreamLeg {
         duration_s: leg.duration(),
         joints: move |time: f64| arm(&leg.at(time)),
@@ -67,7 +102,7 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     });
     let lag_s = UrScriptOptions::default().lookahead_s;
     let options = StreamOptions { rate: rate(cell.equipment()), lag_s, ..StreamOptions::default() };
-    print_stream(ends.map(|joints| joints.map_or([0.0; 6], arm)), legs, options)
+    print_stream(ends.map(|joints| joints.map_or([0.0; 6], |joints| arm(&joints))), legs, options)
 }
 
 /// The least of 1, 2, 5, 10, 20 ... that holds a speed: so a signal uses half of its range or nearly so, and prints of one kind have
@@ -99,14 +134,17 @@ pub fn targets<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     plan: &'a PrintPlan<N, F>,
     runs: Range<usize>,
 ) -> impl Iterator<Item = Step> + 'a {
-    let motions = runs.map(|number| {
+    let motions = runs.flat_map(|number| {
         let run = &plan.runs[number];
         let (times, joints) = (run.trajectory.times(), run.trajectory.joints());
         let knot =
             |&(k, _): &(usize, _)| PrintKnot { time_s: times[k], joints: joints[k], filament_mm: run.filament_mm[k] };
+        let (arrival, departure) = plan.homes.get(number).map_or((None, None), |(a, d)| (a.as_ref(), d.as_ref()));
+        let before = arrival.map(|arrival| TargetMotion { knots: Vec::new(), onward: arrival.postures(LIFT_POSTURES) });
         let travel = plan.travels.get(number).and_then(Option::as_ref);
-        let onward = travel.map_or(Vec::new(), |travel| travel.postures(LIFT_POSTURES));
-        TargetMotion { knots: run.passes.iter().map(knot).collect(), onward }
+        let home = departure.map(|departure| departure.postures(LIFT_POSTURES));
+        let onward = travel.map(|travel| travel.postures(LIFT_POSTURES)).or(home).unwrap_or_default();
+        before.into_iter().chain([TargetMotion { knots: run.passes.iter().map(knot).collect(), onward }])
     });
     print_targets(cell, motions, TargetOptions::default())
 }

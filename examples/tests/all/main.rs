@@ -10,6 +10,7 @@ mod continuous_fiber;
 mod curved_layers;
 mod dome_drawing;
 mod dome_stream;
+mod feature_pairs;
 mod input_files;
 mod jerk_motion;
 mod mesh;

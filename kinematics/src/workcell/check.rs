@@ -319,3 +319,26 @@ pub(super) fn plate(model: &PlateModel) -> Result<(), WorkcellError> {
     positive("plate.thickness_mm", model.thickness_mm)?;
     model.diameter_mm.map_or(Ok(()), |diameter| positive("plate.diameter_mm", diameter).map(|_| ()))
 }
+
+/// A home posture: a number for each joint, within the limits.
+pub(super) fn home(
+    home_deg: Option<&[f64]>,
+    arm: &JointLimits<6>,
+    table: Option<&JointLimits<2>>,
+) -> Result<(), WorkcellError> {
+    let Some(home_deg) = home_deg else { return Ok(()) };
+    let of_arm = arm.lower.into_iter().zip(arm.upper);
+    let limits: Vec<(f64, f64)> =
+        of_arm.chain(table.into_iter().flat_map(|table| table.lower.into_iter().zip(table.upper))).collect();
+    if home_deg.len() != limits.len() {
+        let must = format!("a list of {} angles, one for each joint", limits.len());
+        return Err(wrong("home_deg.length", home_deg.len() as f64, must));
+    }
+    for (joint, (&degrees, (lower, upper))) in home_deg.iter().zip(limits).enumerate() {
+        let path = format!("home_deg[{joint}]");
+        if !(lower..=upper).contains(&radians(&path, degrees)?) {
+            return Err(wrong(path, degrees, "within the limits of the joint"));
+        }
+    }
+    Ok(())
+}

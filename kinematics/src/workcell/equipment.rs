@@ -62,6 +62,7 @@ impl Equipment {
             (Held::Part, Some(_)) => return Err(WorkcellError::HeldPartOnTable),
         };
         check::plate(&model.plate)?;
+        check::home(model.home_deg.as_deref(), arm.limits(), table.as_ref().map(|table| table.positioner.limits()))?;
         let positioner = table.as_ref().map(|table| table.positioner);
         let (links, link_bodies) = links::of(&model.arm, &arm_model, read)?;
         let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links)))?;
@@ -100,6 +101,13 @@ impl Equipment {
     /// The numbers that the workcell was made from.
     pub fn model(&self) -> &WorkcellModel {
         &self.model
+    }
+
+    /// The home posture in radians, if the model names one: all `N` joints of the cell.
+    pub fn home<const N: usize>(&self) -> Option<[f64; N]> {
+        let degrees = self.model.home_deg.as_ref()?;
+        let radians: Vec<f64> = degrees.iter().map(|angle| angle.to_radians()).collect();
+        radians.try_into().ok()
     }
 
     /// What a report calls the cell.

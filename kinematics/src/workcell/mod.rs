@@ -39,6 +39,7 @@
 //!     },
 //!     plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
 //!     positioner: None,
+//!     home_deg: None,
 //!     stand: None,
 //!     solids: vec![],
 //! };

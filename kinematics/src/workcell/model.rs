@@ -30,6 +30,10 @@ pub struct WorkcellModel {
     /// The table that carries the part, where there is one.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub positioner: Option<PositionerPart>,
+    /// The posture at which every program begins and ends: the joints of the arm, then tilt and turn of the table, within the
+    /// limits and free with the whole part on the plate. Absent: one is computed above the part.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub home_deg: Option<Vec<f64>>,
     /// What the arm stands on.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub stand: Option<StandModel>,

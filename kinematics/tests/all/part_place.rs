@@ -223,6 +223,7 @@ fn ur3() -> SixAxisCell {
         },
         plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
         positioner: None,
+        home_deg: None,
         stand: None,
         solids: vec![],
     };

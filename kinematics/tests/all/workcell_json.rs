@@ -3,7 +3,7 @@
 
 use curvlay_kinematics::workcell::{
     AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, LimitsModel, LinkMeshModel, MountModel, PositionerGeometry,
-    ShapeModel, SolidModel, StandModel, WorkcellError, WorkcellFileError, WorkcellModel,
+    ShapeModel, SolidModel, StandModel, Workcell, WorkcellError, WorkcellFileError, WorkcellModel,
 };
 use proptest::prelude::*;
 use std::io::{Error, Read, Write};
@@ -78,6 +78,7 @@ fn every_kind() -> WorkcellModel {
     }
     model.stand = Some(StandModel::Pedestal { height_mm: 500.0, radius_mm: Some(90.0) });
     model.plate.diameter_mm = Some(250.0);
+    model.home_deg = Some(vec![0.0, -30.0, 20.0, 0.0, 60.0, 0.0, 0.0, 0.0]);
     model
 }
 
@@ -225,4 +226,22 @@ fn disks_fail_and_bytes_are_no_text() {
         matches!(error, WorkcellFileError::Workcell(WorkcellError::Number { path, .. }) if path == "part.position_mm[0]")
     );
     assert!(file.is_empty());
+}
+
+/// A home posture has an angle for each joint, within its limits.
+#[test]
+fn a_home_posture_is_checked() {
+    let with = |home_deg: Vec<f64>| WorkcellModel { home_deg: Some(home_deg), ..read(FILES[1]) };
+    let home = vec![0.0, -30.0, 20.0, 0.0, 60.0, 0.0, 0.0, 90.0];
+    let AnyWorkcell::Eight(cell) = AnyWorkcell::new(with(home.clone())).unwrap() else { panic!("six axes") };
+    let radians: [f64; 8] = std::array::from_fn(|joint| home[joint].to_radians());
+    assert_eq!((cell.equipment().home(), cell.equipment().home::<6>()), (Some(radians), None));
+    for (joint, value) in [(0, 720.0), (2, f64::NAN), (6, 1000.0)] {
+        let mut bad = home.clone();
+        bad[joint] = value;
+        let error = AnyWorkcell::new(with(bad)).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("home_deg[{joint}] is ")), "{error}");
+    }
+    let error = AnyWorkcell::new(with(home[..6].to_vec())).unwrap_err().to_string();
+    assert_eq!(error, "home_deg.length is 6: it must be a list of 8 angles, one for each joint");
 }

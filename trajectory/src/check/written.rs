@@ -207,6 +207,14 @@ struct AtLayer<'a, S, const N: usize> {
     scene: &'a S,
 }
 
+impl<S, const N: usize> AtLayer<'_, S, N> {
+    /// What stands while the nozzle comes down: all of the path before, or of the path itself what is printed by then.
+    fn before_approach(&self, motion: usize, path: usize) -> Built {
+        let next = self.motions.get(motion + 1).filter(|next| next.path == path).and_then(WrittenMotion::printed);
+        next.map_or(Built::After { path }, |printed| Built::At { path, waypoint: printed.start })
+    }
+}
+
 impl<const N: usize, S: GrowingPrintScene<N>> PrintScene<N> for AtLayer<'_, S, N> {
     fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
         self.scene.nozzle(joints)
@@ -222,7 +230,7 @@ impl<const N: usize, S: GrowingPrintScene<N>> PrintScene<N> for AtLayer<'_, S, N
                 let printed = self.motions[..moment.motion].last().and_then(WrittenMotion::printed);
                 Built::At { path, waypoint: printed?.end - 1 }
             }
-            LegKind::Approach => Built::After { path },
+            LegKind::Approach => self.before_approach(moment.motion, path),
             LegKind::Transfer => return None,
         };
         self.scene.contact(built, &Waypoint { position: *tip, axis: *axis })

@@ -102,11 +102,15 @@ impl<const N: usize, const F: usize> Leg<'_, N, F> {
 }
 
 impl<const N: usize, const F: usize> PrintPlan<N, F> {
-    /// The motions of some runs and of the travels behind them. Those of no length are left out.
+    /// The motions of some runs, of the travels behind them, and of the ways from home and back. Those of no length are left out.
     pub fn legs(&self, runs: Range<usize>) -> impl Iterator<Item = Leg<'_, N, F>> {
         runs.flat_map(move |number| {
             let run = &self.runs[number];
             let travel = self.travels.get(number).and_then(Option::as_ref);
+            let (arrival, departure) = self.homes.get(number).map_or((None, None), |(a, d)| (a.as_ref(), d.as_ref()));
+            let before = arrival.into_iter().flat_map(|arrival| {
+                [(LegKind::Transfer, Way::Lines(&arrival.way)), (LegKind::Approach, Way::Spline(&arrival.approach))]
+            });
             let behind = travel.into_iter().flat_map(|travel| {
                 [
                     (LegKind::Lift, Way::Spline(&travel.lift)),
@@ -114,13 +118,18 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
                     (LegKind::Approach, Way::Spline(&travel.approach)),
                 ]
             });
-            let all = [(LegKind::Print, Way::Spline(&run.trajectory))].into_iter().chain(behind);
+            let back = departure.into_iter().flat_map(|departure| {
+                [(LegKind::Lift, Way::Spline(&departure.lift)), (LegKind::Transfer, Way::Lines(&departure.way))]
+            });
+            let print = [(LegKind::Print, Way::Spline(&run.trajectory))];
+            let all = before.chain(print).chain(behind).chain(back);
             all.map(move |(kind, way)| Leg { kind, run, way }).filter(|leg| leg.duration() > SAME_KNOT_S)
         })
     }
 
     /// The plan without some of its motions. A run goes, with the travels to and from it; a travel goes as if it had not been
-    /// found. So programs end before each of them, and the next one has to be approached by hand.
+    /// found. A run goes with the way from home to it and with the way home from it. Of what is left, ways home are to be planned
+    /// anew ([`PrintPlan::with_homes`]), and programs begin and end around each of them.
     ///
     /// # Arguments
     /// * `motions`: by their numbers in [`PrintPlan::legs`] of all runs.
@@ -128,19 +137,20 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         let (mut runs, mut travels, mut first) = (Vec::new(), Vec::new(), 0);
         for (number, run) in self.runs.iter().enumerate() {
             let kinds: Vec<LegKind> = self.legs(number..number + 1).map(|leg| leg.kind).collect();
-            let gone = |print: bool| {
-                let mut legs = (first..).zip(&kinds);
-                legs.any(|(motion, &kind)| (kind == LegKind::Print) == print && motions.contains(&motion))
-            };
-            if gone(true) {
+            let print = first + kinds.iter().position(|kind| *kind == LegKind::Print).unwrap_or(0);
+            let last = first + kinds.len();
+            let leads_home = self.homes.get(number).is_some_and(|(_, departure)| departure.is_some());
+            let any = |legs: Range<usize>| motions.range(legs).next().is_some();
+            let is_gone = any(first..print + 1) || (leads_home && any(print + 1..last));
+            if is_gone {
                 travels.last_mut().into_iter().for_each(|to: &mut Option<Travel<N>>| *to = None);
             } else {
                 runs.push(run.clone());
-                travels.push(self.travels.get(number).cloned().flatten().filter(|_| !gone(false)));
+                travels.push(self.travels.get(number).cloned().flatten().filter(|_| !any(print + 1..last)));
             }
             first += kinds.len();
         }
         travels.pop();
-        PrintPlan { runs, travels, ..self.clone() }
+        PrintPlan { runs, travels, homes: Vec::new(), ..self.clone() }
     }
 }

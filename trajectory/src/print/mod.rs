@@ -21,6 +21,7 @@
 
 mod cell;
 mod course;
+mod home;
 mod legs;
 mod options;
 mod plan;
@@ -33,8 +34,9 @@ mod ways;
 
 pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, PrintRobotFn, Waypoint};
 pub use course::path_deviations;
+pub use home::{Arrival, Departure, home_above};
 pub use legs::{Leg, LegKind};
-pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath};
+pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath, TipSpeed};
 pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
 pub use planner::{PrintPlanner, plan_print};
 pub use steered::Steered;

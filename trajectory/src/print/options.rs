@@ -110,6 +110,30 @@ pub struct PrintOptions<const N: usize, const F: usize> {
     pub price: f64,
     /// How hard the fastest timing is searched. Limits hold whatever that is.
     pub timing: TimePathOptions,
+    /// How fast the tip goes over the part on travels and ways home.
+    pub tip_speed: TipSpeed,
+}
+
+/// How fast the tip of the nozzle goes over the part while it does not print.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct TipSpeed {
+    /// Near the plate and the part, in mm/s; infinite for no limit. Default 250, which ISO 10218 allows beside people.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limit"))]
+    pub near_mm_s: f64,
+    /// Elsewhere, in mm/s; infinite for no limit. Default 1,000.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::limit"))]
+    pub far_mm_s: f64,
+    /// A line of a transfer is near if its tip is less than this above the highest waypoint of the two paths that it joins, in
+    /// millimetres. Default 30.
+    pub near_mm: f64,
+}
+
+impl Default for TipSpeed {
+    /// 250 mm/s near, 1,000 elsewhere; near is 30 mm.
+    fn default() -> Self {
+        TipSpeed { near_mm_s: 250.0, far_mm_s: 1000.0, near_mm: 30.0 }
+    }
 }
 
 impl<const N: usize, const F: usize> Default for PrintOptions<N, F> {
@@ -127,6 +151,7 @@ impl<const N: usize, const F: usize> Default for PrintOptions<N, F> {
             clear: 5.0,
             price: 1e3,
             timing: TimePathOptions::default(),
+            tip_speed: TipSpeed::default(),
         }
     }
 }
@@ -241,10 +266,16 @@ pub(super) fn check<const N: usize, const F: usize>(
     for step in options.max_step {
         unless(step > 0.0, "max_step", step, above_zero)?;
     }
+    for (field, value) in [("near_mm_s", options.tip_speed.near_mm_s), ("far_mm_s", options.tip_speed.far_mm_s)] {
+        unless(value > 0.0, field, value, above_zero)?;
+    }
     let from_zero = "it must be finite and not negative";
-    for (field, value) in
-        [("lever_mm", limits.lever_mm), ("stop_margin", options.stop_margin), ("price", options.price)]
-    {
+    for (field, value) in [
+        ("lever_mm", limits.lever_mm),
+        ("stop_margin", options.stop_margin),
+        ("price", options.price),
+        ("near_mm", options.tip_speed.near_mm),
+    ] {
         unless((0.0..f64::INFINITY).contains(&value), field, value, from_zero)?;
     }
     unless(options.clear.is_finite(), "clear", options.clear, "it must be finite")?;

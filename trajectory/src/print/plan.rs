@@ -1,6 +1,7 @@
 //! What comes of planning: runs, travels, and what cannot be printed as it is.
 
 use super::cell::Waypoint;
+use super::home::{Arrival, Departure};
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
 use std::time::Duration;
@@ -12,6 +13,9 @@ pub struct PrintPlan<const N: usize, const F: usize> {
     pub runs: Vec<Run<N, F>>,
     /// From the end of each run to the start of the next, one less than runs; `None` where no way was found.
     pub travels: Vec<Option<Travel<N>>>,
+    /// The way from home before each run and the way home behind it, where a program begins or ends
+    /// ([`PrintPlan::with_homes`]); empty before programs are cut.
+    pub homes: Vec<(Option<Arrival<N>>, Option<Departure<N>>)>,
     /// What cannot be printed as it is, or not be reached, in the order of the paths.
     pub faults: Vec<Fault>,
     /// One a layer with paths.
@@ -160,6 +164,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         PrintPlan {
             runs: Vec::new(),
             travels: Vec::new(),
+            homes: Vec::new(),
             faults: Vec::new(),
             layers: Vec::new(),
             max_missed_mm: 0.0,
@@ -231,17 +236,19 @@ impl<const N: usize> Travel<N> {
     /// at its end, the corners of the transfer, and as many along the approach. Without those the nozzle would not leave and
     /// reach the part along its direction.
     pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
-        let sampled = |motion: &Trajectory<N>| {
-            let (first, last) = motion.span();
-            let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(count)).position;
-            (1..=count).map(at).collect::<Vec<_>>()
-        };
         let corners = self.way.corners().iter().copied();
-        sampled(&self.lift).into_iter().chain(corners).chain(sampled(&self.approach)).collect()
+        sampled(&self.lift, count).into_iter().chain(corners).chain(sampled(&self.approach, count)).collect()
     }
 }
 
-fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
+/// Postures along a motion at even times, the last at its end.
+pub(super) fn sampled<const N: usize>(motion: &Trajectory<N>, count: u32) -> Vec<[f64; N]> {
+    let (first, last) = motion.span();
+    let at = |k: u32| motion.at(first + (last - first) * f64::from(k) / f64::from(count)).position;
+    (1..=count).map(at).collect()
+}
+
+pub(super) fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
     let (first, last) = motion.span();
     last - first
 }

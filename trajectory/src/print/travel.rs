@@ -7,6 +7,8 @@
 
 use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
 use super::course::Task;
+use super::home::{Arrival, Departure};
+use super::options::TipSpeed;
 use super::plan::{Run, Travel};
 use crate::transfer::{Transfer, TransferError, TransferOptions, plan_transfer};
 use crate::{Bounds, TimePathOptions, Trajectory, time_path};
@@ -101,10 +103,69 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
         down.reverse();
         match way(&task.limits.bounds, cell, &name, number, &ends, effort) {
             Ok(way) => {
+                let way = unhurried(&way, highest([from, to]), task)?;
                 let [lift, approach] =
                     [up, down].map(|postures| timed(&postures, &task.limits.bounds, &task.options.timing));
                 return Ok(Travel { lift: lift?, way, approach: approach? });
             }
+            Err(error) => why = error,
+        }
+    }
+    Err(why)
+}
+
+/// A way from the home posture to the start of a run, or why there is none. `moment` is what stands when the nozzle comes down.
+pub(super) fn arrive<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+    number: usize,
+    home: &[f64; N],
+    (run, moment): (&Run<N, F>, Moment),
+    task: &Task<'_, N, F, R>,
+    cell: &C,
+) -> Result<Arrival<N>, String> {
+    let name = format!("from home to path {} of layer {}", run.path, run.layer + 1);
+    let start = run.trajectory.joints()[0];
+    let (way, mut down) = homeward(&name, number, (home, true), (&run.ends[0], &start, moment), task, cell)?;
+    down.reverse();
+    Ok(Arrival { way, approach: timed(&down, &task.limits.bounds, &task.options.timing)? })
+}
+
+/// A way from the end of a run to the home posture, or why there is none.
+pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+    number: usize,
+    run: &Run<N, F>,
+    home: &[f64; N],
+    task: &Task<'_, N, F, R>,
+    cell: &C,
+) -> Result<Departure<N>, String> {
+    let name = format!("from path {} of layer {} home", run.path, run.layer + 1);
+    let joints = run.trajectory.joints();
+    let (end, moment) = (joints[joints.len() - 1], Moment::After { path: run.path });
+    let (way, up) = homeward(&name, number, (home, false), (&run.ends[1], &end, moment), task, cell)?;
+    Ok(Departure { lift: timed(&up, &task.limits.bounds, &task.options.timing)?, way })
+}
+
+/// A transfer between home and a posture above an end of a run, and the postures of the lift from that end.
+fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+    name: &str,
+    number: usize,
+    (home, comes): (&[f64; N], bool),
+    (end, at, moment): (&([f64; F], Waypoint), &[f64; N], Moment),
+    task: &Task<'_, N, F, R>,
+    cell: &C,
+) -> Result<(Transfer<N>, Vec<[f64; N]>), String> {
+    let mut why = format!("transfer {name}: the search was stopped");
+    for effort in Search::Short.efforts().iter().chain(Search::Long.efforts()) {
+        if (task.stopped)() {
+            break;
+        }
+        let Some(up) = lift(task.robot, cell, moment, end, at, effort) else {
+            why = format!("transfer {name}: the nozzle cannot {}", if comes { "come down" } else { "lift off" });
+            continue;
+        };
+        let above = up[up.len() - 1];
+        let ends = if comes { [*home, above] } else { [above, *home] };
+        match way(&task.limits.bounds, cell, name, number, &ends, effort) {
+            Ok(way) => return Ok((unhurried(&way, end.1.position.z, task)?, up)),
             Err(error) => why = error,
         }
     }
@@ -177,6 +238,38 @@ fn way<const N: usize>(
         .map_err(|error: TransferError| error.to_string())?;
     let why = planned.to_string();
     planned.found().ok_or(why)
+}
+
+/// Looks along a line of a transfer, how fast the tip goes; and what the steps between them leave of its speed, as chords are shorter
+/// than the way.
+const TIP_LOOKS: u32 = 32;
+const CHORD: f64 = 0.99;
+
+/// The height of the ends of two runs that a travel joins.
+fn highest<const N: usize, const F: usize>([from, to]: [&Run<N, F>; 2]) -> f64 {
+    from.ends[1].1.position.z.max(to.ends[0].1.position.z)
+}
+
+/// The same way with the tip no faster over the part than [`TipSpeed`] says.
+fn unhurried<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    way: &Transfer<N>,
+    highest_mm: f64,
+    task: &Task<'_, N, F, R>,
+) -> Result<Transfer<N>, String> {
+    let TipSpeed { near_mm_s, far_mm_s, near_mm } = task.options.tip_speed;
+    let rate = |from: &[f64; N], to: &[f64; N]| {
+        let tip = |look: u32| {
+            let share = f64::from(look) / f64::from(TIP_LOOKS);
+            let nozzle = task.robot.nozzle(&std::array::from_fn(|j| from[j] + (to[j] - from[j]) * share));
+            nozzle.map(|nozzle| nozzle.translation.vector)
+        };
+        let tips: Vec<Vector3<f64>> = (0..=TIP_LOOKS).filter_map(tip).collect();
+        let is_near = tips.iter().any(|tip| tip.z < highest_mm + near_mm);
+        let limit = if is_near { near_mm_s.min(far_mm_s) } else { far_mm_s };
+        let fastest = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max) * f64::from(TIP_LOOKS);
+        if fastest > 0.0 { CHORD * limit / fastest } else { f64::INFINITY }
+    };
+    way.limited(&finite(&task.limits.bounds), rate).map_err(|error| error.to_string())
 }
 
 /// The bounds with some in place of none: a transfer has no fastest motion without.

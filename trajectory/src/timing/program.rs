@@ -282,8 +282,8 @@ impl Program {
     fn products(&self, fields: &mut Fields) -> f64 {
         let Fields { gap, sides, .. } = fields;
         sides.fill(1.0);
-        for k in 0..self.x.len() {
-            gap[k] = (self.upper[k] - self.x[k]) * self.upper_multipliers[k];
+        for (gap, ((upper, x), z)) in gap.iter_mut().zip(self.upper.iter().zip(&self.x).zip(&self.upper_multipliers)) {
+            *gap = (upper - x) * z;
         }
         for near in &self.near {
             let at = self.rows[near.row].middle(self.x.len());

@@ -205,6 +205,45 @@ impl<const N: usize> Transfer<N> {
         Ok(transfer)
     }
 
+    /// The same way, with each line followed within the bounds and within a speed of its own.
+    ///
+    /// # Arguments
+    /// * `max_rate`: for the ends of a line, the greatest share of it a second; infinite for none.
+    ///
+    /// # Errors
+    /// [`TransferError`] when a bound is missing.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_trajectory::{Bounds, transfer::Transfer};
+    /// let bounds = Bounds { velocity: [1.0], acceleration: [5.0], jerk: [50.0], ..Bounds::NONE };
+    /// let fast = Transfer::through(vec![[0.0], [2.0]], &bounds)?;
+    /// // A tenth of the line a second: 0.2 rad/s.
+    /// let slow = fast.limited(&bounds, |_, _| 0.1)?;
+    /// assert!((slow.at(slow.duration() / 2.0).velocity[0] - 0.2).abs() < 1e-9 && slow.duration() > 10.0);
+    /// assert_eq!(slow.corners(), fast.corners());
+    /// # Ok::<(), curvlay_trajectory::transfer::TransferError>(())
+    /// ```
+    pub fn limited(
+        &self,
+        bounds: &Bounds<N>,
+        max_rate: impl Fn(&[f64; N], &[f64; N]) -> f64,
+    ) -> Result<Self, TransferError> {
+        let mut limited = Transfer { starts: vec![], curves: vec![], duration: 0.0, ..self.clone() };
+        for ends in self.corners.windows(2) {
+            let rate = max_rate(&ends[0], &ends[1]);
+            let velocity = std::array::from_fn(|j| {
+                let share = (ends[1][j] - ends[0][j]).abs() * rate;
+                if share > 0.0 { bounds.velocity[j].min(share) } else { bounds.velocity[j] }
+            });
+            let line = Transfer::through(ends.to_vec(), &Bounds { velocity, ..*bounds })?;
+            limited.starts.push(limited.duration);
+            limited.duration += line.duration;
+            limited.curves.extend(line.curves);
+        }
+        Ok(limited)
+    }
+
     /// Its corners, ends included. The motion rests in each.
     pub fn corners(&self) -> &[[f64; N]] {
         &self.corners

@@ -9,7 +9,7 @@ use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_trajectory::print::{
     Clearance, FaultKind, LegKind, Moment, PrintCell, PrintError, PrintLimits, PrintOptions, PrintPath, PrintPlan,
-    PrintPlanner, PrintRobot, Waypoint, path_deviations, plan_print,
+    PrintPlanner, PrintRobot, TipSpeed, Waypoint, home_above, path_deviations, plan_print,
 };
 use curvlay_trajectory::transfer::FreeSpace;
 use curvlay_trajectory::{Bounds, BoundsError, FreeRange, Posture, Progress};
@@ -254,6 +254,86 @@ fn rings_are_printed_whole_and_nothing_is_found() {
     }
     let waypoint = plan.legs(0..1).next().unwrap();
     assert_eq!((waypoint.kind, waypoint.filament_mm(0.0)), (LegKind::Print, 0.0));
+}
+
+/// The rings cut into programs that begin and end at a home posture 100 mm above them.
+fn with_homes(wall: Wall, cuts: &[usize]) -> (PrintPlan<4, 1>, [f64; 4], Vec<Owned>) {
+    let paths = rings();
+    let plan = planned(wall, &paths).unwrap();
+    let near = plan.runs[0].trajectory.joints()[0];
+    let home = home_above(&Turntable, &Cell(wall), [upright(30.0, 0.0, 2.0)], &near, &limits(), &options()).unwrap();
+    let cuts = cuts.iter().copied().collect();
+    let plan = plan.with_homes(&Turntable, Cell(wall), &home, &cuts, &limits(), &options(), &quiet).unwrap();
+    (plan, home, paths)
+}
+
+/// Bug: a print began with the first posture of its first path and ended on its last bead; a program cut by length ended with the
+/// nozzle on the part.
+#[test]
+fn programs_begin_and_end_at_home() {
+    let (plan, home, paths) = with_homes(Wall::None, &[2]);
+    assert_eq!((plan.runs.len(), plan.travels.len(), plan.homes.len(), plan.faults.len()), (4, 3, 4, 0));
+    let ways: Vec<(bool, bool)> = plan.homes.iter().map(|(from, back)| (from.is_some(), back.is_some())).collect();
+    assert_eq!(ways, [(true, false), (false, true), (true, false), (false, true)]);
+    assert!(plan.travels[1].is_none() && plan.travels[0].is_some());
+    assert_eq!(findings(&plan, &paths), [""; 0]);
+    for program in [0..2, 2..4] {
+        let legs: Vec<_> = plan.legs(program).collect();
+        let (first, last) = (&legs[0], &legs[legs.len() - 1]);
+        assert_eq!((first.at(0.0), last.at(last.duration())), (home, home));
+        use LegKind::{Approach, Lift, Print, Transfer};
+        let kinds: Vec<LegKind> = legs.iter().map(|leg| leg.kind).collect();
+        assert_eq!(kinds, [Transfer, Approach, Print, Lift, Transfer, Approach, Print, Lift, Transfer]);
+    }
+    let legs: f64 = plan.legs(0..4).map(|leg| leg.duration()).sum();
+    assert!((plan.robot_s() - legs).abs() < 1e-9);
+    // Home is above all of it.
+    assert!((Turntable.nozzle(&home).unwrap().translation.vector.z - 102.0).abs() < 1e-9);
+}
+
+/// A run that is taken out takes its ways with it, and programs begin and end at home around it.
+#[test]
+fn programs_begin_and_end_at_home_around_a_run_that_is_taken_out() {
+    let (plan, home, paths) = with_homes(Wall::None, &[]);
+    let second = plan.legs(0..4).position(|leg| leg.kind == LegKind::Print && leg.run.path == 1).unwrap();
+    let left = plan.without(&[second].into());
+    assert!(left.homes.is_empty() && left.runs.iter().map(|run| run.path).eq([0, 2, 3]));
+    let left = left.with_homes(&Turntable, Cell(Wall::None), &home, &[].into(), &limits(), &options(), &quiet).unwrap();
+    let ways: Vec<(bool, bool)> = left.homes.iter().map(|(from, back)| (from.is_some(), back.is_some())).collect();
+    assert_eq!(ways, [(true, true), (true, false), (false, true)]);
+    assert_eq!(findings(&left, &paths), [""; 0]);
+}
+
+/// Bug: transfers went as fast as the joints allow, 1.7 m/s at the tip.
+#[test]
+fn the_tip_keeps_its_speed_on_travels() {
+    let owned = rings();
+    let paths: Vec<PrintPath> = owned.iter().map(Owned::lend).collect();
+    let fast = PrintLimits {
+        bounds: Bounds { velocity: [100.0; 4], acceleration: [1e3; 4], jerk: [1e5; 4], ..limits().bounds },
+        ..limits()
+    };
+    let tip_of = |tip_speed: TipSpeed| {
+        let options = PrintOptions { tip_speed, ..options() };
+        let plan = plan_print(&Turntable, Cell(Wall::None), &paths, &fast, &options, &quiet).unwrap();
+        let near = plan.runs[0].trajectory.joints()[0];
+        let middle = [upright(30.0, 0.0, 2.0)];
+        let home = home_above(&Turntable, &Cell(Wall::None), middle, &near, &fast, &options).unwrap();
+        let plan = plan.with_homes(&Turntable, Cell(Wall::None), &home, &[].into(), &fast, &options, &quiet).unwrap();
+        let speed = |leg: curvlay_trajectory::print::Leg<'_, 4, 1>| {
+            let tip = |time: f64| Turntable.nozzle(&leg.at(time)).unwrap().translation.vector;
+            let step = leg.duration() / 2000.0;
+            (0..2000)
+                .map(|k| (tip(step * f64::from(k + 1)) - tip(step * f64::from(k))).norm() / step)
+                .fold(0.0, f64::max)
+        };
+        plan.legs(0..4).filter(|leg| leg.kind == LegKind::Transfer).map(speed).fold(0.0, f64::max)
+    };
+    let unlimited = TipSpeed { near_mm_s: f64::INFINITY, far_mm_s: f64::INFINITY, ..TipSpeed::default() };
+    assert!(tip_of(unlimited) > 300.0);
+    let kept = tip_of(TipSpeed::default());
+    assert!(kept <= 250.0 && kept > 200.0, "{kept}");
+    assert!(tip_of(TipSpeed { near_mm_s: 50.0, ..TipSpeed::default() }) <= 50.0);
 }
 
 /// Chords of 0.3 rad on a circle of 40 mm are 0.45 mm off the arc that the table goes by itself.

@@ -1,0 +1,264 @@
+//! Ways from the home posture to a run and back: every program of a print begins and ends at home.
+//!
+//! A print is cut into programs where no travel leads on and before runs that the caller names. Each program begins at home,
+//! goes to a place above its first run and comes down to it; behind its last run the nozzle lifts off and goes home. Both ways are
+//! transfers ([`crate::transfer`]) with the layer of the run there, as the independent check has it.
+
+use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
+use super::course::Task;
+use super::options::{PrintError, PrintLimits, PrintOptions};
+use super::plan::{Fault, FaultKind, PrintPlan, Run, Travel, sampled, seconds};
+use super::travel::{arrive, depart};
+use crate::Progress;
+use crate::robot::FreeRange;
+use crate::spline::Trajectory;
+use crate::transfer::Transfer;
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// From home to a run.
+#[derive(Clone, Debug)]
+pub struct Arrival<const N: usize> {
+    /// From home to above the start of the run.
+    pub way: Transfer<N>,
+    /// Down to it.
+    pub approach: Trajectory<N>,
+}
+
+/// From a run home.
+#[derive(Clone, Debug)]
+pub struct Departure<const N: usize> {
+    /// Off the end of the run.
+    pub lift: Trajectory<N>,
+    /// Home.
+    pub way: Transfer<N>,
+}
+
+impl<const N: usize> Arrival<N> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        self.way.duration() + seconds(&self.approach)
+    }
+
+    /// Postures by which it is followed in straight motions of the joints: the corners of the way, home first, and `count` along
+    /// the approach at even times, the last at its end.
+    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
+        self.way.corners().iter().copied().chain(sampled(&self.approach, count)).collect()
+    }
+}
+
+impl<const N: usize> Departure<N> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        seconds(&self.lift) + self.way.duration()
+    }
+
+    /// Postures by which it is followed in straight motions of the joints: `count` along the lift at even times, the last at its
+    /// end, and the corners of the way home.
+    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
+        sampled(&self.lift, count).into_iter().chain(self.way.corners().iter().copied()).collect()
+    }
+}
+
+/// How far above the part a home posture is looked for, in millimetres, the farthest first: clear of the part at any time, and in
+/// reach of small arms at last.
+const ABOVE_MM: [f64; 5] = [100.0, 70.0, 50.0, 30.0, 15.0];
+
+/// A posture from which programs can begin: the nozzle stands upright, high above the middle of some waypoints, and nothing touches
+/// while the robot moves there. Of those that are free at the greatest of five heights (100 to 15 mm above the highest
+/// waypoint), the one nearest to `near`. `None` where there is no such posture.
+///
+/// # Arguments
+/// * `cell`: the workcell with all layers.
+/// * `near`: joints, such as those of the first run.
+///
+/// # Cost
+/// A posture check for each solution at [`PrintOptions::samples`] of the free parameters, at each height that is tried.
+pub fn home_above<const N: usize, const F: usize>(
+    robot: &impl PrintRobot<N, F>,
+    cell: &impl PrintCell<N>,
+    waypoints: impl IntoIterator<Item = Waypoint>,
+    near: &[f64; N],
+    limits: &PrintLimits<N>,
+    options: &PrintOptions<N, F>,
+) -> Option<[f64; N]> {
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    for Waypoint { position, .. } in waypoints {
+        (low, high) = (low.inf(&position.coords), high.sup(&position.coords));
+    }
+    let middle = (low + high) / 2.0;
+    let inside = |joints: &[f64; N]| {
+        let (bounds, margin) = (&limits.bounds, options.stop_margin);
+        (0..N).all(|j| (bounds.lower[j] + margin..=bounds.upper[j] - margin).contains(&joints[j]))
+    };
+    let apart = |joints: &[f64; N]| (0..N).map(|j| (joints[j] - near[j]).powi(2)).sum::<f64>();
+    ABOVE_MM.into_iter().find_map(|above| {
+        let position = Vector3::new(middle.x, middle.y, high.z + above).into();
+        let waypoint = Waypoint { position, axis: Vector3::z_axis() };
+        let mut found: Vec<[f64; N]> = Vec::new();
+        for free in grid(&robot.free(), &options.samples) {
+            robot.solutions(&waypoint, &free, &mut |_, joints| found.extend(inside(&joints).then_some(joints)));
+        }
+        found.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
+        found.into_iter().find(|joints| cell.posture_free(joints))
+    })
+}
+
+/// All samples of the free parameters.
+fn grid<const F: usize>(free: &[FreeRange; F], samples: &[u32; F]) -> Vec<[f64; F]> {
+    let mut all = vec![[0.0; F]];
+    for f in 0..F {
+        let value = |k: u32| match free[f] {
+            FreeRange::Turn => TAU * f64::from(k) / f64::from(samples[f]),
+            FreeRange::Within(low, high) => low + (high - low) * f64::from(k) / f64::from(samples[f].max(2) - 1),
+        };
+        let with = |of: &[f64; F]| {
+            let of = *of;
+            (0..samples[f]).map(move |k| {
+                let mut next = of;
+                next[f] = value(k);
+                next
+            })
+        };
+        all = all.iter().flat_map(with).collect();
+    }
+    all
+}
+
+impl<const N: usize, const F: usize> PrintPlan<N, F> {
+    /// The plan cut into programs that begin and end at home: at each travel that is missing, and before each run of `cuts` as well.
+    ///
+    /// A run to which no way leads from home, and where a program would begin, is left out of the plan, and the program begins with
+    /// the run behind it. So is a run at the end of a program from which no way leads home; the program ends before it. Each gives a
+    /// fault ([`FaultKind::NoTransfer`]). Without runs the plan is as it was.
+    ///
+    /// # Arguments
+    /// * `cell`: the workcell before anything is built.
+    /// * `home`: the posture, which must be free with all layers there.
+    ///
+    /// # Errors
+    /// [`PrintError::Cell`] if the workcell refuses a layer, [`PrintError::Cancelled`].
+    ///
+    /// # Cost
+    /// Two transfers a program.
+    #[expect(clippy::too_many_arguments, reason = "those of `plan_print`, and where the programs begin")]
+    pub fn with_homes(
+        &self,
+        robot: &impl PrintRobot<N, F>,
+        mut cell: impl PrintCell<N>,
+        home: &[f64; N],
+        cuts: &BTreeSet<usize>,
+        limits: &PrintLimits<N>,
+        options: &PrintOptions<N, F>,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, PrintError> {
+        let total = self.runs.len() as u64;
+        let mut plan = PrintPlan { runs: Vec::new(), travels: Vec::new(), homes: Vec::new(), ..self.clone() };
+        let mut layers = self.layers.iter().map(|layer| layer.layer).peekable();
+        // Whether a program has begun that goes on with the next run.
+        let mut is_open = false;
+        for (number, run) in self.runs.iter().enumerate() {
+            let now = Progress { stage: "plan ways home", done: number as u64, total };
+            let stopped = || progress(now).is_break();
+            if stopped() {
+                return Err(PrintError::Cancelled);
+            }
+            let task = Task { robot, limits, options, stopped: &stopped };
+            while let Some(layer) = layers.next_if(|layer| *layer <= run.layer) {
+                let refused = |what| PrintError::Cell { layer, what };
+                cell.begin(layer).and_then(|()| cell.build(layer)).map_err(refused)?;
+            }
+            let arrival = match is_open {
+                true => Ok(None),
+                false => self.arrival(number, home, &task, &cell).map(Some),
+            };
+            let arrival = match arrival {
+                Ok(arrival) => arrival,
+                Err(what) => {
+                    plan.leave_out(run, what);
+                    continue;
+                }
+            };
+            let travel = self.travels.get(number).cloned().flatten().filter(|_| !cuts.contains(&(number + 1)));
+            if travel.is_some() {
+                plan.push(run, arrival, None, travel);
+                is_open = true;
+                continue;
+            }
+            match depart(number, run, home, &task, &cell) {
+                Ok(departure) => plan.push(run, arrival, Some(departure), None),
+                Err(what) => {
+                    plan.leave_out(run, what);
+                    if is_open {
+                        plan.close(home, &task, &cell);
+                    }
+                }
+            }
+            is_open = false;
+        }
+        plan.travels.pop();
+        plan.count_times();
+        Ok(plan)
+    }
+
+    /// Ends the program that is open at its last run from which a way leads home; what is behind that is left out.
+    fn close<R: PrintRobot<N, F>>(&mut self, home: &[f64; N], task: &Task<'_, N, F, R>, cell: &impl PrintCell<N>) {
+        while let (Some(last), Some((arrival, _)), Some(_)) = (self.runs.pop(), self.homes.pop(), self.travels.pop()) {
+            match depart(self.runs.len(), &last, home, task, cell) {
+                Ok(departure) => return self.push(&last, arrival, Some(departure), None),
+                Err(what) => self.leave_out(&last, what),
+            }
+            if arrival.is_some() {
+                return;
+            }
+        }
+    }
+
+    fn arrival<R: PrintRobot<N, F>>(
+        &self,
+        number: usize,
+        home: &[f64; N],
+        task: &Task<'_, N, F, R>,
+        cell: &impl PrintCell<N>,
+    ) -> Result<Arrival<N>, String> {
+        let run = &self.runs[number];
+        let waypoint = run.passes.iter().find_map(|&(_, waypoint)| waypoint).unwrap_or(0);
+        arrive(number, home, (run, Moment::At { path: run.path, waypoint }), task, cell)
+    }
+
+    fn push(
+        &mut self,
+        run: &Run<N, F>,
+        arrival: Option<Arrival<N>>,
+        departure: Option<Departure<N>>,
+        travel: Option<Travel<N>>,
+    ) {
+        self.runs.push(run.clone());
+        self.travels.push(travel);
+        self.homes.push((arrival, departure));
+    }
+
+    fn leave_out(&mut self, run: &Run<N, F>, what: String) {
+        let waypoint = run.passes.iter().find_map(|&(_, waypoint)| waypoint).unwrap_or(0);
+        let kind = FaultKind::NoTransfer;
+        self.faults.push(Fault { layer: run.layer, path: run.path, kind, waypoint, what });
+    }
+
+    /// Seconds that the robot moves, by layer: travels and ways from home count with the layer to which they lead.
+    fn count_times(&mut self) {
+        let mut seconds: BTreeMap<u32, f64> = BTreeMap::new();
+        for (number, (run, (arrival, departure))) in self.runs.iter().zip(&self.homes).enumerate() {
+            let to =
+                number.checked_sub(1).and_then(|before| self.travels[before].as_ref()).map_or(0.0, Travel::duration);
+            let home = [arrival.as_ref().map(Arrival::duration), departure.as_ref().map(Departure::duration)];
+            *seconds.entry(run.layer).or_default() += run.duration() + to + home.into_iter().flatten().sum::<f64>();
+        }
+        for layer in &mut self.layers {
+            layer.robot_s = seconds.get(&layer.layer).copied().unwrap_or(0.0);
+            layer.runs = self.runs.iter().filter(|run| run.layer == layer.layer).count();
+        }
+        self.settle();
+    }
+}
