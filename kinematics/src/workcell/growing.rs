@@ -151,7 +151,8 @@ pub enum GrowingError {
 /// scene.begin(0)?;
 /// scene.build(0)?;
 /// assert_eq!(scene.touching_printing(&joints, ClearanceLevel::Least)?, None);
-/// assert_eq!(scene.touching_moving(&joints)?, Some(["nozzle", "part"]));
+/// // The plate, 2 mm beneath the tip, is as near as the margin, and the part touches.
+/// assert_eq!(scene.touching_moving(&joints)?, Some(["nozzle", "plate"]));
 /// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
