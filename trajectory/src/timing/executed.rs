@@ -282,7 +282,10 @@ pub(super) fn run<const N: usize>(
         program.centre(WARM, false);
     }
     let Some((_, pace, mut times)) = best else { return Err(TimePathError::Range) };
-    meet_ends(grid, &times, &mut inner)?;
+    // The program's own limits of jerk end sooner than the first knots: there the ends are missed by more.
+    if (0..N).any(|j| task.jerk[j] < task.bounds.jerk[j]) {
+        meet_ends(grid, &times, &mut inner)?;
+    }
     for _ in 0..STRETCHES {
         let excess = Spline::new(times.clone(), &inner)?.excess(task);
         let whole = excess.iter().fold(1.0f64, |most, excess| most.max(*excess));
