@@ -106,8 +106,9 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
         let options = urscript_options(cell, plan, name);
         write_urscript(steps, &options, out).map(|_| ())
     };
-    let steps =
-        |piece: Range<usize>| plan.legs(piece).map(|leg| leg.duration()).sum::<f64>() / rate(cell.equipment()).seconds();
+    let steps = |piece: Range<usize>| {
+        plan.legs(piece).map(|leg| leg.duration()).sum::<f64>() / rate(cell.equipment()).seconds()
+    };
     of_pieces(plan, steps, ending, folder, write)
 }
 

@@ -1,8 +1,8 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, ServoRate, Step, StreamLeg, StreamOptions, TargetMotion,
-    TargetOptions, UrScriptOptions, print_pieces, print_stream, print_targets,
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, ServoRate, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
+    UrScriptOptions, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::workcell::{ArmGeometry, Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
@@ -56,10 +56,7 @@ pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Ran
 }
 
 /// The runs of each program as far as travels lead, and no farther than to a [cut](cuts).
-pub fn pieces_cut<const N: usize, const F: usize>(
-    plan: &PrintPlan<N, F>,
-    cuts: &BTreeSet<usize>,
-) -> Vec<Range<usize>> {
+pub fn pieces_cut<const N: usize, const F: usize>(plan: &PrintPlan<N, F>, cuts: &BTreeSet<usize>) -> Vec<Range<usize>> {
     let mut pieces: Vec<Range<usize>> = Vec::new();
     for run in 0..plan.runs.len() {
         let joins = run > 0 && plan.travels[run - 1].is_some() && !cuts.contains(&run);
