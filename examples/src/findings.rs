@@ -49,6 +49,18 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// One of which neither cause nor remedy is known.
+    pub fn new(
+        severity: Severity,
+        what: impl Into<String>,
+        amount: impl Into<String>,
+        place: impl Into<String>,
+    ) -> Self {
+        let (what, amount, place) = (what.into(), amount.into(), place.into());
+        let (cause, allow) = (String::new(), String::new());
+        Finding { severity, what, amount, place, cause, tries: Vec::new(), allow }
+    }
+
     /// Sets the likely cause. An empty text is no cause.
     pub fn cause(&mut self, cause: impl Into<String>) -> &mut Self {
         self.cause = cause.into();
@@ -130,9 +142,7 @@ impl Findings {
         amount: impl Into<String>,
         place: impl Into<String>,
     ) -> &mut Finding {
-        let (what, amount, place) = (what.into(), amount.into(), place.into());
-        let (cause, allow) = (String::new(), String::new());
-        self.list.push_mut(Finding { severity, what, amount, place, cause, tries: Vec::new(), allow })
+        self.list.push_mut(Finding::new(severity, what, amount, place))
     }
 
     /// Adds one that was made elsewhere.

@@ -22,26 +22,23 @@ pub const UNCERTAIN_SHARE: f64 = 1e-3;
 /// # Ok::<(), curvlay_examples::mesh::MeshFault>(())
 /// ```
 pub fn mesh_findings(report: &OrientReport, allow_guesses: bool) -> Vec<Finding> {
-    let finding = |severity, what: String, place: &str| Finding {
-        severity,
-        what,
-        amount: String::new(),
-        place: place.to_owned(),
-    };
     let mut findings = Vec::new();
     if report.turned_triangles > 0 {
-        findings.push(finding(Severity::Noted, report.to_string(), ""));
+        findings.push(Finding::new(Severity::Noted, report.to_string(), "", ""));
     }
     let doubts = report.doubts(UNCERTAIN_SHARE);
     let severity = if allow_guesses { Severity::Told } else { Severity::Failed };
-    let to_do = "mend the mesh in the program that made it; --allow-guesses";
-    findings.extend(doubts.iter().map(|doubt| finding(severity, doubt.to_string(), to_do)));
+    for doubt in &doubts {
+        let mut finding = Finding::new(severity, doubt.to_string(), "", "");
+        finding.try_to("mend the mesh in the program that made it").allow("--allow-guesses");
+        findings.push(finding);
+    }
     if report.holes > 0 && report.holes_mm3 <= UNCERTAIN_SHARE * report.volume_mm3 {
         let what = format!(
             "{} holes were closed: at most {:.2} of {:.1} mm3 depends on how",
             report.holes, report.holes_mm3, report.volume_mm3
         );
-        findings.push(finding(Severity::Noted, what, ""));
+        findings.push(Finding::new(Severity::Noted, what, "", ""));
     }
     findings
 }

@@ -308,7 +308,7 @@ fn leave_out(mesh: &mut Mesh) -> Result<Option<Finding>, MeshFault> {
     let place = format!("first: triangle {} of the mesh", first + 1);
     let mut numbers = 0..;
     mesh.triangles.retain(|_| numbers.next().is_some_and(|number: u32| useless.binary_search(&number).is_err()));
-    Ok(Some(Finding { severity: Severity::Noted, what, amount, place }))
+    Ok(Some(Finding::new(Severity::Noted, what, amount, place)))
 }
 
 /// Text without the byte-order mark that some editors put in front.

@@ -22,7 +22,7 @@ impl Tally {
 
     fn finding(self, severity: Severity, what: &str) -> Option<Finding> {
         let place = self.first.map(|place| format!("first: {place}"))?;
-        Some(Finding { severity, what: what.to_owned(), amount: self.count.to_string(), place })
+        Some(Finding::new(severity, what, self.count.to_string(), place))
     }
 }
 
@@ -83,14 +83,12 @@ impl Welder {
 
     /// Adds something that the reader decided.
     pub(super) fn note(&mut self, what: impl Into<String>, amount: impl Into<String>, place: impl Into<String>) {
-        let (what, amount, place) = (what.into(), amount.into(), place.into());
-        self.findings.push(Finding { severity: Severity::Noted, what, amount, place });
+        self.findings.push(Finding::new(Severity::Noted, what, amount, place));
     }
 
     /// Adds something that the user should look at.
     pub(super) fn warn(&mut self, what: impl Into<String>, amount: impl Into<String>, place: impl Into<String>) {
-        let (what, amount, place) = (what.into(), amount.into(), place.into());
-        self.findings.push(Finding { severity: Severity::Told, what, amount, place });
+        self.findings.push(Finding::new(Severity::Told, what, amount, place));
     }
 
     /// The mesh, and all that was decided.
