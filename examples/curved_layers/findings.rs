@@ -449,6 +449,6 @@ fn of_plan<const N: usize, const F: usize>(
         let (unprinted, all) = (checked.unprinted_mm, checked.path_mm);
         let amount =
             format!("{unprinted:.1} of {all:.1} mm, {}; layers above them go over the void", percent(unprinted / all));
-        findings.add(Failed, "paths are in no program", amount, "left_out.csv, motion-faults.csv");
+        findings.add(Failed, "paths are not printed", amount, "left_out.csv, motion-faults.csv");
     }
 }

@@ -9,6 +9,7 @@ use super::{MeshFault, Place};
 use model::{Kind, Model, Object, Transform};
 use package::Package;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Triangles that are taken from a package, copies of objects counted each time.
 const MAX_TRIANGLES: u64 = 1 << 26;
@@ -85,10 +86,10 @@ impl Scene {
         let mut models = BTreeMap::new();
         let mut wanted = vec![root.to_owned()];
         while let Some(path) = wanted.pop() {
-            if !models.contains_key(&path) {
-                let model = model::parse(&path, &package.text(&path)?)?;
+            if let Entry::Vacant(place) = models.entry(path) {
+                let model = model::parse(place.key(), &package.text(place.key())?)?;
                 wanted.extend(model.paths().cloned());
-                models.insert(path, model);
+                place.insert(model);
             }
         }
         Ok(Scene { models })

@@ -175,7 +175,8 @@ fn facets_that_look_the_wrong_way_are_told() {
     fs::write(&path, "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n").unwrap();
     let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();
     let told = "the triangles disagreed about inside and outside at 3 edges: 1 of 4 were turned";
-    assert_eq!((part.mesh.triangles[3], &part.notes[..]), ([1, 2, 3], &[told.to_owned()][..]));
+    let found: Vec<String> = part.findings.iter().map(ToString::to_string).collect();
+    assert_eq!((part.mesh.triangles[3], &found[..]), ([1, 2, 3], &[told.to_owned()][..]));
 }
 
 #[test]

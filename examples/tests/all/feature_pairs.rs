@@ -8,9 +8,11 @@ use std::process::{Command, Output};
 /// A hook of 192 cells: a post, an arm, and a tip that hangs down from its end and needs support.
 const HOOK: [[[i32; 3]; 2]; 3] = [[[0, 0, 0], [8, 8, 12]], [[8, 0, 8], [24, 8, 12]], [[16, 0, 4], [24, 8, 8]]];
 
-/// What every run shares. Layers of such a part are torn at the support, so the shares that may be wrong are wide.
-const COMMON: [&str; 10] =
-    ["--cell", "2", "--layer-height", "2", "--allow-volume", "1", "--allow-left-out", "1", "--allow-missed", "1"];
+/// What every run shares.
+const COMMON: [&str; 4] = ["--cell", "2", "--layer-height", "2"];
+
+/// What may be wrong: layers of such a part are torn at the support.
+const ALLOWED: [&str; 6] = ["--allow-volume", "1", "--allow-left-out", "1", "--allow-missed", "1"];
 
 /// A feature, and the options that ask for it. `FIELD` and `RANGES` stand for files of a run before.
 const FEATURES: [(&str, &[&str]); 6] = [
@@ -75,7 +77,16 @@ impl Place {
     /// A run into a folder of its own; its status must be 0, or 3 for findings.
     fn run(&self, name: &str, more: &[String]) {
         let out = ["--out".to_owned(), self.path(name)];
-        let output = run(&[&self.shared[..], &out, more].concat());
+        // A saved field has its cells and its support.
+        let resumes = more.iter().any(|option| option == "--resume");
+        let grown = |option: &[String]| resumes && ["--cell", "--support"].contains(&&option[0][..]);
+        let shared = self.shared.chunks(2).filter(|option| !grown(option)).flatten();
+        let more: Vec<String> = match more.iter().position(|option| option == "--support") {
+            Some(at) if resumes => [&more[..at], &more[at + 2..]].concat(),
+            _ => more.to_vec(),
+        };
+        let all: Vec<String> = shared.chain(&out).chain(&more).cloned().collect();
+        let output = run(&all);
         let lines = String::from_utf8_lossy(&output.stderr);
         assert!(matches!(output.status.code(), Some(0 | 3)), "{} {name} {more:?}: {lines}", self.folder.display());
     }
@@ -91,8 +102,7 @@ impl Place {
         let before: Vec<String> =
             options(&kept).chunks(2).filter(|option| option[0] != "--stage").flatten().cloned().collect();
         let field = self.path("before/field.txt");
-        let fill = [&before[..], &["--stage".to_owned(), "surfaces".to_owned()]].concat();
-        self.run("before", &fill);
+        self.run("before", &[&before[..], &ALLOWED.map(str::to_owned)].concat());
         let mut files = Vec::new();
         if wanted.iter().any(|option| option == "RANGES") {
             for (name, layers) in [("low", "1/2"), ("high", "2/2")] {
@@ -115,6 +125,11 @@ impl Place {
 fn every_pair_of_features_runs_together() {
     for a in 0..FEATURES.len() {
         for b in a + 1..FEATURES.len() {
+            // A saved field says how the part lies: clap refuses to turn it.
+            let has = |name: &str| [a, b].iter().any(|&k| FEATURES[k].0 == name);
+            if has("orient") && (has("resume") || has("ranges")) {
+                continue;
+            }
             for (cell, of_cell) in [("part-in-hand", None), ("table", Some("--cell8"))] {
                 let moves = [a, b].iter().any(|&k| FEATURES[k].0 == "motion");
                 if !moves && of_cell.is_some() {
@@ -137,7 +152,8 @@ fn pair(features: [usize; 2], cell: &str, of_cell: Option<&str>) {
         ["--mesh", &mesh.display().to_string()].into_iter().chain(COMMON).map(str::to_owned).collect();
     let place = Place { folder, shared };
     let options = place.with_files(&features);
-    place.run("out", &[options, of_cell.map(str::to_owned).into_iter().collect()].concat());
+    let of_cell: Vec<String> = of_cell.map(str::to_owned).into_iter().collect();
+    place.run("out", &[options, ALLOWED.map(str::to_owned).to_vec(), of_cell].concat());
     let figures = common::summary(&place.folder.join("out"));
     let has = |feature: &str| [a, b].contains(&feature);
     if has("support") && !has("orient") {

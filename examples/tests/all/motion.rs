@@ -1,6 +1,6 @@
 //! The cells of the examples, and what is said of their motions.
 
-use curvlay_examples::motion::programs::{full_scale, pieces};
+use curvlay_examples::motion::programs::{full_scale, pieces, pieces_cut};
 use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, bounds_of, dissertation_cells};
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_kinematics::workcell::Workcell;
@@ -8,6 +8,7 @@ use curvlay_trajectory::print::{LegKind, PlanTimes, PrintPlan, PrintRobot, Run, 
 use curvlay_trajectory::transfer::Transfer;
 use curvlay_trajectory::{Bounds, Robot, RunIn, Timeline, Trajectory};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// A signal of the filament uses at least two fifths of its range.
 #[test]
@@ -108,6 +109,7 @@ fn plan() -> PrintPlan<6, 1> {
     PrintPlan {
         runs: (0..4).map(run).collect(),
         travels: vec![travel(), travel(), None],
+        homes: Vec::new(),
         faults: Vec::new(),
         layers: Vec::new(),
         max_missed_mm: 0.0,
@@ -134,11 +136,8 @@ fn programs_stop_before_a_motion_that_is_not_proven_free() {
     let left = |motions: &[usize]| {
         let safe = plan.without(&motions.iter().copied().collect());
         assert_eq!(safe.travels.len(), safe.runs.len().saturating_sub(1));
-        let pieces = pieces(&safe, u64::MAX, |_, _| 1.0);
-        let paths: Vec<Vec<usize>> =
-            pieces.iter().map(|piece| piece.motions.clone().map(|run| safe.runs[run].path).collect()).collect();
-        assert!(pieces.iter().all(|piece| !piece.joined));
-        paths
+        let paths = |piece: Range<usize>| piece.map(|run| safe.runs[run].path).collect::<Vec<usize>>();
+        pieces(&safe).into_iter().map(paths).collect::<Vec<Vec<usize>>>()
     };
     assert_eq!(left(&[]), [vec![0, 1, 2], vec![3]]);
     assert_eq!(left(&[0]), [vec![1, 2], vec![3]]);
@@ -149,6 +148,8 @@ fn programs_stop_before_a_motion_that_is_not_proven_free() {
     assert_eq!(left(&[8]), [vec![0, 1], vec![3]]);
     assert_eq!(left(&[9]), [vec![0, 1, 2]]);
     assert_eq!(left(&[0, 4, 8, 9]), Vec::<Vec<usize>>::new());
+    // A cut ends a program, too.
+    assert_eq!(pieces_cut(&plan, &[1, 3].into()), [0..1, 1..3, 3..4]);
     // No joints of what is left out are in the steps: after 0 without the run, which is at 0.2.
     let safe = plan.without(&[4].into());
     assert!(safe.legs(0..safe.runs.len()).all(|leg| leg.kind == print && leg.run.path != 1));
