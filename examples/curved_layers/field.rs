@@ -137,12 +137,14 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (work(), start.elapsed())
 }
 
-/// The volume of the part, where its bodies bound it by themselves: none passes through another, and what holes there are leave
-/// nothing open.
+/// The volume of the part, where its bodies bound it by themselves: none passes through another or lies on it, and what holes there are
+/// leave nothing open.
 fn exact_volume(part: &Part, mesh: &MeshReport) -> Option<f64> {
     let [holes_mm3, volume_mm3] = [part.orientation.holes_mm3, part.orientation.volume_mm3];
     let faults = [&mesh.crossings, &mesh.repeated, &mesh.inconsistent_edges];
     let is_exact = mesh.contacts_complete && faults.iter().all(|finding| finding.count == 0);
+    // Bodies that overlap with a common face do not cross, but touch.
+    let is_exact = is_exact && (mesh.touching.count == 0 || mesh.components == 1 + mesh.cavities);
     (is_exact && holes_mm3 <= UNCERTAIN_SHARE * volume_mm3).then_some(volume_mm3)
 }
 

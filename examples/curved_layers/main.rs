@@ -208,6 +208,9 @@ impl Args {
     /// Width of a bead where layers are so high.
     fn bead(&self, height_mm: f64) -> Result<f64, String> {
         let (settings, has_cells) = (&self.settings, self.has_cells());
+        if settings.bead_mm.is_none() && has_cells && settings.layer_height_mm.is_none() {
+            return Ok(height_mm);
+        }
         let bead_mm = settings.bead_mm.unwrap_or(if has_cells { height_mm } else { BEAD_MM });
         // Layers are stretched a little so that they fill the part: what counts is what was asked for.
         let height_mm = self.height().or(self.voxel.cell).unwrap_or(height_mm);

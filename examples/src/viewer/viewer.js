@@ -99,7 +99,6 @@ const TUBE = `
     vec3 axis = b - a;
     float longs = length(axis);
     axis = longs > 1e-6 ? axis / longs : vec3(1, 0, 0);
-    // The tip runs on top of the bead.
     vec3 sink = travels ? vec3(0) : up * half2.y;
     float along = float(corner >> 1);
     side = float(corner & 1) * 2.0 - 1.0;
@@ -129,7 +128,7 @@ const tube = program(TUBE, `
     colour = vec4(texture(palette, vec2((tint + 0.5) / 256.0, 0.5)).rgb * light(n, toward), 1);
   }`);
 const solid = program(`
-  layout(location = 0) in vec3 place; uniform mat4 frame, view; uniform vec3 low; uniform vec3 from; uniform float unit, dot_, raise; out vec3 at;
+  layout(location = 0) in vec3 place; uniform mat4 frame, view; uniform vec3 low, from; uniform float unit, dot_, raise; out vec3 at;
   void main() { at = (frame * vec4(low + place * unit, 1)).xyz; gl_Position = view * vec4(at + (raise > 0.0 ? normalize(from - at) * raise : vec3(0)), 1); gl_PointSize = dot_; }`, `
   in vec3 at; uniform vec4 tone; uniform vec3 eye; uniform int flat_; out vec4 colour;` + LIGHT + `
   void main() {
@@ -243,7 +242,6 @@ function start(columns) {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   const bare = gl.createVertexArray();
 
-  // Bones are a fourteenth of the longest one thick.
   const thick = robot && robot.stances ? 0.035 * Math.max(...robotAt(0).arm.map(([a, b]) => Math.hypot(...sub(a, b)))) : 0;
 
   // ---- state
@@ -315,7 +313,6 @@ function start(columns) {
   const used = new Set(K);
 
   // ---- time
-  // How many of the sorted numbers are at most `value`.
   function upTo(numbers, value) {
     let low = 0, high = numbers.length;
     while (low < high) { const at = low + high >> 1; if (numbers[at] <= value) low = at + 1; else high = at; }
@@ -337,7 +334,6 @@ function start(columns) {
     const turn = [0, 1, 2, 3].map(axis => of('r' + axis, 30000)), size = Math.hypot(...turn) || 1;
     return { arm, part: turned(turn.map(c => c / size), [0, 1, 2].map(axis => of('p' + axis, 100))) };
   }
-  // Where the nozzle is: between the step that is done and the next.
   function nozzleAt(seconds) {
     const done = doneAt(seconds), b = Math.min(done, count - 1), a = Math.max(b - 1, 0), span = (T[b] - T[a]) * tick;
     const s = span > 0 ? Math.min(Math.max((seconds - T[a] * tick) / span, 0), 1) : 1;
@@ -351,7 +347,6 @@ function start(columns) {
     const eye = add(camera.target, toward, camera.far), x = [-Math.sin(camera.yaw), Math.cos(camera.yaw), 0], y = cross(toward, x);
     const look = [x[0], y[0], toward[0], 0, x[1], y[1], toward[1], 0, x[2], y[2], toward[2], 0, -dot(x, eye), -dot(y, eye), -dot(toward, eye), 1];
     let view = times([f * height / width, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0], look);
-    // The pixel that is picked fills the view.
     if (pick) view = times([width, 0, 0, 0, 0, height, 0, 0, 0, 0, 1, 0, -pick[0] * width, -pick[1] * height, 0, 1], view);
     return { view, eye, x, y, toward };
   }
@@ -433,9 +428,9 @@ function start(columns) {
         if (layer >= state.low && layer <= state.high) drawMesh(ends, part, [0.85, 0.2, 0.15, 1], gl.LINES, 2 * i, 2, 1);
       });
     }
-    // Where there is nothing inside of it the part is opaque.
+    // With nothing inside the part is opaque.
     if (shown.part && !count && !sheets.count) drawMesh(parts, part, [0.45, 0.6, 0.75, 1]);
-    // Marks are hidden with what hides them and with layers that are not shown. Those of a layer follow one another, mostly: a call a row.
+    // Marks hide with their layers; those of a layer mostly follow one another: a call a row.
     let from = 0;
     gl.uniform1f(solid.places.raise, 1.5 * Math.max(header.width * 127, 1));
     header.marks.forEach(([, colour, many], at) => {
@@ -448,7 +443,6 @@ function start(columns) {
       from = end;
     });
     gl.uniform1f(solid.places.raise, 0);
-    // The one that is looked at shows through.
     gl.disable(gl.DEPTH_TEST);
     if (state.selected >= 0 || spot) {
       const at = spot || tip(state.selected);
@@ -598,7 +592,6 @@ function start(columns) {
     const path = columns['mark.path'][at], span = ofPath.get(path);
     const place = [columns['mark.x'][at], columns['mark.y'][at], columns['mark.z'][at]].map((c, axis) => low[axis] + c * header.unit);
     if (span) {
-      // The step of the path that ends nearest to it.
       let nearest = span[0];
       for (let i = span[0]; i <= span[1]; i++) if (Math.hypot(...sub(tip(i), place)) < Math.hypot(...sub(tip(nearest), place))) nearest = i;
       toLayer(L[nearest]);

@@ -78,7 +78,7 @@ fn all_shapes_are_divided_without_overhang() {
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     // A picture for each separation and each part.
     assert_eq!(report.matches("data:image/png;base64,").count(), 5 + 12);
-    assert!(!report.contains("class=\"notice\""));
+    assert!(!report.contains("class=\"notice failed\""));
 }
 
 /// Writes a mesh as OBJ.

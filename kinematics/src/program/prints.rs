@@ -163,8 +163,8 @@ pub struct TargetMotion<const N: usize> {
 /// let at = |time_s: f64| PrintKnot { time_s, joints: [0.1 * time_s, -1.0, -1.5, 0.3, 0.2, 0.0], filament_mm: 2.0 * time_s };
 /// let motion = TargetMotion { knots: vec![at(0.0), at(0.5), at(1.0)], onward: vec![[0.0; 6]] };
 /// let steps: Vec<Step> = print_targets(&cell, [motion], TargetOptions::default()).collect();
-/// assert_eq!(steps.len(), 9);
-/// assert_eq!((steps[1], steps[7]), (Step::Extruder(true), Step::Extruder(false)));
+/// assert_eq!(steps.len(), 8);
+/// assert_eq!((steps[1], steps[6]), (Step::Extruder(true), Step::Extruder(false)));
 /// assert_eq!(steps[2], Step::FilamentSpeed(2.0));
 /// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())

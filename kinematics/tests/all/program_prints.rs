@@ -316,16 +316,21 @@ proptest! {
         let motion = TargetMotion { knots: knots.clone(), onward: vec![] };
         let steps: Vec<Step> = print_targets(&cell, [motion], options).collect();
         let poses: Vec<_> = knots.iter().map(|knot| cell.controller_pose(&knot.joints).unwrap().target.pose).collect();
+        // A speed of the filament holds until the next one.
+        let mut feed = 0.0;
         let ends = steps.iter().filter_map(|step| match step {
+            Step::FilamentSpeed(mm_s) => {
+                feed = *mm_s;
+                None
+            }
             Step::Move(Move { goal: Goal::Line(target), speed, .. }) => {
-                Some((poses.iter().position(|pose| *pose == target.pose).unwrap(), *speed))
+                Some((poses.iter().position(|pose| *pose == target.pose).unwrap(), *speed, feed))
             }
             _ => None,
         });
         let (mut from, mut laid) = (0, 0.0);
         let mut fed = 0.0;
-        let feeds = steps.iter().filter_map(|step| if let Step::FilamentSpeed(v) = step { Some(*v) } else { None });
-        for ((to, speed), feed) in ends.zip(feeds) {
+        for (to, speed, feed) in ends {
             prop_assert!(to > from);
             let seconds = knots[to].time_s - knots[from].time_s;
             laid += feed * seconds;

@@ -62,13 +62,14 @@ impl<const N: usize> Departure<N> {
     }
 }
 
-/// How far above the part a home posture is looked for, in millimetres, the farthest first: clear of the part at any time, and in
-/// reach of small arms at last.
-const ABOVE_MM: [f64; 5] = [100.0, 70.0, 50.0, 30.0, 15.0];
+/// Heights above the part by which a home posture is looked for, in millimetres: one after the other, so that each leads to the next, up to one
+/// that is clear of the part at any time.
+const ABOVE_MM: [f64; 7] = [4.0, 8.0, 15.0, 30.0, 50.0, 70.0, 100.0];
 
 /// A posture from which programs can begin: the nozzle stands upright, high above the middle of some waypoints, and nothing touches
-/// while the robot moves there. Of those that are free at the greatest of five heights (100 to 15 mm above the highest
-/// waypoint), the one nearest to `near`. `None` where there is no such posture.
+/// there. Seven heights are tried (4 to 100 mm above the highest waypoint), the lowest first: each takes the free posture nearest to the one
+/// before, beginning with `near`, if a straight motion from there is free, so that home hangs together with the print. `None`
+/// where there is no posture at any height.
 ///
 /// # Arguments
 /// * `cell`: the workcell with all layers.
@@ -93,8 +94,8 @@ pub fn home_above<const N: usize, const F: usize>(
         let (bounds, margin) = (&limits.bounds, options.stop_margin);
         (0..N).all(|j| (bounds.lower[j] + margin..=bounds.upper[j] - margin).contains(&joints[j]))
     };
-    let apart = |joints: &[f64; N]| (0..N).map(|j| (joints[j] - near[j]).powi(2)).sum::<f64>();
-    ABOVE_MM.into_iter().find_map(|above| {
+    let free_at = |above: f64, from: &[f64; N]| {
+        let apart = |joints: &[f64; N]| (0..N).map(|j| (joints[j] - from[j]).powi(2)).sum::<f64>();
         let position = Vector3::new(middle.x, middle.y, high.z + above).into();
         let waypoint = Waypoint { position, axis: Vector3::z_axis() };
         let mut found: Vec<[f64; N]> = Vec::new();
@@ -102,8 +103,17 @@ pub fn home_above<const N: usize, const F: usize>(
             robot.solutions(&waypoint, &free, &mut |_, joints| found.extend(inside(&joints).then_some(joints)));
         }
         found.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
-        found.into_iter().find(|joints| cell.posture_free(joints))
-    })
+        found.into_iter().filter(|joints| cell.posture_free(joints))
+    };
+    let mut home: Option<[f64; N]> = None;
+    for above in ABOVE_MM {
+        let next = match home {
+            None => free_at(above, near).next(),
+            Some(home) => free_at(above, &home).find(|next| cell.free(&home, next)),
+        };
+        home = next.or(home);
+    }
+    home
 }
 
 /// All samples of the free parameters.
