@@ -35,6 +35,9 @@ const MOUNTS: u32 = 24;
 const TOLERANCE_MM: f64 = 0.1;
 /// Speed with which tape is pushed out, in mm/s: the feed before a tape takes the length from blade to roller.
 const FEED_MM_S: f64 = 20.0;
+/// How far bodies keep apart, in millimetres: with 1 no way leads from tape to tape, as the roller lifts off by little. It is less than the error that
+/// is stated for the bodies of the arm, so that motions are checked, not proven free for the arm as it is.
+const MARGIN_MM: f64 = 0.5;
 
 /// What the motion comes to.
 #[derive(Default)]
@@ -208,7 +211,12 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
         frame_part: frame,
         layers: &layers,
     };
-    let scene = GrowingScene::new(cell, &part, PLATE_MM, &GrowingOptions::default())?;
+    let scene = GrowingScene::new(
+        cell,
+        &part,
+        PLATE_MM,
+        &GrowingOptions { margin_mm: MARGIN_MM, ..GrowingOptions::default() },
+    )?;
     let limits = PrintLimits { tolerance_mm: TOLERANCE_MM, ..PrintLimits::of(bounds_of(cell.limits())) };
     let paths: Vec<PrintPath> = placed.iter().map(Placed::path).collect();
     let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);

@@ -562,14 +562,14 @@ fn an_arm_over_a_table_prints_a_block() {
         _ => None,
     };
     let targets: Vec<_> = steps.iter().filter_map(target).collect();
-    assert_eq!(tips.len(), targets.len());
+    // Targets are merged where straight lines stay within the tolerance: each is one of the places, in their order.
+    assert!(targets.len() <= tips.len() && targets.len() > tips.len() / 2, "{} {}", targets.len(), tips.len());
     let shift = tips[0].0.coords - targets[0].0;
     assert!(shift.z.abs() < 1e-3);
-    for ((tip, feed), (at, speed)) in tips.iter().zip(&targets) {
-        assert!(
-            (tip.coords - at - shift).norm() < 2e-3 && (speed / feed - 1.0).abs() < 0.01,
-            "{tip} {at} {feed} {speed}"
-        );
+    let mut rest = tips.iter();
+    for (at, speed) in &targets {
+        let feed = rest.by_ref().find(|(tip, _)| (tip.coords - at - shift).norm() < 2e-3).map(|(_, feed)| feed);
+        assert!(feed.is_some_and(|feed| (speed / feed - 1.0).abs() < 0.01), "{at} {feed:?} {speed}");
     }
 }
 
