@@ -1,6 +1,6 @@
 //! What is left when a run is stopped from outside: one line, no file that was begun, and the exit status of the shell's convention.
 //!
-//! Files under a temporary name are listed here while they are written ([`begin`], [`end`]). On SIGINT (Ctrl-C) and SIGTERM a thread
+//! Files under a temporary name are listed here while they are written (`begin`, `end`). On SIGINT (Ctrl-C) and SIGTERM a thread
 //! removes them and ends the process with 128 and the number of the signal: 130 and 143. Elsewhere than on Unix the system ends
 //! the process, and such files stay.
 

@@ -396,9 +396,8 @@ fn a_robot_prints_a_block() {
     assert!(apart(&first, end) < 1e-9, "{first:?} {end:?}");
     let servo = |step: &Step| if let Step::Servo { joints, seconds: 0.008 } = step { Some(*joints) } else { None };
     let stream: Vec<[f64; 6]> = [first].into_iter().chain(steps.iter().filter_map(servo)).collect();
-    // The extruder goes off 0.03 s late, as the arm comes: four ticks, and the last posture is held for three beyond the end.
-    let (moving, held) = stream.split_at(stream.len() - 3);
-    assert!(held.iter().all(|posture| Some(posture) == moving.last()));
+    // The extruder goes off 0.03 s late, while the arm goes home: no posture is held for it.
+    let moving = &stream[..];
     assert_eq!(moving.len() as u64, count("program_steps") + 1);
     // Rounded up to a tick.
     assert!((moving.len() as f64 - 1.0) * 0.008 - robot_s < 0.008 && moving.len() as f64 * 0.008 > robot_s);
@@ -569,7 +568,8 @@ fn an_arm_over_a_table_prints_a_block() {
     let mut rest = tips.iter();
     for (at, speed) in &targets {
         let feed = rest.by_ref().find(|(tip, _)| (tip.coords - at - shift).norm() < 2e-3).map(|(_, feed)| feed);
-        assert!(feed.is_some_and(|feed| (speed / feed - 1.0).abs() < 0.01), "{at} {feed:?} {speed}");
+        // A merged line is shorter than the ones it stands for, and takes their time.
+        assert!(feed.is_some_and(|feed| (speed / feed - 1.0).abs() < 0.05), "{at} {feed:?} {speed}");
     }
 }
 
