@@ -5,13 +5,14 @@
 //! ```
 
 use curvlay_examples::args::{self, Failure, Outcome};
-use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, nozzle_of, programs};
-use curvlay_examples::{input, mesh::read_mesh, motion::table_options, shapes::jug};
+use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of};
+use curvlay_examples::motion::{programs, table_options};
+use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
-use curvlay_trajectory::print::{Fault, PrintLimits, PrintOptions, plan_print};
+use curvlay_trajectory::print::{PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, io::BufWriter, ops::ControlFlow::Continue, path::Path, process::ExitCode};
 
@@ -62,8 +63,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
         frame_part: centred_on_plate(plan.resolved.tips()),
         layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
     };
-    let gouging = GougingOptions { plate: false, ..GougingOptions::default() };
-    let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &gouging, &|_| Continue(()))?;
+    let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &GougingOptions::in_workcell(), &|_| Continue(()))?;
     println!("{} cells missed, {} pieces left out", layered.growth.missed.len(), plan.resolved.left_out.len());
     match &cell {
         AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), (&out, &inputs)),
@@ -80,23 +80,21 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     options: &PrintOptions<N, F>,
     (out, inputs): (&str, &input::Inputs),
 ) -> Result<Outcome, Failure> {
-    let takes_stream = programs::takes_stream(cell.equipment()).map_err(Failure::new)?;
     // The plate is at least as wide as the part.
     let plate_mm = PLATE_MM.max(part.cell_mm * f64::from(part.dims[0]).hypot(f64::from(part.dims[1])));
     let scene = GrowingScene::new(cell, part, plate_mm, &GrowingOptions::default())?;
     let paths = PlacedPaths::new(&plan.resolved.paths, &plan.deposition, &part.frame_part);
     let limits = PrintLimits { tolerance_mm: CELL_MM / 4.0, ..PrintLimits::of(bounds_of(cell.limits())) };
     let (robot, scene) = (OnCell::new(cell.clone(), Vec::new()), PrintingCell::new(scene, contacts));
-    let motion = plan_print(&robot, scene, &paths.paths(), &limits, options, &|_| Continue(()))?;
-    for Fault { layer, path, waypoint, kind, what } in &motion.faults {
-        println!("layer {}, path {path}, waypoint {waypoint}: {} {what}", layer + 1, kind.name());
-    }
-    // A stream is cut where the nozzle is lifted; the writer of RAPID cuts its modules itself.
+    let motion = plan_print(&robot, scene.clone(), &paths.paths(), &limits, options, &|_| Continue(()))?;
+    // Programs begin and end at home. A stream is cut where it is long; the writer of RAPID cuts its modules itself.
     let cuts = programs::cuts(cell, &motion, false, None);
-    for (number, runs) in programs::pieces_cut(&motion, &cuts).into_iter().enumerate() {
+    let motion = from_home(&motion, &cuts, &robot, scene, (&limits, options), &|_| Continue(()))?;
+    motion.faults.iter().for_each(|fault| println!("{fault}"));
+    for (number, runs) in programs::pieces(&motion).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
         let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
-        if takes_stream {
+        if programs::takes_stream(cell.equipment()).map_err(Failure::new)? {
             let (options, file) = (programs::urscript_options(cell, &motion, &name), format!("{name}.script"));
             write_urscript(programs::stream(cell, &motion, runs), &options, create(&file)?)?;
         } else {

@@ -1,13 +1,13 @@
 //! The tapes of the arc by a UR3 that holds the mould under a standing roller, as in figure 5.1(a): its motion and its program.
 //!
 //! The roller looks along the tape: its tool angle is given. Where the roller is mounted about its axis is chosen so that the most waypoints are in
-//! reach. The body of the workcell's nozzle stands for that of the roller.
+//! reach and clear on one branch of the arm. The body of the workcell's nozzle stands for that of the roller.
 
 use super::specimens::joined;
 use super::tapes::Planned;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, programs};
+use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, from_home, programs};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::centred_on_plate;
 use curvlay_kinematics::program::{
@@ -16,10 +16,11 @@ use curvlay_kinematics::program::{
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
 use curvlay_toolpath::surface::{Tape, TapeHead};
 use curvlay_trajectory::print::{
-    Fault, LegKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, Run, Steered, Waypoint, plan_print,
+    Clearance, Fault, LegKind, PrintCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, Run, Steered,
+    Waypoint, plan_print,
 };
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -30,14 +31,11 @@ const PLATE_MM: f64 = 127.5;
 /// How far the roller may turn away from the tape, in radians: a tape of 5 mm on a roller gives so much without a crease.
 pub const SLACK: f64 = 0.035;
 /// Places of the roller about its axis that are tried.
-const MOUNTS: u32 = 24;
+const MOUNTS: u32 = 120;
 /// How far the contact line may leave the centre line, in millimetres: a tenth of a tape's width is told as overlap.
 const TOLERANCE_MM: f64 = 0.1;
 /// Speed with which tape is pushed out, in mm/s: the feed before a tape takes the length from blade to roller.
 const FEED_MM_S: f64 = 20.0;
-/// How far bodies keep apart, in millimetres: with 1 no way leads from tape to tape, as the roller lifts off by little. It is less than the error that
-/// is stated for the bodies of the arm, so that motions are checked, not proven free for the arm as it is.
-const MARGIN_MM: f64 = 0.5;
 
 /// What the motion comes to.
 #[derive(Default)]
@@ -129,29 +127,40 @@ fn heading(tapes: &[Placed], waypoint: &Waypoint) -> f64 {
     along.dot(&(plain * Vector3::y())).atan2(along.dot(&(plain * Vector3::x())))
 }
 
-/// Where the roller is mounted so that the most waypoints are in reach.
-fn mounted(robot: &OnCell<SixAxisCell>, tapes: &[Placed]) -> f64 {
-    let limits = *robot.workcell().limits();
-    let is_reached = |waypoint: &Waypoint, mount: f64| {
-        let mut reached = false;
-        let angle = [heading(tapes, waypoint) + mount];
-        PrintRobot::solutions(robot, waypoint, &angle, &mut |_, joints: [f64; 6]| {
-            reached |= (0..6).all(|j| (limits.lower[j]..=limits.upper[j]).contains(&joints[j]));
-        });
-        reached
+/// Where the roller is mounted: so that the most waypoints can be reached on one branch along each tape, with the clearance that
+/// postures keep. The first of the best.
+///
+/// # Arguments
+/// * `cell`: the workcell with mould and part.
+fn mounted(robot: &OnCell<SixAxisCell>, tapes: &[Placed], cell: &impl PrintCell<6>) -> f64 {
+    let limits = robot.workcell().limits();
+    // The longest stretch of a tape on one branch.
+    let unbroken = |tape: &Placed, headings: &[f64], mount: f64| {
+        let mut longest = 0;
+        let mut by_branch: BTreeMap<u32, usize> = BTreeMap::new();
+        for (waypoint, heading) in tape.waypoints.iter().zip(headings) {
+            let mut goes_on = BTreeMap::new();
+            PrintRobot::solutions(robot, waypoint, &[heading + mount], &mut |branch, joints: [f64; 6]| {
+                let is_inside = (0..6).all(|j| (limits.lower[j]..=limits.upper[j]).contains(&joints[j]));
+                if is_inside && cell.keeps(&joints, Clearance::Wide) {
+                    goes_on.insert(branch, by_branch.get(&branch).copied().unwrap_or(0) + 1);
+                }
+            });
+            longest = goes_on.values().copied().fold(longest, usize::max);
+            by_branch = goes_on;
+        }
+        longest
     };
-    let count = |mount: f64| {
-        let waypoints = tapes.iter().flat_map(|tape| &tape.waypoints);
-        waypoints.filter(|waypoint| is_reached(waypoint, mount)).count()
+    let heading_of = |tape: &Placed| tape.waypoints.iter().map(|waypoint| heading(tapes, waypoint)).collect();
+    let headings: Vec<Vec<f64>> = tapes.iter().map(heading_of).collect();
+    let count = |mount: f64| -> usize {
+        tapes.iter().zip(&headings).map(|(tape, headings)| unbroken(tape, headings, mount)).sum()
     };
     let mounts = (0..MOUNTS).map(|k| TAU * f64::from(k) / f64::from(MOUNTS));
-    // The first of the best.
     mounts
-        .fold((0.0, None), |best, mount| match (count(mount), best.1) {
-            (reached, Some(most)) if reached <= most => best,
-            (reached, _) => (mount, Some(reached)),
-        })
-        .0
+        .map(|mount| (count(mount), mount))
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
+        .map_or(0.0, |best| best.1)
 }
 
 /// Cells of mould and part, and the layers in which they come: the mould first.
@@ -197,10 +206,6 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
     let placed: Vec<Placed> =
         all().map(|(layer, tape)| Placed::new(tape, layer.layer + 1, layer.lift, head, &frame)).collect();
     let robot = OnCell::new(cell.clone(), Vec::new());
-    let mount = mounted(&robot, &placed);
-    let steered =
-        Steered { robot: &robot, heading: |waypoint: &Waypoint| heading(&placed, waypoint) + mount, slack: SLACK };
-
     let (solid, layers) = cells_of(planned, bars)?;
     let grid = &solid.grid;
     let part = PartCells {
@@ -211,17 +216,18 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
         frame_part: frame,
         layers: &layers,
     };
-    let scene = GrowingScene::new(
-        cell,
-        &part,
-        PLATE_MM,
-        &GrowingOptions { margin_mm: MARGIN_MM, ..GrowingOptions::default() },
-    )?;
+    let scene = GrowingScene::new(cell, &part, PLATE_MM, &GrowingOptions::default())?;
     let limits = PrintLimits { tolerance_mm: TOLERANCE_MM, ..PrintLimits::of(bounds_of(cell.limits())) };
     let paths: Vec<PrintPath> = placed.iter().map(Placed::path).collect();
     let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
-    let plan =
-        plan_print(&steered, PrintingCell::pressing(scene), &paths, &limits, &PrintOptions::default(), &progress)?;
+    let (scene, options) = (PrintingCell::pressing(scene), PrintOptions::default());
+    let mut built = scene.clone();
+    PrintCell::begin(&mut built, u32::MAX).map_err(Failure::new)?;
+    let mount = mounted(&robot, &placed, &built);
+    let steered =
+        Steered { robot: &robot, heading: |waypoint: &Waypoint| heading(&placed, waypoint) + mount, slack: SLACK };
+    let plan = plan_print(&steered, scene.clone(), &paths, &limits, &options, &progress)?;
+    let plan = from_home(&plan, &BTreeSet::new(), &steered, scene, (&limits, &options), &progress)?;
 
     let mut moved = Moved {
         cell: cell.equipment().name().to_owned(),
@@ -280,11 +286,8 @@ fn stream<'a>(
 ) -> impl Iterator<Item = curvlay_kinematics::program::Step> + 'a {
     let at = |time_s: f64, signal: HeadSignal, on: bool| TimedSignal { time_s, signal, on };
     let feed_s = head.blade / FEED_MM_S;
-    let (first, last) = (plan.runs.get(runs.start), plan.runs.get(runs.end.wrapping_sub(1)));
-    let travel = plan.travels.get(runs.end.wrapping_sub(1)).and_then(Option::as_ref);
-    let end = travel.map(|travel| &travel.approach).or(last.map(|run| &run.trajectory));
-    let start = first.and_then(|run| run.trajectory.joints().first()).copied().unwrap_or_default();
-    let stop = end.and_then(|way| way.joints().last()).copied().unwrap_or(start);
+    let start = plan.legs(runs.clone()).next().map_or([0.0; 6], |leg| leg.at(0.0));
+    let stop = plan.legs(runs.clone()).last().map_or(start, |leg| leg.at(leg.duration()));
     type Joints<'a> = Box<dyn Fn(f64) -> [f64; 6] + 'a>;
     let feeding = move |joints: [f64; 6]| StreamLeg {
         duration_s: feed_s,
@@ -292,12 +295,13 @@ fn stream<'a>(
         filament_mm: None::<fn(f64) -> f64>,
         signals: vec![at(0.0, HeadSignal::Feed, true), at(feed_s, HeadSignal::Feed, false)],
     };
-    let mut begin = feeding(start);
-    begin.signals.insert(0, at(0.0, HeadSignal::Roller, true));
-    begin.signals.insert(1, at(0.0, HeadSignal::Heat, true));
-    let legs = plan.legs(runs).flat_map(move |leg| {
+    let legs = plan.legs(runs).enumerate().flat_map(move |(number, leg)| {
         let duration = leg.duration();
         let mut signals = Vec::new();
+        // The roller turns and heats on the way from home.
+        if number == 0 {
+            signals.extend([at(0.0, HeadSignal::Roller, true), at(0.0, HeadSignal::Heat, true)]);
+        }
         if leg.kind == LegKind::Print {
             signals.push(at(0.0, HeadSignal::Press, true));
             if let Some(cut) = cut_at(leg.run, &placed[leg.run.path], head.blade) {
@@ -314,5 +318,5 @@ fn stream<'a>(
         };
         before.into_iter().chain([motion])
     });
-    print_stream([start, stop], [begin].into_iter().chain(legs), StreamOptions::default())
+    print_stream([start, stop], legs, StreamOptions::default())
 }

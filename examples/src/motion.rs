@@ -1,17 +1,19 @@
 //! Workcells as the planners of trajectories see them, and the two cells of the dissertation.
 
+mod home;
 mod parts;
 mod printing;
 pub mod programs;
 pub mod shown;
 
+pub use home::{NO_HOME, from_home, home};
 pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
 
 use crate::mesh::read_mesh;
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
-    self, AnyWorkcell, EightAxisCell, LimitsModel, SixAxisCell, Workcell, WorkcellFileError, WorkcellModel,
+    self, AnyWorkcell, EightAxisCell, Held, LimitsModel, SixAxisCell, Workcell, WorkcellFileError, WorkcellModel,
 };
 use curvlay_trajectory::print::{PrintRobot, Waypoint};
 use curvlay_trajectory::{Bounds, FreeRange, LadderError, MinSpeed, Posture, Robot, min_speed};
@@ -202,7 +204,12 @@ fn of_figures<const N: usize>(limits: &JointLimits<N>, makers_speeds: bool) -> B
     Bounds { lower: limits.lower, upper: limits.upper, velocity, acceleration, jerk }
 }
 
-/// The two cells of the dissertation, with the makers' stops.
+/// Where the part is at the flange and where the tip stands in the cell of the UR3 for which all figures are made, in millimetres. Prints
+/// keep the part farther from the wrist ([`UR3_CELL`]), since the bodies of the links need room.
+const STUDIED_PART_MM: [f64; 3] = [0.0, 0.0, 45.0];
+const STUDIED_TIP_MM: [f64; 3] = [300.0, 60.0, 220.0];
+
+/// The two cells of the dissertation, with the makers' stops, as all figures of its motions are made.
 ///
 /// # Errors
 /// None with the files that are there.
@@ -210,6 +217,9 @@ pub fn dissertation_cells() -> Result<(SixAxisCell, EightAxisCell), WorkcellFile
     let cell = |file: &str| -> Result<AnyWorkcell, WorkcellFileError> {
         let mut model = WorkcellModel::from_json(file.as_bytes())?;
         model.arm.limits = LimitsModel::default();
+        if model.held == Held::Part {
+            (model.part.position_mm, model.nozzle.tip_mm) = (STUDIED_PART_MM, STUDIED_TIP_MM);
+        }
         Ok(AnyWorkcell::new(model)?)
     };
     match (cell(UR3_CELL)?, cell(TABLE_CELL)?) {

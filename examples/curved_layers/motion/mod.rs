@@ -18,7 +18,8 @@ use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::motion::{
-    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, link_mesh, programs, table_options, waypoints,
+    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, home, link_mesh, programs, table_options,
+    waypoints,
 };
 use curvlay_kinematics::workcell::{
     AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
@@ -28,7 +29,7 @@ use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::surface::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::check::FindingClass;
-use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, TipSpeed, Waypoint, home_above, plan_print};
+use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, TipSpeed, Waypoint, plan_print};
 use nalgebra::Isometry3;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -314,7 +315,7 @@ impl Print<'_> {
             let mut plan = plan_print(&robot, growing.clone(), &paths.paths(), &limits, options, &progress)?;
             plan.times.runs += took;
             let start = Instant::now();
-            let home = self.home(&robot, growing, &plan, &paths, (&limits, options))?;
+            let home = home(&plan, &robot, &growing, (&limits, options), &progress)?;
             plan.times.travels += start.elapsed();
             Ok((plan, home))
         })?;
@@ -337,32 +338,6 @@ impl Print<'_> {
         };
         self.go_home(&mut run, bars)?;
         Ok(run)
-    }
-
-    /// The home posture: that of the workcell, or else one above the part, free with all layers there.
-    fn home<const N: usize, const F: usize, W: Workcell<N, F>>(
-        &self,
-        robot: &OnCell<W>,
-        mut growing: PrintingCell<N, F, W>,
-        plan: &PrintPlan<N, F>,
-        paths: &PlacedPaths,
-        (limits, options): (&PrintLimits<N>, &PrintOptions<N, F>),
-    ) -> Result<Option<[f64; N]>, Failure> {
-        let Some(first) = plan.runs.first() else { return Ok(None) };
-        for layer in &plan.layers {
-            growing.begin_and_build(layer.layer).map_err(failure)?;
-        }
-        if let Some(home) = robot.workcell().equipment().home::<N>() {
-            if let Some(what) = growing.in_the_way(&home) {
-                return Err(failure(format!(
-                    "home_deg of the workcell: {what} touch there with the whole part on the plate"
-                )));
-            }
-            return Ok(Some(home));
-        }
-        let near = first.trajectory.joints()[0];
-        let all = paths.paths().into_iter().flat_map(|path| path.waypoints.iter().copied());
-        Ok(home_above(robot, &growing, all, &near, limits, options))
     }
 
     /// Cuts the plan into programs that begin and end at home.
@@ -411,7 +386,7 @@ impl Print<'_> {
         let Print { field, surfaces, nozzle, .. } = *self;
         let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
         // The workcell knows the plate.
-        let options = GougingOptions { allowed_depth, plate: false, ..GougingOptions::default() };
+        let options = GougingOptions { allowed_depth, ..GougingOptions::in_workcell() };
         let layers = surfaces.surfaces();
         let stack = self.paths.filled.stack(&layers)?;
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;

@@ -9,6 +9,7 @@
 use crate::failure;
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
+use curvlay_examples::motion::NO_HOME;
 use curvlay_examples::motion::programs::{pieces, rate, stream, takes_stream, targets, urscript_options};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
@@ -71,9 +72,7 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
         return Ok(none);
     }
     if run.home.is_none() {
-        let why =
-            "no home posture is free above the part: programs are not written; `home_deg` in the workcell names one";
-        return Ok(Programs { refused: Some(why.to_owned()), ..none });
+        return Ok(Programs { refused: Some(NO_HOME.to_owned()), ..none });
     }
     if !run.unsafe_motions().is_empty() {
         let why = "motions are unsafe (motion-check.csv): programs are not written";

@@ -1,6 +1,6 @@
 //! Parts with directions of their own, printed one after another in flat layers: layers, tool paths, joint motion, programs.
 
-use super::{OnCell, PlacedPaths, PrintingCell, bounds_of, nozzle_of, programs, table_options, waypoints};
+use super::{OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, table_options, waypoints};
 use crate::args::Failure;
 use crate::bars::Bars;
 use crate::findings::{Findings, Severity};
@@ -19,7 +19,6 @@ use nalgebra::{Unit, UnitVector3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::io::{self, Write};
-use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 /// The least diameter of a plate that the workcell leaves open, and how much wider than the part it is, in millimetres.
@@ -103,9 +102,9 @@ pub struct Moved {
     pub runs: usize,
     /// Transfers between runs.
     pub transfers: usize,
-    /// Those of them from part to part.
+    /// Ways from part to part, by a transfer or by home.
     pub between_parts: usize,
-    /// Runs without a way to the next.
+    /// Ways that were not found, from run to run or home.
     pub missing: usize,
     /// Changes of the filament.
     pub changes: usize,
@@ -200,7 +199,7 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
     options.deposition.filament_diameter = print.filament_mm;
     let plan = stack.plan_along(&directions, &nozzle, &options, &progress)?;
     let moved = if print.moves {
-        let options = GougingOptions { allowed_depth: DEPTH, plate: false, ..GougingOptions::default() };
+        let options = GougingOptions { allowed_depth: DEPTH, ..GougingOptions::in_workcell() };
         let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &progress)?;
         let work = Work { print, layers: &layers, plan: &plan, contacts: &contacts, bars };
         Some(match cell {
@@ -274,56 +273,55 @@ impl Work<'_> {
         };
         let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
         let robot = OnCell::new(cell.clone(), Vec::new());
-        let motion =
-            plan_print(&robot, PrintingCell::new(scene, contacts), &paths.paths(), &limits, options, &progress)?;
-        self.moved(cell, motion, takes_stream)
+        let scene = PrintingCell::new(scene, contacts);
+        let motion = plan_print(&robot, scene.clone(), &paths.paths(), &limits, options, &progress)?;
+        // A program ends where no way leads on, and where the filament is changed.
+        let filament = |run: usize| self.filament(part_of(self.layers, motion.runs[run].layer as usize));
+        let cuts = (1..motion.runs.len()).filter(|&run| filament(run) != filament(run - 1)).collect();
+        let motion = from_home(&motion, &cuts, &robot, scene, (&limits, options), &progress)?;
+        self.moved(cell, &motion, takes_stream)
+    }
+
+    /// The filament of a part, from 0.
+    fn filament(&self, part: usize) -> u32 {
+        part as u32 % self.print.filaments
     }
 
     fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
         &self,
         cell: &W,
-        motion: print::PrintPlan<N, F>,
+        motion: &print::PrintPlan<N, F>,
         takes_stream: bool,
     ) -> Result<Moved, Failure> {
         let part = |run: usize| part_of(self.layers, motion.runs[run].layer as usize);
-        let filament = |run: usize| part(run) as u32 % self.print.filaments;
+        let filament = |run: usize| self.filament(part(run));
+        let count = |differ: &dyn Fn(usize) -> bool| (1..motion.runs.len()).filter(|&run| differ(run)).count();
         let mut moved = Moved {
             cell: cell.equipment().name().to_owned(),
             nozzle_mm: cell.equipment().model().nozzle.tip_mm,
             runs: motion.runs.len(),
+            transfers: motion.travels.iter().flatten().count(),
+            between_parts: count(&|run| part(run) != part(run - 1)),
+            missing: motion.count(FaultKind::NoTransfer),
+            changes: count(&|run| filament(run) != filament(run - 1)),
             robot_s: motion.robot_s(),
             faults: motion.faults.clone(),
-            ..Moved::default()
+            files: BTreeMap::new(),
         };
-        // A program ends where no way leads on, and where the filament is changed.
-        let mut pieces: Vec<Range<usize>> = Vec::new();
-        for run in 0..motion.runs.len() {
-            let joins = run > 0 && motion.travels[run - 1].is_some();
-            if run > 0 {
-                moved.transfers += usize::from(joins);
-                moved.missing += usize::from(!joins);
-                moved.between_parts += usize::from(joins && part(run) != part(run - 1));
-                moved.changes += usize::from(filament(run) != filament(run - 1));
-            }
-            match pieces.last_mut() {
-                Some(piece) if joins && filament(run) == filament(run - 1) => piece.end = run + 1,
-                _ => pieces.push(run..run + 1),
-            }
-        }
-        for (number, piece) in pieces.into_iter().enumerate() {
+        for (number, piece) in programs::pieces(motion).into_iter().enumerate() {
             let name = match self.print.filaments {
                 1 => format!("print_{:03}", number + 1),
                 _ => format!("print_{:03}_filament_{}", number + 1, filament(piece.start) + 1),
             };
             if takes_stream {
-                let options = programs::urscript_options(cell, &motion, &name);
+                let options = programs::urscript_options(cell, motion, &name);
                 let mut file = Vec::new();
-                write_urscript(programs::stream(cell, &motion, piece), &options, &mut file)?;
+                write_urscript(programs::stream(cell, motion, piece), &options, &mut file)?;
                 moved.files.insert(format!("{name}.script"), file);
             } else {
                 let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
                 let mut files: Vec<(String, Shared)> = Vec::new();
-                write_rapid(programs::targets(cell, &motion, piece), &options, |name| {
+                write_rapid(programs::targets(cell, motion, piece), &options, |name| {
                     let file = Shared::default();
                     files.push((name.to_owned(), file.clone()));
                     Ok(file)

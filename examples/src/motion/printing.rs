@@ -92,6 +92,11 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
         PrintingCell { scene, contacts: None }
     }
 
+    /// The workcell.
+    pub fn workcell(&self) -> &'a W {
+        self.scene.workcell()
+    }
+
     /// Adds a layer that is printed.
     ///
     /// # Errors

@@ -113,7 +113,7 @@ fn a_mesh_is_divided_and_files_of_before_go() {
     let figures = summary(&path);
     assert_eq!((&figures["stuck_parts"], &figures["audit_ok"]), (&1.into(), &false.into()));
     assert!(figures["findings"].as_str().unwrap().contains("a part keeps its overhang"), "{}", figures["findings"]);
-    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("class=\"notice\""));
+    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("class=\"notice failed\""));
 }
 
 #[test]

@@ -93,8 +93,8 @@ pub struct SceneModel {
     /// By how much the links are thicker than their bodies, in millimetres, against everything that is no link: for cables,
     /// hoses and clips that run along them. Against each other links are as thick as their bodies. Default 0.
     pub link_allowance: f64,
-    /// What bodies keep apart beyond the margin, in millimetres, for postures that motions may leave by so much; but links with one
-    /// link between them, which rest side by side on many arms, keep the margin alone. Default 0.
+    /// What bodies keep apart beyond the margin, in millimetres, for postures that motions may leave by so much; links with one
+    /// link between them, which rest side by side on many arms, keep at most 2 mm of it. Default 0.
     pub clearance: f64,
 }
 

@@ -7,6 +7,10 @@ use super::search::Meeting;
 use super::{Placed, Scene};
 use nalgebra::{Isometry3, Point3};
 
+/// What links with one link between them keep apart beyond the margin at most, in millimetres: the base and the upper arm of a UR3
+/// pass each other at 8 mm, and less than this does not keep the way between two waypoints free.
+const CLOSE_LINKS_MM: f64 = 2.0;
+
 /// Which chain moves a mount, and behind how many joints it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
@@ -68,7 +72,9 @@ impl Scene {
     pub(super) fn threshold(&self, [a, b]: &[usize; 2]) -> f64 {
         let both_links = self.bodies[*a].is_link && self.bodies[*b].is_link;
         match self.relation(*a, *b) {
-            Some((_, Apart::Behind { table: false, from, to })) if both_links && to - from <= 2 => self.margin,
+            Some((_, Apart::Behind { table: false, from, to })) if both_links && to - from <= 2 => {
+                self.margin + self.clearance.min(CLOSE_LINKS_MM)
+            }
             _ => self.margin + self.clearance,
         }
     }

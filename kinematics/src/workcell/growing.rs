@@ -39,8 +39,8 @@ pub struct GrowingOptions {
     /// What is this near counts as touching. Default 2: twice the error of the bodies of links
     /// ([`LinkSource::error_mm`](crate::scene::LinkSource::error_mm)).
     pub margin_mm: f64,
-    /// How much farther than the margin things are apart at postures, by [`ClearanceLevel`], but for links with one link between them
-    /// ([`SceneModel::clearance`]); not rising. Default 9.5, 2.5 and 0.5. The
+    /// How much farther than the margin things are apart at postures, by [`ClearanceLevel`]; links with one link between them less
+    /// ([`SceneModel::clearance`]). Not rising. Default 9.5, 2.5 and 0.5. The
     /// least should be twice the fine resolution, or sweeps through such postures may not be proven free.
     pub clearances_mm: [f64; 3],
     /// Resolution of sweeps. Default 2: coarse sweeps cost an eighth of fine ones.

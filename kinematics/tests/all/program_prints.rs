@@ -296,7 +296,7 @@ proptest! {
     /// Against all waypoints that are not written: each is near the line that passes it, its speed and its filament, too.
     #[test]
     fn merged_lines_pass_their_waypoints(
-        bends in prop::collection::vec((0..5u8, 0.0..1.0f64), 5..120), merge_mm in 0.01..2.0f64,
+        bends in prop::collection::vec((0..5u8, 0.0..1.0f64), 5..120), merge_mm in 0.01..2.0f64, same_speed in prop::sample::select(vec![0.0, 0.002]),
     ) {
         let cell = over_table();
         let mut joints = [0.0, 0.3, 0.2, 0.1, 0.8, 0.0, 0.2, 0.1];
@@ -312,7 +312,7 @@ proptest! {
                 PrintKnot { time_s, joints, filament_mm }
             })
             .collect();
-        let options = TargetOptions { merge_mm, merge_share: 0.2, merge_rad: 0.01, ..TargetOptions::default() };
+        let options = TargetOptions { merge_mm, merge_share: 0.2, merge_rad: 0.01, same_speed, ..TargetOptions::default() };
         let motion = TargetMotion { knots: knots.clone(), onward: vec![] };
         let steps: Vec<Step> = print_targets(&cell, [motion], options).collect();
         let poses: Vec<_> = knots.iter().map(|knot| cell.controller_pose(&knot.joints).unwrap().target.pose).collect();
@@ -349,6 +349,7 @@ proptest! {
             from = to;
         }
         prop_assert_eq!(from, knots.len() - 1);
-        prop_assert!((laid - fed).abs() < 1e-9);
+        // An output that keeps its value is off by as much.
+        prop_assert!((laid - fed).abs() <= same_speed * fed + 1e-9);
     }
 }

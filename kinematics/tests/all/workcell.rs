@@ -117,8 +117,8 @@ fn solutions<const N: usize, const F: usize>(
 
 #[test]
 fn the_ur3_of_the_file_is_the_one_made_by_hand() {
-    let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
-    let part = Isometry3::translation(0.0, 0.0, 45.0);
+    let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 260.0), &-Vector3::z_axis());
+    let part = Isometry3::translation(0.0, 0.0, 120.0);
     let by_hand = Cell::part_in_hand(Arm::new(&robots::UR3).unwrap(), part, nozzle).unwrap();
     let cell = six(model(UR3));
     let mut count = 0;

@@ -144,7 +144,7 @@ fn what_is_no_file_is_told_with_its_place() {
     assert!(line == 18 && what == "expected value", "{line} {what}");
     let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": \"1 mm\",");
     assert!(line == 18 && what.contains("expected f64"), "{line} {what}");
-    let (line, what) = refused("[0, 0, 45]", "[0, 45]");
+    let (line, what) = refused("[0, 0, 120]", "[0, 45]");
     assert!(line == 14 && what.contains("array of length 3"), "{line} {what}");
     let (line, what) = refused("[100, 100, 100, 100, 100, 100]", "[100, 100, 100, 100, 100, 100, 100]");
     assert!(line == 10, "{line} {what}");

@@ -64,7 +64,7 @@ impl Region {
     ///     outer: [[x, 0.0], [x + 2.0, 0.0], [x + 2.0, 2.0], [x, 2.0]].map(|[x, y]| Point2::new(x, y)).to_vec(),
     ///     holes: Vec::new(),
     /// };
-    /// let (left, right) = (Region::new(&[square(0.0)]), Region::new(&[square(1.0)]));
+    /// let (left, right) = (Region::new(&[square(0.0)])?, Region::new(&[square(1.0)])?);
     /// assert!((left.union(&right).area() - 6.0).abs() < 1e-9);
     /// assert!((left.difference(&right).area() - 2.0).abs() < 1e-9);
     /// assert!((left.intersection(&right).offset(-0.5)?.area() - 0.0).abs() < 1e-9);

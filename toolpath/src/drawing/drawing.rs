@@ -65,7 +65,7 @@ impl Drawing {
     /// let mut drawing = Drawing::default();
     /// drawing.add("RIM", [Curve::circle(Point2::new(2.0, 0.0), 1.0, 0.0, std::f64::consts::TAU)]);
     /// drawing.set_unit(25.4);
-    /// assert_eq!(drawing.entities[0].curves[0].ends()[0], Point2::new(76.2, 0.0));
+    /// assert!((drawing.entities[0].curves[0].ends()[0] - Point2::new(76.2, 0.0)).norm() < 1e-12);
     /// ```
     pub fn set_unit(&mut self, unit_mm: f64) {
         let map = Affine::scale(unit_mm / self.unit_mm.unwrap_or(1.0));

@@ -8,14 +8,14 @@ use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
 use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions};
 use super::plan::{Fault, FaultKind, PrintPlan, Run, Travel, sampled, seconds};
-use super::travel::{arrive, depart};
-use crate::Progress;
-use crate::robot::FreeRange;
+use super::postures::samples_of;
+use super::travel::{arrive, depart, has_way, lifted};
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
+use crate::vectors::square;
+use crate::{Bounds, Progress};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 /// From home to a run.
@@ -62,79 +62,86 @@ impl<const N: usize> Departure<N> {
     }
 }
 
-/// Heights above the part by which a home posture is looked for, in millimetres: one after the other, so that each leads to the next, up to one
-/// that is clear of the part at any time.
-const ABOVE_MM: [f64; 7] = [4.0, 8.0, 15.0, 30.0, 50.0, 70.0, 100.0];
+/// Heights of a home posture above the part, in millimetres, the one wanted most first.
+const ABOVE_MM: [f64; 6] = [100.0, 70.0, 50.0, 30.0, 15.0, 8.0];
 
-/// A posture from which programs can begin: the nozzle stands upright, high above the middle of some waypoints, and nothing touches
-/// there. Seven heights are tried (4 to 100 mm above the highest waypoint), the lowest first: each takes the free posture nearest to the one
-/// before, beginning with `near`, if a straight motion from there is free, so that home hangs together with the print. `None`
-/// where there is no posture at any height.
-///
-/// # Arguments
-/// * `cell`: the workcell with all layers.
-/// * `near`: joints, such as those of the first run.
-///
-/// # Cost
-/// A posture check for each solution at [`PrintOptions::samples`] of the free parameters, at each height that is tried.
-pub fn home_above<const N: usize, const F: usize>(
-    robot: &impl PrintRobot<N, F>,
-    cell: &impl PrintCell<N>,
-    waypoints: impl IntoIterator<Item = Waypoint>,
-    near: &[f64; N],
-    limits: &PrintLimits<N>,
-    options: &PrintOptions<N, F>,
-) -> Option<[f64; N]> {
-    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
-    for Waypoint { position, .. } in waypoints {
-        (low, high) = (low.inf(&position.coords), high.sup(&position.coords));
-    }
-    let middle = (low + high) / 2.0;
-    let inside = |joints: &[f64; N]| {
-        let (bounds, margin) = (&limits.bounds, options.stop_margin);
-        (0..N).all(|j| (bounds.lower[j] + margin..=bounds.upper[j] - margin).contains(&joints[j]))
-    };
-    let free_at = |above: f64, from: &[f64; N]| {
-        let apart = |joints: &[f64; N]| (0..N).map(|j| (joints[j] - from[j]).powi(2)).sum::<f64>();
-        let position = Vector3::new(middle.x, middle.y, high.z + above).into();
-        let waypoint = Waypoint { position, axis: Vector3::z_axis() };
-        let mut found: Vec<[f64; N]> = Vec::new();
-        for free in grid(&robot.free(), &options.samples) {
-            robot.solutions(&waypoint, &free, &mut |_, joints| found.extend(inside(&joints).then_some(joints)));
+/// So many postures are tried at each height, those nearest to the end of the print first.
+const NEAREST: usize = 4;
+
+impl<const N: usize, const F: usize> PrintPlan<N, F> {
+    /// A posture from which programs can begin: the nozzle stands upright, high above the middle of all runs, nothing touches there
+    /// with all layers built, and a way leads there from the end of the print. Heights of 100 to 8 mm are tried; where no way leads to
+    /// any, home is where the nozzle has lifted off. `None` without runs, and where the nozzle cannot lift off.
+    ///
+    /// The free postures of an arm fall into parts between which no way leads. Runs with travels between them are in one part: home is
+    /// in that of the longest chain of such runs.
+    ///
+    /// # Arguments
+    /// * `cell`: the workcell before anything is built.
+    ///
+    /// # Errors
+    /// [`PrintError::Cell`] if the workcell refuses a layer, [`PrintError::Cancelled`].
+    ///
+    /// # Cost
+    /// A posture check for each solution at [`PrintOptions::samples`] of the free parameters at each height that is tried, and a short
+    /// search of a way for each of the nearest of them.
+    pub fn home_above(
+        &self,
+        robot: &impl PrintRobot<N, F>,
+        mut cell: impl PrintCell<N>,
+        limits: &PrintLimits<N>,
+        options: &PrintOptions<N, F>,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Option<[f64; N]>, PrintError> {
+        for layer in self.layers.iter().map(|layer| layer.layer) {
+            let refused = |what| PrintError::Cell { layer, what };
+            cell.begin(layer).and_then(|()| cell.build(layer)).map_err(refused)?;
         }
-        found.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
-        found.into_iter().filter(|joints| cell.posture_free(joints))
-    };
-    let mut home: Option<[f64; N]> = None;
-    for above in ABOVE_MM {
-        let next = match home {
-            None => free_at(above, near).next(),
-            Some(home) => free_at(above, &home).find(|next| cell.free(&home, next)),
+        let stopped = || progress(Progress { stage: "find home", done: 0, total: 1 }).is_break();
+        let task = Task { robot, limits, options, stopped: &stopped };
+        let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+        let postures = self.runs.iter().flat_map(|run| run.trajectory.joints());
+        for tip in postures.filter_map(|joints| robot.nozzle(joints)).map(|nozzle| nozzle.translation.vector) {
+            (low, high) = (low.inf(&tip), high.sup(&tip));
+        }
+        let middle = (low + high) / 2.0;
+        let Bounds { lower, upper, .. } = task.inside();
+        let is_inside = |joints: &[f64; N]| (0..N).all(|j| (lower[j]..=upper[j]).contains(&joints[j]));
+        let free_at = |above: f64, from: &[f64; N]| {
+            let position = Vector3::new(middle.x, middle.y, high.z + above).into();
+            let waypoint = Waypoint { position, axis: Vector3::z_axis() };
+            let mut found: Vec<[f64; N]> = Vec::new();
+            for free in samples_of(&robot.free(), &options.samples) {
+                robot.solutions(&waypoint, &free, &mut |_, joints| found.extend(is_inside(&joints).then_some(joints)));
+            }
+            found.retain(|joints| cell.posture_free(joints));
+            found.sort_by(|a, b| square(a, from).total_cmp(&square(b, from)));
+            found.truncate(NEAREST);
+            found
         };
-        home = next.or(home);
+        for last in self.ends_of_chains() {
+            let Some(lifted) = lifted(&self.runs[last], &task, &cell).filter(is_inside) else { continue };
+            let is_reached = |home: &[f64; N]| has_way(last, &[lifted, *home], &task, &cell);
+            let home = ABOVE_MM.iter().find_map(|&above| free_at(above, &lifted).into_iter().find(is_reached));
+            return if stopped() { Err(PrintError::Cancelled) } else { Ok(Some(home.unwrap_or(lifted))) };
+        }
+        Ok(None)
     }
-    home
-}
 
-/// All samples of the free parameters.
-fn grid<const F: usize>(free: &[FreeRange; F], samples: &[u32; F]) -> Vec<[f64; F]> {
-    let mut all = vec![[0.0; F]];
-    for f in 0..F {
-        let value = |k: u32| match free[f] {
-            FreeRange::Turn => TAU * f64::from(k) / f64::from(samples[f]),
-            FreeRange::Within(low, high) => low + (high - low) * f64::from(k) / f64::from(samples[f].max(2) - 1),
-        };
-        let with = |of: &[f64; F]| {
-            let of = *of;
-            (0..samples[f]).map(move |k| {
-                let mut next = of;
-                next[f] = value(k);
-                next
-            })
-        };
-        all = all.iter().flat_map(with).collect();
+    /// The last runs of chains with travels between them; that of the chain that takes longest first.
+    fn ends_of_chains(&self) -> Vec<usize> {
+        let mut chains: Vec<(f64, usize)> = Vec::new();
+        for (number, run) in self.runs.iter().enumerate() {
+            match chains.last_mut() {
+                Some((seconds, last)) if self.travels[number - 1].is_some() => {
+                    (*seconds, *last) = (*seconds + run.duration(), number);
+                }
+                _ => chains.push((run.duration(), number)),
+            }
+        }
+        chains.sort_by(|a, b| b.0.total_cmp(&a.0));
+        chains.into_iter().map(|(_, last)| last).collect()
     }
-    all
 }
 
 impl<const N: usize, const F: usize> PrintPlan<N, F> {

@@ -34,7 +34,7 @@ mod ways;
 
 pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, PrintRobotFn, Waypoint};
 pub use course::path_deviations;
-pub use home::{Arrival, Departure, home_above};
+pub use home::{Arrival, Departure};
 pub use legs::{Leg, LegKind};
 pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath, TipSpeed};
 pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};

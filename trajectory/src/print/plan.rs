@@ -4,6 +4,7 @@ use super::cell::Waypoint;
 use super::home::{Arrival, Departure};
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
+use std::fmt;
 use std::time::Duration;
 
 /// The whole print.
@@ -127,6 +128,15 @@ pub struct Fault {
     pub waypoint: usize,
     /// What is in the way, or how far the nozzle is off, in words; may be empty.
     pub what: String,
+}
+
+impl fmt::Display for Fault {
+    /// Layers are counted from 1, as in reports.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Fault { layer, path, kind, waypoint, what } = self;
+        write!(f, "layer {}, path {path}, waypoint {waypoint}: {}", layer + 1, kind.name())?;
+        if what.is_empty() { Ok(()) } else { write!(f, ": {what}") }
+    }
 }
 
 /// Why a path is not printed as it is.

@@ -250,7 +250,10 @@ fn first_posture<const N: usize, const F: usize>(
 }
 
 /// Free parameters, evenly over their ranges.
-fn samples_of<const F: usize>(ranges: &[FreeRange; F], samples: &[u32; F]) -> impl Iterator<Item = [f64; F]> {
+pub(super) fn samples_of<const F: usize>(
+    ranges: &[FreeRange; F],
+    samples: &[u32; F],
+) -> impl Iterator<Item = [f64; F]> {
     (0..samples.iter().product()).map(|sample: u32| {
         let mut rest = sample;
         std::array::from_fn(|f| {

@@ -144,6 +144,29 @@ pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     Ok(Departure { lift: timed(&up, &task.limits.bounds, &task.options.timing)?, way })
 }
 
+/// Where the nozzle has lifted off the end of a run, as far as it can; `None` where it cannot.
+pub(super) fn lifted<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    run: &Run<N, F>,
+    task: &Task<'_, N, F, R>,
+    cell: &impl PrintCell<N>,
+) -> Option<[f64; N]> {
+    let joints = run.trajectory.joints();
+    let (end, moment) = (&joints[joints.len() - 1], Moment::After { path: run.path });
+    let far = EFFORTS.iter().filter(|effort| effort.far);
+    let up = far.filter_map(|effort| lift(task.robot, cell, moment, &run.ends[1], end, effort)).next()?;
+    up.last().copied()
+}
+
+/// Whether a short search finds a way from one posture to another.
+pub(super) fn has_way<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    number: usize,
+    ends: &[[f64; N]; 2],
+    task: &Task<'_, N, F, R>,
+    cell: &impl PrintCell<N>,
+) -> bool {
+    !(task.stopped)() && way(&task.limits.bounds, cell, "home", number, ends, &EFFORTS[0]).is_ok()
+}
+
 /// A transfer between home and a posture above an end of a run, and the postures of the lift from that end.
 fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
     name: &str,

@@ -9,7 +9,7 @@ use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_trajectory::print::{
     Clearance, FaultKind, LegKind, Moment, PrintCell, PrintError, PrintLimits, PrintOptions, PrintPath, PrintPlan,
-    PrintPlanner, PrintRobot, TipSpeed, Waypoint, home_above, path_deviations, plan_print,
+    PrintPlanner, PrintRobot, TipSpeed, Waypoint, path_deviations, plan_print,
 };
 use curvlay_trajectory::transfer::FreeSpace;
 use curvlay_trajectory::{Bounds, BoundsError, FreeRange, Posture, Progress};
@@ -67,6 +67,8 @@ enum Wall {
     Gouging(f64),
     /// Layers from this on cannot be added.
     Layer(u32),
+    /// Nothing may pass this height.
+    Ceiling(f64),
 }
 
 #[derive(Clone)]
@@ -82,9 +84,16 @@ impl CollisionIndicator<4> for Cell {
     }
 }
 
+impl Cell {
+    fn passes_ceiling(&self, from: &[f64; 4], to: &[f64; 4]) -> bool {
+        let is_above = |joints: &[f64; 4], height: f64| PITCH * joints[2] > height;
+        matches!(self.0, Wall::Ceiling(height) if is_above(from, height) != is_above(to, height))
+    }
+}
+
 impl FreeSpace<4> for Cell {
-    fn free(&self, _: &[f64; 4], _: &[f64; 4]) -> bool {
-        self.0 != Wall::Moving
+    fn free(&self, from: &[f64; 4], to: &[f64; 4]) -> bool {
+        self.0 != Wall::Moving && !self.passes_ceiling(from, to)
     }
 }
 
@@ -107,7 +116,8 @@ impl PrintCell<4> for Cell {
     }
 
     fn touches(&self, control: &[[f64; 4]; 4]) -> Option<String> {
-        control.iter().find_map(|joints| self.obstacle(joints))
+        let ceiling = self.passes_ceiling(&control[0], &control[3]).then(|| "nozzle and ceiling".to_owned());
+        control.iter().find_map(|joints| self.obstacle(joints)).or(ceiling)
     }
 
     fn is_gouging(&self, moment: Moment, nozzle: &Waypoint) -> bool {
@@ -260,8 +270,7 @@ fn rings_are_printed_whole_and_nothing_is_found() {
 fn with_homes(wall: Wall, cuts: &[usize]) -> (PrintPlan<4, 1>, [f64; 4], Vec<Owned>) {
     let paths = rings();
     let plan = planned(wall, &paths).unwrap();
-    let near = plan.runs[0].trajectory.joints()[0];
-    let home = home_above(&Turntable, &Cell(wall), [upright(30.0, 0.0, 2.0)], &near, &limits(), &options()).unwrap();
+    let home = plan.home_above(&Turntable, Cell(wall), &limits(), &options(), &quiet).unwrap().unwrap();
     let cuts = cuts.iter().copied().collect();
     let plan = plan.with_homes(&Turntable, Cell(wall), &home, &cuts, &limits(), &options(), &quiet).unwrap();
     (plan, home, paths)
@@ -287,8 +296,36 @@ fn programs_begin_and_end_at_home() {
     }
     let legs: f64 = plan.legs(0..4).map(|leg| leg.duration()).sum();
     assert!((plan.robot_s() - legs).abs() < 1e-9);
-    // Home is above all of it.
-    assert!((Turntable.nozzle(&home).unwrap().translation.vector.z - 102.0).abs() < 1e-9);
+    // The table has no posture over its middle, so home is where the nozzle has lifted off, by 80 mm.
+    assert!((Turntable.nozzle(&home).unwrap().translation.vector.z - 82.0).abs() < 1e-6);
+}
+
+/// Bug: home was the free posture nearest to the first path, and no way led there from any path: nothing was printed.
+#[test]
+fn a_way_leads_home_from_the_end_of_the_print() {
+    let line = [Owned::new(0, (0..=20).map(|k| upright(30.0 + f64::from(k), 10.0, 1.0)).collect())];
+    let home = |wall| {
+        let plan = planned(wall, &line).unwrap();
+        let home = plan.home_above(&Turntable, Cell(wall), &limits(), &options(), &quiet).unwrap()?;
+        Some(Turntable.nozzle(&home).unwrap().translation.vector)
+    };
+    // As high as a way leads above the middle of the print, else above its end.
+    let cases = [
+        (Wall::None, [40.0, 10.0, 101.0]),
+        (Wall::Ceiling(60.0), [40.0, 10.0, 51.0]),
+        (Wall::Ceiling(10.0), [40.0, 10.0, 9.0]),
+        (Wall::Ceiling(7.0), [50.0, 10.0, 6.0]),
+    ];
+    for (wall, expected) in cases {
+        let found = home(wall).unwrap();
+        assert!((found - Vector3::from(expected)).norm() < 0.1, "{wall:?} {found}");
+    }
+    // The nozzle cannot lift off.
+    assert_eq!(home(Wall::Ceiling(3.0)), None);
+    let stop = |_: Progress| ControlFlow::Break(());
+    let stopped =
+        planned(Wall::None, &line).unwrap().home_above(&Turntable, Cell(Wall::None), &limits(), &options(), &stop);
+    assert!(matches!(stopped, Err(PrintError::Cancelled)));
 }
 
 /// A run that is taken out takes its ways with it, and programs begin and end at home around it.
@@ -316,9 +353,7 @@ fn the_tip_keeps_its_speed_on_travels() {
     let tip_of = |tip_speed: TipSpeed| {
         let options = PrintOptions { tip_speed, ..options() };
         let plan = plan_print(&Turntable, Cell(Wall::None), &paths, &fast, &options, &quiet).unwrap();
-        let near = plan.runs[0].trajectory.joints()[0];
-        let middle = [upright(30.0, 0.0, 2.0)];
-        let home = home_above(&Turntable, &Cell(Wall::None), middle, &near, &fast, &options).unwrap();
+        let home = plan.home_above(&Turntable, Cell(Wall::None), &fast, &options, &quiet).unwrap().unwrap();
         let plan = plan.with_homes(&Turntable, Cell(Wall::None), &home, &[].into(), &fast, &options, &quiet).unwrap();
         let speed = |leg: curvlay_trajectory::print::Leg<'_, 4, 1>| {
             let tip = |time: f64| Turntable.nozzle(&leg.at(time)).unwrap().translation.vector;

@@ -106,7 +106,7 @@ impl Fault {
 /// let file = "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nRIM\n10\n0\n20\n0\n40\n7.5\n0\nTEXT\n1\nhello\n0\nENDSEC\n0\nEOF\n";
 /// let drawing = read_dxf(file.as_bytes())?;
 /// assert_eq!(drawing.layers(), [("RIM".to_owned(), 1)]);
-/// assert_eq!(drawing.skipped[0].to_string(), "1 TEXT: line 13");
+/// assert_eq!(drawing.skipped[0].to_string(), "1 TEXT: line 16");
 /// # Ok::<(), curvlay_toolpath::drawing::DxfError>(())
 /// ```
 pub fn read_dxf(input: impl BufRead) -> Result<Drawing, DxfError> {

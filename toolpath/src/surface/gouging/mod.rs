@@ -84,6 +84,13 @@ impl Default for GougingOptions {
     }
 }
 
+impl GougingOptions {
+    /// Defaults for a print in a workcell, which knows its own plate: `plate` is off.
+    pub fn in_workcell() -> Self {
+        GougingOptions { plate: false, ..GougingOptions::default() }
+    }
+}
+
 /// A waypoint where the nozzle is too deep in a layer, however it is tilted. Its direction is one that is least deep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gouge {
