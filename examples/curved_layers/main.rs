@@ -58,7 +58,7 @@ use surfaces::{SurfaceOptions, SurfacesRun};
 /// A print in curved layers, after Dai (2020), chapter 3: an audited order of cells, surfaces, paths, machine file, robot motion.
 ///
 /// Exit status: 0 done. 1 input or output cannot be used. 2 the arguments cannot be used, or not together. 3 done, but a check of ours
-/// failed: more is missed, gouges, is left out, or is laid too much or too little than the --allow options say; the audit of the
+/// failed: more is missed, gouges, is left out, or over- or under-extruded by more than the --allow options permit; the audit of the
 /// layers failed; travels are blocked; of a motion, waypoints are not reached or not printed, transfers are missing, or
 /// the check of the written motions found something. Each finding is a line on stderr, a notice in report.html and a line in
 /// summary.json.
@@ -187,7 +187,7 @@ impl Args {
         self.resume.is_some() || self.voxel.resolution().is_some()
     }
 
-    /// The part. Without a mesh it is a jug: a small one where layers are as those of printers, else would it take too long. A field goes
+    /// The part. Without a mesh it is a jug: a small one where layers are as those of printers, otherwise it would take too long. A field goes
     /// on with the jug that it is of.
     fn part(&self, saved: Option<&SavedField>) -> Result<Part, Failure> {
         let load = |shape: fn() -> Mesh| self.mesh.load("jug (made in code)", shape);

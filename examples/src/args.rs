@@ -75,7 +75,7 @@ pub struct MeshArgs {
     /// STL, 3MF, OBJ or PLY file [default: a jug made in code, 41 mm tall; with --voxels or --cell 93 mm]
     #[arg(value_name = "MESH", help_heading = "Part")]
     pub file: Option<PathBuf>,
-    /// The same as an option
+    /// Mesh file (same as the positional MESH)
     #[arg(long, value_name = "FILE", conflicts_with = "file")]
     pub mesh: Option<PathBuf>,
     /// Unit of the numbers in the file
@@ -371,7 +371,7 @@ fn eps(text: &str) -> Result<f64, String> {
 pub enum Outcome {
     /// All is well.
     Done,
-    /// Checks of ours failed: which, a line each, as far as that has not been told.
+    /// Checks failed: which, a line each, of those that were not reported yet.
     ChecksFailed(Vec<String>),
 }
 

@@ -64,7 +64,7 @@ pub struct Settings {
     /// Diameter of the platform in millimetres; one that covers the part is taken if that is larger [default: 127.5]
     #[arg(long = "platform-diameter", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = MACHINE)]
     pub platform_diameter_mm: Option<f64>,
-    /// What is kept from everything built while the nozzle travels, in millimetres [default: 1]
+    /// Minimum distance to printed material during travels, in millimetres [default: 1]
     #[arg(long = "clearance", value_name = "MM", value_parser = distance, allow_negative_numbers = true, help_heading = MACHINE)]
     pub clearance_mm: Option<f64>,
     /// How far the nozzle backs off along its direction for a travel at least, in millimetres [default: 2]
@@ -97,7 +97,7 @@ pub struct Settings {
     /// The tip is not slower than this while it prints, in mm/s [default: 2]
     #[arg(long = "min-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub min_feed_mm_s: Option<f64>,
-    /// Nor faster than this [default: 40]
+    /// Maximum print speed, in mm/s [default: 40]
     #[arg(long = "max-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub max_feed_mm_s: Option<f64>,
     /// The nozzle does not turn faster than this, in degrees a second [default: 180]

@@ -66,7 +66,7 @@ const OPEN: f64 = 100.0;
 /// touches the mark.
 ///
 /// # Errors
-/// [`CalibrationError`] for fewer than two poses, and for a pose that is none. Poses that do not determine the tip are
+/// [`CalibrationError`] for fewer than two poses, and for an invalid pose. Poses that do not determine the tip are
 /// no error, but a warning in the result.
 ///
 /// # Cost

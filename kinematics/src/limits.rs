@@ -60,7 +60,7 @@ pub enum LimitError {
 /// than rounding, and less than shows in a pose (1e-7 mm at a metre).
 const ON_STOP: f64 = 1e-10;
 
-/// A limit beyond this, in radians, is none.
+/// Limits beyond this, in radians, count as unlimited.
 const ENDLESS: f64 = 1e6;
 
 impl<const N: usize> JointLimits<N> {

@@ -82,7 +82,7 @@ pub(crate) fn rotation(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
     )
 }
 
-/// A pose that is none.
+/// An invalid pose.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidPose {
@@ -137,7 +137,7 @@ pub(crate) fn parts(pose: &Isometry3<f64>) -> Result<(Matrix3<f64>, Vector3<f64>
     Ok((r, t))
 }
 
-/// What is wrong with a pose that is none.
+/// What is wrong with an invalid pose.
 #[cold]
 fn fault(pose: &Isometry3<f64>) -> InvalidPose {
     let (t, q) = (pose.translation.vector, pose.rotation.as_ref().coords);

@@ -1,4 +1,4 @@
-//! What joints may do.
+//! Joint limits.
 
 /// Bounds of `N` joints, radians and seconds; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -80,8 +80,8 @@ impl Default for VoxelOptions {
 /// `z = 0`. Vertices are rounded to 2^-24 of a cell first; all that follows about the surface is exact.
 ///
 /// # Errors
-/// [`VoxelError`] for a mesh without (sound) triangles, a place that is none, a wrong index, a surface of one side alone,
-/// a resolution that is none, a grid beyond the limits of [`VoxelGrid`](crate::VoxelGrid) or of `max_bytes` (before it is allocated, with
+/// [`VoxelError`] for a mesh without (sound) triangles, an invalid coordinate, a wrong index, a surface of one side alone,
+/// an invalid resolution, a grid beyond the limits of [`VoxelGrid`](crate::VoxelGrid) or of `max_bytes` (before it is allocated, with
 /// the size or the number of cells that fits), a mesh that touches no cell, and if it was stopped.
 ///
 /// # Cost

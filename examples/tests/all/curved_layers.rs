@@ -1358,7 +1358,7 @@ fn the_version_is_that_of_the_crates() {
 /// What the README of the damaged models asks for: exit status, and a word that must be said.
 #[test]
 #[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
-fn damaged_models_get_what_they_deserve() {
+fn reports_damaged_models() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/bad-models");
     let cases = [
         ("truncated.stl", 1, "cut short"),

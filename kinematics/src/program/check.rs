@@ -319,7 +319,7 @@ pub(super) fn check_payload(what: [&'static str; 2], payload: &Payload) -> Resul
     check_option(what[1], far, far <= 1e5, "it must be finite and within 1e5 mm")
 }
 
-/// The largest coordinate, by size; not a number as soon as one is none.
+/// The largest coordinate, by size; NaN if any is.
 pub(super) fn farthest(place: &Vector3<f64>) -> f64 {
     if place.iter().any(|x| x.is_nan()) { f64::NAN } else { place.amax() }
 }

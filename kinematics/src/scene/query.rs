@@ -22,7 +22,7 @@ impl From<[f64; 6]> for Posture {
     }
 }
 
-/// A posture that is none.
+/// An invalid posture.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PostureError {

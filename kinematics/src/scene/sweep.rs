@@ -107,7 +107,7 @@ impl Scene {
     /// free, one that comes nearer than the margin never is, and between the two either may be said.
     ///
     /// # Errors
-    /// [`SweepError`] names the joint that is no angle or turns by more than 100 rad, or a resolution that is none.
+    /// [`SweepError`] names the joint that is no angle or turns by more than 100 rad, or an invalid resolution.
     ///
     /// # Cost
     /// A few checks of the pairs in question where there is clearance; at most `travel / resolution` checks in a pass that is
@@ -131,7 +131,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`SweepError`] names the control point and its joint that is no angle, the joint that turns by more than 100 rad
-    /// along the control polygon, or a resolution that is none.
+    /// along the control polygon, or an invalid resolution.
     ///
     /// # Cost
     /// That of a sweep along the same way, and more checks where the control points are far from the curve: at most

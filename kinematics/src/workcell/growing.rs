@@ -403,7 +403,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingScene<'a, N, 
 
     /// A collision indicator: how far a posture is from what must not touch while printing, in millimetres below zero, with
     /// the margin at zero, and its derivative by the joints, in millimetres a radian. Where nothing is within `near_mm` of each
-    /// other, `margin_mm - near_mm` and zero; the same for a posture that is none.
+    /// other, `margin_mm - near_mm` and zero; the same for an invalid posture.
     ///
     /// # Cost
     /// As [`Scene::clearance`].

@@ -76,7 +76,7 @@ impl Platform {
     ///
     /// # Arguments
     /// * `dims`: cells of the grid of the part. It must hold the mould, too, but for what is below the platform: what
-    ///   lies outside of the grid would be in nobody's way.
+    ///   lies outside of the grid would be ignored.
     /// * `cell_mm`, `origin`: edge of a cell and lower corner of the grid, in the unit of the points.
     /// * `points`, `triangles`: the mesh, normals outwards. Holes are closed by its winding number.
     ///

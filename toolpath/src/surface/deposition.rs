@@ -35,7 +35,7 @@ pub struct DepositionOptions {
     pub flow_mm3_s: f64,
     /// The tip is not to be slower than this while it prints, in millimetres a second: 2.
     pub min_feed: f64,
-    /// Nor faster than this: 40.
+    /// Maximum print speed, in mm/s: 40.
     pub max_feed: f64,
     /// The nozzle is not to turn faster than this, in radians a second: a half turn (180 degrees) a second.
     pub max_turn_rate: f64,

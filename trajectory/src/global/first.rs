@@ -126,7 +126,7 @@ enum Phase {
     Rising,
     /// The price rises no more: the last digits count.
     Last,
-    /// Nothing more is to be had.
+    /// Converged.
     Settled,
 }
 
@@ -290,7 +290,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
         slightly
     }
 
-    /// Puts the descent back to the start, once, if that is better with bounds tightened as little as at first; says
+    /// Restarts the descent, once, if that is better with bounds tightened as little as at first; says
     /// whether it was.
     fn go_back(&mut self) -> bool {
         let total = self.descent.merit.total(0.0);

@@ -1,4 +1,4 @@
-//! How slow the joints can be at best: a bound for every motion through the waypoints at their times.
+//! A lower bound on the joint speed needed by every motion through the waypoints at their times.
 //!
 //! A joint that goes from one waypoint to the next has, at some instant between them, the mean speed of that step,
 //! whatever curve it takes. So a motion needs at least the greatest of its steps, and every motion at least the least

@@ -236,7 +236,7 @@ pub enum AuditError {
     /// The rules are unsound or do not fit the grid.
     #[error(transparent)]
     Rules(#[from] RulesError),
-    /// The nozzle is none.
+    /// The nozzle is invalid.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),
     /// A layer or the list of missed cells holds a number that is no cell of the grid.

@@ -23,7 +23,7 @@ const FIRST_LAYER: f64 = 1.0;
 pub(super) struct Lattice {
     /// Nodes along each axis.
     pub(super) dims: [u32; 3],
-    /// Not a number where there is none.
+    /// NaN where undefined.
     pub(super) values: Vec<f64>,
     /// Bit `a`: the node and the next one along axis `a` are joined.
     pub(super) joined: Vec<u8>,

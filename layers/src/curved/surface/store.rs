@@ -139,7 +139,7 @@ pub enum ReadFieldError {
     /// The values are no field.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// The nozzle is none.
+    /// The nozzle is invalid.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),
 }

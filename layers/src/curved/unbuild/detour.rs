@@ -13,7 +13,7 @@ use super::super::rules::Rules;
 use super::super::watch::dot;
 use curvlay_hull::{Depth, Plane};
 
-/// So many cells of a piece stand for all of it. They decide for which cells a way around is looked for, not
+/// Number of cells that represent a piece. They decide for which cells a way around is looked for, not
 /// what is built; more cost time for each cell of the part, and change little.
 const SAMPLES: usize = 15;
 

@@ -83,7 +83,7 @@ const MOST_OFFSET: f64 = 10.0;
 /// * `layers`: how many the part has.
 ///
 /// # Errors
-/// [`SandwichError`]; no layer for tapes is one.
+/// [`SandwichError`]. It is an error if no layer carries tapes.
 ///
 /// # Cost
 /// `O(n)` for `n` layers.

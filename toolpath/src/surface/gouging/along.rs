@@ -49,7 +49,7 @@ const SMALL: f64 = 0.004;
 /// A path whose waypoints are tilted one by one: step 1.
 pub(super) struct Tilted<'a>(Walker<'a>);
 
-/// A path set free.
+/// A path after collision removal.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreedPath {
     pub waypoints: Vec<Waypoint>,
