@@ -212,6 +212,9 @@ div.notice, .noted { max-width: 44rem; margin: 0.75rem 0; }
 .notice .advice, .noted .advice { margin: 0.2rem 0 0 1rem; font-size: 0.9rem; }
 .advice b { color: var(--soft); font-weight: 600; margin-right: 0.3rem; }
 .beside > div { min-width: 0; }
+.beside td, .beside tbody th { overflow-wrap: anywhere; }
+.beside td:not(:first-child) { padding-left: 0.4rem; padding-right: 0; }
+.beside table { min-width: 0; }
 @media (min-width: 72rem) { main:has(.beside) { max-width: 88rem; }
   .beside { display: grid; grid-template-columns: minmax(0, 1fr) 22rem; gap: 1.25rem; align-items: start; } }
 .scroll { overflow-x: auto; max-width: 100%; margin: 1.25rem 0; }

@@ -49,8 +49,10 @@ pub fn model(job: &Job, results: &Results) -> Model {
     if let Some(machine) = machine {
         model.marks.extend(found(machine));
         model.steps = shown::steps(&machine.resolved.paths, &machine.deposition.moves);
+        model.laid = Some([machine.deposition.bead_mm, machine.deposition.extruded_mm3]);
         if let Some(motion) = motion {
             // What the robot does, not what it was asked to do.
+            model.laid = None;
             (model.steps, model.robot) = of_run!(motion, run => moved(run, &machine.resolved.paths));
         }
     }

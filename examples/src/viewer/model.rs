@@ -45,6 +45,9 @@ pub struct Model {
     pub nozzle: Option<Nozzle>,
     /// The robot that moves it, or the part.
     pub robot: Option<Robot>,
+    /// Length in millimetres and volume in cubic millimetres of all that is laid, as the rest of the report has them; without,
+    /// those of the steps.
+    pub laid: Option<[f64; 2]>,
     /// Density of the material in grams per cubic centimetre, for masses.
     pub density_g_cm3: Option<f64>,
 }
@@ -201,6 +204,7 @@ impl Model {
         let robot = self.robot.as_ref().map(|robot| robot.pack(&mut columns));
         let nozzle = self.nozzle.map(|nozzle| [nozzle.tip, nozzle.half_angle_deg, nozzle.cone, nozzle.block]);
         let (names, deflated) = columns.finish();
+        let [mm, mm3] = self.laid.unwrap_or_else(|| self.laid_by_steps());
         let header = json!({
             "name": self.name,
             "low": [low.x, low.y, low.z],
@@ -216,11 +220,22 @@ impl Model {
             "plate": self.plate.iter().map(|corner| [corner.x, corner.y, corner.z]).collect::<Vec<_>>(),
             "nozzle": nozzle,
             "robot": robot,
+            "metres": mm / 1e3,
+            "volume": mm3 / 1e3,
             "density": self.density_g_cm3,
             "ramp": (0..=RAMP).map(|at| ramp(f64::from(at) / f64::from(RAMP))).collect::<Vec<_>>(),
             "columns": names,
         });
         (header, deflated)
+    }
+
+    /// Length and volume of all beads, by the steps.
+    fn laid_by_steps(&self) -> [f64; 2] {
+        let laid = self.steps.windows(2).filter(|pair| pair[1].kind != Step::TRAVEL).map(|pair| {
+            let mm = (pair[1].tip - pair[0].tip).norm();
+            [mm, mm * pair[1].width * pair[1].height]
+        });
+        laid.fold([0.0; 2], |sum, [mm, mm3]| [sum[0] + mm, sum[1] + mm3])
     }
 
     /// The box around all that has a place, but for the plate and the robot.

@@ -192,7 +192,6 @@ function start(columns) {
   // Sums, and where each layer and path begins and ends.
   const first = new Array(layers).fill(Infinity), last = new Array(layers).fill(-1), ofPath = new Map();
   const layerSeconds = new Float64Array(layers);
-  let metres = 0, volume = 0;
   for (let i = 0; i < count; i++) {
     const layer = L[i];
     first[layer] = Math.min(first[layer], i);
@@ -201,8 +200,6 @@ function start(columns) {
     if (!lays(i)) continue;
     if (!ofPath.has(P[i])) ofPath.set(P[i], [i, i]);
     ofPath.get(P[i])[1] = i;
-    metres += lengthTo(i) / 1000;
-    volume += lengthTo(i) * W[i] * header.width * H[i] * header.height / 1000;
   }
   const clock = s => s < 60 ? s.toFixed(1) + ' s' : s < 3600 ? (s / 60).toFixed(1) + ' min' : Math.floor(s / 3600) + ' h ' + Math.round(s % 3600 / 60) + ' min';
   const total = count ? T[count - 1] * tick : 0;
@@ -616,8 +613,8 @@ function start(columns) {
   lowInput.parentNode.hidden = highInput.parentNode.hidden = layers < 2;
   find('time').hidden = layers < 2 && !count;
   find('row').hidden = !count;
-  find('sums').textContent = count ? [`${clock(total)} in all`, `${metres.toFixed(1)} m`, ...(layers > 1 ? [`${volume.toFixed(2)} cm3`] : []),
-    ...(header.density ? [`${(volume * header.density).toFixed(1)} g`] : []), `${ofPath.size} starts`].join(' · ') : `${layers} layers`;
+  find('sums').textContent = count ? [`${clock(total)} in all`, `${header.metres.toFixed(1)} m`, ...(layers > 1 ? [`${header.volume.toFixed(2)} cm3`] : []),
+    ...(header.density ? [`${(header.volume * header.density).toFixed(1)} g`] : []), `${ofPath.size} starts`].join(' · ') : `${layers} layers`;
 
   // ---- pointers, wheel, keys
   const pointers = new Map();

@@ -64,6 +64,7 @@ fn model() -> Model {
             stances: (0..40).map(|at| stance(f64::from(at))).collect(),
         }),
         steps,
+        laid: None,
         density_g_cm3: Some(1.24),
     }
 }
