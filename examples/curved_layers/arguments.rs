@@ -21,7 +21,8 @@ const NEEDS: [(Stage, &str); 4] = [
     ),
     (
         Stage::Motion,
-        "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin link_allowance no_links program_steps",
+        "cell8 program acceleration jerk max_flow max_flow_ramp tolerance margin link_allowance no_links program_steps \
+         allow_unprinted",
     ),
 ];
 

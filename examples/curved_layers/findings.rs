@@ -49,7 +49,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
             motion.iter().for_each(|motion| {
                 of_run!(motion, run => {
                     of_bodies(run, findings);
-                    of_plan(&run.plan, run.checked.as_ref(), findings);
+                    of_plan(&run.plan, run.checked.as_ref(), args.allow.allow_unprinted, findings);
                 });
             });
         }
@@ -411,19 +411,29 @@ fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<
 fn of_plan<const N: usize, const F: usize>(
     plan: &PrintPlan<N, F>,
     checked: Option<&Checked<N>>,
+    allowed: f64,
     findings: &mut Findings,
 ) {
+    let unprinted = checked.map_or(1.0, |checked| checked.unprinted_mm / checked.path_mm.max(f64::MIN_POSITIVE));
+    let severity = if allowed > 0.0 { Severity::above(unprinted, allowed) } else { Failed };
+    let elsewhere = "nozzle and part elsewhere in the --workcell: `reach` finds where the arm reaches most";
     let kinds = [
-        (FaultKind::Unreachable, "waypoints are out of the robot's reach and not printed"),
-        (FaultKind::Blocked, "waypoints skipped: the robot would collide"),
-        (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed"),
+        (FaultKind::Unreachable, "waypoints are out of the robot's reach and not printed", elsewhere),
+        (
+            FaultKind::Blocked,
+            "waypoints skipped: the robot would collide",
+            "a part farther from the wrist or a slimmer nozzle in the --workcell",
+        ),
+        (FaultKind::Break, "paths break off, and the way from one waypoint to the next is not printed", elsewhere),
         (
             FaultKind::NoTransfer,
             "transfers were not found: programs end there at home, and paths to which no way leads from home are not printed",
+            "a part farther from the wrist, or home_deg in the --workcell",
         ),
     ];
-    for (kind, what) in kinds.into_iter().filter(|(kind, _)| plan.count(*kind) > 0) {
-        findings.add(Failed, what, plan.count(kind).to_string(), "motion-faults.csv");
+    for (kind, what, advice) in kinds.into_iter().filter(|(kind, ..)| plan.count(*kind) > 0) {
+        let finding = findings.explain(severity, what, plan.count(kind).to_string(), "motion-faults.csv");
+        finding.try_to(advice).allow(accept("--allow-unprinted", unprinted));
     }
     if plan.printing_s > (1.0 + NOTABLE_DELAY) * plan.planned_s {
         let [printing, planned] = [plan.printing_s, plan.planned_s].map(|seconds| seconds / 60.0);
@@ -446,9 +456,10 @@ fn of_plan<const N: usize, const F: usize>(
         findings.add(Failed, what, amount, "motion-check.csv");
     }
     if checked.unprinted_mm > 0.0 {
-        let (unprinted, all) = (checked.unprinted_mm, checked.path_mm);
-        let amount =
-            format!("{unprinted:.1} of {all:.1} mm, {}; layers above them go over the void", percent(unprinted / all));
-        findings.add(Failed, "paths are not printed", amount, "left_out.csv, motion-faults.csv");
+        let (mm, all) = (checked.unprinted_mm, checked.path_mm);
+        let amount = format!("{mm:.1} of {all:.1} mm, {}; layers above them go over the void", percent(unprinted));
+        findings
+            .explain(severity, "paths are not printed", amount, "left_out.csv, motion-faults.csv")
+            .allow(accept("--allow-unprinted", unprinted));
     }
 }

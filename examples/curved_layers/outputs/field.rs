@@ -156,6 +156,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("allow_volume", args.allow.allow_volume)?
         .set("allow_gouging", args.allow.allow_gouging)?
         .set("allow_left_out", args.allow.allow_left_out)?
+        .set("allow_unprinted", args.allow.allow_unprinted)?
         .set("allow_unsupported", limit(args.allow.allow_unsupported))?
         .set("allow_unsupported_beads", limit(args.allow.allow_unsupported_beads))?
         .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?

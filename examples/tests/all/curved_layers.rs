@@ -1288,6 +1288,9 @@ fn what_a_robot_does_not_print_is_told() {
     for words in ["waypoints skipped: the robot would collide", "paths are not printed: "] {
         assert!(stderr.contains(words) && notices.iter().any(|notice| notice.contains(words)), "{stderr}");
     }
+    assert!(stderr.contains("  accept: --allow-unprinted 1.0"), "{stderr}");
+    let accepted = run(&[&args[..], &["--allow-unprinted", "1", "--quiet", "--out", &scratch.path("accepted")]].concat());
+    assert_eq!(accepted.status.code(), Some(0), "{}", String::from_utf8_lossy(&accepted.stderr));
     let figures = summary(&out);
     assert_eq!(
         (&figures["motions"], &figures["program_files"], &figures["stage_done"]),
