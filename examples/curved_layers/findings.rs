@@ -68,7 +68,9 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         findings.add(Noted, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
     }
     if run.part_is_estimated {
-        let what = "bodies of the mesh pass through each other: the volume of the part is an estimate by its cells";
+        let is_open = run.mesh.open_edges.count > 0;
+        let why = if is_open { "the mesh is open" } else { "bodies of the mesh pass through each other" };
+        let what = format!("{why}: the volume of the part is an estimate by its cells");
         findings.add(Noted, what, format!("{:.0} mm3", run.part_mm3), "a smaller --cell gives a better one");
     }
     if report.leak_faces > 0 {

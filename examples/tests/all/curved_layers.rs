@@ -1289,7 +1289,8 @@ fn what_a_robot_does_not_print_is_told() {
         assert!(stderr.contains(words) && notices.iter().any(|notice| notice.contains(words)), "{stderr}");
     }
     assert!(stderr.contains("  accept: --allow-unprinted 1.0"), "{stderr}");
-    let accepted = run(&[&args[..], &["--allow-unprinted", "1", "--quiet", "--out", &scratch.path("accepted")]].concat());
+    let accepted =
+        run(&[&args[..], &["--allow-unprinted", "1", "--quiet", "--out", &scratch.path("accepted")]].concat());
     assert_eq!(accepted.status.code(), Some(0), "{}", String::from_utf8_lossy(&accepted.stderr));
     let figures = summary(&out);
     assert_eq!(
@@ -1358,7 +1359,8 @@ fn the_version_is_that_of_the_crates() {
     assert_eq!(figures["version"], env!("CARGO_PKG_VERSION"));
 }
 
-/// What the README of the damaged models asks for: exit status, and a word that must be said.
+/// What the README of the damaged models asks for: exit status, and a word that must be said. A hole of 67 mm2 may stand for another part
+/// than was meant; of a wrong count the length of the file decides.
 #[test]
 #[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
 fn reports_damaged_models() {
@@ -1366,13 +1368,13 @@ fn reports_damaged_models() {
     let cases = [
         ("truncated.stl", 1, "cut short"),
         ("nan-coords.stl", 1, "NaN"),
-        ("hole.stl", 0, "hole"),
+        ("hole.stl", 3, "hole"),
         ("self-intersecting.stl", 0, "cross"),
         ("zero-area.stl", 0, "120 triangles"),
         ("empty.stl", 1, "empty"),
-        ("wrong-count.stl", 1, "4294967295"),
+        ("wrong-count.stl", 0, "4294967295"),
         ("solid-header.stl", 0, ""),
-        ("not-an-stl.stl", 1, "not an STL"),
+        ("not-an-stl.stl", 1, "ZIP archive cannot be read"),
         ("metres.stl", 1, "--unit"),
         ("inside-out.stl", 0, "inwards"),
     ];
@@ -1384,7 +1386,7 @@ fn reports_damaged_models() {
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(status), "{name}: {stderr}");
         assert!(stderr.contains(word), "{name}: {stderr}");
-        assert_eq!(Path::new(&out).exists(), status == 0, "{name}");
+        assert_eq!(Path::new(&out).exists(), status != 1, "{name}");
     }
     // The same solid however it is written: whole, with a hole, inside out, with slivers.
     let cells = |name: &str| summary(&scratch.path(name))["cells"].as_u64().unwrap();

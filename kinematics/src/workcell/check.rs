@@ -83,6 +83,16 @@ pub enum WorkcellError {
         /// What is wrong with it.
         what: &'static str,
     },
+    /// The arm cannot reach what it has to.
+    #[error("{path}: stretched out, the arm reaches {reach_mm:.1} mm: {what}")]
+    Reach {
+        /// The field.
+        path: &'static str,
+        /// The sum of its lengths.
+        reach_mm: f64,
+        /// What is wrong with that.
+        what: String,
+    },
     /// The arm holds the part, and a table is there that should carry it.
     #[error("held: the arm holds the part, but a positioner must carry it; `held` must be `nozzle` with a positioner")]
     HeldPartOnTable,
@@ -138,6 +148,39 @@ fn radians(path: &str, degrees: f64) -> Result<f64, WorkcellError> {
 fn direction(path: &str, value: &[f64; 3]) -> Result<UnitVector3<f64>, WorkcellError> {
     let found = UnitVector3::try_new(Vector3::from(each(path, value)?), f64::MIN_POSITIVE);
     found.ok_or_else(|| WorkcellError::NoDirection { path: path.into() })
+}
+
+/// No arm reaches less than this, in millimetres: its lengths are in metres.
+const MIN_REACH_MM: f64 = 10.0;
+
+/// The sum of an arm's lengths, more than the flange can be away from the base.
+fn reach_mm(arm: &ArmModel) -> f64 {
+    let sum = |lengths: &[f64]| lengths.iter().map(|length| length.abs()).sum::<f64>();
+    match arm.geometry {
+        Geometry::Ur(DhTable { d, a, .. }) => sum(&d) + sum(&a),
+        Geometry::Ortho(OrthoLengths { a1, a2, b, c1, c2, c3, c4 }) => sum(&[a1, a2, b, c1, c2, c3, c4]),
+    }
+}
+
+/// Refuses an arm that is too short to bring part and nozzle together at all.
+///
+/// # Arguments
+/// * `tool_mm`: from the flange to the far end of what it holds.
+/// * `away`: the field of the rest, and how far that is from the base, if it stands still.
+pub(super) fn reach(arm: &ArmModel, tool_mm: f64, away: Option<(&'static str, f64)>) -> Result<(), WorkcellError> {
+    let reach_mm = reach_mm(arm);
+    if reach_mm < MIN_REACH_MM {
+        let what = "lengths are in millimetres; were metres meant?".to_owned();
+        return Err(WorkcellError::Reach { path: "arm.geometry", reach_mm, what });
+    }
+    match away {
+        Some((path, away_mm)) if away_mm > reach_mm + tool_mm => {
+            let what =
+                format!("with the {tool_mm:.1} mm of what it holds it does not come to a place {away_mm:.1} mm away");
+            Err(WorkcellError::Reach { path, reach_mm, what })
+        }
+        _ => Ok(()),
+    }
 }
 
 pub(super) fn version(found: u32) -> Result<(), WorkcellError> {

@@ -62,6 +62,13 @@ impl Equipment {
             (Held::Part, Some(_)) => return Err(WorkcellError::HeldPartOnTable),
         };
         check::plate(&model.plate)?;
+        let [to_part, to_tip] = [&part.1, &nozzle.1].map(|frame| frame.translation.vector.norm());
+        let plate_mm = model.plate.diameter_mm.unwrap_or(SOME_PLATE_MM) / 2.0;
+        match (model.held, &table) {
+            (Held::Part, _) => check::reach(&arm_model, to_part, Some(("nozzle.tip_mm", to_tip)))?,
+            (Held::Nozzle, None) => check::reach(&arm_model, to_tip, Some(("part", to_part - plate_mm)))?,
+            (Held::Nozzle, Some(_)) => check::reach(&arm_model, to_tip, None)?,
+        }
         check::home(model.home_deg.as_deref(), arm.limits(), table.as_ref().map(|table| table.positioner.limits()))?;
         let positioner = table.as_ref().map(|table| table.positioner);
         let (links, link_bodies) = links::of(&model.arm, &arm_model, read)?;

@@ -656,3 +656,43 @@ fn solids_go_with_what_carries_them() {
         assert!((at - expected).norm() < 1e-12, "{mount:?} {at}");
     }
 }
+
+/// Bug: an arm described in metres, or one that stands too far away, was taken, and every waypoint was out of reach.
+#[test]
+fn an_arm_that_cannot_reach_is_refused() {
+    let refused = |model: WorkcellModel| match AnyWorkcell::new(model) {
+        Err(error @ WorkcellError::Reach { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    };
+    let mut metres = model(UR3);
+    let d_mm = [0.1519, 0.0, 0.0, 0.11235, 0.08535, 0.0819];
+    metres.arm.geometry = ArmGeometry::Ur { d_mm, upper_arm_mm: -0.24365, forearm_mm: -0.21325 };
+    assert!(
+        refused(metres).starts_with("arm.geometry: stretched out, the arm reaches 0.9 mm: lengths are in millimetres")
+    );
+    // 888.4 mm of lengths, and 120 mm to the part.
+    let at = |x: f64| {
+        let mut far = model(UR3);
+        far.nozzle.tip_mm = [x, 0.0, 0.0];
+        far
+    };
+    assert!(AnyWorkcell::new(at(1008.0)).is_ok());
+    let told = refused(at(1009.0));
+    assert!(told.starts_with("nozzle.tip_mm: stretched out, the arm reaches 888.4 mm: with the 120.0 mm"), "{told}");
+    let mut away = model(UR10);
+    away.part.position_mm = [3000.0, 0.0, 0.0];
+    assert!(refused(away).starts_with("part: "));
+    let mut tiny = model(IRB1200);
+    tiny.arm.geometry = ArmGeometry::OrthoParallel {
+        a1_mm: 0.0,
+        a2_mm: -0.042,
+        b_mm: 0.0,
+        c1_mm: 0.399,
+        c2_mm: 0.448,
+        c3_mm: 0.451,
+        c4_mm: 0.082,
+        offsets_deg: [0.0; 6],
+        signs: [1.0; 6],
+    };
+    assert!(refused(tiny).contains("were metres meant?"));
+}

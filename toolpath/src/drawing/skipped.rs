@@ -28,9 +28,15 @@ const MAX_KINDS: usize = 50;
 /// Longest description of a kind, in characters.
 const MAX_LENGTH: usize = 120;
 
+/// Counts from here on are those of blocks that insert each other; their digits say nothing.
+const MANY: usize = 1_000_000;
+
 impl fmt::Display for Skipped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.count, self.what)?;
+        match self.count {
+            MANY.. => write!(f, "more than {MANY} {}", self.what)?,
+            count => write!(f, "{count} {}", self.what)?,
+        }
         match self.places.join(", ") {
             places if places.is_empty() => Ok(()),
             places if self.count > self.places.len() => write!(f, ": {places}, ..."),

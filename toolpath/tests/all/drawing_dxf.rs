@@ -101,6 +101,7 @@ fn bombs_are_refused_before_they_are_placed() {
     assert!(empty.entities.is_empty() && empty.skipped[0].what == "INSERT (the block `B0` is empty)", "{empty:?}");
     let texts = read("0 TEXT 1 x", insert).unwrap();
     assert_eq!((texts.entities.len(), texts.skipped[0].count), (0, usize::MAX));
+    assert!(texts.skipped[0].to_string().starts_with("more than 1000000 TEXT"), "{}", texts.skipped[0]);
     let error = read("0 CIRCLE 8 0 10 0 20 0 40 1", insert).unwrap_err().to_string();
     assert!(error.contains("more than 1000000 segments, arcs and control points"), "{error}");
     let grid = "0 INSERT 2 B0 10 0 20 0 70 30000 71 30000";

@@ -49,12 +49,15 @@ impl fmt::Display for Doubt {
         match self {
             Doubt::Holes { holes, mouths_mm2, closed_mm3, uncertain_mm3 } => write!(
                 f,
-                "the surface is open: {holes} holes with mouths of {mouths_mm2:.1} mm2 were closed, which makes a solid of \
-                 {closed_mm3:.1} mm3 ({uncertain_mm3:.1} mm3 of it depend on how); as a surface without thickness it encloses 0 mm3"
+                "the surface is open: {holes} hole{} of {mouths_mm2:.1} mm2 in all {} closed, which makes a solid of \
+                 {closed_mm3:.1} mm3 ({uncertain_mm3:.1} mm3 of it depend on how); as a surface without thickness it encloses 0 mm3",
+                if *holes == 1 { "" } else { "s" },
+                if *holes == 1 { "was" } else { "were" }
             ),
             Doubt::Shells { shells, solid_mm3, hollow_mm3 } => write!(
                 f,
-                "{shells} inner shells face outward: filled, the part has {solid_mm3:.1} mm3, with cavities {hollow_mm3:.1} mm3"
+                "{} outward: filled, the part has {solid_mm3:.1} mm3, with cavities {hollow_mm3:.1} mm3",
+                if *shells == 1 { "1 inner shell faces".to_owned() } else { format!("{shells} inner shells face") }
             ),
             Doubt::Nesting { closed_mm3, open_mm3 } => write!(
                 f,
@@ -62,7 +65,12 @@ impl fmt::Display for Doubt {
             ),
             Doubt::Sheets { sheets, area_mm2 } => write!(
                 f,
-                "{sheets} surfaces without thickness enclose nothing and are not printed: {area_mm2:.1} mm2 of them"
+                "{} nothing and {} not printed: {area_mm2:.1} mm2",
+                match sheets {
+                    1 => "1 surface without thickness encloses".to_owned(),
+                    _ => format!("{sheets} surfaces without thickness enclose"),
+                },
+                if *sheets == 1 { "is" } else { "are" }
             ),
         }
     }
