@@ -65,7 +65,7 @@ fn open_boxes_and_sheets_are_said() {
     let mut open = cuboid(0.0, 20.0, true);
     open.triangles.truncate(10);
     let said = failed(&load(&open, &[]).unwrap());
-    assert!(said[0].contains("1 holes with mouths of 400.0 mm2") && said[0].contains("encloses 0 mm3"), "{said:?}");
+    assert!(said[0].contains("1 hole of 400.0 mm2") && said[0].contains("encloses 0 mm3"), "{said:?}");
     let sheet = Mesh {
         vertices: [[0.0, 0.0, 0.0], [20.0, 0.0, 3.0], [20.0, 20.0, 5.0], [0.0, 20.0, 2.0]].map(Point3::from).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
