@@ -61,8 +61,8 @@ pub use extruder::{ExtruderCommand, ExtruderCommandError};
 pub use knot::{PrintKnot, TargetOptions};
 pub use prints::{PrintPiece, StreamLeg, StreamOptions, TargetMotion, print_pieces, print_stream, print_targets};
 pub use rapid::{
-    FilamentOutput, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten,
-    ReadWarning, read_rapid, write_rapid,
+    FilamentOutput, RapidAcceleration, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject,
+    RapidWritten, ReadWarning, read_rapid, write_rapid,
 };
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use signal::{HeadSignal, TimedSignal};

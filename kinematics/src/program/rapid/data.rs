@@ -1,7 +1,8 @@
 //! What a RAPID program has declared, and what the controller knows by itself; warnings of the reader.
 
 use super::{
-    FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidTool, RapidWorkObject, SPEEDS, TOOL0, WOBJ0, ZONES,
+    FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidAcceleration, RapidTool, RapidWorkObject, SPEEDS, TOOL0,
+    WOBJ0, ZONES,
 };
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
@@ -80,6 +81,8 @@ pub(super) struct Data {
     /// Digital output, output of the filament, in lower case.
     signals: [Option<String>; 2],
     pub filament_step: Option<f64>,
+    /// The last accelerations that were set.
+    pub acceleration: Option<RapidAcceleration>,
 }
 
 /// What a target may be.

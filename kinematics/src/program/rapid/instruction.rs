@@ -1,6 +1,7 @@
 //! Instructions of RAPID, read one by one.
 
-use super::data::Data;
+use super::RapidAcceleration;
+use super::data::{Data, truth};
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
 use crate::program::{ExternalAxes, Goal, HeadSignal, Move, ReadError, Speed, Step, Zone};
@@ -24,13 +25,11 @@ pub(super) enum Op {
 const KNOWN: &str = "MoveL, MoveJ, MoveAbsJ, SetDO, SetAO, another instruction that is known here, or ENDPROC";
 
 /// Instructions with arguments that change nothing in the steps; with a reason to say so, a warning.
-const PASSED: [(&str, Option<&str>); 14] = [
+const PASSED: [(&str, Option<&str>); 12] = [
     ("ActUnit", None),
     ("DeactUnit", None),
     ("GripLoad", None),
     ("TPWrite", None),
-    ("AccSet", Some("AccSet is not followed: accelerations are the controller's")),
-    ("PathAccLim", Some("PathAccLim is not followed: accelerations are the controller's")),
     ("SingArea", Some("SingArea is not followed: how a singularity is passed is the controller's")),
     ("WaitTime", Some("WaitTime is passed over: steps have no pauses")),
     ("WaitRob", Some("WaitRob is passed over: steps have no pauses")),
@@ -122,6 +121,10 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
             tokens.marks(";")?;
             Ok(Op::Nothing)
         }
+        "accset" | "pathacclim" | "worldacclim" => {
+            acceleration(tokens, data, place, &word)?;
+            Ok(Op::Nothing)
+        }
         "load" => {
             tokens.marks("\\")?;
             tokens.expect_word("Dynamic")?;
@@ -159,6 +162,67 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
             Err(tokens.unexpected_at(place, KNOWN, &word))
         }
     }
+}
+
+/// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What nobody has set is as on a
+/// controller: all of the arm's acceleration.
+fn acceleration(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<(), ReadError> {
+    let none = RapidAcceleration { percent: 100.0, ramp_percent: 100.0, path_m_s2: None, world_m_s2: None };
+    let mut set = data.acceleration.unwrap_or(none);
+    let limit = |tokens: &mut Tokens<_>| tokens.positive("an acceleration in m/s2", 1.0);
+    match word.to_ascii_lowercase().as_str() {
+        "accset" => {
+            set.percent = tokens.within("a share in percent", 0.0, LARGEST)?;
+            tokens.marks(",")?;
+            set.ramp_percent = tokens.within("a share in percent", 0.0, LARGEST)?;
+            if let Some(name) = option(tokens)? {
+                if name != "finepointramp" {
+                    return unknown_option(tokens, "FinePointRamp", &name);
+                }
+                tokens.marks(":=")?;
+                tokens.within("a share in percent", 0.0, LARGEST)?;
+                data.warn(place, "FinePointRamp is passed over");
+            }
+        }
+        "pathacclim" => {
+            let mut limits = [None; 2];
+            for (k, expected) in ["accmax", "decelmax"].into_iter().enumerate() {
+                if k > 0 {
+                    tokens.marks(",")?;
+                }
+                let is_on = truth(tokens)?;
+                if let Some(name) = option(tokens)? {
+                    if name != expected {
+                        return unknown_option(tokens, ["AccMax", "DecelMax"][k], &name);
+                    }
+                    tokens.marks(":=")?;
+                    limits[k] = Some(limit(tokens)?).filter(|_| is_on);
+                }
+            }
+            // One number holds both; the smaller is kept.
+            let [speeding, braking] = limits;
+            if speeding != braking {
+                data.warn(place, "PathAccLim has two limits: the smaller is read for both");
+            }
+            set.path_m_s2 = limits.into_iter().flatten().reduce(f64::min);
+        }
+        _ => match option(tokens)?.as_deref() {
+            Some("on") => {
+                tokens.marks(":=")?;
+                set.world_m_s2 = Some(limit(tokens)?);
+            }
+            Some("off") => set.world_m_s2 = None,
+            other => return unknown_option(tokens, "On or Off", other.unwrap_or(";")),
+        },
+    }
+    tokens.marks(";")?;
+    data.acceleration = Some(set);
+    Ok(())
 }
 
 /// To the end of an instruction.

@@ -66,6 +66,30 @@ pub enum FilamentOutput {
     },
 }
 
+/// How hard the controller may accelerate. Steps hold speeds only, so accelerations are those of the controller, within these.
+///
+/// By default (`Some(RapidAcceleration::default())` in [`RapidOptions`]) half of what the arm can do, rising half as fast, and 2 m/s2 along
+/// the path: 50 mm/s are reached within 0.6 mm. Planned prints stay below the limits of their joints, which are some rad/s2; an arm at
+/// its own accelerations shakes the nozzle at corners. Joint moves obey the shares only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RapidAcceleration {
+    /// `AccSet`, share of the arm's normal acceleration in percent, 20 to 100. Default 50.
+    pub percent: f64,
+    /// `AccSet`, how fast the acceleration rises (its jerk), in percent of normal, 10 to 100. Default 50.
+    pub ramp_percent: f64,
+    /// `PathAccLim`, greatest acceleration and deceleration of the tip along its path, m/s2, 0.1 to 100. Default 2.
+    pub path_m_s2: Option<f64>,
+    /// `WorldAccLim`, greatest acceleration of tool and load in the world, in any direction, m/s2, 0.1 to 100. Default `None`: a
+    /// controller may slow down at each corner to keep it.
+    pub world_m_s2: Option<f64>,
+}
+
+impl Default for RapidAcceleration {
+    fn default() -> Self {
+        RapidAcceleration { percent: 50.0, ramp_percent: 50.0, path_m_s2: Some(2.0), world_m_s2: None }
+    }
+}
+
 /// How a program is written.
 ///
 /// # Files
@@ -106,6 +130,9 @@ pub struct RapidOptions {
     pub filament_signal: String,
     /// What kind of output that is.
     pub filament_output: FilamentOutput,
+    /// Limits of the accelerations, at the begin of each part module, so that they hold wherever a program is started. Default
+    /// `Some(RapidAcceleration::default())`; with `None` what is set on the controller stays.
+    pub acceleration: Option<RapidAcceleration>,
     /// Where the controller finds the modules. Default `HOME:`.
     pub folder: String,
     /// Most moves in a module. Default 5000, about half a megabyte: Brooks' 180,000 lines were too many.
@@ -128,6 +155,7 @@ impl Default for RapidOptions {
             signal: "doExtruder".to_owned(),
             filament_signal: "aoFilament".to_owned(),
             filament_output: FilamentOutput::Analog,
+            acceleration: Some(RapidAcceleration::default()),
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,
             limits: ProgramLimits::default(),
@@ -144,6 +172,9 @@ const QUATERNION: usize = 8;
 const DEGREES: usize = 6;
 /// Of the filament's speed in mm/s: finer than any analog output.
 const FILAMENT: usize = 6;
+
+/// Of accelerations, in percent and m/s2.
+const ACCELERATION: usize = 3;
 
 /// Mass in kg that the controller has for `tool0`: what a program declares where none is known.
 const NO_MASS: f64 = 1e-3;

@@ -2,8 +2,8 @@
 
 use super::options::check_options;
 use super::{
-    DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidOptions, SPEEDS,
-    TOOL0, WOBJ0, ZONES,
+    ACCELERATION, DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION,
+    RapidAcceleration, RapidOptions, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
 use crate::program::check::Checker;
 use crate::program::text::Text;
@@ -171,6 +171,9 @@ impl<W: Write> Module<W> {
             text.word("  LOCAL CONST num ").word(FILAMENT_STEP).word(":=").fixed(step_mm_s, STEP).word(";\n");
         }
         text.word("  PROC ").word(&name).word("_run()\n");
+        if let Some(acceleration) = &options.acceleration {
+            write_acceleration(&mut text, acceleration);
+        }
         Ok(Module { file, out, text, moves: 0 })
     }
 
@@ -184,6 +187,18 @@ impl<W: Write> Module<W> {
         self.text.word("  ENDPROC\nENDMODULE\n");
         self.send()?;
         self.out.flush().map_err(|source| WriteError::Io { file: self.file, source })
+    }
+}
+
+fn write_acceleration(text: &mut Text, acceleration: &RapidAcceleration) {
+    let RapidAcceleration { percent, ramp_percent, path_m_s2, world_m_s2 } = *acceleration;
+    text.word("    AccSet ").fixed(percent, ACCELERATION).word(",").fixed(ramp_percent, ACCELERATION).word(";\n");
+    if let Some(limit) = path_m_s2 {
+        text.word("    PathAccLim TRUE\\AccMax:=").fixed(limit, ACCELERATION);
+        text.word(",TRUE\\DecelMax:=").fixed(limit, ACCELERATION).word(";\n");
+    }
+    if let Some(limit) = world_m_s2 {
+        text.word("    WorldAccLim\\On:=").fixed(limit, ACCELERATION).word(";\n");
     }
 }
 

@@ -147,6 +147,38 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Accelerations are set in every module and come back.
+    #[test]
+    fn accelerations_come_back(
+        percent in 20..=100u32, ramp in 10..=100u32, path in prop::option::of(1..1000u32), world in prop::option::of(1..1000u32), moves_per_module in 1..4u32,
+    ) {
+        let tenths = |limit: Option<u32>| limit.map(|limit| f64::from(limit) / 10.0);
+        let acceleration = RapidAcceleration {
+            percent: f64::from(percent),
+            ramp_percent: f64::from(ramp),
+            path_m_s2: tenths(path),
+            world_m_s2: tenths(world),
+        };
+        let options = RapidOptions { acceleration: Some(acceleration), moves_per_module, ..RapidOptions::default() };
+        let files = written(&[line(0.0), line(1.0), line(2.0)], &options).unwrap();
+        prop_assert_eq!(judged(&files, &options), Ok(()));
+        for (_, file) in files.iter().filter(|(name, _)| *name != "curvlay.mod") {
+            let mut part = RapidPart::new(file.as_slice()).unwrap();
+            prop_assert!(part.by_ref().all(|step| step.is_ok()));
+            prop_assert_eq!(part.acceleration(), Some(acceleration));
+            prop_assert_eq!(part.warnings().len(), 0);
+        }
+        let mut program = read_rapid(files["curvlay.mod"].as_slice(), |name: &str| Ok(files[name].as_slice())).unwrap();
+        prop_assert_eq!(program.by_ref().count(), 3);
+        prop_assert_eq!(program.acceleration(), Some(acceleration));
+        let none = RapidOptions { acceleration: None, ..options };
+        prop_assert!(!text(&written(&[line(0.0)], &none).unwrap(), "curvlay_001.mod").contains("Acc"));
+    }
+}
+
 /// The judge judges: what is changed by hand is found.
 #[test]
 fn the_rules_find_what_is_wrong() {
@@ -254,6 +286,15 @@ fn what_would_be_lost_or_contradicts_is_refused() {
     assert_eq!(changed(&in_hand, &|o| o.work_object.in_hand = false), "work_object.in_hand");
     assert_eq!(changed(&in_hand, &|o| o.work_object.unit = Some("STN1".into())), "work_object.unit");
     assert_eq!(changed(&over_table, &|o| o.part_load = o.tool.load), "part_load");
+    let accelerates = |change: fn(&mut RapidAcceleration)| {
+        let mut acceleration = RapidAcceleration::default();
+        change(&mut acceleration);
+        changed(&plain, &|o| o.acceleration = Some(acceleration))
+    };
+    assert_eq!(accelerates(|a| a.percent = 19.0), "acceleration.percent");
+    assert_eq!(accelerates(|a| a.ramp_percent = f64::NAN), "acceleration.ramp_percent");
+    assert_eq!(accelerates(|a| a.path_m_s2 = Some(0.05)), "acceleration.path_m_s2");
+    assert_eq!(accelerates(|a| a.world_m_s2 = Some(f64::INFINITY)), "acceleration.world_m_s2");
     let mass = |mass_kg: f64| Some(Payload { mass_kg, centre: Point3::origin() });
     for kg in [0.0, -1.0, 1e-4, f64::NAN, f64::INFINITY, 1e9] {
         assert_eq!(changed(&in_hand, &|o| o.tool.load = mass(kg)), "tool.load.mass_kg", "{kg}");
@@ -383,8 +424,10 @@ fn a_program_of_people_is_read() {
     let signals: Vec<&Step> = steps.iter().filter(|step| !matches!(step, Step::Move(_))).collect();
     let [on, off] = [true, false].map(Step::Extruder);
     assert_eq!(signals, [&off, &Step::FilamentSpeed(2.5), &on, &off, &on, &off]);
+    let set = program.acceleration().unwrap();
+    assert_eq!((set.percent, set.ramp_percent, set.path_m_s2), (50.0, 100.0, None));
     let warnings: Vec<String> = program.warnings().iter().map(ToString::to_string).collect();
-    let expected = ["length 1.0006", "ConfL\\Off", "SingArea", "AccSet", "WaitTime", "\\Conc", "vmax"];
+    let expected = ["length 1.0006", "ConfL\\Off", "SingArea", "WaitTime", "\\Conc", "vmax"];
     assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
     for what in expected {
         assert!(warnings.iter().any(|warning| warning.contains(what)), "{what}: {warnings:?}");

@@ -13,7 +13,7 @@ const RESERVED: &str = "ALIAS AND BACKWARD CASE CONNECT CONST DEFAULT DIV DO ELS
 /// What is installed, with its type; `!` are instructions.
 const INSTALLED: &str = "tool0:tooldata wobj0:wobjdata load0:loaddata fine:zonedata robtarget:type jointtarget:type num:type \
     tooldata:type wobjdata:type loaddata:type speeddata:type zonedata:type MoveL:! MoveJ:! MoveAbsJ:! SetDO:! SetAO:! SetGO:! \
-    ActUnit:! GripLoad:! ConfJ:! ConfL:! Load:! UnLoad:!";
+    ActUnit:! GripLoad:! ConfJ:! ConfL:! Load:! UnLoad:! AccSet:! PathAccLim:! WorldAccLim:!";
 
 #[derive(Clone, Debug, PartialEq)]
 enum Token {
@@ -486,6 +486,22 @@ impl Run<'_> {
                 Ok(())
             }
             ("GripLoad", [load]) => self.names.expect(load, "loaddata").map(|_| ()),
+            ("AccSet", [Value::Number(share), Value::Number(ramp)])
+                if options == 0 && (20.0..=100.0).contains(share) && (10.0..=100.0).contains(ramp) =>
+            {
+                Ok(())
+            }
+            ("PathAccLim", [accelerates, brakes]) if options == 2 => {
+                let limits = [("AccMax", accelerates), ("DecelMax", brakes)].map(|(name, is_on)| {
+                    truth(is_on) == Ok(true)
+                        && matches!(option(name).and_then(|a| a.value.as_ref()), Some(Value::Number(x)) if *x >= 0.1)
+                });
+                if limits == [true; 2] { Ok(()) } else { Err(format!("{word} with {arguments:?}")) }
+            }
+            ("WorldAccLim", []) if options == 1 => match option("On").and_then(|a| a.value.as_ref()) {
+                Some(Value::Number(limit)) if *limit >= 0.1 => Ok(()),
+                _ => Err(format!("{word} with {arguments:?}")),
+            },
             ("ConfJ" | "ConfL", []) if options == 1 && (option("On").is_some() || option("Off").is_some()) => Ok(()),
             _ => Err(format!("{word} with {arguments:?}")),
         }
