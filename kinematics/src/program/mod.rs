@@ -44,6 +44,7 @@ mod merge;
 mod names;
 mod prints;
 mod rapid;
+mod seconds;
 mod servo;
 mod signal;
 mod strokes;
@@ -64,6 +65,7 @@ pub use rapid::{
     FilamentOutput, RapidAcceleration, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject,
     RapidWritten, ReadWarning, read_rapid, write_rapid,
 };
+pub use seconds::program_seconds;
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use signal::{HeadSignal, TimedSignal};
 pub use strokes::{StrokeOptions, lifted, strokes};

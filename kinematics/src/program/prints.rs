@@ -274,7 +274,7 @@ impl ProgramLimits {
 
 impl RapidOptions {
     /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
-    /// the limits of its arm.
+    /// the limits of its arm; the arm and the table, for the seconds that the program states.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let defaults = RapidOptions::default();
         let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
@@ -283,6 +283,7 @@ impl RapidOptions {
         let tool = RapidTool { name, in_hand: in_hand(held), frame: tool_frame(&nozzle), ..defaults.tool };
         let unit = equipment.positioner().map(|_| "STN1".to_owned());
         let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
-        RapidOptions { tool, work_object, limits: ProgramLimits::of_arm(equipment.arm()), ..defaults }
+        let (arm, positioner) = (*equipment.arm(), equipment.positioner().copied());
+        RapidOptions { tool, work_object, limits: ProgramLimits::of_arm(&arm), arm: Some(arm), positioner, ..defaults }
     }
 }

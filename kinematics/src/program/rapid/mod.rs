@@ -16,7 +16,9 @@ pub use part::RapidPart;
 pub use program::{RapidProgram, read_rapid};
 pub use write::{RapidWritten, write_rapid};
 
-use super::{Payload, ProgramLimits};
+use super::{ExternalAxes, Payload, ProgramLimits};
+use crate::arm::Arm;
+use crate::positioner::Positioner;
 use nalgebra::Isometry3;
 use std::f64::consts::PI;
 
@@ -98,6 +100,8 @@ impl Default for RapidAcceleration {
 /// inside it. Each part module ends with the tool at rest, for a module must not be unloaded while its last corner is still
 /// to be rounded. Modules therefore end, where they can, at a stop with the extruder off.
 ///
+/// The main module states the seconds of the program's own moves ([`program_seconds`](super::program_seconds)) in a comment.
+///
 /// # Units and digits
 /// Positions in millimetres with four decimals, quaternions with eight and the scalar first and not below 0, angles in
 /// degrees with six: about what the controller's own numbers hold.
@@ -139,6 +143,26 @@ pub struct RapidOptions {
     pub moves_per_module: u32,
     /// What the controller takes.
     pub limits: ProgramLimits,
+    /// The arm, its base the world: with it the way of moves to joints is known, for the seconds that the main module states. Default `None`:
+    /// a line behind a move to joints then counts 0 seconds.
+    pub arm: Option<Arm>,
+    /// The table that is `work_object.unit`, for the same. Default `None`.
+    pub positioner: Option<Positioner>,
+}
+
+impl RapidOptions {
+    /// The pose of the tool in the work object, in millimetres, at these joints of the arm and axes of the table, in radians. `None` without
+    /// [`arm`](Self::arm), or where the work object is on a unit and the table, or its axes, are not known.
+    pub fn work_tool(&self, joints: &[f64; 6], table: Option<ExternalAxes>) -> Option<Isometry3<f64>> {
+        let world_flange = self.arm.as_ref()?.forward(joints);
+        let world_tool = if self.tool.in_hand { world_flange * self.tool.frame } else { self.tool.frame };
+        let world_work = match (&self.work_object.unit, self.work_object.in_hand) {
+            (Some(_), _) => self.positioner.as_ref()?.forward(&table?.table()?) * self.work_object.frame,
+            (None, true) => world_flange * self.work_object.frame,
+            (None, false) => self.work_object.frame,
+        };
+        Some(world_work.inv_mul(&world_tool))
+    }
 }
 
 impl Default for RapidOptions {
@@ -159,6 +183,8 @@ impl Default for RapidOptions {
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,
             limits: ProgramLimits::default(),
+            arm: None,
+            positioner: None,
         }
     }
 }
@@ -173,6 +199,8 @@ const DEGREES: usize = 6;
 /// Of the filament's speed in mm/s: finer than any analog output.
 const FILAMENT: usize = 6;
 
+/// Of the seconds that a program takes.
+const SECONDS: usize = 1;
 /// Of accelerations, in percent and m/s2.
 const ACCELERATION: usize = 3;
 

@@ -3,9 +3,10 @@
 use super::options::check_options;
 use super::{
     ACCELERATION, DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION,
-    RapidAcceleration, RapidOptions, SPEEDS, TOOL0, WOBJ0, ZONES,
+    RapidAcceleration, RapidOptions, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
 use crate::program::check::Checker;
+use crate::program::seconds::Clock;
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
@@ -14,7 +15,7 @@ use nalgebra::{Isometry3, Point3};
 use std::io::Write;
 
 /// What [`write_rapid`] has written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RapidWritten {
     /// Part modules.
     pub modules: u32,
@@ -22,6 +23,8 @@ pub struct RapidWritten {
     pub moves: u64,
     /// Moves that were to be blended, but stop because a module ends there.
     pub stops_added: u32,
+    /// Seconds of the moves by their own speeds ([`program_seconds`](crate::program::program_seconds)).
+    pub seconds: f64,
 }
 
 /// Decimals of the step of a group output.
@@ -69,7 +72,9 @@ pub fn write_rapid<W: Write>(
     };
     let limits = ProgramLimits { filament_mm_s: options.limits.filament_mm_s.min(filament_mm_s), ..options.limits };
     let mut checker = Checker::new(&limits);
-    let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0 };
+    let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0, seconds: 0.0 };
+    let mut clock = Clock::default();
+    let work_tool = |joints: &[f64; 6], table| options.work_tool(joints, table);
     let mut used = Used::default();
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
@@ -78,6 +83,7 @@ pub fn write_rapid<W: Write>(
     let mut steps = steps.into_iter().peekable();
     while let Some(mut step) = steps.next() {
         checker.check(&step)?;
+        clock.pass(&step, &work_tool);
         let current = match &mut module {
             Some(current) => current,
             None => {
@@ -132,7 +138,8 @@ pub fn write_rapid<W: Write>(
     }
     module.take().map_or(Ok(()), Module::end)?;
     checker.finish()?;
-    write_main(options, written.modules, used, &mut open)?;
+    written.seconds = clock.seconds;
+    write_main(options, &written, used, &mut open)?;
     Ok(written)
 }
 
@@ -306,7 +313,7 @@ fn write_load(text: &mut Text, load: &Payload) {
 
 fn write_main<W: Write>(
     options: &RapidOptions,
-    modules: u32,
+    written: &RapidWritten,
     used: Used,
     open: &mut impl FnMut(&str) -> std::io::Result<W>,
 ) -> Result<(), WriteError> {
@@ -315,6 +322,8 @@ fn write_main<W: Write>(
     let mut out = open(&file).map_err(failed)?;
     let mut text = Text::default();
     text.word("MODULE ").word(&options.name).word("\n");
+    text.word("  ! ").fixed(written.seconds, SECONDS);
+    text.word(" s of motion at the speeds of its moves, without accelerations and loading\n");
     write_data(&mut text, options);
     let switches = used.switch || used.filament || used.head.contains(&true);
     let off = |text: &mut Text| {
@@ -331,7 +340,7 @@ fn write_main<W: Write>(
     if options.part_load.is_some() {
         text.word("    GripLoad ").word(&options.name).word("_load;\n");
     }
-    for number in 1..=modules {
+    for number in 1..=written.modules {
         let name = part_name(options, number);
         let place = format!("\"{}\"\\File:=\"{name}.mod\";\n", options.folder);
         text.word("    Load\\Dynamic,").word(&place);
