@@ -24,6 +24,9 @@ pub(super) enum Op {
 /// What may stand in a procedure, for errors.
 const KNOWN: &str = "MoveL, MoveJ, MoveAbsJ, SetDO, SetAO, another instruction that is known here, or ENDPROC";
 
+/// Options of a move with triggers, from the second trigger on.
+const TRIGGER_OPTIONS: [&str; 7] = ["t2", "t3", "t4", "t5", "t6", "t7", "t8"];
+
 /// Instructions with arguments that change nothing in the steps; with a reason to say so, a warning.
 const PASSED: [(&str, Option<&str>); 12] = [
     ("ActUnit", None),
@@ -42,6 +45,9 @@ const PASSED: [(&str, Option<&str>); 12] = [
 
 /// The next instruction.
 pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<(Op, (u64, u64)), ReadError> {
+    if let Some(op) = data.queue.pop_front() {
+        return Ok(op);
+    }
     let token = tokens.next()?;
     let place = tokens.place();
     let step = |step: Step| Ok((Op::Step(step), place));
@@ -50,7 +56,7 @@ pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result
         concurrent(tokens, data)?;
         let (target, external) = data.target_or_name(tokens)?;
         let goal = if is_line { Goal::Line(target) } else { Goal::Swing(target) };
-        return step(rest(tokens, data, goal, external)?);
+        return step(rest(tokens, data, goal, external, None)?);
     }
     if tokens.is_word(token, "SetDO") {
         return step(digital(tokens, data)?);
@@ -65,7 +71,7 @@ pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result
     if tokens.is_word(token, "MoveAbsJ") {
         concurrent(tokens, data)?;
         let (joints, external) = data.joints_or_name(tokens)?;
-        return step(rest(tokens, data, Goal::Joints(joints), external)?);
+        return step(rest(tokens, data, Goal::Joints(joints), external, None)?);
     }
     if tokens.is_word(token, "ENDPROC") {
         return Ok((Op::End, place));
@@ -91,21 +97,24 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
         "setgo" => {
             data.use_signal(tokens, 1)?;
             tokens.marks(",")?;
-            let steps = tokens.within("a group signal", 0.0, f64::from(1u32 << 23))?;
-            let mm_s = match data.filament_step {
-                Some(step) => steps * step,
-                // Off is off, whatever a step is.
-                None if steps <= 0.0 => 0.0,
-                None => {
-                    let expected = "a constant filament_step (mm/s) in the module before SetGO";
-                    return Err(tokens.unexpected_at(place, expected, &word));
-                }
-            };
-            if mm_s > LARGEST {
-                return Err(tokens.wrong("a speed of the filament", mm_s));
-            }
+            let mm_s = group_speed(tokens, data, place, &word)?;
             tokens.marks(";")?;
             Ok(Op::Step(Step::FilamentSpeed(mm_s)))
+        }
+        "triggequip" | "triggio" => {
+            let (name, trigger) = trigger(tokens, data, place, &word)?;
+            data.triggers.insert(name, trigger);
+            Ok(Op::Nothing)
+        }
+        kind @ ("triggl" | "triggj") => {
+            concurrent(tokens, data)?;
+            let (target, external) = data.target_or_name(tokens)?;
+            let goal = if kind == "triggl" { Goal::Line(target) } else { Goal::Swing(target) };
+            let mut triggers = Vec::new();
+            let to = rest(tokens, data, goal, external, Some(&mut triggers))?;
+            let at = |begin: bool| triggers.iter().filter(move |trigger| trigger.0 == begin).map(|trigger| trigger.1);
+            data.queue.extend(at(true).chain([to]).chain(at(false)).map(|step| (Op::Step(step), place)));
+            Ok(Op::Nothing)
         }
         "confl" | "confj" => {
             tokens.marks("\\")?;
@@ -225,6 +234,80 @@ fn acceleration(
     Ok(())
 }
 
+/// The value of a group output as a speed of the filament.
+fn group_speed(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<f64, ReadError> {
+    let steps = tokens.within("a group signal", 0.0, f64::from(1u32 << 23))?;
+    let mm_s = match data.filament_step {
+        Some(step) => steps * step,
+        // Off is off, whatever a step is.
+        None if steps <= 0.0 => 0.0,
+        None => {
+            let expected = "a constant filament_step (mm/s) in the module before SetGO";
+            return Err(tokens.unexpected_at(place, expected, word));
+        }
+    };
+    if mm_s > LARGEST { Err(tokens.wrong("a speed of the filament", mm_s)) } else { Ok(mm_s) }
+}
+
+/// `TriggEquip name,0\Start,0.05\DOp:=doName,1;` or `TriggIO name,0\Start\DOp:=doName,1;`: the name in lower case, whether it comes at the
+/// begin of a move, and what.
+fn trigger(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<(String, (bool, Step)), ReadError> {
+    let name = tokens.name("the name of a trigger")?.to_ascii_lowercase();
+    tokens.marks(",")?;
+    let mut is_there = tokens.within("a distance", 0.0, LARGEST)? <= 0.0;
+    let mut begin = false;
+    let mut output = option(tokens)?;
+    while let Some(found @ ("start" | "time")) = output.as_deref() {
+        begin |= found == "start";
+        is_there &= found == "start";
+        output = option(tokens)?;
+    }
+    if word.eq_ignore_ascii_case("TriggEquip") {
+        tokens.marks(",")?;
+        tokens.within("a lag in seconds", -LARGEST, LARGEST)?;
+        output = option(tokens)?;
+    }
+    if !is_there {
+        data.warn(place, "a signal at a distance or a time is read as one where the move begins or ends");
+    }
+    let output = output.unwrap_or_default();
+    if !["dop", "aop", "gop"].contains(&output.as_str()) {
+        return unknown_option(tokens, "DOp, AOp or GOp", &output);
+    }
+    tokens.marks(":=")?;
+    let step = if output == "dop" {
+        let signal = data.use_digital(tokens)?;
+        tokens.marks(",")?;
+        switched(signal, digital_value(tokens)?)
+    } else {
+        data.use_signal(tokens, 1)?;
+        tokens.marks(",")?;
+        Step::FilamentSpeed(match output.as_str() {
+            "aop" => tokens.within("a speed of the filament", 0.0, LARGEST)?,
+            _ => group_speed(tokens, data, place, word)?,
+        })
+    };
+    tokens.marks(";")?;
+    Ok((name, (begin, step)))
+}
+
+/// The next trigger of a move.
+fn use_trigger(tokens: &mut Tokens<impl BufRead>, data: &Data) -> Result<(bool, Step), ReadError> {
+    let name = tokens.name("a trigger")?;
+    let found = data.triggers.get(&name.to_ascii_lowercase()).copied();
+    found.ok_or_else(|| tokens.unexpected_at(tokens.place(), "a trigger that TriggEquip or TriggIO has set up", &name))
+}
+
 /// To the end of an instruction.
 fn skip(tokens: &mut Tokens<impl BufRead>) -> Result<(), ReadError> {
     loop {
@@ -294,31 +377,36 @@ fn digital(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Step, R
     }
     let signal = data.use_digital(tokens)?;
     tokens.marks(",")?;
-    let token = tokens.peek()?;
-    let on = if tokens.is_word(token, "high") || tokens.is_word(token, "low") {
-        tokens.next()?;
-        tokens.is_word(token, "high")
-    } else {
-        let value = tokens.whole()?;
-        if !(0..=1).contains(&value) {
-            return Err(tokens.wrong("a digital signal", f64::from(value)));
-        }
-        value == 1
-    };
+    let on = digital_value(tokens)?;
     tokens.marks(";")?;
     Ok(switched(signal, on))
+}
+
+/// `1`, `0`, `high` or `low`.
+fn digital_value(tokens: &mut Tokens<impl BufRead>) -> Result<bool, ReadError> {
+    let token = tokens.peek()?;
+    if tokens.is_word(token, "high") || tokens.is_word(token, "low") {
+        tokens.next()?;
+        return Ok(tokens.is_word(token, "high"));
+    }
+    let value = tokens.whole()?;
+    if !(0..=1).contains(&value) {
+        return Err(tokens.wrong("a digital signal", f64::from(value)));
+    }
+    Ok(value == 1)
 }
 
 fn switched(signal: Option<HeadSignal>, on: bool) -> Step {
     signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on })
 }
 
-/// Options of the target, speed, zone, tool and work object.
+/// Options of the target, speed, triggers where there are to be any, zone, tool and work object.
 fn rest(
     tokens: &mut Tokens<impl BufRead>,
     data: &mut Data,
     goal: Goal,
     table: Option<ExternalAxes>,
+    triggers: Option<&mut Vec<(bool, Step)>>,
 ) -> Result<Step, ReadError> {
     while let Some(name) = option(tokens)? {
         match name.as_str() {
@@ -337,6 +425,17 @@ fn rest(
         speed.mm_s = tokens.positive("a speed", 1.0)?;
     }
     tokens.marks(",")?;
+    if let Some(triggers) = triggers {
+        triggers.push(use_trigger(tokens, data)?);
+        while let Some(name) = option(tokens)? {
+            if !TRIGGER_OPTIONS.contains(&name.as_str()) {
+                return unknown_option(tokens, "T2 to T8", &name);
+            }
+            tokens.marks(":=")?;
+            triggers.push(use_trigger(tokens, data)?);
+        }
+        tokens.marks(",")?;
+    }
     let mut zone = data.zone_or_name(tokens)?;
     while let Some(name) = option(tokens)? {
         match name.as_str() {

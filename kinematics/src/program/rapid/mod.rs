@@ -8,6 +8,7 @@ mod main;
 mod options;
 mod part;
 mod program;
+mod trigger;
 mod write;
 
 pub use data::ReadWarning;
@@ -68,6 +69,29 @@ pub enum FilamentOutput {
     },
 }
 
+/// How a program switches the extruder and sets the speed of the filament.
+///
+/// *Technical reference manual, RAPID Instructions, Functions and Data types* (ABB 3HAC050917): `TriggL`, `TriggEquip`, `SetDO`, `SetAO`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RapidSwitching {
+    /// `SetDO`, `SetAO` and `SetGO` between the moves. Behind a move that stops they come when the tool is there, before the next one begins;
+    /// a new speed of the filament at a blended corner comes when the program is there, about 0.1 s before the tool.
+    #[default]
+    Between,
+    /// On the path of a straight line, by `TriggL`. The extruder goes on, and the filament takes a speed, where the line begins (`TriggEquip` at
+    /// 0 mm from `\Start`); they go off where the line ends. At a blended corner begin and end are the middle of the corner. Program and
+    /// servos run ahead of the tool, and the controller allows for both.
+    ///
+    /// What has no line is written as with `Between`: what goes on or sets a speed and has no line right behind it, what goes off and has no
+    /// line right before it, a second signal of the same output there, and the signals of a tape head, which work at rest.
+    OnPath {
+        /// How long the equipment takes from its signal to what comes of it, seconds, 0 to 0.5: signals come as much earlier (`EquipLag`).
+        /// Beyond the lag of the servos, about 0.04 s, the controller needs its system parameter `Event Preset Time`, of at least as much. A
+        /// line that begins from rest gives its signals when it begins, and no earlier.
+        lag_s: f64,
+    },
+}
+
 /// How hard the controller may accelerate. Steps hold speeds only, so accelerations are those of the controller, within these.
 ///
 /// By default (`Some(RapidAcceleration::default())` in [`RapidOptions`]) half of what the arm can do, rising half as fast, and 2 m/s2 along
@@ -107,8 +131,8 @@ impl Default for RapidAcceleration {
 /// degrees with six: about what the controller's own numbers hold.
 ///
 /// # Signals
-/// The extruder is a digital output (`SetDO`), the speed of the filament an analog or a group output; a tape head has the outputs that
-/// [`HeadSignal::rapid`](super::HeadSignal::rapid) names. The procedure
+/// The extruder is a digital output, the speed of the filament an analog or a group output, and [`RapidSwitching`] says how they are set; a tape
+/// head has the outputs that [`HeadSignal::rapid`](super::HeadSignal::rapid) names. The procedure
 /// `NAME_off` switches off those that the program uses; `main` calls it at the begin, at the end and when an error is
 /// raised. No line of a program runs when it is stopped from outside (stop button, emergency stop, a motion that fails):
 /// make `NAME_off` the routine of the events `Stop` and `QStop`, or tie the outputs to the system output `CycleOn`.
@@ -134,6 +158,9 @@ pub struct RapidOptions {
     pub filament_signal: String,
     /// What kind of output that is.
     pub filament_output: FilamentOutput,
+    /// Where the extruder is switched. Default [`RapidSwitching::Between`]; [`RapidOptions::of_workcell`] takes
+    /// [`RapidSwitching::OnPath`] without a lag.
+    pub switching: RapidSwitching,
     /// Limits of the accelerations, at the begin of each part module, so that they hold wherever a program is started. Default
     /// `Some(RapidAcceleration::default())`; with `None` what is set on the controller stays.
     pub acceleration: Option<RapidAcceleration>,
@@ -179,6 +206,7 @@ impl Default for RapidOptions {
             signal: "doExtruder".to_owned(),
             filament_signal: "aoFilament".to_owned(),
             filament_output: FilamentOutput::Analog,
+            switching: RapidSwitching::Between,
             acceleration: Some(RapidAcceleration::default()),
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,
@@ -201,6 +229,8 @@ const FILAMENT: usize = 6;
 
 /// Of the seconds that a program takes.
 const SECONDS: usize = 1;
+/// Of the lag of the equipment in seconds: finer than any controller's cycle.
+const LAG: usize = 6;
 /// Of accelerations, in percent and m/s2.
 const ACCELERATION: usize = 3;
 
@@ -209,6 +239,9 @@ const NO_MASS: f64 = 1e-3;
 
 /// The constant that holds the step of a group output in a module.
 const FILAMENT_STEP: &str = "filament_step";
+
+/// The triggers of a module: extruder on and off, filament at a speed and at none.
+const TRIGGERS: [&str; 4] = ["extruder_on", "extruder_off", "filament_on", "filament_off"];
 
 /// RAPID's word for "no axis there".
 const NO_AXIS: f64 = 9e9;

@@ -61,6 +61,8 @@ impl<R: BufRead> Part<R> {
 /// * `SetDO` (`1`, `0`, `high`, `low`), `Set`, `Reset`: the extruder, one signal, and a tape head by
 ///   [its names](crate::program::HeadSignal::rapid). `SetAO`, `SetGO` (with a constant
 ///   `filament_step`): the speed of the filament in mm/s, one signal.
+/// * `TriggL`, `TriggJ` with triggers that a `TriggEquip` or `TriggIO` above has set up for these signals: steps before the move for those at
+///   its `\Start`, behind it for the others. A lag is passed over; a distance other than 0, and a `\Time`, with a warning.
 /// * `ActUnit`, `DeactUnit`, `GripLoad`, `TPWrite`, `TPErase`, `ConfJ`, `ConfL` change no step. `ConfJ\Off`,
 ///   `ConfL\Off`, `SingArea`, `SpeedRefresh`, `WaitTime`, `WaitRob`, `WaitDI`, `WaitDO` and `Stop`
 ///   are passed over with a warning. `AccSet`, `PathAccLim` and `WorldAccLim` change no step: they are
