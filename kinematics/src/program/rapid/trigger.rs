@@ -1,8 +1,8 @@
 //! Signals on the path: `TriggEquip` and the triggers of a `TriggL`, written.
 //!
-//! A module declares its triggers as `triggdata` and sets each up before its first use; that of the filament anew for each speed, for `TriggL` takes
-//! a copy with it (*RAPID Instructions*, `TriggDataCopy`, whose example resets its triggers while the tool is on the way). `TriggSpeed`, which
-//! multiplies the tip's actual speed, is not used: it knows analog outputs only, and has no filament for a tool that turns on the spot.
+//! A module declares its triggers as `triggdata` and sets each up before its first use; that of the filament anew for each speed, since `TriggL` takes
+//! a copy with it: `triggdata` of a procedure may end before the tool is there. `TriggSpeed`, which multiplies the tip's actual speed, is not
+//! used: it knows analog outputs only, and has no filament for a tool that turns on the spot. `docs/decisions/servo.md` has what is not tried.
 
 use super::write::write_filament_value;
 use super::{FilamentOutput, LAG, RapidOptions, RapidSwitching, TRIGGERS};
