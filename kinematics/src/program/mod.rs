@@ -8,7 +8,7 @@
 //! programs.
 //!
 //! * RAPID ([`write_rapid`], [`read_rapid`]): `MoveL`, `MoveJ`, `MoveAbsJ` with robtargets, jointtargets, speed and
-//!   zone data inside the instruction, one line a move; `SetDO`, `SetAO` or `SetGO` for the extruder. B. Brooks (*3D
+//!   zone data inside the instruction, one line a move; `SetDO`, `SetAO` or `SetGO` for the extruder, or triggers on the path. B. Brooks (*3D
 //!   printing a transposed design in biopolymer materials using an articulated robot and pellet-based extrusion*, ME thesis,
 //!   Massey University 2016, section 4.14) could not load a file of 180,000 lines: here a program is split into modules of
 //!   a chosen size, and a main loads them in turn. [`RapidOptions`] states frames, units and signals. What people write is
@@ -29,7 +29,7 @@
 //! tool. So writers refuse a signal after a move that does not stop, and [`strokes`] stops there. A change between two
 //! speeds of the filament above zero is allowed there: it only comes early. URScript sends it where the blend begins,
 //! RAPID about 0.1 s and the lag of the servos before that (*RAPID Reference Manual*, synchronisation with logical
-//! instructions). Within a stream of joints a signal comes at its step and does not end the stream.
+//! instructions), unless it is on the path ([`RapidSwitching::OnPath`]). Within a stream of joints a signal comes at its step and does not end the stream.
 
 mod check;
 mod csv;
@@ -44,6 +44,7 @@ mod merge;
 mod names;
 mod prints;
 mod rapid;
+mod seconds;
 mod servo;
 mod signal;
 mod strokes;
@@ -61,9 +62,10 @@ pub use extruder::{ExtruderCommand, ExtruderCommandError};
 pub use knot::{PrintKnot, TargetOptions};
 pub use prints::{PrintPiece, StreamLeg, StreamOptions, TargetMotion, print_pieces, print_stream, print_targets};
 pub use rapid::{
-    FilamentOutput, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidTool, RapidWorkObject, RapidWritten,
-    ReadWarning, read_rapid, write_rapid,
+    FilamentOutput, RapidAcceleration, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidSwitching, RapidTool,
+    RapidWorkObject, RapidWritten, ReadWarning, read_rapid, write_rapid,
 };
+pub use seconds::program_seconds;
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
 pub use signal::{HeadSignal, TimedSignal};
 pub use strokes::{StrokeOptions, lifted, strokes};

@@ -20,8 +20,8 @@ const RAPID_INSTALLED: &str = "\
     Open orient OrientZYX PathAccLim PDispOff PDispOn PDispSet pos pose PoseInv PoseMult PulseDO RelTool Reset \
     RestoPath ROB_ID robjoint robtarget Round Save SearchL Set SetAO SetDO SetGO signalai signalao signaldi signaldo \
     signalgi signalgo SingArea SoftAct SoftDeact speeddata StartLoad StartMove Stop StopMove StorePath string \
-    StrMatch switch tool0 tooldata TPErase TPReadNum TPWrite TriggJ TriggL UnLoad VelSet vmax WaitDI WaitDO WaitTime \
-    WaitUntil wobj0 wobjdata zonedata";
+    StrMatch switch tool0 tooldata TPErase TPReadNum TPWrite triggdata TriggEquip TriggIO TriggJ TriggL UnLoad VelSet vmax \
+    WaitDI WaitDO WaitTime WaitUntil wobj0 wobjdata WorldAccLim zonedata";
 
 /// Words of URScript (*The URScript Programming Language*), and functions and variables that a program of ours uses.
 /// Case counts.

@@ -12,8 +12,8 @@ use super::knot::{PrintKnot, TargetOptions};
 use super::lag::Delayed;
 use super::merge::merged;
 use super::{
-    ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidTool, RapidWorkObject, ServoRate, Speed, Step,
-    TimedSignal, Zone,
+    ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate,
+    Speed, Step, TimedSignal, Zone,
 };
 use crate::arm::Arm;
 use crate::scene::Mount;
@@ -274,7 +274,8 @@ impl ProgramLimits {
 
 impl RapidOptions {
     /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
-    /// the limits of its arm.
+    /// the limits of its arm; the arm and the table, for the seconds that the program states; the extruder is
+    /// switched on the path.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let defaults = RapidOptions::default();
         let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
@@ -283,6 +284,9 @@ impl RapidOptions {
         let tool = RapidTool { name, in_hand: in_hand(held), frame: tool_frame(&nozzle), ..defaults.tool };
         let unit = equipment.positioner().map(|_| "STN1".to_owned());
         let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
-        RapidOptions { tool, work_object, limits: ProgramLimits::of_arm(equipment.arm()), ..defaults }
+        let (arm, positioner) = (*equipment.arm(), equipment.positioner().copied());
+        let switching = RapidSwitching::OnPath { lag_s: 0.0 };
+        let limits = ProgramLimits::of_arm(&arm);
+        RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, ..defaults }
     }
 }

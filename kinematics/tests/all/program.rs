@@ -255,8 +255,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn rapid_comes_back(steps in steps(true, false), moves_per_module in 1..12u32) {
-        let options = RapidOptions { moves_per_module, ..rig() };
+    fn rapid_comes_back(steps in steps(true, false), moves_per_module in 1..12u32, on_path: bool) {
+        let switching = if on_path { RapidSwitching::OnPath { lag_s: 0.02 } } else { RapidSwitching::Between };
+        let options = RapidOptions { moves_per_module, switching, ..rig() };
         let (files, written) = to_rapid(steps.iter().copied(), &options).unwrap();
         let (main, again) = from_rapid(&files, "dome.mod").unwrap();
         prop_assert_eq!(main.modules.len(), written.modules as usize);

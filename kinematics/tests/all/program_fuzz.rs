@@ -72,6 +72,12 @@ const SCRIPT: &str = "def a():\n nozzle=p[0.1,0.2,0.3,1,2,3]\n set_tcp(p[0,0,0.1
 const GROUP: &str =
     "MODULE a\n LOCAL CONST num filament_step:=0.5;\n PROC main()\n SetGO f,7;\n SetAO g,3;\n ENDPROC\nENDMODULE\n";
 
+/// Triggers and accelerations.
+const TRIGGERS: &str = "MODULE a\n VAR triggdata on;\n VAR triggdata fed;\n LOCAL CONST num filament_step:=0.5;\n PROC main()\n AccSet 50,60;\n \
+                        PathAccLim TRUE\\AccMax:=2,TRUE\\DecelMax:=3;\n WorldAccLim\\On:=4;\n TriggIO on,0\\DOp:=d,1;\n \
+                        TriggEquip fed,0\\Start,0.05\\GOp:=g,7;\n TriggL [[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,\
+                        on\\T2:=fed,z10,tool0;\n ENDPROC\nENDMODULE\n";
+
 /// Numbers that are no place, or only just.
 const NUMBERS: [&str; 16] = [
     "1e308",
@@ -95,7 +101,7 @@ const NUMBERS: [&str; 16] = [
 /// Every number of every file in turn: the reader of URScript gave NaN for `1e308`.
 #[test]
 fn no_number_gives_one_that_is_not_finite() {
-    for file in FILES.into_iter().chain([SCRIPT, GROUP]) {
+    for file in FILES.into_iter().chain([SCRIPT, GROUP, TRIGGERS]) {
         assert!(reads_well(file.as_bytes()));
         let bytes = file.as_bytes();
         let mut at = 0;

@@ -6,8 +6,8 @@ use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
 use curvlay_kinematics::program::{
     Goal, Move, PrintKnot, ProgramLimits, RapidOptions, ServoRate, Speed, Step, StreamLeg, StreamOptions, TargetMotion,
-    TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream, print_targets, read_rapid,
-    write_rapid, write_urscript,
+    TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream, print_targets, program_seconds,
+    read_rapid, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Workcell};
 use proptest::prelude::*;
@@ -238,6 +238,45 @@ fn rapid_of_a_workcell_comes_back() {
 
     let ur3 = RapidOptions::of_workcell(ur3().equipment());
     assert_eq!((ur3.tool.in_hand, ur3.work_object.in_hand, ur3.work_object.unit), (false, true, None));
+}
+
+/// Against places of the cell, joint for joint in a thousand chords; lines that the plan has too slow take the time of their own speed.
+#[test]
+fn the_stated_time_is_that_of_the_moves() {
+    let cell = over_table();
+    let rapid = RapidOptions::of_workcell(cell.equipment());
+    let pose = |joints: &[f64; 8]| cell.controller_pose(joints).unwrap().target.pose;
+    let way = |from: &[f64; 8], to: &[f64; 8]| {
+        let at = |k: u32| pose(&std::array::from_fn(|j| from[j] + (to[j] - from[j]) * f64::from(k) / 1000.0));
+        (0..1000).map(|k| [at(k), at(k + 1)]).fold([0.0; 2], |[mm, rad], [a, b]| {
+            let off = (a.translation.vector - b.translation.vector).norm();
+            [mm + off, rad + a.rotation.angle_to(&b.rotation)]
+        })
+    };
+    let motion = motion();
+    // By joints at 50 mm/s and 1 rad/s: the first from a line, in a chord.
+    let last = motion.knots[4].joints;
+    let off = pose(&last).translation.vector - pose(&[0.1; 8]).translation.vector;
+    let from_line = (off.norm() / 50.0).max(pose(&last).rotation.angle_to(&pose(&[0.1; 8]).rotation));
+    let [mm, rad] = way(&[0.1; 8], &[0.2; 8]);
+    let onward = from_line + (mm / 50.0).max(rad);
+    let seconds = |options: TargetOptions| {
+        let steps: Vec<Step> = print_targets(&cell, [motion.clone()], options).collect();
+        let files = Files::default();
+        let written = write_rapid(steps.clone(), &rapid, |name| Ok(File(files.clone(), name.to_owned()))).unwrap();
+        let main = String::from_utf8(files.borrow()["curvlay.mod"].clone()).unwrap();
+        let stated = format!("  ! {:.1} s of motion", written.seconds).replace(".0 s", " s");
+        assert!(main.contains(&stated), "{stated}: {main}");
+        assert_eq!(written.seconds, program_seconds(steps, |joints, table| rapid.work_tool(joints, table)));
+        written.seconds
+    };
+    let all = TargetOptions { merge_mm: 0.0, ..TargetOptions::default() };
+    // A knot a second.
+    let planned = seconds(all);
+    assert!((planned - 4.0 - onward).abs() < 0.01, "{planned} {onward}");
+    // At the least speeds of a program it is quicker than the plan.
+    let quick = seconds(TargetOptions { min_speed_mm_s: 1000.0, turn_factor: 10.0, ..all });
+    assert!(quick < onward + 2.0 && quick > onward, "{quick} {onward}");
 }
 
 /// A path on the part of a UR3, a waypoint a millimetre at 20 mm/s: 100 mm along x, then around a corner along y.

@@ -1,13 +1,15 @@
 //! What a RAPID program has declared, and what the controller knows by itself; warnings of the reader.
 
+use super::instruction::Op;
 use super::{
-    FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidTool, RapidWorkObject, SPEEDS, TOOL0, WOBJ0, ZONES,
+    FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidAcceleration, RapidTool, RapidWorkObject, SPEEDS, TOOL0,
+    WOBJ0, ZONES,
 };
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Target, Zone};
+use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Step, Target, Zone};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::io::BufRead;
 
@@ -80,6 +82,12 @@ pub(super) struct Data {
     /// Digital output, output of the filament, in lower case.
     signals: [Option<String>; 2],
     pub filament_step: Option<f64>,
+    /// What `TriggEquip` and `TriggIO` have set up: by name in lower case, whether it comes at the begin of a move, and what.
+    pub triggers: BTreeMap<String, (bool, Step)>,
+    /// The rest of an instruction of several steps.
+    pub queue: VecDeque<(Op, (u64, u64))>,
+    /// The last accelerations that were set.
+    pub acceleration: Option<RapidAcceleration>,
 }
 
 /// What a target may be.

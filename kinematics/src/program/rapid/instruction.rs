@@ -1,6 +1,7 @@
 //! Instructions of RAPID, read one by one.
 
-use super::data::Data;
+use super::RapidAcceleration;
+use super::data::{Data, truth};
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
 use crate::program::{ExternalAxes, Goal, HeadSignal, Move, ReadError, Speed, Step, Zone};
@@ -23,14 +24,15 @@ pub(super) enum Op {
 /// What may stand in a procedure, for errors.
 const KNOWN: &str = "MoveL, MoveJ, MoveAbsJ, SetDO, SetAO, another instruction that is known here, or ENDPROC";
 
+/// Options of a move with triggers, from the second trigger on.
+const TRIGGER_OPTIONS: [&str; 7] = ["t2", "t3", "t4", "t5", "t6", "t7", "t8"];
+
 /// Instructions with arguments that change nothing in the steps; with a reason to say so, a warning.
-const PASSED: [(&str, Option<&str>); 14] = [
+const PASSED: [(&str, Option<&str>); 12] = [
     ("ActUnit", None),
     ("DeactUnit", None),
     ("GripLoad", None),
     ("TPWrite", None),
-    ("AccSet", Some("AccSet is not followed: accelerations are the controller's")),
-    ("PathAccLim", Some("PathAccLim is not followed: accelerations are the controller's")),
     ("SingArea", Some("SingArea is not followed: how a singularity is passed is the controller's")),
     ("WaitTime", Some("WaitTime is passed over: steps have no pauses")),
     ("WaitRob", Some("WaitRob is passed over: steps have no pauses")),
@@ -43,6 +45,9 @@ const PASSED: [(&str, Option<&str>); 14] = [
 
 /// The next instruction.
 pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<(Op, (u64, u64)), ReadError> {
+    if let Some(op) = data.queue.pop_front() {
+        return Ok(op);
+    }
     let token = tokens.next()?;
     let place = tokens.place();
     let step = |step: Step| Ok((Op::Step(step), place));
@@ -51,7 +56,7 @@ pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result
         concurrent(tokens, data)?;
         let (target, external) = data.target_or_name(tokens)?;
         let goal = if is_line { Goal::Line(target) } else { Goal::Swing(target) };
-        return step(rest(tokens, data, goal, external)?);
+        return step(rest(tokens, data, goal, external, None)?);
     }
     if tokens.is_word(token, "SetDO") {
         return step(digital(tokens, data)?);
@@ -66,7 +71,7 @@ pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result
     if tokens.is_word(token, "MoveAbsJ") {
         concurrent(tokens, data)?;
         let (joints, external) = data.joints_or_name(tokens)?;
-        return step(rest(tokens, data, Goal::Joints(joints), external)?);
+        return step(rest(tokens, data, Goal::Joints(joints), external, None)?);
     }
     if tokens.is_word(token, "ENDPROC") {
         return Ok((Op::End, place));
@@ -92,21 +97,24 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
         "setgo" => {
             data.use_signal(tokens, 1)?;
             tokens.marks(",")?;
-            let steps = tokens.within("a group signal", 0.0, f64::from(1u32 << 23))?;
-            let mm_s = match data.filament_step {
-                Some(step) => steps * step,
-                // Off is off, whatever a step is.
-                None if steps <= 0.0 => 0.0,
-                None => {
-                    let expected = "a constant filament_step (mm/s) in the module before SetGO";
-                    return Err(tokens.unexpected_at(place, expected, &word));
-                }
-            };
-            if mm_s > LARGEST {
-                return Err(tokens.wrong("a speed of the filament", mm_s));
-            }
+            let mm_s = group_speed(tokens, data, place, &word)?;
             tokens.marks(";")?;
             Ok(Op::Step(Step::FilamentSpeed(mm_s)))
+        }
+        "triggequip" | "triggio" => {
+            let (name, trigger) = trigger(tokens, data, place, &word)?;
+            data.triggers.insert(name, trigger);
+            Ok(Op::Nothing)
+        }
+        kind @ ("triggl" | "triggj") => {
+            concurrent(tokens, data)?;
+            let (target, external) = data.target_or_name(tokens)?;
+            let goal = if kind == "triggl" { Goal::Line(target) } else { Goal::Swing(target) };
+            let mut triggers = Vec::new();
+            let to = rest(tokens, data, goal, external, Some(&mut triggers))?;
+            let at = |begin: bool| triggers.iter().filter(move |trigger| trigger.0 == begin).map(|trigger| trigger.1);
+            data.queue.extend(at(true).chain([to]).chain(at(false)).map(|step| (Op::Step(step), place)));
+            Ok(Op::Nothing)
         }
         "confl" | "confj" => {
             tokens.marks("\\")?;
@@ -120,6 +128,10 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
                 return Err(tokens.unexpected_at(tokens.place(), "On or Off", &to));
             }
             tokens.marks(";")?;
+            Ok(Op::Nothing)
+        }
+        "accset" | "pathacclim" | "worldacclim" => {
+            acceleration(tokens, data, place, &word)?;
             Ok(Op::Nothing)
         }
         "load" => {
@@ -159,6 +171,141 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
             Err(tokens.unexpected_at(place, KNOWN, &word))
         }
     }
+}
+
+/// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What nobody has set is as on a
+/// controller: all of the arm's acceleration.
+fn acceleration(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<(), ReadError> {
+    let none = RapidAcceleration { percent: 100.0, ramp_percent: 100.0, path_m_s2: None, world_m_s2: None };
+    let mut set = data.acceleration.unwrap_or(none);
+    let limit = |tokens: &mut Tokens<_>| tokens.positive("an acceleration in m/s2", 1.0);
+    match word.to_ascii_lowercase().as_str() {
+        "accset" => {
+            set.percent = tokens.within("a share in percent", 0.0, LARGEST)?;
+            tokens.marks(",")?;
+            set.ramp_percent = tokens.within("a share in percent", 0.0, LARGEST)?;
+            if let Some(name) = option(tokens)? {
+                if name != "finepointramp" {
+                    return unknown_option(tokens, "FinePointRamp", &name);
+                }
+                tokens.marks(":=")?;
+                tokens.within("a share in percent", 0.0, LARGEST)?;
+                data.warn(place, "FinePointRamp is passed over");
+            }
+        }
+        "pathacclim" => {
+            let mut limits = [None; 2];
+            for (k, expected) in ["accmax", "decelmax"].into_iter().enumerate() {
+                if k > 0 {
+                    tokens.marks(",")?;
+                }
+                let is_on = truth(tokens)?;
+                if let Some(name) = option(tokens)? {
+                    if name != expected {
+                        return unknown_option(tokens, ["AccMax", "DecelMax"][k], &name);
+                    }
+                    tokens.marks(":=")?;
+                    limits[k] = Some(limit(tokens)?).filter(|_| is_on);
+                }
+            }
+            // One number holds both; the smaller is kept.
+            let [speeding, braking] = limits;
+            if speeding != braking {
+                data.warn(place, "PathAccLim has two limits: the smaller is read for both");
+            }
+            set.path_m_s2 = limits.into_iter().flatten().reduce(f64::min);
+        }
+        _ => match option(tokens)?.as_deref() {
+            Some("on") => {
+                tokens.marks(":=")?;
+                set.world_m_s2 = Some(limit(tokens)?);
+            }
+            Some("off") => set.world_m_s2 = None,
+            other => return unknown_option(tokens, "On or Off", other.unwrap_or(";")),
+        },
+    }
+    tokens.marks(";")?;
+    data.acceleration = Some(set);
+    Ok(())
+}
+
+/// The value of a group output as a speed of the filament.
+fn group_speed(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<f64, ReadError> {
+    let steps = tokens.within("a group signal", 0.0, f64::from(1u32 << 23))?;
+    let mm_s = match data.filament_step {
+        Some(step) => steps * step,
+        // Off is off, whatever a step is.
+        None if steps <= 0.0 => 0.0,
+        None => {
+            let expected = "a constant filament_step (mm/s) in the module before SetGO";
+            return Err(tokens.unexpected_at(place, expected, word));
+        }
+    };
+    if mm_s > LARGEST { Err(tokens.wrong("a speed of the filament", mm_s)) } else { Ok(mm_s) }
+}
+
+/// `TriggEquip name,0\Start,0.05\DOp:=doName,1;` or `TriggIO name,0\Start\DOp:=doName,1;`: the name in lower case, whether it comes at the
+/// begin of a move, and what.
+fn trigger(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<(String, (bool, Step)), ReadError> {
+    let name = tokens.name("the name of a trigger")?.to_ascii_lowercase();
+    tokens.marks(",")?;
+    let mut is_there = tokens.within("a distance", 0.0, LARGEST)? <= 0.0;
+    let mut begin = false;
+    let mut output = option(tokens)?;
+    while let Some(found @ ("start" | "time")) = output.as_deref() {
+        begin |= found == "start";
+        is_there &= found == "start";
+        output = option(tokens)?;
+    }
+    if word.eq_ignore_ascii_case("TriggEquip") {
+        tokens.marks(",")?;
+        tokens.within("a lag in seconds", -LARGEST, LARGEST)?;
+        output = option(tokens)?;
+    }
+    if !is_there {
+        data.warn(place, "a signal at a distance or a time is read as one where the move begins or ends");
+    }
+    let output = output.unwrap_or_default();
+    if !["dop", "aop", "gop"].contains(&output.as_str()) {
+        return unknown_option(tokens, "DOp, AOp or GOp", &output);
+    }
+    tokens.marks(":=")?;
+    let step = if output == "dop" {
+        let signal = data.use_digital(tokens)?;
+        tokens.marks(",")?;
+        switched(signal, digital_value(tokens)?)
+    } else {
+        data.use_signal(tokens, 1)?;
+        tokens.marks(",")?;
+        Step::FilamentSpeed(match output.as_str() {
+            "aop" => tokens.within("a speed of the filament", 0.0, LARGEST)?,
+            _ => group_speed(tokens, data, place, word)?,
+        })
+    };
+    tokens.marks(";")?;
+    Ok((name, (begin, step)))
+}
+
+/// The next trigger of a move.
+fn use_trigger(tokens: &mut Tokens<impl BufRead>, data: &Data) -> Result<(bool, Step), ReadError> {
+    let name = tokens.name("a trigger")?;
+    let found = data.triggers.get(&name.to_ascii_lowercase()).copied();
+    found.ok_or_else(|| tokens.unexpected_at(tokens.place(), "a trigger that TriggEquip or TriggIO has set up", &name))
 }
 
 /// To the end of an instruction.
@@ -230,31 +377,36 @@ fn digital(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Step, R
     }
     let signal = data.use_digital(tokens)?;
     tokens.marks(",")?;
-    let token = tokens.peek()?;
-    let on = if tokens.is_word(token, "high") || tokens.is_word(token, "low") {
-        tokens.next()?;
-        tokens.is_word(token, "high")
-    } else {
-        let value = tokens.whole()?;
-        if !(0..=1).contains(&value) {
-            return Err(tokens.wrong("a digital signal", f64::from(value)));
-        }
-        value == 1
-    };
+    let on = digital_value(tokens)?;
     tokens.marks(";")?;
     Ok(switched(signal, on))
+}
+
+/// `1`, `0`, `high` or `low`.
+fn digital_value(tokens: &mut Tokens<impl BufRead>) -> Result<bool, ReadError> {
+    let token = tokens.peek()?;
+    if tokens.is_word(token, "high") || tokens.is_word(token, "low") {
+        tokens.next()?;
+        return Ok(tokens.is_word(token, "high"));
+    }
+    let value = tokens.whole()?;
+    if !(0..=1).contains(&value) {
+        return Err(tokens.wrong("a digital signal", f64::from(value)));
+    }
+    Ok(value == 1)
 }
 
 fn switched(signal: Option<HeadSignal>, on: bool) -> Step {
     signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on })
 }
 
-/// Options of the target, speed, zone, tool and work object.
+/// Options of the target, speed, triggers where there are to be any, zone, tool and work object.
 fn rest(
     tokens: &mut Tokens<impl BufRead>,
     data: &mut Data,
     goal: Goal,
     table: Option<ExternalAxes>,
+    triggers: Option<&mut Vec<(bool, Step)>>,
 ) -> Result<Step, ReadError> {
     while let Some(name) = option(tokens)? {
         match name.as_str() {
@@ -273,6 +425,17 @@ fn rest(
         speed.mm_s = tokens.positive("a speed", 1.0)?;
     }
     tokens.marks(",")?;
+    if let Some(triggers) = triggers {
+        triggers.push(use_trigger(tokens, data)?);
+        while let Some(name) = option(tokens)? {
+            if !TRIGGER_OPTIONS.contains(&name.as_str()) {
+                return unknown_option(tokens, "T2 to T8", &name);
+            }
+            tokens.marks(":=")?;
+            triggers.push(use_trigger(tokens, data)?);
+        }
+        tokens.marks(",")?;
+    }
     let mut zone = data.zone_or_name(tokens)?;
     while let Some(name) = option(tokens)? {
         match name.as_str() {

@@ -8,6 +8,7 @@ mod main;
 mod options;
 mod part;
 mod program;
+mod trigger;
 mod write;
 
 pub use data::ReadWarning;
@@ -16,7 +17,9 @@ pub use part::RapidPart;
 pub use program::{RapidProgram, read_rapid};
 pub use write::{RapidWritten, write_rapid};
 
-use super::{Payload, ProgramLimits};
+use super::{ExternalAxes, Payload, ProgramLimits};
+use crate::arm::Arm;
+use crate::positioner::Positioner;
 use nalgebra::Isometry3;
 use std::f64::consts::PI;
 
@@ -66,6 +69,53 @@ pub enum FilamentOutput {
     },
 }
 
+/// How a program switches the extruder and sets the speed of the filament.
+///
+/// *Technical reference manual, RAPID Instructions, Functions and Data types* (ABB 3HAC050917): `TriggL`, `TriggEquip`, `SetDO`, `SetAO`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RapidSwitching {
+    /// `SetDO`, `SetAO` and `SetGO` between the moves. Behind a move that stops they come when the tool is there, before the next one begins;
+    /// a new speed of the filament at a blended corner comes when the program is there, about 0.1 s before the tool.
+    #[default]
+    Between,
+    /// On the path of a straight line, by `TriggL`. The extruder goes on, and the filament takes a speed, where the line begins (`TriggEquip` at
+    /// 0 mm from `\Start`); they go off where the line ends. At a blended corner begin and end are the middle of the corner. Program and
+    /// servos run ahead of the tool, and the controller allows for both.
+    ///
+    /// What has no line is written as with `Between`: what goes on or sets a speed and has no line right behind it, what goes off and has no
+    /// line right before it, a second signal of the same output there, and the signals of a tape head, which work at rest.
+    OnPath {
+        /// How long the equipment takes from its signal to what comes of it, seconds, 0 to 0.5: signals come as much earlier (`EquipLag`).
+        /// Beyond the lag of the servos, about 0.04 s, the controller needs its system parameter `Event Preset Time`, of at least as much. A
+        /// line that begins from rest gives its signals when it begins, and no earlier.
+        lag_s: f64,
+    },
+}
+
+/// How hard the controller may accelerate. Steps hold speeds only, so accelerations are those of the controller, within these.
+///
+/// By default (`Some(RapidAcceleration::default())` in [`RapidOptions`]) half of what the arm can do, rising half as fast, and 2 m/s2 along
+/// the path: 50 mm/s are reached within 0.6 mm. Planned prints stay below the limits of their joints, which are some rad/s2; an arm at
+/// its own accelerations shakes the nozzle at corners. Joint moves obey the shares only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RapidAcceleration {
+    /// `AccSet`, share of the arm's normal acceleration in percent, 20 to 100. Default 50.
+    pub percent: f64,
+    /// `AccSet`, how fast the acceleration rises (its jerk), in percent of normal, 10 to 100. Default 50.
+    pub ramp_percent: f64,
+    /// `PathAccLim`, greatest acceleration and deceleration of the tip along its path, m/s2, 0.1 to 100. Default 2.
+    pub path_m_s2: Option<f64>,
+    /// `WorldAccLim`, greatest acceleration of tool and load in the world, in any direction, m/s2, 0.1 to 100. Default `None`: a
+    /// controller may slow down at each corner to keep it.
+    pub world_m_s2: Option<f64>,
+}
+
+impl Default for RapidAcceleration {
+    fn default() -> Self {
+        RapidAcceleration { percent: 50.0, ramp_percent: 50.0, path_m_s2: Some(2.0), world_m_s2: None }
+    }
+}
+
 /// How a program is written.
 ///
 /// # Files
@@ -74,13 +124,15 @@ pub enum FilamentOutput {
 /// inside it. Each part module ends with the tool at rest, for a module must not be unloaded while its last corner is still
 /// to be rounded. Modules therefore end, where they can, at a stop with the extruder off.
 ///
+/// The main module states the seconds of the program's own moves ([`program_seconds`](super::program_seconds)) in a comment.
+///
 /// # Units and digits
 /// Positions in millimetres with four decimals, quaternions with eight and the scalar first and not below 0, angles in
 /// degrees with six: about what the controller's own numbers hold.
 ///
 /// # Signals
-/// The extruder is a digital output (`SetDO`), the speed of the filament an analog or a group output; a tape head has the outputs that
-/// [`HeadSignal::rapid`](super::HeadSignal::rapid) names. The procedure
+/// The extruder is a digital output, the speed of the filament an analog or a group output, and [`RapidSwitching`] says how they are set; a tape
+/// head has the outputs that [`HeadSignal::rapid`](super::HeadSignal::rapid) names. The procedure
 /// `NAME_off` switches off those that the program uses; `main` calls it at the begin, at the end and when an error is
 /// raised. No line of a program runs when it is stopped from outside (stop button, emergency stop, a motion that fails):
 /// make `NAME_off` the routine of the events `Stop` and `QStop`, or tie the outputs to the system output `CycleOn`.
@@ -106,12 +158,38 @@ pub struct RapidOptions {
     pub filament_signal: String,
     /// What kind of output that is.
     pub filament_output: FilamentOutput,
+    /// Where the extruder is switched. Default [`RapidSwitching::Between`]; [`RapidOptions::of_workcell`] takes
+    /// [`RapidSwitching::OnPath`] without a lag.
+    pub switching: RapidSwitching,
+    /// Limits of the accelerations, at the begin of each part module, so that they hold wherever a program is started. Default
+    /// `Some(RapidAcceleration::default())`; with `None` what is set on the controller stays.
+    pub acceleration: Option<RapidAcceleration>,
     /// Where the controller finds the modules. Default `HOME:`.
     pub folder: String,
     /// Most moves in a module. Default 5000, about half a megabyte: Brooks' 180,000 lines were too many.
     pub moves_per_module: u32,
     /// What the controller takes.
     pub limits: ProgramLimits,
+    /// The arm, its base the world: with it the way of moves to joints is known, for the seconds that the main module states. Default `None`:
+    /// a line behind a move to joints then counts 0 seconds.
+    pub arm: Option<Arm>,
+    /// The table that is `work_object.unit`, for the same. Default `None`.
+    pub positioner: Option<Positioner>,
+}
+
+impl RapidOptions {
+    /// The pose of the tool in the work object, in millimetres, at these joints of the arm and axes of the table, in radians. `None` without
+    /// [`arm`](Self::arm), or where the work object is on a unit and the table, or its axes, are not known.
+    pub fn work_tool(&self, joints: &[f64; 6], table: Option<ExternalAxes>) -> Option<Isometry3<f64>> {
+        let world_flange = self.arm.as_ref()?.forward(joints);
+        let world_tool = if self.tool.in_hand { world_flange * self.tool.frame } else { self.tool.frame };
+        let world_work = match (&self.work_object.unit, self.work_object.in_hand) {
+            (Some(_), _) => self.positioner.as_ref()?.forward(&table?.table()?) * self.work_object.frame,
+            (None, true) => world_flange * self.work_object.frame,
+            (None, false) => self.work_object.frame,
+        };
+        Some(world_work.inv_mul(&world_tool))
+    }
 }
 
 impl Default for RapidOptions {
@@ -128,9 +206,13 @@ impl Default for RapidOptions {
             signal: "doExtruder".to_owned(),
             filament_signal: "aoFilament".to_owned(),
             filament_output: FilamentOutput::Analog,
+            switching: RapidSwitching::Between,
+            acceleration: Some(RapidAcceleration::default()),
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,
             limits: ProgramLimits::default(),
+            arm: None,
+            positioner: None,
         }
     }
 }
@@ -145,11 +227,21 @@ const DEGREES: usize = 6;
 /// Of the filament's speed in mm/s: finer than any analog output.
 const FILAMENT: usize = 6;
 
+/// Of the seconds that a program takes.
+const SECONDS: usize = 1;
+/// Of the lag of the equipment in seconds: finer than any controller's cycle.
+const LAG: usize = 6;
+/// Of accelerations, in percent and m/s2.
+const ACCELERATION: usize = 3;
+
 /// Mass in kg that the controller has for `tool0`: what a program declares where none is known.
 const NO_MASS: f64 = 1e-3;
 
 /// The constant that holds the step of a group output in a module.
 const FILAMENT_STEP: &str = "filament_step";
+
+/// The triggers of a module: extruder on and off, filament at a speed and at none.
+const TRIGGERS: [&str; 4] = ["extruder_on", "extruder_off", "filament_on", "filament_off"];
 
 /// RAPID's word for "no axis there".
 const NO_AXIS: f64 = 9e9;

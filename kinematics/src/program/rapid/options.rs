@@ -1,6 +1,6 @@
 //! Options of RAPID, checked: names, frames, loads, and who holds what.
 
-use super::{FILAMENT_STEP, FilamentOutput, RapidOptions, TOOL0, WOBJ0};
+use super::{FILAMENT_STEP, FilamentOutput, RapidAcceleration, RapidOptions, RapidSwitching, TOOL0, TRIGGERS, WOBJ0};
 use crate::program::check::{check_frame, check_option, check_payload};
 use crate::program::names::{Language, check_distinct, check_form, check_name};
 use crate::program::{HeadSignal, WriteError};
@@ -29,8 +29,37 @@ pub(super) fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
         let fits = (1..=23).contains(&bits);
         check_option("filament_output.bits", f64::from(bits), fits, "it must be from 1 to 23")?;
     }
+    if let RapidSwitching::OnPath { lag_s } = options.switching {
+        let fits = (0.0..=MAX_LAG_S).contains(&lag_s);
+        check_option("switching.lag_s", lag_s, fits, "it must be from 0 to 0.5 s")?;
+    }
+    if let Some(acceleration) = &options.acceleration {
+        check_acceleration(acceleration)?;
+    }
     let most = options.moves_per_module;
     check_option("moves_per_module", f64::from(most), most >= 1, "it must be 1 or more")
+}
+
+/// Greatest `Event Preset Time` of a controller.
+const MAX_LAG_S: f64 = 0.5;
+/// Least of `PathAccLim` and `WorldAccLim`, m/s2: below it a controller raises an error.
+const MIN_ACCELERATION_M_S2: f64 = 0.1;
+/// Greatest: ten times what arms reach, so that it is no limit.
+const MAX_ACCELERATION_M_S2: f64 = 100.0;
+
+fn check_acceleration(acceleration: &RapidAcceleration) -> Result<(), WriteError> {
+    let RapidAcceleration { percent, ramp_percent, path_m_s2, world_m_s2 } = *acceleration;
+    // Less is written, but not obeyed: a controller takes 20 and 10 instead.
+    check_option("acceleration.percent", percent, (20.0..=100.0).contains(&percent), "it must be from 20 to 100")?;
+    let fits = (10.0..=100.0).contains(&ramp_percent);
+    check_option("acceleration.ramp_percent", ramp_percent, fits, "it must be from 10 to 100")?;
+    for (what, limit) in [("acceleration.path_m_s2", path_m_s2), ("acceleration.world_m_s2", world_m_s2)] {
+        if let Some(limit) = limit {
+            let fits = (MIN_ACCELERATION_M_S2..=MAX_ACCELERATION_M_S2).contains(&limit);
+            check_option(what, limit, fits, "it must be from 0.1 to 100 m/s2")?;
+        }
+    }
+    Ok(())
 }
 
 fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
@@ -57,7 +86,7 @@ fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
         let ours = name.len() > options.name.len()
             && name.as_bytes()[..options.name.len()].eq_ignore_ascii_case(options.name.as_bytes())
             && name.as_bytes()[options.name.len()] == b'_';
-        if ours || name.eq_ignore_ascii_case(FILAMENT_STEP) {
+        if ours || TRIGGERS.iter().chain([&FILAMENT_STEP]).any(|taken| name.eq_ignore_ascii_case(taken)) {
             let need = "modules and procedures of the program have such names; take another".to_owned();
             return Err(WriteError::Name { what, name: name.to_owned(), need });
         }

@@ -1,5 +1,6 @@
 //! A RAPID module with one procedure, read step by step.
 
+use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
 use super::instruction::{self, Op};
 use super::main::{end, head, next_procedure};
@@ -47,6 +48,11 @@ impl<R: BufRead> RapidPart<R> {
     /// What was worth a warning so far; the first thousand.
     pub fn warnings(&self) -> &[ReadWarning] {
         &self.data.warnings
+    }
+
+    /// The accelerations that the instructions so far have set, if any has.
+    pub fn acceleration(&self) -> Option<RapidAcceleration> {
+        self.data.acceleration
     }
 
     pub(super) fn file(&self) -> &str {

@@ -1,5 +1,6 @@
 //! A RAPID program as it runs: `main`, the procedures that it calls, the modules that it loads.
 
+use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
 use super::instruction::Op;
 use super::main::{Module, Procedure, RapidMain};
@@ -60,9 +61,12 @@ impl<R: BufRead> Part<R> {
 /// * `SetDO` (`1`, `0`, `high`, `low`), `Set`, `Reset`: the extruder, one signal, and a tape head by
 ///   [its names](crate::program::HeadSignal::rapid). `SetAO`, `SetGO` (with a constant
 ///   `filament_step`): the speed of the filament in mm/s, one signal.
+/// * `TriggL`, `TriggJ` with triggers that a `TriggEquip` or `TriggIO` above has set up for these signals: steps before the move for those at
+///   its `\Start`, behind it for the others. A lag is passed over; a distance other than 0, and a `\Time`, with a warning.
 /// * `ActUnit`, `DeactUnit`, `GripLoad`, `TPWrite`, `TPErase`, `ConfJ`, `ConfL` change no step. `ConfJ\Off`,
-///   `ConfL\Off`, `SingArea`, `AccSet`, `PathAccLim`, `SpeedRefresh`, `WaitTime`, `WaitRob`, `WaitDI`, `WaitDO` and `Stop`
-///   are passed over with a warning.
+///   `ConfL\Off`, `SingArea`, `SpeedRefresh`, `WaitTime`, `WaitRob`, `WaitDI`, `WaitDO` and `Stop`
+///   are passed over with a warning. `AccSet`, `PathAccLim` and `WorldAccLim` change no step: they are
+///   [`RapidProgram::acceleration`].
 /// * A sign may stand before any number. A quaternion of few digits (its length within 0.01 of 1) is normalised, with a
 ///   warning where it is off by more than four digits explain.
 ///
@@ -127,6 +131,15 @@ impl<R: BufRead, F> RapidProgram<R, F> {
     /// The main module.
     pub fn main(&self) -> &RapidMain {
         &self.main
+    }
+
+    /// The accelerations that the instructions so far have set, if any has (`AccSet`, `PathAccLim`, `WorldAccLim`): steps have none. In the
+    /// main module they count from the begin, as it is read at once.
+    pub fn acceleration(&self) -> Option<RapidAcceleration> {
+        match &self.part {
+            Part::None(data) => data.acceleration,
+            Part::Loaded(part) | Part::Running(part) => part.acceleration(),
+        }
     }
 
     /// What was worth a warning so far, in the main module and the loaded ones; the first thousand.

@@ -1,11 +1,13 @@
 //! RAPID, written.
 
 use super::options::check_options;
+use super::trigger::{Place, Triggers, Waiting, place};
 use super::{
-    DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidOptions, SPEEDS,
-    TOOL0, WOBJ0, ZONES,
+    ACCELERATION, DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION,
+    RapidAcceleration, RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
 use crate::program::check::Checker;
+use crate::program::seconds::Clock;
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
@@ -14,7 +16,7 @@ use nalgebra::{Isometry3, Point3};
 use std::io::Write;
 
 /// What [`write_rapid`] has written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RapidWritten {
     /// Part modules.
     pub modules: u32,
@@ -22,6 +24,8 @@ pub struct RapidWritten {
     pub moves: u64,
     /// Moves that were to be blended, but stop because a module ends there.
     pub stops_added: u32,
+    /// Seconds of the moves by their own speeds ([`program_seconds`](crate::program::program_seconds)).
+    pub seconds: f64,
 }
 
 /// Decimals of the step of a group output.
@@ -69,15 +73,21 @@ pub fn write_rapid<W: Write>(
     };
     let limits = ProgramLimits { filament_mm_s: options.limits.filament_mm_s.min(filament_mm_s), ..options.limits };
     let mut checker = Checker::new(&limits);
-    let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0 };
+    let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0, seconds: 0.0 };
+    let mut clock = Clock::default();
+    let work_tool = |joints: &[f64; 6], table| options.work_tool(joints, table);
     let mut used = Used::default();
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
     // By the digital output; by the speed of the filament where there is none.
     let (mut on, mut fed, mut head) = (None, false, [false; HeadSignal::ALL.len()]);
+    let on_path = options.switching != RapidSwitching::Between;
+    // What waits for the line behind it.
+    let mut waiting = Waiting::default();
     let mut steps = steps.into_iter().peekable();
     while let Some(mut step) = steps.next() {
         checker.check(&step)?;
+        clock.pass(&step, &work_tool);
         let current = match &mut module {
             Some(current) => current,
             None => {
@@ -90,29 +100,47 @@ pub fn write_rapid<W: Write>(
             Step::Move(to) => {
                 current.moves += 1;
                 written.moves += 1;
+                let is_line = on_path && matches!(to.goal, Goal::Line(_));
+                if !is_line {
+                    current.send_waiting(&mut waiting, options);
+                }
+                let mut signals = std::mem::take(&mut waiting);
+                // What goes off behind a line does so at its end.
+                let mut ends = Waiting::default();
+                while let Some(off) =
+                    steps.next_if(|next| is_line && place(next) == Some(Place::End) && !ends.has(next))
+                {
+                    checker.check(&off)?;
+                    used.note(&off, &mut on, &mut fed);
+                    ends.0.push(off);
+                }
+                signals.0.append(&mut ends.0);
                 let last = current.moves >= options.moves_per_module || steps.peek().is_none();
                 if last && to.zone != Zone::Stop {
                     to.zone = Zone::Stop;
                     written.stops_added += 1;
                 }
                 at_rest = to.zone == Zone::Stop;
-                write_move(&mut current.text, to, &end);
+                current.triggers.set_up(&mut current.text, &signals.0, options);
+                write_move(&mut current.text, to, &signals.0, &end);
             }
-            Step::Extruder(to) => {
-                on = Some(*to);
-                used.switch = true;
-                let value = if *to { "1" } else { "0" };
-                current.text.word("    SetDO ").word(&options.signal).word(",").word(value).word(";\n");
+            signal @ (Step::Extruder(_) | Step::FilamentSpeed(_)) => {
+                used.note(signal, &mut on, &mut fed);
+                let waits = on_path && place(signal) == Some(Place::Begin);
+                if !waits || waiting.has(signal) {
+                    current.send_waiting(&mut waiting, options);
+                }
+                if waits {
+                    waiting.0.push(*signal);
+                } else {
+                    write_switch(&mut current.text, signal, options);
+                }
             }
             Step::Signal { signal, on } => {
+                current.send_waiting(&mut waiting, options);
                 used.head[signal.number()] = true;
                 head[signal.number()] = *on;
                 write_signal(&mut current.text, *signal, *on);
-            }
-            Step::FilamentSpeed(mm_s) => {
-                fed = *mm_s > 0.0;
-                used.filament = true;
-                write_filament(&mut current.text, *mm_s, options);
             }
             Step::Servo { .. } => return Err(checker.unsupported("stream of joints", "RAPID")),
         }
@@ -130,9 +158,13 @@ pub fn write_rapid<W: Write>(
             module.take().map_or(Ok(()), Module::end)?;
         }
     }
+    if let Some(current) = &mut module {
+        current.send_waiting(&mut waiting, options);
+    }
     module.take().map_or(Ok(()), Module::end)?;
     checker.finish()?;
-    write_main(options, written.modules, used, &mut open)?;
+    written.seconds = clock.seconds;
+    write_main(options, &written, used, &mut open)?;
     Ok(written)
 }
 
@@ -142,6 +174,17 @@ struct Used {
     switch: bool,
     filament: bool,
     head: [bool; HeadSignal::ALL.len()],
+}
+
+impl Used {
+    /// Notes a signal of the extruder or the filament, and what it leaves on.
+    fn note(&mut self, signal: &Step, on: &mut Option<bool>, fed: &mut bool) {
+        match signal {
+            Step::Extruder(to) => (self.switch, *on) = (true, Some(*to)),
+            Step::FilamentSpeed(mm_s) => (self.filament, *fed) = (true, *mm_s > 0.0),
+            Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } => {}
+        }
+    }
 }
 
 fn part_name(options: &RapidOptions, number: u32) -> String {
@@ -154,6 +197,7 @@ struct Module<W> {
     out: W,
     text: Text,
     moves: u32,
+    triggers: Triggers,
 }
 
 impl<W: Write> Module<W> {
@@ -170,8 +214,21 @@ impl<W: Write> Module<W> {
         if let FilamentOutput::Group { step_mm_s, .. } = options.filament_output {
             text.word("  LOCAL CONST num ").word(FILAMENT_STEP).word(":=").fixed(step_mm_s, STEP).word(";\n");
         }
+        if options.switching != RapidSwitching::Between {
+            Triggers::declare(&mut text);
+        }
         text.word("  PROC ").word(&name).word("_run()\n");
-        Ok(Module { file, out, text, moves: 0 })
+        if let Some(acceleration) = &options.acceleration {
+            write_acceleration(&mut text, acceleration);
+        }
+        Ok(Module { file, out, text, moves: 0, triggers: Triggers::default() })
+    }
+
+    /// Writes what has no line behind it.
+    fn send_waiting(&mut self, waiting: &mut Waiting, options: &RapidOptions) {
+        for signal in waiting.0.drain(..) {
+            write_switch(&mut self.text, &signal, options);
+        }
     }
 
     fn send(&mut self) -> Result<(), WriteError> {
@@ -187,25 +244,52 @@ impl<W: Write> Module<W> {
     }
 }
 
+fn write_acceleration(text: &mut Text, acceleration: &RapidAcceleration) {
+    let RapidAcceleration { percent, ramp_percent, path_m_s2, world_m_s2 } = *acceleration;
+    text.word("    AccSet ").fixed(percent, ACCELERATION).word(",").fixed(ramp_percent, ACCELERATION).word(";\n");
+    if let Some(limit) = path_m_s2 {
+        text.word("    PathAccLim TRUE\\AccMax:=").fixed(limit, ACCELERATION);
+        text.word(",TRUE\\DecelMax:=").fixed(limit, ACCELERATION).word(";\n");
+    }
+    if let Some(limit) = world_m_s2 {
+        text.word("    WorldAccLim\\On:=").fixed(limit, ACCELERATION).word(";\n");
+    }
+}
+
 fn write_signal(text: &mut Text, signal: HeadSignal, on: bool) {
     text.word("    SetDO ").word(signal.rapid()).word(if on { ",1;\n" } else { ",0;\n" });
 }
 
-fn write_filament(text: &mut Text, mm_s: f64, options: &RapidOptions) {
-    match options.filament_output {
-        FilamentOutput::Analog => {
-            text.word("    SetAO ").word(&options.filament_signal).word(",").fixed(mm_s, FILAMENT).word(";\n");
+/// A signal of the extruder or the filament between two moves.
+fn write_switch(text: &mut Text, signal: &Step, options: &RapidOptions) {
+    match signal {
+        Step::Extruder(on) => {
+            text.word("    SetDO ").word(&options.signal).word(if *on { ",1;\n" } else { ",0;\n" });
         }
-        FilamentOutput::Group { step_mm_s, .. } => {
-            let steps = (mm_s / step_mm_s).round();
-            text.word("    SetGO ").word(&options.filament_signal).word(",").fixed(steps, 0).word(";\n");
+        Step::FilamentSpeed(mm_s) => {
+            let set = if options.filament_output == FilamentOutput::Analog { "    SetAO " } else { "    SetGO " };
+            text.word(set).word(&options.filament_signal).word(",");
+            write_filament_value(text, *mm_s, options);
+            text.word(";\n");
         }
+        Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } => {}
     }
 }
 
-fn write_move(text: &mut Text, to: &Move, end: &str) {
+pub(super) fn write_filament_value(text: &mut Text, mm_s: f64, options: &RapidOptions) {
+    match options.filament_output {
+        FilamentOutput::Analog => text.fixed(mm_s, FILAMENT),
+        FilamentOutput::Group { step_mm_s, .. } => text.fixed((mm_s / step_mm_s).round(), 0),
+    };
+}
+
+/// A move, with the signals on its path; only lines have any.
+fn write_move(text: &mut Text, to: &Move, signals: &[Step], end: &str) {
     match &to.goal {
-        Goal::Line(target) => write_target(text.word("    MoveL "), target, to.table),
+        Goal::Line(target) => {
+            let word = if signals.is_empty() { "    MoveL " } else { "    TriggL " };
+            write_target(text.word(word), target, to.table);
+        }
         Goal::Swing(target) => write_target(text.word("    MoveJ "), target, to.table),
         Goal::Joints(joints) => {
             text.word("    MoveAbsJ [").list(&joints.map(f64::to_degrees), DEGREES);
@@ -214,6 +298,7 @@ fn write_move(text: &mut Text, to: &Move, end: &str) {
     }
     text.word(",");
     write_speed(text, to.speed);
+    Triggers::write(text, signals);
     text.word(",");
     write_zone(text, to.zone);
     text.word(end);
@@ -291,7 +376,7 @@ fn write_load(text: &mut Text, load: &Payload) {
 
 fn write_main<W: Write>(
     options: &RapidOptions,
-    modules: u32,
+    written: &RapidWritten,
     used: Used,
     open: &mut impl FnMut(&str) -> std::io::Result<W>,
 ) -> Result<(), WriteError> {
@@ -300,6 +385,8 @@ fn write_main<W: Write>(
     let mut out = open(&file).map_err(failed)?;
     let mut text = Text::default();
     text.word("MODULE ").word(&options.name).word("\n");
+    text.word("  ! ").fixed(written.seconds, SECONDS);
+    text.word(" s of motion at the speeds of its moves, without accelerations and loading\n");
     write_data(&mut text, options);
     let switches = used.switch || used.filament || used.head.contains(&true);
     let off = |text: &mut Text| {
@@ -316,7 +403,7 @@ fn write_main<W: Write>(
     if options.part_load.is_some() {
         text.word("    GripLoad ").word(&options.name).word("_load;\n");
     }
-    for number in 1..=modules {
+    for number in 1..=written.modules {
         let name = part_name(options, number);
         let place = format!("\"{}\"\\File:=\"{name}.mod\";\n", options.folder);
         text.word("    Load\\Dynamic,").word(&place);
@@ -337,10 +424,10 @@ fn write_main<W: Write>(
     if switches {
         text.word("  PROC ").word(&options.name).word("_off()\n");
         if used.filament {
-            write_filament(&mut text, 0.0, options);
+            write_switch(&mut text, &Step::FilamentSpeed(0.0), options);
         }
         if used.switch {
-            text.word("    SetDO ").word(&options.signal).word(",0;\n");
+            write_switch(&mut text, &Step::Extruder(false), options);
         }
         for signal in HeadSignal::ALL.into_iter().filter(|signal| used.head[signal.number()]).rev() {
             write_signal(&mut text, signal, false);

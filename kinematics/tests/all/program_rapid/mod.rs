@@ -110,8 +110,9 @@ proptest! {
 
     /// Whatever the writer takes, the rules take.
     #[test]
-    fn what_is_written_keeps_the_rules(steps in steps(), rig in 0..3usize, moves_per_module in 1..9u32, name in "[a-zA-Z][a-zA-Z0-9_]{0,22}") {
-        let options = RapidOptions { moves_per_module, ..rigs()[rig].clone() };
+    fn what_is_written_keeps_the_rules(steps in steps(), rig in 0..3usize, moves_per_module in 1..9u32, name in "[a-zA-Z][a-zA-Z0-9_]{0,22}", lag_s in prop::option::of(0.0..0.5f64)) {
+        let switching = lag_s.map_or(RapidSwitching::Between, |lag_s| RapidSwitching::OnPath { lag_s });
+        let options = RapidOptions { moves_per_module, switching, ..rigs()[rig].clone() };
         let files = written(&steps, &options).unwrap();
         prop_assert_eq!(judged(&files, &options), Ok(()));
         let named = RapidOptions { name, ..options };
@@ -124,8 +125,9 @@ proptest! {
 
     /// All external axes come back, and the speed of a group output to half a step.
     #[test]
-    fn six_external_axes_come_back(steps in steps()) {
-        let options = &rigs()[0];
+    fn six_external_axes_come_back(steps in steps(), on_path: bool) {
+        let switching = if on_path { RapidSwitching::OnPath { lag_s: 0.1 } } else { RapidSwitching::Between };
+        let options = &RapidOptions { switching, ..rigs()[0].clone() };
         let files = written(&steps, options).unwrap();
         let program = read_rapid(files["a_table.mod"].as_slice(), |name: &str| Ok(files[name].as_slice())).unwrap();
         let again: Vec<Step> = program.collect::<Result<_, _>>().unwrap();
@@ -144,6 +146,38 @@ proptest! {
                 (a, b) => prop_assert_eq!(a, b),
             }
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Accelerations are set in every module and come back.
+    #[test]
+    fn accelerations_come_back(
+        percent in 20..=100u32, ramp in 10..=100u32, path in prop::option::of(1..1000u32), world in prop::option::of(1..1000u32), moves_per_module in 1..4u32,
+    ) {
+        let tenths = |limit: Option<u32>| limit.map(|limit| f64::from(limit) / 10.0);
+        let acceleration = RapidAcceleration {
+            percent: f64::from(percent),
+            ramp_percent: f64::from(ramp),
+            path_m_s2: tenths(path),
+            world_m_s2: tenths(world),
+        };
+        let options = RapidOptions { acceleration: Some(acceleration), moves_per_module, ..RapidOptions::default() };
+        let files = written(&[line(0.0), line(1.0), line(2.0)], &options).unwrap();
+        prop_assert_eq!(judged(&files, &options), Ok(()));
+        for (_, file) in files.iter().filter(|(name, _)| *name != "curvlay.mod") {
+            let mut part = RapidPart::new(file.as_slice()).unwrap();
+            prop_assert!(part.by_ref().all(|step| step.is_ok()));
+            prop_assert_eq!(part.acceleration(), Some(acceleration));
+            prop_assert_eq!(part.warnings().len(), 0);
+        }
+        let mut program = read_rapid(files["curvlay.mod"].as_slice(), |name: &str| Ok(files[name].as_slice())).unwrap();
+        prop_assert_eq!(program.by_ref().count(), 3);
+        prop_assert_eq!(program.acceleration(), Some(acceleration));
+        let none = RapidOptions { acceleration: None, ..options };
+        prop_assert!(!text(&written(&[line(0.0)], &none).unwrap(), "curvlay_001.mod").contains("Acc"));
     }
 }
 
@@ -230,6 +264,9 @@ fn names_that_rapid_does_not_take_are_refused() {
     }
     let options = RapidOptions { filament_signal: "doExtruder".into(), ..plain.clone() };
     assert_eq!(refused(&options).0, "filament_signal");
+    for signal in ["extruder_on", "Filament_OFF", "filament_step"] {
+        assert_eq!(refused(&RapidOptions { signal: signal.into(), ..plain.clone() }).0, "signal");
+    }
     // Twenty characters, so that modules and procedures have no more than 32.
     let longest = |count| RapidOptions { name: "x".repeat(count), ..plain.clone() };
     assert!(written(&[line(1.0)], &longest(20)).is_ok());
@@ -254,6 +291,18 @@ fn what_would_be_lost_or_contradicts_is_refused() {
     assert_eq!(changed(&in_hand, &|o| o.work_object.in_hand = false), "work_object.in_hand");
     assert_eq!(changed(&in_hand, &|o| o.work_object.unit = Some("STN1".into())), "work_object.unit");
     assert_eq!(changed(&over_table, &|o| o.part_load = o.tool.load), "part_load");
+    for lag_s in [-0.01, 0.51, f64::NAN] {
+        assert_eq!(changed(&plain, &|o| o.switching = RapidSwitching::OnPath { lag_s }), "switching.lag_s", "{lag_s}");
+    }
+    let accelerates = |change: fn(&mut RapidAcceleration)| {
+        let mut acceleration = RapidAcceleration::default();
+        change(&mut acceleration);
+        changed(&plain, &|o| o.acceleration = Some(acceleration))
+    };
+    assert_eq!(accelerates(|a| a.percent = 19.0), "acceleration.percent");
+    assert_eq!(accelerates(|a| a.ramp_percent = f64::NAN), "acceleration.ramp_percent");
+    assert_eq!(accelerates(|a| a.path_m_s2 = Some(0.05)), "acceleration.path_m_s2");
+    assert_eq!(accelerates(|a| a.world_m_s2 = Some(f64::INFINITY)), "acceleration.world_m_s2");
     let mass = |mass_kg: f64| Some(Payload { mass_kg, centre: Point3::origin() });
     for kg in [0.0, -1.0, 1e-4, f64::NAN, f64::INFINITY, 1e9] {
         assert_eq!(changed(&in_hand, &|o| o.tool.load = mass(kg)), "tool.load.mass_kg", "{kg}");
@@ -334,6 +383,134 @@ fn main_prepares_and_cleans_up() {
     assert!(!main.contains("Set") && !main.contains("ERROR") && !main.contains("_off"), "{main}");
 }
 
+/// The extruder goes on where its first line begins and off where the last one ends; a new speed at a blended corner is on the path, too.
+#[test]
+fn signals_are_on_the_path() {
+    let by_joints = |angle: f64| to(Goal::Joints([angle; 6]));
+    let blended =
+        |x: f64| if let Step::Move(to) = line(x) { Step::Move(Move { zone: Zone::Blend(1.0), ..to }) } else { line(x) };
+    let feed = Step::FilamentSpeed;
+    let [on, off] = [true, false].map(Step::Extruder);
+    let steps = [
+        by_joints(0.0),
+        on,
+        feed(2.5),
+        blended(1.0),
+        feed(3.0),
+        blended(2.0),
+        line(3.0),
+        feed(0.0),
+        off,
+        by_joints(0.1),
+        // No line: between the moves.
+        on,
+        by_joints(0.2),
+        off,
+        by_joints(0.3),
+        // Two signals of one output before a line: the first between the moves, as is what goes off there.
+        on,
+        on,
+        off,
+        feed(1.0),
+        line(4.0),
+        off,
+        off,
+        feed(0.0),
+    ];
+    let switching = RapidSwitching::OnPath { lag_s: 0.05 };
+    let options = RapidOptions { switching, acceleration: None, ..RapidOptions::default() };
+    let files = written(&steps, &options).unwrap();
+    assert_eq!(judged(&files, &options), Ok(()));
+    let part = text(&files, "curvlay_001.mod");
+    let lines = part.lines().map(|line| {
+        let (word, rest) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
+        match word {
+            "TriggL" => format!("TriggL {}", rest.split("1000],").last().unwrap().split(",tool0").next().unwrap()),
+            "MoveL" | "MoveAbsJ" => word.to_owned(),
+            _ => line.trim().to_owned(),
+        }
+    });
+    let expected = [
+        "MODULE curvlay_001",
+        "LOCAL VAR triggdata extruder_on;",
+        "LOCAL VAR triggdata extruder_off;",
+        "LOCAL VAR triggdata filament_on;",
+        "LOCAL VAR triggdata filament_off;",
+        "PROC curvlay_001_run()",
+        "MoveAbsJ",
+        "TriggEquip extruder_on,0\\Start,0.05\\DOp:=doExtruder,1;",
+        "TriggEquip filament_on,0\\Start,0.05\\AOp:=aoFilament,2.5;",
+        "TriggL extruder_on\\T2:=filament_on,z1",
+        "TriggEquip filament_on,0\\Start,0.05\\AOp:=aoFilament,3;",
+        "TriggL filament_on,z1",
+        "TriggEquip filament_off,0,0.05\\AOp:=aoFilament,0;",
+        "TriggEquip extruder_off,0,0.05\\DOp:=doExtruder,0;",
+        "TriggL filament_off\\T2:=extruder_off,fine",
+        "MoveAbsJ",
+        "SetDO doExtruder,1;",
+        "MoveAbsJ",
+        "SetDO doExtruder,0;",
+        "MoveAbsJ",
+        "SetDO doExtruder,1;",
+        "SetDO doExtruder,1;",
+        "SetDO doExtruder,0;",
+        "TriggEquip filament_on,0\\Start,0.05\\AOp:=aoFilament,1;",
+        "TriggL filament_on\\T2:=extruder_off,fine",
+        "SetDO doExtruder,0;",
+        "SetAO aoFilament,0;",
+        "ENDPROC",
+        "ENDMODULE",
+    ];
+    assert_eq!(lines.collect::<Vec<_>>(), expected);
+    let mut read = RapidPart::new(part.as_bytes()).unwrap();
+    let kinds = |steps: &[Step]| {
+        steps.iter().map(|step| if let Step::Move(_) = step { None } else { Some(*step) }).collect::<Vec<_>>()
+    };
+    assert_eq!(kinds(&read.by_ref().map(Result::unwrap).collect::<Vec<_>>()), kinds(&steps));
+    assert_eq!(read.warnings(), []);
+}
+
+/// Triggers of other programs: `TriggIO`, a group, a tape head, joints, and what is passed over.
+#[test]
+fn triggers_of_people_are_read() {
+    let target = "[[0,0,0],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+    let program = |body: &str| {
+        let text = format!(
+            "MODULE a VAR triggdata glue; VAR triggdata cut; CONST num filament_step:=0.5; PROC main() {body} ENDPROC ENDMODULE"
+        );
+        let mut program = match read_rapid(text.as_bytes(), |_| Ok::<&[u8], _>(b"")) {
+            Ok(program) => program,
+            Err(error) => return (Err(error.to_string()), 0),
+        };
+        let steps = program.by_ref().collect::<Result<Vec<Step>, _>>().map_err(|error| error.to_string());
+        (steps, program.warnings().len())
+    };
+    let all = format!(
+        "TriggIO glue,0\\Start\\GOp:=goGlue,4; TriggEquip CUT,0,-0.1\\DOp:=doTapeCut,high; TriggJ {target},v100,cut\\T2:=GLUE,z10\\Inpos:=inpos50,tool0;"
+    );
+    let (steps, warnings) = program(&all);
+    let steps = steps.unwrap();
+    assert_eq!((steps.len(), steps[0], warnings), (3, Step::FilamentSpeed(2.0), 0));
+    assert!(matches!(steps[1], Step::Move(Move { goal: Goal::Swing(_), zone: Zone::Blend(10.0), .. })));
+    assert_eq!(steps[2], Step::Signal { signal: HeadSignal::Cut, on: true });
+    for far in ["TriggIO glue,5\\DOp:=doGlue,1;", "TriggIO glue,0\\Time\\DOp:=doGlue,1;"] {
+        let (steps, warnings) = program(&format!("{far} TriggL {target},v100,glue,fine,tool0;"));
+        assert_eq!((steps.unwrap()[1], warnings), (Step::Extruder(true), 1), "{far}");
+    }
+    for (body, says) in [
+        (
+            format!("TriggL {target},v100,glue,fine,tool0;"),
+            "a trigger that TriggEquip or TriggIO has set up, found `glue`",
+        ),
+        ("TriggIO glue,0\\ProcID:=1,1;".to_owned(), "expected DOp, AOp or GOp"),
+        ("TriggIO glue,0\\DOp:=doGlue,2;".to_owned(), "2 cannot be a digital signal"),
+        (format!("TriggIO glue,0\\DOp:=d,1; TriggL {target},v100,glue\\T9:=glue,fine,tool0;"), "expected T2 to T8"),
+    ] {
+        let error = program(&body).0.unwrap_err();
+        assert!(error.contains(says), "{body}: {error}");
+    }
+}
+
 #[test]
 fn quaternions_have_no_negative_scalar() {
     let turned = |[w, i, j, k]: [f64; 4]| {
@@ -383,8 +560,10 @@ fn a_program_of_people_is_read() {
     let signals: Vec<&Step> = steps.iter().filter(|step| !matches!(step, Step::Move(_))).collect();
     let [on, off] = [true, false].map(Step::Extruder);
     assert_eq!(signals, [&off, &Step::FilamentSpeed(2.5), &on, &off, &on, &off]);
+    let set = program.acceleration().unwrap();
+    assert_eq!((set.percent, set.ramp_percent, set.path_m_s2), (50.0, 100.0, None));
     let warnings: Vec<String> = program.warnings().iter().map(ToString::to_string).collect();
-    let expected = ["length 1.0006", "ConfL\\Off", "SingArea", "AccSet", "WaitTime", "\\Conc", "vmax"];
+    let expected = ["length 1.0006", "ConfL\\Off", "SingArea", "WaitTime", "\\Conc", "vmax"];
     assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
     for what in expected {
         assert!(warnings.iter().any(|warning| warning.contains(what)), "{what}: {warnings:?}");

@@ -13,7 +13,8 @@ const RESERVED: &str = "ALIAS AND BACKWARD CASE CONNECT CONST DEFAULT DIV DO ELS
 /// What is installed, with its type; `!` are instructions.
 const INSTALLED: &str = "tool0:tooldata wobj0:wobjdata load0:loaddata fine:zonedata robtarget:type jointtarget:type num:type \
     tooldata:type wobjdata:type loaddata:type speeddata:type zonedata:type MoveL:! MoveJ:! MoveAbsJ:! SetDO:! SetAO:! SetGO:! \
-    ActUnit:! GripLoad:! ConfJ:! ConfL:! Load:! UnLoad:!";
+    ActUnit:! GripLoad:! ConfJ:! ConfL:! Load:! UnLoad:! AccSet:! PathAccLim:! WorldAccLim:! \
+    TriggL:! TriggEquip:! triggdata:type";
 
 #[derive(Clone, Debug, PartialEq)]
 enum Token {
@@ -178,10 +179,14 @@ impl Parser {
             match self.word()?.as_str() {
                 "CONST" | "PERS" | "VAR" if routines.is_empty() => {
                     let (kind, name) = (self.word()?, identifier(self.word()?)?);
-                    if self.next()? != Token::Assign {
+                    // Only the data of a trigger are declared without a value.
+                    let value = if kind == "triggdata" {
+                        Value::Number(0.0)
+                    } else if self.next()? == Token::Assign {
+                        self.value()?
+                    } else {
                         return Err(format!("{name} has no value"));
-                    }
-                    let value = self.value()?;
+                    };
                     self.mark(';')?;
                     data.push(Declared { name, kind, value, local });
                 }
@@ -368,6 +373,8 @@ struct Run<'a> {
     active: BTreeSet<String>,
     loaded: Option<Module>,
     used_signals: BTreeSet<String>,
+    /// Triggers that are set up.
+    triggers: BTreeSet<String>,
     last_zone_is_fine: bool,
 }
 
@@ -396,6 +403,7 @@ impl Run<'_> {
                     pose(&all[4])?;
                 }
                 "loaddata" => load(&data.value)?,
+                "triggdata" => {}
                 "num" if matches!(data.value, Value::Number(_)) => {}
                 other => return Err(format!("data of the type {other}")),
             }
@@ -411,6 +419,7 @@ impl Run<'_> {
         let routines = module.routines.iter().map(|routine| &routine.name);
         for name in routines.chain(module.data.iter().map(|data| &data.name)).chain([&module.name]) {
             self.names.0.remove(&name.to_ascii_lowercase());
+            self.triggers.remove(&name.to_ascii_lowercase());
         }
     }
 
@@ -472,6 +481,54 @@ impl Run<'_> {
                 }
                 Ok(())
             }
+            ("TriggL", [target, speed, first, zone, tool]) => {
+                let mut names = BTreeSet::new();
+                let mut others = 1;
+                for trigger in std::iter::once(Some(*first))
+                    .chain((2..=8).map_while(|k| option(&format!("T{k}")).map(|argument| argument.value.as_ref())))
+                {
+                    let Some(Value::Word(name)) = trigger else { return Err("no trigger".into()) };
+                    self.names.expect(&Value::Word(name.clone()), "triggdata")?;
+                    if !self.triggers.contains(&name.to_ascii_lowercase()) || !names.insert(name.clone()) {
+                        return Err(format!("{name} is not set up, or twice on a line"));
+                    }
+                    others += 1;
+                }
+                let is_trigger = |a: &Argument| {
+                    a.option.as_ref().is_some_and(|name| name.starts_with('T')) || a.value.as_ref() == Some(*first)
+                };
+                let move_alone: Vec<Argument> = arguments.iter().filter(|a| !is_trigger(a)).cloned().collect();
+                if move_alone.len() + others - 1 != arguments.len() || [target, speed, zone, tool].contains(&first) {
+                    return Err(format!("arguments of {word}: {arguments:?}"));
+                }
+                self.instruction("MoveL", &move_alone)
+            }
+            ("TriggEquip", [trigger, Value::Number(distance), Value::Number(lag), Value::Number(value)])
+                if *distance == 0.0 && (0.0..=0.5).contains(lag) =>
+            {
+                self.names.expect(trigger, "triggdata")?;
+                let mut outputs = 0;
+                for (name, kind) in [("DOp", "signaldo"), ("AOp", "signalao"), ("GOp", "signalgo")] {
+                    let Some(argument) = option(name) else { continue };
+                    self.signal(argument.value.as_ref().ok_or("no signal")?, kind)?;
+                    outputs += 1;
+                    let fits = match name {
+                        "DOp" => *value == 0.0 || *value == 1.0,
+                        "AOp" => *value >= 0.0,
+                        _ => *value >= 0.0 && *value < 8_388_608.0 && value.fract() == 0.0,
+                    };
+                    if !fits {
+                        return Err(format!("{name} of {value}"));
+                    }
+                }
+                if outputs != 1 || options != 1 + usize::from(option("Start").is_some()) {
+                    return Err(format!("options of {word}"));
+                }
+                if let Value::Word(name) = trigger {
+                    self.triggers.insert(name.to_ascii_lowercase());
+                }
+                Ok(())
+            }
             ("SetDO", [signal, Value::Number(value)]) if *value == 0.0 || *value == 1.0 => {
                 self.signal(signal, "signaldo")
             }
@@ -486,6 +543,22 @@ impl Run<'_> {
                 Ok(())
             }
             ("GripLoad", [load]) => self.names.expect(load, "loaddata").map(|_| ()),
+            ("AccSet", [Value::Number(share), Value::Number(ramp)])
+                if options == 0 && (20.0..=100.0).contains(share) && (10.0..=100.0).contains(ramp) =>
+            {
+                Ok(())
+            }
+            ("PathAccLim", [accelerates, brakes]) if options == 2 => {
+                let limits = [("AccMax", accelerates), ("DecelMax", brakes)].map(|(name, is_on)| {
+                    truth(is_on) == Ok(true)
+                        && matches!(option(name).and_then(|a| a.value.as_ref()), Some(Value::Number(x)) if *x >= 0.1)
+                });
+                if limits == [true; 2] { Ok(()) } else { Err(format!("{word} with {arguments:?}")) }
+            }
+            ("WorldAccLim", []) if options == 1 => match option("On").and_then(|a| a.value.as_ref()) {
+                Some(Value::Number(limit)) if *limit >= 0.1 => Ok(()),
+                _ => Err(format!("{word} with {arguments:?}")),
+            },
             ("ConfJ" | "ConfL", []) if options == 1 && (option("On").is_some() || option("Off").is_some()) => Ok(()),
             _ => Err(format!("{word} with {arguments:?}")),
         }
@@ -534,6 +607,7 @@ pub fn check(
         active: BTreeSet::new(),
         loaded: None,
         used_signals: BTreeSet::new(),
+        triggers: BTreeSet::new(),
         last_zone_is_fine: true,
     };
     for entry in INSTALLED.split_whitespace() {
