@@ -5,6 +5,7 @@
 //! cell while the part grows is that of [`GrowingScene`], and here is the check of what has been written (`check`).
 
 pub mod check;
+pub mod read_back;
 
 use crate::failure;
 use crate::field::FieldRun;
@@ -231,6 +232,11 @@ impl<const N: usize, const F: usize, W> MotionRun<N, F, W> {
                 self.rechecked = Some(checked);
             }
         }
+    }
+
+    /// How fast the tip may travel, in mm/s.
+    pub fn fastest_mm_s(&self) -> f64 {
+        self.options.tip_speed.near_mm_s.max(self.options.tip_speed.far_mm_s)
     }
 
     /// Unsafe motions by the last check.

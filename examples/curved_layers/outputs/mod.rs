@@ -15,7 +15,6 @@ mod surfaces;
 use crate::motion::{Motion, of_run};
 use crate::{Extra, Job, Posed, Results, Stage, failure, ranges};
 use curvlay_examples::args::{Failure, typed_name};
-use curvlay_examples::findings::Severity;
 use curvlay_examples::orienting::COMMENT;
 use curvlay_examples::output::{OutputFolder, SUMMARY};
 use curvlay_examples::report::Report;
@@ -159,8 +158,7 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
             of_run!(motion, run => motion::products(run, folder)?);
             let written =
                 of_run!(motion, run => programs::products(run, setup.format, args.motion.program_steps, folder)?);
-            let refused = written.refused.iter();
-            refused.for_each(|why| findings.add(Severity::Failed, "no programs were written", why, "--program"));
+            programs::find(&written, of_run!(motion, run => run.fastest_mm_s()), findings);
             findings.say();
             files.programs = Some(written);
             Ok(())

@@ -7,8 +7,10 @@
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
+use crate::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBack, read_back};
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
+use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;
 use curvlay_examples::motion::programs::{pieces, rate, stream, takes_stream, targets, urscript_options};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
@@ -35,6 +37,8 @@ pub struct Programs {
     pub withheld: usize,
     /// Why there are none.
     pub refused: Option<String>,
+    /// What they hold, read again.
+    pub read: Option<ReadBack>,
 }
 
 /// Why files are not finished.
@@ -82,7 +86,10 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     let written =
         if is_stream { streams(cell, plan, format, folder) } else { targets_of(cell, plan, format, most, folder) };
     match written {
-        Ok(programs) => Ok(Programs { withheld, ..programs }),
+        Ok(programs) => {
+            let read = Some(read_back(run, format, folder.path())?);
+            Ok(Programs { withheld, read, ..programs })
+        }
         Err(Trouble::Refused(error)) => Ok(Programs { refused: Some(error.to_string()), ..none }),
         Err(Trouble::Failed(failure)) => Err(failure),
     }
@@ -216,10 +223,49 @@ pub fn summary(run: &Programs, summary: &mut Summary) -> Result<(), Failure> {
         .set("program_bytes", run.bytes)?
         .set("program_withheld", run.withheld)?
         .set("program_refused", run.refused.as_deref().unwrap_or(""))?;
+    if let Some(read) = &run.read {
+        summary
+            .set("program_not_at_home", read.not_at_home)?
+            .set("program_filament_mm", read.filament_mm)?
+            .set("program_off_mm", read.off_mm)?
+            .set("program_travel_mm_s", read.travel_mm_s)?;
+    }
     Ok(())
+}
+
+/// What the programs were found to hold, but should not, and what they lack.
+pub fn find(run: &Programs, fastest_mm_s: f64, findings: &mut Findings) {
+    if let Some(why) = &run.refused {
+        findings.add(Severity::Failed, "no programs were written", why, "--program");
+    }
+    let Some(ReadBack { programs, not_at_home, filament_mm, planned_mm, off_mm, travel_mm_s }) = run.read else {
+        return;
+    };
+    if not_at_home > 0 {
+        let amount = format!("{not_at_home} of {programs}");
+        findings.add(Severity::Failed, "programs do not begin and end at home", amount, "programs.csv");
+    }
+    if (filament_mm - planned_mm).abs() > MAX_FILAMENT_SHARE * planned_mm {
+        let amount = format!("{filament_mm:.1} instead of {planned_mm:.1} mm");
+        findings.add(Severity::Failed, "programs do not lay the filament of the motions", amount, "programs.csv");
+    }
+    if off_mm > MAX_OFF_MM {
+        let amount = format!("by {off_mm:.3} mm at most");
+        findings.add(Severity::Failed, "programs leave the motions that were checked", amount, "programs.csv");
+    }
+    // Between two ticks.
+    if travel_mm_s > 1.01 * fastest_mm_s {
+        let amount = format!("{travel_mm_s:.0} mm/s, at most {fastest_mm_s:.0}");
+        findings.add(Severity::Failed, "the tip travels faster than it may", amount, "programs.csv");
+    }
 }
 
 pub fn rows(run: &Programs, table: &mut Table) {
     let written = format!("{} files, {} steps, {:.1} MB", run.files, run.steps, run.bytes as f64 / 1e6);
     table.row(["programs".to_owned(), run.refused.clone().unwrap_or(written)]);
+    if let Some(read) = &run.read {
+        let laid = format!("{:.1} of {:.1} mm of filament", read.filament_mm, read.planned_mm);
+        let off = format!("the tip within {:.4} mm of the checked motions", read.off_mm);
+        table.row(["read again".to_owned(), format!("{laid}, {off}")]);
+    }
 }

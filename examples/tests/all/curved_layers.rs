@@ -384,6 +384,9 @@ fn a_robot_prints_a_block() {
     let taken: Vec<f64> = ["plan_s", "transfers_s"].iter().map(|name| column(name)[0]).collect();
     assert!((taken.iter().sum::<f64>() / column("robot_s")[0] - shares[0]).abs() < 1e-3 && shares[0] > 0.0);
 
+    let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(UR3_CELL.as_bytes()).unwrap() else { panic!("it has a table") };
+    let robot = OnCell::new(cell, Vec::new());
+    let tip = |joints: &[f64; 6]| robot.nozzle(joints).unwrap().translation.vector;
     // The program is the same motion, 125 times a second: within the arm's speeds, through the posture of every knot.
     let file = fs::File::open(Path::new(&out).join("print_001.script")).unwrap();
     let reader = UrScriptReader::new(BufReader::new(file)).unwrap();
@@ -425,6 +428,13 @@ fn a_robot_prints_a_block() {
         assert!(is_on || speed == 0.0 || matches!(step, Step::FilamentSpeed(_)));
     }
     assert!((pushed / laid - 1.0).abs() < 5e-3, "{pushed} {laid}");
+    // The run has read the file as well.
+    let read = |key: &str| figures[key].as_f64().unwrap();
+    assert!((read("program_filament_mm") - pushed).abs() < 1e-6 && figures["program_not_at_home"] == 0);
+    assert!(read("program_off_mm") < 1e-5, "{}", read("program_off_mm"));
+    let tips: Vec<_> = stream.iter().map(|joints| tip(joints)).collect();
+    let fastest = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm() / 0.008).fold(0.0, f64::max);
+    assert!(read("program_travel_mm_s") <= fastest + 1e-6 && read("program_travel_mm_s") > 0.5 * fastest);
     let bytes = fs::metadata(Path::new(&out).join("print_001.script")).unwrap().len();
     assert_eq!((count("program_files"), count("program_bytes")), (1, bytes));
 
@@ -543,6 +553,10 @@ fn an_arm_over_a_table_prints_a_block() {
     assert_eq!((count("motions"), count("transfers"), count("without_transfer")), (2, 1, 0));
     assert_eq!((count("unreachable_waypoints"), count("blocked_waypoints"), count("breaks")), (0, 0, 0));
     assert_eq!((count("collisions"), count("check_findings"), &figures["program_refused"]), (0, 0, &"".into()));
+    // The run has read the program: it begins and ends at home, and lays what the plan lays.
+    let [read, planned] = ["program_filament_mm", "filament_mm"].map(|key| figures[key].as_f64().unwrap());
+    assert!((read / planned - 1.0).abs() < 5e-3 && figures["program_not_at_home"] == 0, "{read} {planned}");
+    assert!(figures["program_off_mm"].as_f64().unwrap() < 1e-3);
     assert!(figures["waypoint_error_mm"].as_f64().unwrap() < 1e-6);
     let text = fs::read_to_string(Path::new(&out).join("trajectory.csv")).unwrap();
     assert!(text.starts_with("motion,time_s,q1,q2,q3,q4,q5,q6,q7,q8,kind,layer,path,waypoint,filament_mm\n"));

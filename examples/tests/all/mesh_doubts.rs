@@ -74,5 +74,5 @@ fn open_boxes_and_sheets_are_said() {
     assert!(matches!(error.fault, MeshFault::NoVolume { triangles: 1 }), "{error}");
     let said =
         failed(&load(&and(cuboid(-30.0, -10.0, true), &Mesh { triangles: vec![[0, 1, 2]], ..sheet }), &[]).unwrap());
-    assert!(said.len() == 1 && said[0].contains("1 surfaces without thickness"), "{said:?}");
+    assert!(said.len() == 1 && said[0].contains("1 surface without thickness"), "{said:?}");
 }
