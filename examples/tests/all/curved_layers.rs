@@ -432,7 +432,7 @@ fn a_robot_prints_a_block() {
     let read = |key: &str| figures[key].as_f64().unwrap();
     assert!((read("program_filament_mm") - pushed).abs() < 1e-6 && figures["program_not_at_home"] == 0);
     assert!(read("program_off_mm") < 1e-5, "{}", read("program_off_mm"));
-    let tips: Vec<_> = stream.iter().map(|joints| tip(joints)).collect();
+    let tips: Vec<_> = stream.iter().map(tip).collect();
     let fastest = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm() / 0.008).fold(0.0, f64::max);
     assert!(read("program_travel_mm_s") <= fastest + 1e-6 && read("program_travel_mm_s") > 0.5 * fastest);
     let bytes = fs::metadata(Path::new(&out).join("print_001.script")).unwrap().len();
