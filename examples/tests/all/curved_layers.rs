@@ -1,5 +1,6 @@
 //! The example `curved_layers` from outside: what it writes, and what it says to bad input.
 
+use crate::common;
 use curvlay_examples::motion::{OnCell, UR3_CELL};
 use curvlay_examples::settings::Settings;
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
@@ -12,7 +13,7 @@ use serde_json::Value;
 use std::fs;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// A folder that goes away with the test.
 struct Scratch(PathBuf);
@@ -36,12 +37,9 @@ impl Drop for Scratch {
     }
 }
 
-/// Runs the example, which `cargo test` has built beside this test.
+/// Runs the example.
 fn run(args: &[&str]) -> Output {
-    let beside = std::env::current_exe().unwrap();
-    let program = beside.ancestors().nth(2).unwrap().join("examples").join("curved_layers");
-    assert!(program.exists(), "build the examples first: cargo build --examples");
-    Command::new(program).args(args).output().unwrap()
+    common::example("curved_layers").args(args).output().unwrap()
 }
 
 /// The exit status and the last line on stderr.

@@ -3,7 +3,7 @@
 use crate::common;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// A hook of 192 cells: a post, an arm, and a tip that hangs down from its end and needs support.
 const HOOK: [[[i32; 3]; 2]; 3] = [[[0, 0, 0], [8, 8, 12]], [[8, 0, 8], [24, 8, 12]], [[16, 0, 4], [24, 8, 8]]];
@@ -24,30 +24,9 @@ const FEATURES: [(&str, &[&str]); 6] = [
     ("motion", &["--stage", "motion"]),
 ];
 
-/// Runs the example, which `cargo test` has built beside this test.
+/// Runs the example.
 fn run(args: &[String]) -> Output {
-    let beside = std::env::current_exe().unwrap();
-    let program = beside.ancestors().nth(2).unwrap().join("examples").join("curved_layers");
-    assert!(program.exists(), "build the examples first: cargo build --examples");
-    Command::new(program).args(args).arg("--quiet").output().unwrap()
-}
-
-/// Boxes as OBJ.
-fn obj(boxes: &[[[i32; 3]; 2]]) -> String {
-    let mut text = String::new();
-    for bounds in boxes {
-        for k in 0..8usize {
-            let [x, y, z] = [0, 1, 2].map(|axis| bounds[k >> axis & 1][axis]);
-            text.push_str(&format!("v {x} {y} {z}\n"));
-        }
-    }
-    for first in (0..boxes.len()).map(|at| 8 * at + 1) {
-        for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
-            let [a, b, c, d] = quad.map(|corner| corner + first);
-            text.push_str(&format!("f {a} {b} {c} {d}\n"));
-        }
-    }
-    text
+    common::example("curved_layers").args(args).arg("--quiet").output().unwrap()
 }
 
 /// The options of some features, each option once, since several features may ask for the same.
@@ -147,7 +126,7 @@ fn pair(features: [usize; 2], cell: &str, of_cell: Option<&str>) {
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
     let mesh = folder.join("hook.obj");
-    fs::write(&mesh, obj(&HOOK)).unwrap();
+    fs::write(&mesh, common::boxes_as_obj(&HOOK)).unwrap();
     let shared: Vec<String> =
         ["--mesh", &mesh.display().to_string()].into_iter().chain(COMMON).map(str::to_owned).collect();
     let place = Place { folder, shared };

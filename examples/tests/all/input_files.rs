@@ -1,5 +1,6 @@
 //! Files of the user: never removed or written over, whichever example they are given to, and read only if they are files.
 
+use crate::common;
 use curvlay_examples::shapes::ell;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,14 +13,6 @@ fn place(name: &str) -> PathBuf {
     let _ = fs::remove_dir_all(&path);
     fs::create_dir_all(&path).unwrap();
     path
-}
-
-/// An example, which `cargo test` has built beside this test.
-fn example(name: &str) -> Command {
-    let beside = std::env::current_exe().unwrap();
-    let program = beside.ancestors().nth(2).unwrap().join("examples").join(name);
-    assert!(program.exists(), "build the examples first: cargo build --examples");
-    Command::new(program)
 }
 
 fn last_line(output: &Output) -> String {
@@ -98,7 +91,7 @@ fn an_input_is_never_removed_or_written_over() {
                 "part.stl" => part.clone(),
                 word => PathBuf::from(word),
             });
-            let output = example(name).args(words).arg("--quiet").arg("--out").arg(&folder).output().unwrap();
+            let output = common::example(name).args(words).arg("--quiet").arg("--out").arg(&folder).output().unwrap();
             let line = last_line(&output);
             assert_eq!(output.status.code(), Some(1), "{name} {args:?}: {line}");
             assert!(line.contains(file) && line.contains("is an input"), "{name} {args:?}: {line}");
@@ -114,7 +107,7 @@ fn an_input_is_not_the_output() {
     let mut bytes = Vec::new();
     ell().write_stl(&mut bytes).unwrap();
     fs::write(&mesh, &bytes).unwrap();
-    let output = example("mesh_to_gcode").args([&mesh, &mesh]).output().unwrap();
+    let output = common::example("mesh_to_gcode").args([&mesh, &mesh]).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(last_line(&output).contains("part.stl: is an input"), "{}", last_line(&output));
     assert!(fs::read(&mesh).unwrap() == bytes);
@@ -135,7 +128,7 @@ fn nothing_is_removed_for_an_input_that_is_not_there() {
         let folder = place(&format!("typo-{number}"));
         earlier.iter().chain([&"summary.json"]).for_each(|file| fs::write(folder.join(file), "earlier").unwrap());
         let before = contents(&folder);
-        let output = example(name).args(args).arg("--quiet").arg("--out").arg(&folder).output().unwrap();
+        let output = common::example(name).args(args).arg("--quiet").arg("--out").arg(&folder).output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{name} {args:?}: {}", last_line(&output));
         assert!(last_line(&output).contains("no."), "{name} {args:?}: {}", last_line(&output));
         assert!(contents(&folder) == before, "{name} {args:?}");
@@ -158,7 +151,7 @@ fn files_with_names_like_ours_stay() {
         let folder = place(&format!("mine-{name}"));
         mine.iter().for_each(|file| fs::write(folder.join(file), "mine").unwrap());
         fs::write(folder.join("print_007.mod"), "earlier").unwrap();
-        let output = example(name).args(args).arg("--quiet").arg("--out").arg(&folder).output().unwrap();
+        let output = common::example(name).args(args).arg("--quiet").arg("--out").arg(&folder).output().unwrap();
         assert!(matches!(output.status.code(), Some(0 | 3)), "{name}: {}", last_line(&output));
         mine.iter()
             .for_each(|file| assert_eq!(fs::read_to_string(folder.join(file)).unwrap(), "mine", "{name} {file}"));
@@ -189,7 +182,7 @@ fn only_files_of_a_sensible_size_are_read() {
     for (name, args) in all {
         for file in ["/dev/zero", large.to_str().unwrap()] {
             let words = args.iter().map(|word| if *word == "@" { file } else { word });
-            let output = example(name).args(words).arg("--quiet").arg("--out").arg(&out).output().unwrap();
+            let output = common::example(name).args(words).arg("--quiet").arg("--out").arg(&out).output().unwrap();
             let line = last_line(&output);
             assert_eq!(output.status.code(), Some(1), "{name} {args:?} {file}: {line}");
             assert!(line.contains(file), "{name} {args:?}: {line}");
@@ -209,7 +202,7 @@ fn only_files_of_a_sensible_size_are_read() {
 fn signals_end_a_run_cleanly() {
     for (signal, status) in [("INT", 130), ("TERM", 143)] {
         let folder = place(&format!("signal-{signal}"));
-        let mut run = example("curved_layers");
+        let mut run = common::example("curved_layers");
         run.args(["--voxels", "200000"]).arg("--out").arg(&folder).stdout(Stdio::null()).stderr(Stdio::piped());
         let child = run.spawn().unwrap();
         std::thread::sleep(Duration::from_secs(3));
@@ -230,7 +223,7 @@ fn a_mesh_given_as_a_word_is_divided_once() {
     ell().write_stl(&mut fs::File::create(&mesh).unwrap()).unwrap();
     let files = [vec![], vec!["--mesh"]].map(|option| {
         let out = folder.join(if option.is_empty() { "word" } else { "option" });
-        let output = example("volume_decomposition")
+        let output = common::example("volume_decomposition")
             .args(option)
             .arg(&mesh)
             .args(["--layer", "5", "--quiet", "--out"])
@@ -247,7 +240,7 @@ fn a_mesh_given_as_a_word_is_divided_once() {
 #[test]
 fn names_of_files_are_escaped() {
     let folder = place("escape");
-    let output = example("curved_layers").arg("a\u{1b}[2J.stl").arg("--out").arg(&folder).output().unwrap();
+    let output = common::example("curved_layers").arg("a\u{1b}[2J.stl").arg("--out").arg(&folder).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(!output.stderr.contains(&0x1b), "{}", last_line(&output));
     assert!(last_line(&output).contains(r"a\u{1b}[2J.stl"), "{}", last_line(&output));

@@ -1,18 +1,16 @@
 //! The example `mesh_to_gcode` from outside, and its copy in the README.
 
+use crate::common;
 use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
 use curvlay_toolpath::nalgebra::Point3;
 use std::fs;
 use std::io::BufReader;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-/// Runs the example, which `cargo test` has built beside this test.
+/// Runs the example.
 fn run(args: &[&Path]) -> Output {
-    let beside = std::env::current_exe().unwrap();
-    let program = beside.ancestors().nth(2).unwrap().join("examples").join("mesh_to_gcode");
-    assert!(program.exists(), "build the examples first: cargo build --examples");
-    Command::new(program).args(args).output().unwrap()
+    common::example("mesh_to_gcode").args(args).output().unwrap()
 }
 
 /// A block of 20 x 16 x 12 mm comes out as its volume of filament, in layers of the height of a cell.

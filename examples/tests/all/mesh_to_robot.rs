@@ -1,19 +1,17 @@
 //! The example `mesh_to_robot` from outside, and its copy in the README.
 
+use crate::common;
 use curvlay_examples::shapes::jug;
 use curvlay_kinematics::program::{Step, UrScriptReader, read_rapid};
 use std::fmt::Write;
 use std::fs;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
-/// Runs the example, which `cargo test` has built beside this test.
+/// Runs the example.
 fn run(args: &[&Path]) -> Output {
-    let beside = std::env::current_exe().unwrap();
-    let program = beside.ancestors().nth(2).unwrap().join("examples").join("mesh_to_robot");
-    assert!(program.exists(), "build the examples first: cargo build --examples");
-    Command::new(program).args(args).output().unwrap()
+    common::example("mesh_to_robot").args(args).output().unwrap()
 }
 
 fn folder(name: &str) -> PathBuf {

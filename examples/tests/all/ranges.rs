@@ -9,36 +9,15 @@ use crate::common;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
-/// Runs the example, which `cargo test` has built beside this test.
+/// Runs the example.
 fn run(args: &[&str]) -> Output {
-    let beside = std::env::current_exe().unwrap();
-    let program = beside.ancestors().nth(2).unwrap().join("examples").join("curved_layers");
-    assert!(program.exists(), "build the examples first: cargo build --examples");
-    Command::new(program).args(args).arg("--quiet").output().unwrap()
+    common::example("curved_layers").args(args).arg("--quiet").output().unwrap()
 }
 
 fn line(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).lines().last().unwrap_or_default().to_owned()
-}
-
-/// Boxes as OBJ.
-fn obj(boxes: &[[[i32; 3]; 2]]) -> String {
-    let mut text = String::new();
-    for bounds in boxes {
-        for k in 0..8usize {
-            let [x, y, z] = [0, 1, 2].map(|axis| bounds[k >> axis & 1][axis]);
-            text.push_str(&format!("v {x} {y} {z}\n"));
-        }
-    }
-    for first in (0..boxes.len()).map(|at| 8 * at + 1) {
-        for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
-            let [a, b, c, d] = quad.map(|corner| corner + first);
-            text.push_str(&format!("f {a} {b} {c} {d}\n"));
-        }
-    }
-    text
 }
 
 /// A fresh folder, with a mesh in it.
@@ -47,7 +26,7 @@ fn folder(name: &str, boxes: &[[[i32; 3]; 2]]) -> (PathBuf, String) {
     let _ = fs::remove_dir_all(&place);
     fs::create_dir_all(&place).unwrap();
     let mesh = place.join("part.obj");
-    fs::write(&mesh, obj(boxes)).unwrap();
+    fs::write(&mesh, common::boxes_as_obj(boxes)).unwrap();
     (place, mesh.display().to_string())
 }
 

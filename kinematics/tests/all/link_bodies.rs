@@ -3,10 +3,7 @@
 use crate::common;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, link_source, links};
-use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, GrowingError, GrowingOptions, GrowingScene, LinkMesh,
-    LinkMeshModel, PartCells, SixAxisCell, Workcell, WorkcellError, WorkcellModel,
-};
+use curvlay_kinematics::workcell::GrowingOptions;
 use curvlay_kinematics::{Arm, ArmModel, Geometry, robots};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -124,107 +121,113 @@ fn an_allowance_makes_links_thicker_against_what_is_no_link() {
     }
 }
 
+/// Bodies that a workcell file names or gives.
 #[cfg(feature = "serde")]
-fn ur3() -> WorkcellModel {
-    WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes()).unwrap()
-}
+mod of_workcells {
+    use curvlay_kinematics::nalgebra::{Isometry3, Point3};
+    use curvlay_kinematics::scene::{link_source, links};
+    use curvlay_kinematics::workcell::{
+        AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, GrowingError, GrowingOptions, GrowingScene, LinkMesh,
+        LinkMeshModel, PartCells, SixAxisCell, Workcell, WorkcellError, WorkcellModel,
+    };
+    use curvlay_kinematics::{Arm, robots};
 
-#[cfg(feature = "serde")]
-fn six(model: WorkcellModel) -> SixAxisCell {
-    match AnyWorkcell::new(model).unwrap() {
-        AnyWorkcell::Six(cell) => cell,
-        AnyWorkcell::Eight(_) => panic!("eight axes"),
+    fn ur3() -> WorkcellModel {
+        WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes()).unwrap()
     }
-}
 
-/// The lengths of a UR3 with one of them changed.
-#[cfg(feature = "serde")]
-fn calibrated(by: f64) -> WorkcellModel {
-    let mut model = ur3();
-    let d_mm = [151.9, 0.0, 0.0, 112.35 + by, 85.35, 81.9];
-    model.arm.geometry = ArmGeometry::Ur { d_mm, upper_arm_mm: -243.65, forearm_mm: -213.25 };
-    model
-}
+    fn six(model: WorkcellModel) -> SixAxisCell {
+        match AnyWorkcell::new(model).unwrap() {
+            AnyWorkcell::Six(cell) => cell,
+            AnyWorkcell::Eight(_) => panic!("eight axes"),
+        }
+    }
 
-#[cfg(feature = "serde")]
-#[test]
-fn a_calibrated_arm_takes_the_bodies_of_the_named_one() {
-    let mut model = calibrated(0.4);
-    assert_eq!(six(model.clone()).equipment().link_bodies(), None);
-    model.arm.bodies = Some(BodiesModel::Named("UR3".into()));
-    let cell = six(model.clone());
-    let found = cell.equipment().link_bodies().unwrap();
-    assert!(found.model.starts_with("UR3: ") && (found.error_mm - 1.4).abs() < 1e-9);
-    assert_eq!(cell.equipment().scene(100.0).links, links(&robots::UR3));
-    model = calibrated(5.1);
-    model.arm.bodies = Some(BodiesModel::Named("UR3".into()));
-    let error = AnyWorkcell::new(model.clone()).unwrap_err().to_string();
-    assert!(error.starts_with("arm.bodies.named is 5.0999"), "{error}");
-    model.arm.bodies = Some(BodiesModel::Named("IRB120".into()));
-    assert!(AnyWorkcell::new(model).is_err());
-}
-
-#[cfg(feature = "serde")]
-#[test]
-fn an_arm_without_bodies_is_refused_for_a_print() {
-    let (cell, layers) = (six(calibrated(0.4)), [vec![0]]);
-    let part = PartCells {
-        dims: [1; 3],
-        rows: &[1],
-        cell_mm: 2.0,
-        origin: Point3::origin(),
-        frame_part: Isometry3::identity(),
-        layers: &layers,
-    };
-    let options = GrowingOptions::default();
-    let refused = GrowingScene::new(&cell, &part, 60.0, &options).map(drop).unwrap_err();
-    assert_eq!(refused, GrowingError::NoLinks);
-    assert!(GrowingScene::new(&cell, &part, 60.0, &GrowingOptions { without_links: true, ..options }).is_ok());
-}
-
-/// A block about the origin of a link, as in an STL file in metres.
-fn block(half: f64) -> LinkMesh {
-    let corner = |k: usize| Point3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half }));
-    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    ((0..8).map(corner).collect(), triangles)
-}
-
-#[cfg(feature = "serde")]
-#[test]
-fn links_may_be_meshes() {
-    let mesh = |link: usize| LinkMeshModel {
-        link,
-        file: format!("link_{link}.stl"),
-        unit_mm: 1000.0,
-        frame: FrameModel { position_mm: [1.0, 2.0, 3.0], ..FrameModel::default() },
-    };
-    let with = |meshes: Vec<LinkMeshModel>| {
+    /// The lengths of a UR3 with one of them changed.
+    fn calibrated(by: f64) -> WorkcellModel {
         let mut model = ur3();
-        model.arm.bodies = Some(BodiesModel::Meshes(meshes));
+        let d_mm = [151.9, 0.0, 0.0, 112.35 + by, 85.35, 81.9];
+        model.arm.geometry = ArmGeometry::Ur { d_mm, upper_arm_mm: -243.65, forearm_mm: -213.25 };
         model
-    };
-    let mut read = |file: &str| if file == "link_9.stl" { Err("no such file".to_owned()) } else { Ok(block(0.02)) };
-    let cell = AnyWorkcell::with_link_meshes(with((0..7).map(mesh).collect()), &mut read).unwrap();
-    let links = cell.equipment().scene(100.0).links;
-    for (link, body) in links.iter().enumerate() {
-        assert_eq!(body.mount, if link == 0 { Mount::Base } else { Mount::Link(link) });
-        assert!((extent(&body.shape, &Vector3::x()) - 21.0).abs() < 1e-9);
-        assert!((extent(&body.shape, &-Vector3::z()) - 17.0).abs() < 1e-9);
     }
-    let mut refused = |meshes| AnyWorkcell::with_link_meshes(with(meshes), &mut read).map(drop).unwrap_err();
-    assert_eq!(refused((0..6).map(mesh).collect()), WorkcellError::NoLinkMesh { link: 6, name: "flange" });
-    let error = refused((0..8).map(mesh).collect()).to_string();
-    assert!(error.starts_with("arm.bodies.meshes[7].link: "), "{error}");
-    let missing = LinkMeshModel { file: "link_9.stl".into(), ..mesh(0) };
-    assert_eq!(refused(vec![missing]).to_string(), "arm.bodies.meshes[0].file: link_9.stl: no such file");
-    let no_unit = LinkMeshModel { unit_mm: 0.0, ..mesh(0) };
-    assert!(refused(vec![no_unit]).to_string().starts_with("arm.bodies.meshes[0].unit_mm is 0"));
-    // Without a reader there are no meshes.
-    assert!(matches!(AnyWorkcell::new(with(vec![mesh(0)])), Err(WorkcellError::LinkMesh { .. })));
-    let mut thin = ur3();
-    thin.arm.allowance_mm = -1.0;
-    assert_eq!(AnyWorkcell::new(thin).unwrap_err().to_string(), "arm.allowance_mm is -1: it must be from 0 to 1e6");
+
+    #[test]
+    fn a_calibrated_arm_takes_the_bodies_of_the_named_one() {
+        let mut model = calibrated(0.4);
+        assert_eq!(six(model.clone()).equipment().link_bodies(), None);
+        model.arm.bodies = Some(BodiesModel::Named("UR3".into()));
+        let cell = six(model.clone());
+        let found = cell.equipment().link_bodies().unwrap();
+        assert!(found.model.starts_with("UR3: ") && (found.error_mm - 1.4).abs() < 1e-9);
+        assert_eq!(cell.equipment().scene(100.0).links, links(&robots::UR3));
+        model = calibrated(5.1);
+        model.arm.bodies = Some(BodiesModel::Named("UR3".into()));
+        let error = AnyWorkcell::new(model.clone()).unwrap_err().to_string();
+        assert!(error.starts_with("arm.bodies.named is 5.0999"), "{error}");
+        model.arm.bodies = Some(BodiesModel::Named("IRB120".into()));
+        assert!(AnyWorkcell::new(model).is_err());
+    }
+
+    #[test]
+    fn an_arm_without_bodies_is_refused_for_a_print() {
+        let (cell, layers) = (six(calibrated(0.4)), [vec![0]]);
+        let part = PartCells {
+            dims: [1; 3],
+            rows: &[1],
+            cell_mm: 2.0,
+            origin: Point3::origin(),
+            frame_part: Isometry3::identity(),
+            layers: &layers,
+        };
+        let options = GrowingOptions::default();
+        let refused = GrowingScene::new(&cell, &part, 60.0, &options).map(drop).unwrap_err();
+        assert_eq!(refused, GrowingError::NoLinks);
+        assert!(GrowingScene::new(&cell, &part, 60.0, &GrowingOptions { without_links: true, ..options }).is_ok());
+    }
+
+    /// A block about the origin of a link, as in an STL file in metres.
+    fn block(half: f64) -> LinkMesh {
+        let corner = |k: usize| Point3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half }));
+        let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        ((0..8).map(corner).collect(), triangles)
+    }
+
+    #[test]
+    fn links_may_be_meshes() {
+        let mesh = |link: usize| LinkMeshModel {
+            link,
+            file: format!("link_{link}.stl"),
+            unit_mm: 1000.0,
+            frame: FrameModel { position_mm: [1.0, 2.0, 3.0], ..FrameModel::default() },
+        };
+        let with = |meshes: Vec<LinkMeshModel>| {
+            let mut model = ur3();
+            model.arm.bodies = Some(BodiesModel::Meshes(meshes));
+            model
+        };
+        let mut read = |file: &str| if file == "link_9.stl" { Err("no such file".to_owned()) } else { Ok(block(0.02)) };
+        let cell = AnyWorkcell::with_link_meshes(with((0..7).map(mesh).collect()), &mut read).unwrap();
+        let links = cell.equipment().scene(100.0).links;
+        for (link, body) in links.iter().enumerate() {
+            assert_eq!(body.mount, if link == 0 { Mount::Base } else { Mount::Link(link) });
+            assert!((extent(&body.shape, &Vector3::x()) - 21.0).abs() < 1e-9);
+            assert!((extent(&body.shape, &-Vector3::z()) - 17.0).abs() < 1e-9);
+        }
+        let mut refused = |meshes| AnyWorkcell::with_link_meshes(with(meshes), &mut read).map(drop).unwrap_err();
+        assert_eq!(refused((0..6).map(mesh).collect()), WorkcellError::NoLinkMesh { link: 6, name: "flange" });
+        let error = refused((0..8).map(mesh).collect()).to_string();
+        assert!(error.starts_with("arm.bodies.meshes[7].link: "), "{error}");
+        let missing = LinkMeshModel { file: "link_9.stl".into(), ..mesh(0) };
+        assert_eq!(refused(vec![missing]).to_string(), "arm.bodies.meshes[0].file: link_9.stl: no such file");
+        let no_unit = LinkMeshModel { unit_mm: 0.0, ..mesh(0) };
+        assert!(refused(vec![no_unit]).to_string().starts_with("arm.bodies.meshes[0].unit_mm is 0"));
+        // Without a reader there are no meshes.
+        assert!(matches!(AnyWorkcell::new(with(vec![mesh(0)])), Err(WorkcellError::LinkMesh { .. })));
+        let mut thin = ur3();
+        thin.arm.allowance_mm = -1.0;
+        assert_eq!(AnyWorkcell::new(thin).unwrap_err().to_string(), "arm.allowance_mm is -1: it must be from 0 to 1e6");
+    }
 }
 
 #[test]

@@ -4,6 +4,33 @@ use curvlay_examples::output::OutputFolder;
 use serde_json::{Map, Value};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// An example, which `cargo test` has built beside this test.
+pub fn example(name: &str) -> Command {
+    let beside = std::env::current_exe().unwrap();
+    let program = beside.ancestors().nth(2).unwrap().join("examples").join(name);
+    assert!(program.exists(), "build the examples first: cargo build --examples");
+    Command::new(program)
+}
+
+/// Boxes as OBJ.
+pub fn boxes_as_obj(boxes: &[[[i32; 3]; 2]]) -> String {
+    let mut text = String::new();
+    for bounds in boxes {
+        for k in 0..8usize {
+            let [x, y, z] = [0, 1, 2].map(|axis| bounds[k >> axis & 1][axis]);
+            text.push_str(&format!("v {x} {y} {z}\n"));
+        }
+    }
+    for first in (0..boxes.len()).map(|at| 8 * at + 1) {
+        for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            let [a, b, c, d] = quad.map(|corner| corner + first);
+            text.push_str(&format!("f {a} {b} {c} {d}\n"));
+        }
+    }
+    text
+}
 
 /// A place for the files of a test.
 pub fn place(example: &str, name: &str) -> PathBuf {

@@ -8,7 +8,7 @@
 use super::super::bits::CellSet;
 use super::super::cells::Cells;
 use super::super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
-use super::super::nozzle::{NozzleCell, NozzleRule, NozzleRuleError, Obstacles};
+use super::super::nozzle::{NozzleCell, NozzleRule, Obstacles, check_growth};
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
@@ -86,14 +86,7 @@ pub fn grow_by_distance(
     nozzle: &NozzleRule,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
-    rules.check(cells, platform)?;
-    nozzle.check()?;
-    if !(cell_mm > 0.0 && cell_mm.is_finite()) {
-        return Err(NozzleRuleError::Cell { cell_mm }.into());
-    }
-    if rules.flat {
-        return Err(NozzleRuleError::Flat.into());
-    }
+    check_growth(cells, cell_mm, platform, rules, nozzle)?;
     let base = standing(cells, platform, rules)?;
     if base.is_empty() {
         return Err(GrowthError::NothingOnPlatform);

@@ -94,14 +94,7 @@ pub fn grow_with_nozzle(
     growth: Growth,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
-    rules.check(cells, platform)?;
-    nozzle.check()?;
-    if !(cell_mm > 0.0 && cell_mm.is_finite()) {
-        return Err(NozzleRuleError::Cell { cell_mm }.into());
-    }
-    if rules.flat {
-        return Err(NozzleRuleError::Flat.into());
-    }
+    check_growth(cells, cell_mm, platform, rules, nozzle)?;
     let Growth { mut order, statistics, nozzle: mut directions, .. } = growth;
     if order.is_empty() {
         let first = standing(cells, platform, rules)?;
@@ -137,6 +130,25 @@ pub fn grow_with_nozzle(
         missed = best.missed;
     }
     Ok(Growth { missed: reasons(&missed, &joined_to_base), order, statistics, nozzle: directions })
+}
+
+/// What growth by a nozzle asks of its input.
+pub(super) fn check_growth(
+    cells: &Cells,
+    cell_mm: f64,
+    platform: &Platform,
+    rules: &Rules,
+    nozzle: &NozzleRule,
+) -> Result<(), GrowthError> {
+    rules.check(cells, platform)?;
+    nozzle.check()?;
+    if !(cell_mm > 0.0 && cell_mm.is_finite()) {
+        return Err(NozzleRuleError::Cell { cell_mm }.into());
+    }
+    if rules.flat {
+        return Err(NozzleRuleError::Flat.into());
+    }
+    Ok(())
 }
 
 struct Job<'a> {
