@@ -124,13 +124,11 @@ fn an_allowance_makes_links_thicker_against_what_is_no_link() {
 /// Bodies that a workcell file names or gives.
 #[cfg(feature = "serde")]
 mod of_workcells {
-    use curvlay_kinematics::nalgebra::{Isometry3, Point3};
-    use curvlay_kinematics::scene::{link_source, links};
+    use super::*;
     use curvlay_kinematics::workcell::{
-        AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, GrowingError, GrowingOptions, GrowingScene, LinkMesh,
-        LinkMeshModel, PartCells, SixAxisCell, Workcell, WorkcellError, WorkcellModel,
+        AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, GrowingError, GrowingScene, LinkMesh, LinkMeshModel,
+        PartCells, SixAxisCell, Workcell, WorkcellError, WorkcellModel,
     };
-    use curvlay_kinematics::{Arm, robots};
 
     fn ur3() -> WorkcellModel {
         WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes()).unwrap()
