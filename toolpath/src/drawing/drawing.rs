@@ -64,8 +64,8 @@ impl Drawing {
     /// use curvlay_toolpath::nalgebra::Point2;
     /// let mut drawing = Drawing::default();
     /// drawing.add("RIM", [Curve::circle(Point2::new(2.0, 0.0), 1.0, 0.0, std::f64::consts::TAU)]);
-    /// drawing.set_unit(25.4);
-    /// assert!((drawing.entities[0].curves[0].ends()[0] - Point2::new(76.2, 0.0)).norm() < 1e-12);
+    /// drawing.set_unit(10.0);
+    /// assert_eq!(drawing.entities[0].curves[0].ends()[0], Point2::new(30.0, 0.0));
     /// ```
     pub fn set_unit(&mut self, unit_mm: f64) {
         let map = Affine::scale(unit_mm / self.unit_mm.unwrap_or(1.0));
