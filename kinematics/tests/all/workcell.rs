@@ -353,21 +353,30 @@ fn the_arm_goes_on_with_the_table_at_rest_and_the_tool_turned() {
     assert!((0..6).all(|j| (next[j] - expected[j]).abs() < 1e-9));
 }
 
+/// The lengths of the IRB 1200, times a factor.
+fn irb1200_geometry(by: f64) -> ArmGeometry {
+    ArmGeometry::OrthoParallel {
+        a1_mm: 0.0,
+        a2_mm: -42.0 * by,
+        b_mm: 0.0,
+        c1_mm: 399.1 * by,
+        c2_mm: 350.0 * by,
+        c3_mm: 351.0 * by,
+        c4_mm: 82.0 * by,
+        offsets_deg: [0.0, 0.0, -90.0, 0.0, 0.0, 0.0],
+        signs: [1.0; 6],
+    }
+}
+
 /// Joint 6 that turns the other way, or rests elsewhere: the same motion of the nozzle.
 #[test]
 fn the_sense_of_joint_6_is_seen() {
     let mut other = model(IRB1200);
-    other.arm.geometry = ArmGeometry::OrthoParallel {
-        a1_mm: 0.0,
-        a2_mm: -42.0,
-        b_mm: 0.0,
-        c1_mm: 399.1,
-        c2_mm: 350.0,
-        c3_mm: 351.0,
-        c4_mm: 82.0,
-        offsets_deg: [0.0, 0.0, -90.0, 0.0, 0.0, 0.0],
-        signs: [1.0, 1.0, 1.0, 1.0, 1.0, -1.0],
-    };
+    let mut geometry = irb1200_geometry(1.0);
+    if let ArmGeometry::OrthoParallel { signs, .. } = &mut geometry {
+        signs[5] = -1.0;
+    }
+    other.arm.geometry = geometry;
     let stops = |side: f64| Some([170.0, 150.0, 200.0, 270.0, 130.0, 350.0].map(|stop| Some(side * stop)));
     other.arm.limits = LimitsModel { min_deg: stops(-1.0), max_deg: stops(1.0), ..other.arm.limits };
     other.arm.limits.max_deg.as_mut().unwrap()[5] = Some(370.0); // the middle is 10 degrees
@@ -683,16 +692,6 @@ fn an_arm_that_cannot_reach_is_refused() {
     away.part.position_mm = [3000.0, 0.0, 0.0];
     assert!(refused(away).starts_with("part: "));
     let mut tiny = model(IRB1200);
-    tiny.arm.geometry = ArmGeometry::OrthoParallel {
-        a1_mm: 0.0,
-        a2_mm: -0.042,
-        b_mm: 0.0,
-        c1_mm: 0.399,
-        c2_mm: 0.448,
-        c3_mm: 0.451,
-        c4_mm: 0.082,
-        offsets_deg: [0.0; 6],
-        signs: [1.0; 6],
-    };
+    tiny.arm.geometry = irb1200_geometry(1e-3);
     assert!(refused(tiny).contains("were metres meant?"));
 }
