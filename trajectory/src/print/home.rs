@@ -119,13 +119,13 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             found.truncate(NEAREST);
             found
         };
-        for last in self.ends_of_chains() {
-            let Some(lifted) = lifted(&self.runs[last], &task, &cell).filter(is_inside) else { continue };
+        let lifted_off = |last: usize| Some((last, lifted(&self.runs[last], &task, &cell).filter(is_inside)?));
+        let home = self.ends_of_chains().into_iter().find_map(lifted_off).map(|(last, lifted)| {
             let is_reached = |home: &[f64; N]| has_way(last, &[lifted, *home], &task, &cell);
-            let home = ABOVE_MM.iter().find_map(|&above| free_at(above, &lifted).into_iter().find(is_reached));
-            return if stopped() { Err(PrintError::Cancelled) } else { Ok(Some(home.unwrap_or(lifted))) };
-        }
-        Ok(None)
+            let above = ABOVE_MM.iter().find_map(|&above| free_at(above, &lifted).into_iter().find(is_reached));
+            above.unwrap_or(lifted)
+        });
+        if stopped() { Err(PrintError::Cancelled) } else { Ok(home) }
     }
 
     /// The last runs of chains with travels between them; that of the chain that takes longest first.
@@ -264,12 +264,13 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     }
 
     /// Seconds that the robot moves, by layer: travels and ways from home count with the layer to which they lead.
-    fn count_times(&mut self) {
+    pub(super) fn count_times(&mut self) {
         let mut seconds: BTreeMap<u32, f64> = BTreeMap::new();
-        for (number, (run, (arrival, departure))) in self.runs.iter().zip(&self.homes).enumerate() {
+        for (number, run) in self.runs.iter().enumerate() {
+            let (arrival, departure) = self.homes.get(number).map_or((None, None), |(a, d)| (a.as_ref(), d.as_ref()));
             let to =
                 number.checked_sub(1).and_then(|before| self.travels[before].as_ref()).map_or(0.0, Travel::duration);
-            let home = [arrival.as_ref().map(Arrival::duration), departure.as_ref().map(Departure::duration)];
+            let home = [arrival.map(Arrival::duration), departure.map(Departure::duration)];
             *seconds.entry(run.layer).or_default() += run.duration() + to + home.into_iter().flatten().sum::<f64>();
         }
         for layer in &mut self.layers {

@@ -151,6 +151,8 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             first += kinds.len();
         }
         travels.pop();
-        PrintPlan { runs, travels, homes: Vec::new(), ..self.clone() }
+        let mut plan = PrintPlan { runs, travels, homes: Vec::new(), ..self.clone() };
+        plan.count_times();
+        plan
     }
 }

@@ -297,7 +297,7 @@ fn programs_begin_and_end_at_home() {
     let legs: f64 = plan.legs(0..4).map(|leg| leg.duration()).sum();
     assert!((plan.robot_s() - legs).abs() < 1e-9);
     // The table has no posture over its middle, so home is where the nozzle has lifted off, by 80 mm.
-    assert!((Turntable.nozzle(&home).unwrap().translation.vector.z - 82.0).abs() < 1e-6);
+    assert!((Turntable.nozzle(&home).unwrap().translation.vector.z - 82.0).abs() < 1e-9);
 }
 
 /// Bug: home was the free posture nearest to the first path, and no way led there from any path: nothing was printed.
@@ -335,6 +335,9 @@ fn programs_begin_and_end_at_home_around_a_run_that_is_taken_out() {
     let second = plan.legs(0..4).position(|leg| leg.kind == LegKind::Print && leg.run.path == 1).unwrap();
     let left = plan.without(&[second].into());
     assert!(left.homes.is_empty() && left.runs.iter().map(|run| run.path).eq([0, 2, 3]));
+    // Its time is that of what is left.
+    let legs: f64 = left.legs(0..3).map(|leg| leg.duration()).sum();
+    assert!((left.robot_s() - legs).abs() < 1e-9 && left.layers[0].runs == 1 && left.layers[1].runs == 2);
     let left = left.with_homes(&Turntable, Cell(Wall::None), &home, &[].into(), &limits(), &options(), &quiet).unwrap();
     let ways: Vec<(bool, bool)> = left.homes.iter().map(|(from, back)| (from.is_some(), back.is_some())).collect();
     assert_eq!(ways, [(true, true), (true, false), (false, true)]);
