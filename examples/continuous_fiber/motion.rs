@@ -134,7 +134,7 @@ fn heading(tapes: &[Placed], waypoint: &Waypoint) -> f64 {
 /// * `cell`: the workcell with mould and part.
 fn mounted(robot: &OnCell<SixAxisCell>, tapes: &[Placed], cell: &impl PrintCell<6>) -> f64 {
     let limits = robot.workcell().limits();
-    // The longest stretch of a tape on one branch.
+    // Waypoints of the longest part of a tape that one branch follows.
     let unbroken = |tape: &Placed, headings: &[f64], mount: f64| {
         let mut longest = 0;
         let mut by_branch: BTreeMap<u32, usize> = BTreeMap::new();

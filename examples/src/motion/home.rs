@@ -4,11 +4,11 @@ use super::PrintingCell;
 use crate::args::Failure;
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::Progress;
-use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, PrintRobot};
+use curvlay_trajectory::print::{Fault, FaultKind, PrintLimits, PrintOptions, PrintPlan, PrintRobot, Run};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-/// What is told where no home posture is found.
+/// What is reported where no home posture is found.
 pub const NO_HOME: &str =
     "no home posture is free above the part: programs are not written; `home_deg` in the workcell names one";
 
@@ -42,10 +42,11 @@ pub fn home<const N: usize, const F: usize, W: Workcell<N, F>>(
     }
 }
 
-/// The plan cut into programs that begin and end at home: see [`home`] and [`PrintPlan::with_homes`].
+/// The plan cut into programs that begin and end at home: see [`home`] and [`PrintPlan::with_homes`]. Without a home posture all runs are
+/// left out, each with a fault.
 ///
 /// # Errors
-/// As of those; [`NO_HOME`].
+/// As of those.
 pub fn from_home<const N: usize, const F: usize, W: Workcell<N, F>>(
     plan: &PrintPlan<N, F>,
     cuts: &BTreeSet<usize>,
@@ -54,9 +55,17 @@ pub fn from_home<const N: usize, const F: usize, W: Workcell<N, F>>(
     (limits, options): (&PrintLimits<N>, &PrintOptions<N, F>),
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<PrintPlan<N, F>, Failure> {
-    if plan.runs.is_empty() {
-        return Ok(plan.clone());
+    if let Some(home) = home(plan, robot, &cell, (limits, options), progress)? {
+        return Ok(plan.with_homes(robot, cell, &home, cuts, limits, options, progress)?);
     }
-    let home = home(plan, robot, &cell, (limits, options), progress)?.ok_or_else(|| Failure::new(NO_HOME))?;
-    Ok(plan.with_homes(robot, cell, &home, cuts, limits, options, progress)?)
+    let mut without = plan.without(&(0..plan.legs(0..plan.runs.len()).count()).collect());
+    let unprinted = |run: &Run<N, F>| Fault {
+        layer: run.layer,
+        path: run.path,
+        kind: FaultKind::NoTransfer,
+        waypoint: 0,
+        what: NO_HOME.to_owned(),
+    };
+    without.faults.extend(plan.runs.iter().map(unprinted));
+    Ok(without)
 }

@@ -52,14 +52,9 @@ pub fn cuts<const N: usize, const F: usize, W: Workcell<N, F>>(
 
 /// The runs of each program: from home to home, where the plan has such ways, or else as far as travels lead.
 pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Range<usize>> {
-    pieces_cut(plan, &BTreeSet::new())
-}
-
-/// The runs of each program as far as travels lead, and no farther than to a [cut](cuts).
-pub fn pieces_cut<const N: usize, const F: usize>(plan: &PrintPlan<N, F>, cuts: &BTreeSet<usize>) -> Vec<Range<usize>> {
     let mut pieces: Vec<Range<usize>> = Vec::new();
     for run in 0..plan.runs.len() {
-        let joins = run > 0 && plan.travels[run - 1].is_some() && !cuts.contains(&run);
+        let joins = run > 0 && plan.travels[run - 1].is_some();
         match pieces.last_mut() {
             Some(piece) if joins => piece.end = run + 1,
             _ => pieces.push(run..run + 1),

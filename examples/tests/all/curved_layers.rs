@@ -486,14 +486,19 @@ fn each_path_begins_near_where_the_one_before_ends() {
         .iter()
         .map(|same| {
             let (from, to) = (joints(&same[0]), joints(&same[same.len() - 1]));
-            from.iter().zip(&to).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            let by = |(a, b): (&f64, &f64)| {
+                let (way, turn) = ((b - a).abs(), std::f64::consts::TAU);
+                // The short way round, but for what smoothing moves the ends of paths.
+                assert!(way <= (turn * (way / turn).round() - way).abs() + 0.01, "{a} {b}");
+                way
+            };
+            from.iter().zip(&to).map(by).fold(0.0, f64::max)
         })
         .collect();
     far.sort_by(f64::total_cmp);
     assert_eq!(far.len() as u64, count("transfers"));
-    // It was 3.1 and 4.4 rad: other branches, and whole turns.
-    // From one arm of the tee to the other the part turns by half a turn.
-    assert!(far[far.len() / 2] < 1.0 && far[far.len() - 1] < std::f64::consts::PI + 0.1, "{far:?}");
+    // It was 3.1 and 4.4 rad: other branches, and whole turns. From one arm of the tee to the other the part turns by half a turn.
+    assert!(far[far.len() / 2] < 1.0, "{far:?}");
     // Layers are planned side by side, as many at once as there are threads for; the motion is the same.
     for threads in ["1", "5"] {
         let other = scratch.path(threads);

@@ -1,6 +1,6 @@
 //! The cells of the examples, and what is said of their motions.
 
-use curvlay_examples::motion::programs::{full_scale, pieces, pieces_cut};
+use curvlay_examples::motion::programs::{full_scale, pieces};
 use curvlay_examples::motion::{OnCell, PartInHand, STEP_S, Studied, bounds_of, dissertation_cells};
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_kinematics::workcell::Workcell;
@@ -148,8 +148,6 @@ fn programs_stop_before_a_motion_that_is_not_proven_free() {
     assert_eq!(left(&[8]), [vec![0, 1], vec![3]]);
     assert_eq!(left(&[9]), [vec![0, 1, 2]]);
     assert_eq!(left(&[0, 4, 8, 9]), Vec::<Vec<usize>>::new());
-    // A cut ends a program, too.
-    assert_eq!(pieces_cut(&plan, &[1, 3].into()), [0..1, 1..3, 3..4]);
     // No joints of what is left out are in the steps: after 0 without the run, which is at 0.2.
     let safe = plan.without(&[4].into());
     assert!(safe.legs(0..safe.runs.len()).all(|leg| leg.kind == print && leg.run.path != 1));
