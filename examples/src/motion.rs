@@ -4,6 +4,7 @@ mod home;
 mod parts;
 mod printing;
 pub mod programs;
+pub mod read_back;
 pub mod shown;
 
 pub use home::{NO_HOME, from_home, home};

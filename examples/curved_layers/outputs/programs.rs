@@ -7,12 +7,13 @@
 //! All files appear when the last of them is written, or none.
 
 use crate::failure;
-use crate::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBack, read_back};
+use crate::motion::read_back::read_back;
 use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;
 use curvlay_examples::motion::programs::{pieces, rate, stream, takes_stream, targets, urscript_options};
+use curvlay_examples::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBack};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;

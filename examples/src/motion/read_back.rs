@@ -1,0 +1,188 @@
+//! Programs, read again: where they begin and end, how much filament they lay, whether they follow the motions that were checked.
+//!
+//! Between the checked motions and the robot are cuts, ticks, merged lines, signals and rounded numbers. Those are judged here, on the steps
+//! that a reader finds in the files.
+
+use super::programs::takes_stream;
+use curvlay_kinematics::program::{Goal, Move, Step};
+use curvlay_kinematics::workcell::Workcell;
+use curvlay_trajectory::print::{Leg, PrintPlan};
+use nalgebra::Point3;
+use std::ops::Range;
+
+/// How far joints may be from those of home, in radians: what degrees with five digits leave.
+const HOME_RAD: f64 = 1e-5;
+
+/// How far the tip may be from where the checked motion has it, in millimetres: what rounded coordinates leave.
+pub const MAX_OFF_MM: f64 = 0.01;
+
+/// What the filament of all programs may be off the plan, as a share.
+pub const MAX_FILAMENT_SHARE: f64 = 0.005;
+
+/// What stands in the programs of a print.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadBack {
+    /// Programs.
+    pub programs: usize,
+    /// Those that do not begin or do not end at home.
+    pub not_at_home: usize,
+    /// Filament that they lay, in millimetres.
+    pub filament_mm: f64,
+    /// That of the motions.
+    pub planned_mm: f64,
+    /// How far the tip is from the checked motion at most, in millimetres: at each tick of a stream, at the end of each line; infinite where
+    /// lines do not go along all runs.
+    pub off_mm: f64,
+    /// How fast the tip goes at most while nothing is laid, in mm/s; of streams.
+    pub travel_mm_s: f64,
+}
+
+impl ReadBack {
+    /// Takes in a program.
+    ///
+    /// # Arguments
+    /// * `home`: where it is to begin and end.
+    /// * `runs`: those of the plan that are to be in it.
+    ///
+    /// # Errors
+    /// The first of the reader.
+    pub fn add<const N: usize, const F: usize, W: Workcell<N, F>, E>(
+        &mut self,
+        (cell, plan, home): (&W, &PrintPlan<N, F>, &[f64; N]),
+        runs: Range<usize>,
+        steps: impl IntoIterator<Item = Result<Step, E>>,
+    ) -> Result<(), E> {
+        let legs: Vec<Leg<'_, N, F>> = plan.legs(runs.clone()).collect();
+        let filament = plan.runs[runs.clone()].iter().filter_map(|run| run.filament_mm.last());
+        self.planned_mm += filament.sum::<f64>();
+        let mut checked = Checked { legs: &legs, begin: 0.0, time: 0.0 };
+        let mut lines = Lines { cell, plan, runs, targets: Vec::new(), is_cut_short: false };
+        let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
+        let tip = |joints: &[f64; N]| cell.nozzle_on_part(joints).map(|nozzle| Point3::from(nozzle.translation.vector));
+        let (mut is_on, mut fed, mut place) = (false, 0.0, None);
+        // Where it begins, and where it is.
+        let mut ends: [Option<[f64; 6]>; 2] = [None; 2];
+        for step in steps {
+            match step? {
+                Step::Signal { .. } => {}
+                Step::FilamentSpeed(mm_s) => fed = mm_s,
+                Step::Extruder(on) => {
+                    if on && !is_on && !is_stream {
+                        place = lines.begin();
+                    }
+                    is_on = on;
+                }
+                Step::Servo { joints, seconds } => {
+                    let (to, expected) =
+                        (tip(&of_cell(&joints)), checked.after(seconds).and_then(|joints| tip(&joints)));
+                    self.off_mm = self.off_mm.max(distance(to, expected).unwrap_or(f64::INFINITY));
+                    if is_on {
+                        self.filament_mm += fed * seconds;
+                    } else {
+                        self.travel_mm_s = self.travel_mm_s.max(distance(place, to).unwrap_or(0.0) / seconds);
+                    }
+                    (place, ends[1]) = (to, Some(joints));
+                }
+                Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
+                    ends = [ends[0].or(Some(joints)), Some(joints)];
+                    place = tip(&of_cell(&joints));
+                }
+                Step::Move(Move { goal: Goal::Line(target) | Goal::Swing(target), speed, .. }) => {
+                    let to = Point3::from(target.pose.translation.vector);
+                    self.off_mm = self.off_mm.max(lines.to(&to));
+                    let length = distance(place, Some(to)).unwrap_or(0.0);
+                    self.filament_mm += if is_on { fed * length / speed.mm_s } else { 0.0 };
+                    (place, ends[1]) = (Some(to), None);
+                }
+            }
+        }
+        if !is_stream && lines.are_cut_short() {
+            self.off_mm = f64::INFINITY;
+        }
+        let home = cell.scene_posture(home).joints;
+        let is_home = |end: &Option<[f64; 6]>| {
+            end.is_some_and(|end| end.iter().zip(&home).all(|(a, b)| (a - b).abs() <= HOME_RAD))
+        };
+        self.programs += 1;
+        self.not_at_home += usize::from(!ends.iter().all(is_home));
+        Ok(())
+    }
+}
+
+/// The motions that were checked.
+struct Checked<'a, const N: usize, const F: usize> {
+    legs: &'a [Leg<'a, N, F>],
+    /// When the first of them begins, and the time that was asked for.
+    begin: f64,
+    time: f64,
+}
+
+impl<const N: usize, const F: usize> Checked<'_, N, F> {
+    /// Joints so many seconds later.
+    fn after(&mut self, seconds: f64) -> Option<[f64; N]> {
+        self.time += seconds;
+        while self.legs.len() > 1 && self.time > self.begin + self.legs[0].duration() {
+            self.begin += self.legs[0].duration();
+            self.legs = &self.legs[1..];
+        }
+        let leg = self.legs.first()?;
+        Some(leg.at((self.time - self.begin).min(leg.duration())))
+    }
+}
+
+/// The lines that are to be gone along.
+struct Lines<'a, const N: usize, const F: usize, W> {
+    cell: &'a W,
+    plan: &'a PrintPlan<N, F>,
+    /// Runs that are not begun.
+    runs: Range<usize>,
+    /// Where lines may end: from the last one that was reached on.
+    targets: Vec<Point3<f64>>,
+    /// Whether a run was not ended before the next one was begun.
+    is_cut_short: bool,
+}
+
+impl<const N: usize, const F: usize, W: Workcell<N, F>> Lines<'_, N, F, W> {
+    /// Begins the next run: where the tip is then.
+    fn begin(&mut self) -> Option<Point3<f64>> {
+        if self.targets.len() > 1 {
+            self.is_cut_short = true;
+        }
+        self.targets = self.runs.next().map_or(Vec::new(), |run| self.targets_of(run));
+        self.targets.first().copied()
+    }
+
+    /// A line to some place: how far that is from one that is to be passed.
+    fn to(&mut self, tip: &Point3<f64>) -> f64 {
+        let off_mm = |at: &Point3<f64>| (at - tip).norm();
+        let passed = self.targets.iter().position(|at| off_mm(at) <= MAX_OFF_MM);
+        // Waypoints next to each other may be one place.
+        let all =
+            passed.map(|first| self.targets[first..].iter().take_while(|at| off_mm(at) <= MAX_OFF_MM).count() + first);
+        let nearest = self.targets.iter().map(off_mm).fold(f64::INFINITY, f64::min);
+        self.targets.drain(..all.map_or(0, |all| all - 1));
+        nearest
+    }
+
+    /// The tip at the waypoints of a run, as a controller has it.
+    fn targets_of(&self, run: usize) -> Vec<Point3<f64>> {
+        let run = &self.plan.runs[run];
+        let pose = |knot: usize| self.cell.controller_pose(&run.trajectory.joints()[knot]);
+        let places = run.passes.iter().filter_map(|&(knot, _)| pose(knot));
+        places.map(|place| Point3::from(place.target.pose.translation.vector)).collect()
+    }
+
+    /// Whether a run is not ended, or not begun.
+    fn are_cut_short(&self) -> bool {
+        self.is_cut_short || self.targets.len() > 1 || !self.runs.is_empty()
+    }
+}
+
+/// Joints of the arm as those of the cell. A table has no axes in them: only streams and ways ask, streams are for arms without one.
+fn of_cell<const N: usize>(joints: &[f64; 6]) -> [f64; N] {
+    std::array::from_fn(|joint| joints.get(joint).copied().unwrap_or(0.0))
+}
+
+fn distance(a: Option<Point3<f64>>, b: Option<Point3<f64>>) -> Option<f64> {
+    Some((a? - b?).norm())
+}
