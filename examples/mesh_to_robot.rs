@@ -90,7 +90,6 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     // Programs begin and end at home. A stream is cut where it is long; the writer of RAPID cuts its modules itself.
     let cuts = programs::cuts(cell, &motion, false, None);
     let motion = from_home(&motion, &cuts, &robot, scene, (&limits, options), &|_| Continue(()))?;
-    motion.faults.iter().for_each(|fault| println!("{fault}"));
     for (number, runs) in programs::pieces(&motion).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
         let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
@@ -103,5 +102,5 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
         }
     }
     println!("{} motions, {:.0} min, {} faults", motion.runs.len(), motion.robot_s() / 60.0, motion.faults.len());
-    Ok(Outcome::Done)
+    Ok(Outcome::of(motion.faults.iter().map(ToString::to_string).collect()))
 }

@@ -16,7 +16,9 @@ use crate::vectors::square;
 use crate::{Bounds, Progress};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::ops::Range;
 
 /// From home to a run.
 #[derive(Clone, Debug)]
@@ -65,8 +67,8 @@ impl<const N: usize> Departure<N> {
 /// Heights of a home posture above the part, in millimetres, the one wanted most first.
 const ABOVE_MM: [f64; 6] = [100.0, 70.0, 50.0, 30.0, 15.0, 8.0];
 
-/// So many postures are tried at each height, those nearest to the end of the print first.
-const NEAREST: usize = 4;
+/// So many postures are tried at each height, those nearest to the print first.
+const NEAREST: usize = 3;
 
 impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// A posture from which programs can begin: the nozzle stands upright, high above the middle of all runs, nothing touches there
@@ -74,7 +76,8 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// any, home is where the nozzle has lifted off. `None` without runs, and where the nozzle cannot lift off.
     ///
     /// The free postures of an arm fall into parts between which no way leads. Runs with travels between them are in one part: home is
-    /// in that of the longest chain of such runs.
+    /// in that of the longest chain of such runs. A print may wind a joint by whole turns: of postures that are alike but for turns the one
+    /// is taken that is nearest to the mean of the chain.
     ///
     /// # Arguments
     /// * `cell`: the workcell before anything is built.
@@ -106,42 +109,60 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         }
         let middle = (low + high) / 2.0;
         let Bounds { lower, upper, .. } = task.inside();
-        let is_inside = |joints: &[f64; N]| (0..N).all(|j| (lower[j]..=upper[j]).contains(&joints[j]));
-        let free_at = |above: f64, from: &[f64; N]| {
+        let fits = |j: usize, angle: f64| (lower[j]..=upper[j]).contains(&angle);
+        let is_inside = |joints: &[f64; N]| (0..N).all(|j| fits(j, joints[j]));
+        let free_at = |above: f64, near: &[f64; N]| {
             let position = Vector3::new(middle.x, middle.y, high.z + above).into();
             let waypoint = Waypoint { position, axis: Vector3::z_axis() };
             let mut found: Vec<[f64; N]> = Vec::new();
             for free in samples_of(&robot.free(), &options.samples) {
-                robot.solutions(&waypoint, &free, &mut |_, joints| found.extend(is_inside(&joints).then_some(joints)));
+                robot.solutions(&waypoint, &free, &mut |_, joints| {
+                    let turned = |j: usize| joints[j] + TAU * ((near[j] - joints[j]) / TAU).round();
+                    found.push(std::array::from_fn(|j| if fits(j, turned(j)) { turned(j) } else { joints[j] }));
+                });
             }
-            found.retain(|joints| cell.posture_free(joints));
-            found.sort_by(|a, b| square(a, from).total_cmp(&square(b, from)));
+            found.retain(|joints| is_inside(joints) && cell.posture_free(joints));
+            found.sort_by(|a, b| square(a, near).total_cmp(&square(b, near)));
+            found.dedup();
             found.truncate(NEAREST);
             found
         };
-        let lifted_off = |last: usize| Some((last, lifted(&self.runs[last], &task, &cell).filter(is_inside)?));
-        let home = self.ends_of_chains().into_iter().find_map(lifted_off).map(|(last, lifted)| {
-            let is_reached = |home: &[f64; N]| has_way(last, &[lifted, *home], &task, &cell);
-            let above = ABOVE_MM.iter().find_map(|&above| free_at(above, &lifted).into_iter().find(is_reached));
+        let lifted_off = |chain: Range<usize>| {
+            let lifted = lifted(&self.runs[chain.end - 1], &task, &cell).filter(is_inside)?;
+            Some((chain, lifted))
+        };
+        let home = self.chains().into_iter().find_map(lifted_off).map(|(chain, lifted)| {
+            let is_reached = |home: &[f64; N]| has_way(chain.end, &[lifted, *home], &task, &cell);
+            let near = mean(&self.runs[chain.clone()]);
+            let above = ABOVE_MM.iter().find_map(|&above| free_at(above, &near).into_iter().find(is_reached));
             above.unwrap_or(lifted)
         });
         if stopped() { Err(PrintError::Cancelled) } else { Ok(home) }
     }
 
-    /// The last runs of chains with travels between them; that of the chain that takes longest first.
-    fn ends_of_chains(&self) -> Vec<usize> {
-        let mut chains: Vec<(f64, usize)> = Vec::new();
-        for (number, run) in self.runs.iter().enumerate() {
+    /// Runs with travels between them; those that take longest first.
+    fn chains(&self) -> Vec<Range<usize>> {
+        let mut chains: Vec<Range<usize>> = Vec::new();
+        for number in 0..self.runs.len() {
             match chains.last_mut() {
-                Some((seconds, last)) if self.travels[number - 1].is_some() => {
-                    (*seconds, *last) = (*seconds + run.duration(), number);
-                }
-                _ => chains.push((run.duration(), number)),
+                Some(chain) if self.travels[number - 1].is_some() => chain.end = number + 1,
+                _ => chains.push(number..number + 1),
             }
         }
-        chains.sort_by(|a, b| b.0.total_cmp(&a.0));
-        chains.into_iter().map(|(_, last)| last).collect()
+        let seconds = |chain: &Range<usize>| self.runs[chain.clone()].iter().map(Run::duration).sum::<f64>();
+        chains.sort_by(|a, b| seconds(b).total_cmp(&seconds(a)));
+        chains
     }
+}
+
+/// The mean of the postures at which runs begin and end.
+fn mean<const N: usize, const F: usize>(runs: &[Run<N, F>]) -> [f64; N] {
+    let ends = runs.iter().flat_map(|run| {
+        let joints = run.trajectory.joints();
+        [joints[0], joints[joints.len() - 1]]
+    });
+    let sum = ends.fold([0.0; N], |sum, joints| std::array::from_fn(|j| sum[j] + joints[j]));
+    sum.map(|angle| angle / (2.0 * runs.len() as f64))
 }
 
 impl<const N: usize, const F: usize> PrintPlan<N, F> {

@@ -192,7 +192,8 @@ pub(super) fn has_way<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     task: &Task<'_, N, F, R>,
     cell: &impl PrintCell<N>,
 ) -> bool {
-    !(task.stopped)() && way(&task.limits.bounds, cell, "home", number, ends, &EFFORTS[0]).is_ok()
+    let found = |effort: &Effort| way(&task.limits.bounds, cell, "home", number, ends, effort).is_ok();
+    [EFFORTS[0], EFFORTS[2]].iter().any(|effort| !(task.stopped)() && found(effort))
 }
 
 /// A transfer between home and a posture above an end of a run, and the postures of the lift from that end.
