@@ -195,8 +195,8 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         let total = self.runs.len() as u64;
         let mut plan = PrintPlan { runs: Vec::new(), travels: Vec::new(), homes: Vec::new(), ..self.clone() };
         let mut layers = self.layers.iter().map(|layer| layer.layer).peekable();
-        // Whether a program has begun that goes on with the next run; if not, how it ended and the travel on.
-        let (mut is_open, mut before) = (false, None);
+        // Whether a program has begun that goes on with the next run.
+        let mut is_open = false;
         for (number, run) in self.runs.iter().enumerate() {
             let now = Progress { stage: "plan ways home", done: number as u64, total };
             let stopped = || progress(now).is_break();
@@ -210,7 +210,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             }
             let arrival = match is_open {
                 true => Ok(None),
-                false => self.arrival(number, home, before.take().as_ref(), &task, &cell).map(Some),
+                false => self.arrival(number, home, &task, &cell).map(Some),
             };
             let arrival = match arrival {
                 Ok(arrival) => arrival,
@@ -226,10 +226,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
                 continue;
             }
             match depart(number, run, home, &task, &cell) {
-                Ok(departure) => {
-                    before = self.travels.get(number).cloned().flatten().map(|travel| (departure.clone(), travel));
-                    plan.push(run, arrival, Some(departure), None);
-                }
+                Ok(departure) => plan.push(run, arrival, Some(departure), None),
                 Err(what) => {
                     plan.leave_out(run, what);
                     if is_open {
@@ -261,13 +258,12 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         &self,
         number: usize,
         home: &[f64; N],
-        before: Option<&(Departure<N>, Travel<N>)>,
         task: &Task<'_, N, F, R>,
         cell: &impl PrintCell<N>,
     ) -> Result<Arrival<N>, String> {
         let run = &self.runs[number];
         let waypoint = run.passes.iter().find_map(|&(_, waypoint)| waypoint).unwrap_or(0);
-        arrive(number, home, (run, Moment::At { path: run.path, waypoint }), before, task, cell)
+        arrive(number, home, (run, Moment::At { path: run.path, waypoint }), task, cell)
     }
 
     fn push(

@@ -114,46 +114,19 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     Err(why)
 }
 
-/// A way from the home posture to the start of a run, or why there is none. `moment` is what stands when the nozzle comes down. `before` is
-/// the way home from the run before and the travel from that to this one, where a program ends between the two.
+/// A way from the home posture to the start of a run, or why there is none. `moment` is what stands when the nozzle comes down.
 pub(super) fn arrive<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
     number: usize,
     home: &[f64; N],
     (run, moment): (&Run<N, F>, Moment),
-    before: Option<&(Departure<N>, Travel<N>)>,
     task: &Task<'_, N, F, R>,
     cell: &C,
 ) -> Result<Arrival<N>, String> {
     let name = format!("from home to path {} of layer {}", run.path, run.layer + 1);
     let start = run.trajectory.joints()[0];
-    let searched = |search: Search| {
-        let end = (&run.ends[0], &start, moment);
-        let (way, mut down) = homeward(&name, number, (home, true), end, search, task, cell)?;
-        down.reverse();
-        Ok(Arrival { way, approach: timed(&down, &task.limits.bounds, &task.options.timing)? })
-    };
-    // What leads home leads back, and the travel on from there.
-    let known = || before.and_then(|(departure, travel)| back_and_on(departure, travel, &run.ends[0].1, task, cell));
-    searched(Search::Short).or_else(|_: String| known().map_or_else(|| searched(Search::Long), Ok))
-}
-
-/// The way home from a run, backwards, and then the travel from that run to the next; `None` where that is not free.
-fn back_and_on<const N: usize, const F: usize, R: PrintRobot<N, F>>(
-    departure: &Departure<N>,
-    travel: &Travel<N>,
-    start: &Waypoint,
-    task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
-) -> Option<Arrival<N>> {
-    let mut corners: Vec<[f64; N]> =
-        departure.way.corners().iter().rev().chain(travel.way.corners()).copied().collect();
-    corners.dedup();
-    let approach = travel.approach.clone();
-    let mut pieces = 0..approach.times().len() - 1;
-    let is_free = corners.windows(2).all(|line| cell.free(&line[0], &line[1]))
-        && pieces.all(|piece| cell.touches(&approach.control(piece)).is_none());
-    let way = Transfer::through(corners, &finite(&task.limits.bounds)).ok().filter(|_| is_free)?;
-    Some(Arrival { way: unhurried(&way, start.position.z, task).ok()?, approach })
+    let (way, mut down) = homeward(&name, number, (home, true), (&run.ends[0], &start, moment), task, cell)?;
+    down.reverse();
+    Ok(Arrival { way, approach: timed(&down, &task.limits.bounds, &task.options.timing)? })
 }
 
 /// A way from the end of a run to the home posture, or why there is none.
@@ -167,8 +140,7 @@ pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     let name = format!("from path {} of layer {} home", run.path, run.layer + 1);
     let joints = run.trajectory.joints();
     let (end, moment) = (joints[joints.len() - 1], Moment::After { path: run.path });
-    let searched = |search| homeward(&name, number, (home, false), (&run.ends[1], &end, moment), search, task, cell);
-    let (way, up) = searched(Search::Short).or_else(|_| searched(Search::Long))?;
+    let (way, up) = homeward(&name, number, (home, false), (&run.ends[1], &end, moment), task, cell)?;
     Ok(Departure { lift: timed(&up, &task.limits.bounds, &task.options.timing)?, way })
 }
 
@@ -202,12 +174,11 @@ fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>
     number: usize,
     (home, comes): (&[f64; N], bool),
     (end, at, moment): (&([f64; F], Waypoint), &[f64; N], Moment),
-    search: Search,
     task: &Task<'_, N, F, R>,
     cell: &C,
 ) -> Result<(Transfer<N>, Vec<[f64; N]>), String> {
     let mut why = format!("transfer {name}: the search was stopped");
-    for effort in search.efforts() {
+    for effort in Search::Short.efforts().iter().chain(Search::Long.efforts()) {
         if (task.stopped)() {
             break;
         }

@@ -55,9 +55,6 @@ impl PrintRobot<4, 1> for Turntable {
     }
 }
 
-/// A height of [`Turntable`], in radians, that no path has.
-const HIGH: f64 = 2.0;
-
 /// What stands there: one thing, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Wall {
@@ -72,8 +69,6 @@ enum Wall {
     Layer(u32),
     /// Nothing may pass this height.
     Ceiling(f64),
-    /// One joint moves at a time, but to the greatest height.
-    Rail,
 }
 
 #[derive(Clone)]
@@ -98,8 +93,7 @@ impl Cell {
 
 impl FreeSpace<4> for Cell {
     fn free(&self, from: &[f64; 4], to: &[f64; 4]) -> bool {
-        let is_on_rail = || (0..4).filter(|&j| (from[j] - to[j]).abs() > 1e-4).count() <= 1 || to[2] >= HIGH;
-        self.0 != Wall::Moving && !self.passes_ceiling(from, to) && (self.0 != Wall::Rail || is_on_rail())
+        self.0 != Wall::Moving && !self.passes_ceiling(from, to)
     }
 }
 
@@ -332,28 +326,6 @@ fn a_way_leads_home_from_the_end_of_the_print() {
     let stopped =
         planned(Wall::None, &line).unwrap().home_above(&Turntable, Cell(Wall::None), &limits(), &options(), &stop);
     assert!(matches!(stopped, Err(PrintError::Cancelled)));
-}
-
-/// Bug: a jug's program was cut before a path to which a travel led, but no way from home was found: the path was left out.
-#[test]
-fn the_way_home_and_the_travel_lead_on_where_no_other_way_is_found() {
-    let there_and_back = |low: u32, layer: u32| {
-        let along = (low..=low + 10).chain((low..low + 10).rev());
-        Owned::new(layer, along.map(|x| upright(f64::from(x), 0.0, 1.0)).collect())
-    };
-    let paths = [there_and_back(30, 0), there_and_back(45, 0)];
-    let plan = planned(Wall::Rail, &paths).unwrap();
-    assert!(plan.travels[0].is_some() && plan.faults.is_empty(), "{:?}", plan.faults);
-    // High above the first path: only from above that one joint leads there.
-    let end = plan.runs[0].trajectory.joints()[0];
-    let home = [end[0], end[1], HIGH + 0.1, end[3]];
-    let cuts = [1].into();
-    let plan = plan.with_homes(&Turntable, Cell(Wall::Rail), &home, &cuts, &limits(), &options(), &quiet).unwrap();
-    assert!(plan.faults.is_empty() && plan.runs.len() == 2, "{:?}", plan.faults);
-    let (arrival, _) = &plan.homes[1];
-    let corners = arrival.as_ref().unwrap().way.corners();
-    assert!(corners.len() == 3 && corners[0] == home && (corners[1][2] - corners[2][2]).abs() < 1e-4, "{corners:?}");
-    assert_eq!(findings(&plan, &paths), [""; 0]);
 }
 
 /// A run that is taken out takes its ways with it, and programs begin and end at home around it.
