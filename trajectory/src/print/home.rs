@@ -17,8 +17,7 @@ use crate::{Bounds, Progress};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 /// From home to a run.
 #[derive(Clone, Debug)]

@@ -328,6 +328,22 @@ fn a_way_leads_home_from_the_end_of_the_print() {
     assert!(matches!(stopped, Err(PrintError::Cancelled)));
 }
 
+/// Bug: home was near the end of the print, with joints wound by whole turns; from there no way was found to some paths of a jug.
+#[test]
+fn home_is_not_a_turn_away_from_the_print() {
+    // An arc about 3.75 rad, and the posture over its middle is at 3.75 - 2 pi.
+    let arc = circle(40.0, 1.0, 0.25, 0.1).into_iter().map(|Waypoint { position: p, axis }| {
+        let (sin, cos) = 2.7_f64.sin_cos();
+        Waypoint { position: Point3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z), axis }
+    });
+    let plan = planned(Wall::None, &[Owned::new(0, arc.collect())]).unwrap();
+    let joints = plan.runs[0].trajectory.joints();
+    let home = plan.home_above(&Turntable, Cell(Wall::None), &limits(), &options(), &quiet).unwrap().unwrap();
+    let ends = [joints[0][0], joints[joints.len() - 1][0]];
+    assert!((ends[0] - 3.0).abs() < 0.1 && (ends[1] - 4.5).abs() < 0.2, "{ends:?}");
+    assert!((home[0] - 3.75).abs() < 0.2 && home[2] > 2.0, "{home:?}");
+}
+
 /// A run that is taken out takes its ways with it, and programs begin and end at home around it.
 #[test]
 fn programs_begin_and_end_at_home_around_a_run_that_is_taken_out() {
