@@ -1,5 +1,7 @@
 //! Joint limits.
 
+use std::f64::consts::TAU;
+
 /// Bounds of `N` joints, radians and seconds; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -60,6 +62,12 @@ impl<const N: usize> Bounds<N> {
     /// Whether joint `j` turns without a stop, so that angles a whole turn apart are one posture.
     pub fn is_endless(&self, joint: usize) -> bool {
         self.upper[joint] - self.lower[joint] == f64::INFINITY
+    }
+
+    /// Whether an angle of joint `j`, or one that is whole turns away, is within the stops.
+    pub(crate) fn has_image(&self, joint: usize, angle: f64) -> bool {
+        let (lower, upper) = (self.lower[joint], self.upper[joint]);
+        upper - lower >= TAU || angle + TAU * ((lower - angle) / TAU).ceil() <= upper
     }
 
     /// Whether every joint has an angle and can move.

@@ -92,11 +92,7 @@ fn nodes<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             free[angle] += TAU * sample as f64 / ANGLE_SAMPLES as f64;
         }
         robot.solutions(waypoint, &free, &mut |of, joints| {
-            let inside = |j: usize| {
-                let (lower, upper) = (bounds.lower[j], bounds.upper[j]);
-                upper - lower >= TAU || joints[j] + TAU * ((lower - joints[j]) / TAU).ceil() <= upper
-            };
-            if of == branch && (0..N).all(inside) {
+            if of == branch && (0..N).all(|joint| bounds.has_image(joint, joints[joint])) {
                 found.push(Node { free, joints, present: sample == 0 });
             }
         });

@@ -232,7 +232,7 @@ pub(super) fn others<'a, const N: usize, const F: usize, R: PrintRobot<N, F>>(
     })
 }
 
-/// A posture within the stops at the first sample of the free parameters that has one.
+/// A posture within the stops, but for whole turns, at the first sample of the free parameters that has one.
 fn first_posture<const N: usize, const F: usize>(
     robot: &impl Robot<N, F>,
     bounds: &Bounds<N>,
@@ -242,7 +242,7 @@ fn first_posture<const N: usize, const F: usize>(
     samples_of(&robot.free(), samples).find_map(|free| {
         let mut found = None;
         robot.solutions(waypoint, &free, &mut |_, joints| {
-            let fits = (0..N).all(|j| bounds.lower[j] <= joints[j] && joints[j] <= bounds.upper[j]);
+            let fits = (0..N).all(|joint| bounds.has_image(joint, joints[joint]));
             found = found.or(fits.then_some(joints));
         });
         found

@@ -336,9 +336,14 @@ fn home_is_not_a_turn_away_from_the_print() {
         let (sin, cos) = 2.7_f64.sin_cos();
         Waypoint { position: Point3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z), axis }
     });
-    let plan = planned(Wall::None, &[Owned::new(0, arc.collect())]).unwrap();
+    let mut limits = limits();
+    limits.bounds.lower[0] = -3.0;
+    let (arc, cell) = (Owned::new(0, arc.collect()), Cell(Wall::None));
+    let plan = plan_print(&Turntable, cell.clone(), &[arc.lend()], &limits, &options(), &quiet).unwrap();
+    // Bug: a waypoint that is within the stops only after a whole turn could not be reached.
+    assert!(plan.faults.is_empty() && plan.runs.len() == 1, "{:?}", plan.faults);
     let joints = plan.runs[0].trajectory.joints();
-    let home = plan.home_above(&Turntable, Cell(Wall::None), &limits(), &options(), &quiet).unwrap().unwrap();
+    let home = plan.home_above(&Turntable, cell, &limits, &options(), &quiet).unwrap().unwrap();
     let ends = [joints[0][0], joints[joints.len() - 1][0]];
     assert!((ends[0] - 3.0).abs() < 0.1 && (ends[1] - 4.5).abs() < 0.2, "{ends:?}");
     assert!((home[0] - 3.75).abs() < 0.2 && home[2] > 2.0, "{home:?}");
