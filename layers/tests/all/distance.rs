@@ -164,6 +164,24 @@ fn a_dome_closes_from_its_inside_out() {
     }
 }
 
+/// The last cells of an arch have neighbours on both sides that are a layer lower, and in the way: they come a step early, and nothing is delayed.
+#[test]
+fn the_last_cells_of_an_arch_come_a_step_early() {
+    for (span, thickness) in [(9, 3), (11, 3), (13, 4)] {
+        let arch = part([span + 4, 3, 6 + thickness], |[x, _, z]| x < 2 || x >= span + 2 || z >= 6);
+        let (made, distances) = (grown(&arch, &small()), field_of(&arch));
+        assert_eq!(faults(&arch, &small(), &made), None);
+        assert!(made.growth.missed.is_empty() && made.rounds == 0, "{span} {thickness}");
+        let cells = arch.cells();
+        let earlier = |cell: u32| distances.value(cell).unwrap() - made.field.value(cell).unwrap();
+        let early: Vec<u32> = cells.iter().filter(|&cell| earlier(cell) > 0.0).collect();
+        let middle = 2 + span / 2;
+        assert!(
+            !early.is_empty() && early.iter().all(|&cell| cells.position(cell)[0] == middle && earlier(cell) <= 0.5)
+        );
+    }
+}
+
 #[cfg(feature = "rayon")]
 #[test]
 fn any_number_of_threads_gives_the_same_order() {

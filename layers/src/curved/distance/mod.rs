@@ -64,7 +64,11 @@ pub fn distance_field(cells: &Cells, platform: &Platform, rules: &Rules) -> Resu
 
 /// The field with these floors of its values.
 fn solved(cells: &Cells, base: &[u32], floor: &dyn Fn(u32) -> f64) -> LayerField {
-    let values = march::distances(cells, base, floor);
+    in_cells(cells, march::distances(cells, base, floor))
+}
+
+/// The field of these values, a cell a layer.
+fn in_cells(cells: &Cells, values: Vec<f64>) -> LayerField {
     let field = LayerField::new(cells, values, 1.0).unwrap_or_else(|error| unreachable!("{error}"));
     field.in_steps(STEPS_PER_LAYER)
 }

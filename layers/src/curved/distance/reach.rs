@@ -4,6 +4,9 @@
 //! direction in which it meets neither the plate nor a cell of an earlier layer; of the free ones it takes the one nearest to the way in which the field
 //! rises. A layer is not in its own way: the nozzle is held against the steps before the last [`STEPS_PER_LAYER`] that are in the
 //! order, the present one included. So cells of a step are judged in parallel, and the order does not depend on the number of threads.
+//!
+//! Where fronts meet, the last cell of a crease has neighbours on both sides that are a whole layer lower, and in the way. One step earlier they are of its
+//! own layer: a cell that is not reached joins the step before its own if it is supported and reached then.
 
 use super::super::bits::CellSet;
 use super::super::cells::Cells;
@@ -15,7 +18,7 @@ use super::super::rules::Rules;
 use super::super::standing::{joined, standing};
 use super::super::surface::{LayerField, in_parallel};
 use super::delayed::{Floors, delay};
-use super::{STEPS_PER_LAYER, solved};
+use super::{STEPS_PER_LAYER, in_cells, solved};
 use crate::Progress;
 use nalgebra::{UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -137,41 +140,40 @@ struct Grown {
 }
 
 impl Job<'_> {
-    /// Builds what the nozzle reaches in the order of a field.
+    /// Builds what the nozzle reaches in the order of a field. Its values of cells that came a step early are changed to that step.
     fn grown(&self, field: LayerField) -> Result<Grown, GrowthError> {
         let Job { cells, cell_mm, platform, rules, nozzle, base, progress } = *self;
         let mut built = CellSet::none(cells);
         platform.mould().iter().flat_map(Cells::iter).for_each(|cell| _ = built.insert(cell));
         let obstacles = Obstacles::new(nozzle, cell_mm, f64::from(platform.top()) / 2.0, built.clone());
         let (directions, min_up) = (nozzle.directions(), nozzle.max_tilt.cos());
-        let mut growing = Growing { cells, rules, field: &field, base, directions, min_up, built, obstacles };
-        let (mut order, mut printed, mut unreached) = (LayerOrder::new(), Vec::new(), Vec::new());
+        let (order, last, printed) = (LayerOrder::new(), Vec::new(), Vec::new());
+        let mut growing =
+            Growing { cells, rules, field: &field, base, directions, min_up, built, obstacles, order, last, printed };
+        let (mut values, mut unreached) = (field.values().to_vec(), Vec::new());
         let (total, mut done) = (cells.count() as u64, 0);
         for step in field.order().iter() {
             if progress(Progress { stage: "distance", done, total }).is_break() {
                 return Err(GrowthError::Cancelled);
             }
             done += step.len() as u64;
-            let supported: Vec<u32> = step.iter().copied().filter(|&cell| growing.is_supported(cell)).collect();
-            let free = in_parallel(supported.len(), AT_A_TIME, |k| growing.free_direction(supported[k]));
-            let mut reached = Vec::new();
-            for (cell, direction) in supported.into_iter().zip(free) {
-                match direction {
-                    Some(direction) => reached.push(NozzleCell { cell, direction }),
-                    None => unreached.push(cell),
-                }
+            let Judged { mut reached, unreached: late, unsupported } = growing.judge(step);
+            let (early, late) = growing.join_last_step(late);
+            early.iter().for_each(|&(cell, value)| values[cell as usize] = value);
+            unreached.extend(late);
+            if !early.is_empty() {
+                let on_early = growing.judge(&unsupported);
+                reached.extend(on_early.reached);
+                unreached.extend(on_early.unreached);
             }
-            if !reached.is_empty() {
-                order.push(reached.iter().map(|reached| reached.cell));
-                growing.build(&order);
-                printed.extend(reached);
-            }
+            growing.build(reached);
         }
-        let mut obstacles = growing.obstacles;
+        growing.build_last_step();
+        let Growing { order, printed, mut obstacles, .. } = growing;
         order.cells().iter().for_each(|&cell| obstacles.insert(cell));
         unreached.sort_unstable();
         let left = cells.count() - order.cells().len();
-        Ok(Grown { order, printed, field, left, unreached, obstacles })
+        Ok(Grown { order, printed, field: in_cells(cells, values), left, unreached, obstacles })
     }
 
     /// The cells in no layer, with the reasons.
@@ -198,19 +200,78 @@ struct Growing<'a> {
     directions: Vec<UnitVector3<f64>>,
     /// Cosine of the tilt limit.
     min_up: f64,
-    /// All that is built.
+    /// All that is built, the last step included.
     built: CellSet,
-    /// What is in the way of the nozzle: all but the last steps.
+    /// What is in the way of the nozzle in the next step: the steps of `order`.
     obstacles: Obstacles,
+    /// The steps but the last.
+    order: LayerOrder,
+    /// The last step, which later cells may join.
+    last: Vec<NozzleCell>,
+    /// The cells of `order` with their directions.
+    printed: Vec<NozzleCell>,
 }
 
+/// What the nozzle makes of the cells of a step.
+struct Judged {
+    reached: Vec<NozzleCell>,
+    unreached: Vec<u32>,
+    unsupported: Vec<u32>,
+}
+
+// A step and the one before are a layer, which is not in its own way: so `last` is no obstacle of the next step.
+const _: () = assert!(STEPS_PER_LAYER == 2);
+
 impl Growing<'_> {
-    /// Builds the last step of the order, and puts the one into the way that is a layer before the next.
-    fn build(&mut self, order: &LayerOrder) {
-        let (last, lag) = (order.len() - 1, STEPS_PER_LAYER as usize - 1);
-        order.layer(last).iter().for_each(|&cell| _ = self.built.insert(cell));
-        let in_the_way = last.checked_sub(lag).map_or(&[][..], |step| order.layer(step));
-        in_the_way.iter().for_each(|&cell| self.obstacles.insert(cell));
+    fn judge(&self, step: &[u32]) -> Judged {
+        let (supported, unsupported): (Vec<u32>, Vec<u32>) = step.iter().partition(|&&cell| self.is_supported(cell));
+        let free = in_parallel(supported.len(), AT_A_TIME, |k| self.free_direction(supported[k]));
+        let mut judged = Judged { reached: Vec::new(), unreached: Vec::new(), unsupported };
+        for (cell, direction) in supported.into_iter().zip(free) {
+            match direction {
+                Some(direction) => judged.reached.push(NozzleCell { cell, direction }),
+                None => judged.unreached.push(cell),
+            }
+        }
+        judged
+    }
+
+    /// Adds those of the cells to the last step that the nozzle reaches and something supports then. Returns them, with the highest value of that
+    /// step, and the others.
+    fn join_last_step(&mut self, late: Vec<u32>) -> (Vec<(u32, f64)>, Vec<u32>) {
+        let before = self.order.len().checked_sub(1).map(|step| self.order.layer(step).to_vec());
+        let (false, Some(before)) = (late.is_empty(), before) else { return (Vec::new(), late) };
+        before.iter().for_each(|&cell| self.obstacles.remove(cell));
+        self.last.iter().for_each(|last| self.built.remove(last.cell));
+        let Judged { reached, mut unreached, unsupported } = self.judge(&late);
+        let steps = f64::from(STEPS_PER_LAYER);
+        let step = self.last.first().and_then(|last| self.field.value(last.cell)).map_or(0.0, |v| (v * steps).floor());
+        let early = reached.iter().map(|reached| (reached.cell, ((step + 1.0) / steps).next_down())).collect();
+        self.last.extend(reached);
+        self.last.iter().for_each(|last| _ = self.built.insert(last.cell));
+        before.iter().for_each(|&cell| self.obstacles.insert(cell));
+        unreached.extend(unsupported);
+        (early, unreached)
+    }
+
+    /// Builds a step, unless it is empty.
+    fn build(&mut self, reached: Vec<NozzleCell>) {
+        if !reached.is_empty() {
+            self.build_last_step();
+            reached.iter().for_each(|reached| _ = self.built.insert(reached.cell));
+            self.last = reached;
+        }
+    }
+
+    /// Puts the last step into the order.
+    fn build_last_step(&mut self) {
+        let mut last = std::mem::take(&mut self.last);
+        if !last.is_empty() {
+            last.sort_unstable_by_key(|last| last.cell);
+            last.iter().for_each(|last| self.obstacles.insert(last.cell));
+            self.order.push(last.iter().map(|last| last.cell));
+            self.printed.extend(last);
+        }
     }
 
     fn is_supported(&self, cell: u32) -> bool {

@@ -100,7 +100,7 @@ impl Obstacles {
         &self.set
     }
 
-    pub(super) fn remove(&mut self, cell: u32) {
+    pub(in crate::curved) fn remove(&mut self, cell: u32) {
         if self.set.contains(cell) {
             self.set.remove(cell);
             self.flip(cell);
