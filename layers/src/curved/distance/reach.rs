@@ -34,7 +34,7 @@ const AT_A_TIME: usize = 64;
 const ROUNDS: usize = 6;
 
 /// Rounds in a row that gain nothing before no more are tried.
-const MAX_IDLE_ROUNDS: usize = 2;
+const MAX_IDLE_ROUNDS: usize = 1;
 
 /// An order by distance.
 #[derive(Clone, Debug, PartialEq)]
