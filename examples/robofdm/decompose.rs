@@ -126,7 +126,23 @@ impl Divided {
         let goal = TuningOptions::default().goal;
         if self.risky_share() > goal {
             let amount = format!("{:.1} mm2, {}", self.parts.risky_mm2(), percent(self.risky_share()));
-            findings.add(Severity::Told, "risky area is left", amount, "parts.csv");
+            let avoids_head = self.head.is_some();
+            findings
+                .explain(
+                    Severity::above(self.risky_share(), args.allow_risky),
+                    "sides lean out over nothing",
+                    amount,
+                    "parts.csv",
+                )
+                .cause(if avoids_head {
+                    "no cut that was tried lets the head reach all parts"
+                } else {
+                    "no cut that was tried takes more off"
+                })
+                .try_to("--base best, a larger --max-parts, a smaller --min-part")
+                .try_to(if avoids_head { "a workcell with a more slender head" } else { "" })
+                .try_to("support, or curved layers (the example curved_layers)")
+                .allow(format!("--allow-risky {:.2}", (self.risky_share() * 100.0).ceil() / 100.0));
         }
         if self.parts.parts.len() >= usize::from(args.max_parts) {
             findings.add(

@@ -61,6 +61,9 @@ pub struct Args {
     /// The least share of the volume that is cut off as a part
     #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
     min_part: f64,
+    /// Share of the risky area, sides that lean out over nothing, that may be left: with more the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
+    allow_risky: f64,
     /// Height of a layer in millimetres
     #[arg(long, value_name = "MM", default_value_t = 0.8, value_parser = above_zero, allow_negative_numbers = true)]
     layer_height: f64,

@@ -9,7 +9,7 @@ use curvlay_examples::motion::{Moved, Printed, is_program, shown};
 use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
-use curvlay_examples::table::Table;
+use curvlay_examples::table::{Table, direction};
 use curvlay_examples::viewer::{self, Mark, Marks, Model};
 use curvlay_layers::planar::{FlatLayer, Solid};
 use curvlay_trajectory::print::FaultKind;
@@ -124,11 +124,10 @@ fn write_faults(printed: &Printed, moved: &Moved, out: &mut dyn Write) -> io::Re
 pub fn parts_table(made: &Made) -> Table {
     let mut table = Table::new(["part", "direction", "on", "volume mm3", "risky mm2", "seam mm2", "layers"]);
     for (k, part) in made.divided.parts.parts.iter().enumerate() {
-        let d = part.direction;
         let on: Vec<String> = part.on.iter().map(|on| (on + 1).to_string()).collect();
         table.row([
             (k + 1).to_string(),
-            format!("({:.3} {:.3} {:.3})", d.x, d.y, d.z),
+            direction(&part.direction),
             if part.base.is_none() { "platform".to_owned() } else { on.join(" ") },
             format!("{:.0}", part.solid.volume()),
             format!("{:.1}", part.risky_mm2),
@@ -197,6 +196,7 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set_seconds("decomposition_s", divided.decompose_time)?
         .set("risky_before_mm2", divided.parts.risky_before_mm2)?
         .set("risky_after_mm2", divided.parts.risky_mm2())?
+        .set("allow_risky", args.allow_risky)?
         .set("seam_mm2", divided.parts.seam_mm2())?
         .set("audit_ok", divided.audit.is_ok)?
         .set_seconds("audit_s", divided.audit_time)?
@@ -265,9 +265,11 @@ fn report(args: &Args, made: &Made, findings: &Findings, parts: &[u8], steps: &[
     findings.report(&mut report);
     let stands = if args.base == Base::Best { "along the best direction of its root" } else { "as in its file" };
     report.paragraph(&format!(
-        "The part stands {stands}. It is printed in parts, one after another, each in flat layers of {} mm along its arrow, so that \
-         no side leans out by more than {} degrees from upright over nothing.",
-        args.layer_height, args.angle_deg
+        "The part stands {stands}. It is printed in parts, one after another, each in flat layers of {} mm along its arrow. Of the \
+         sides that would lean out over nothing by more than {} degrees from upright, {} of the area is left.",
+        args.layer_height,
+        args.angle_deg,
+        percent(made.divided.risky_share())
     ));
     report.table("Parts", &parts_table(made));
     report.table("This run, beside Table 2.1 of the dissertation", &comparison(args, made));

@@ -1,7 +1,21 @@
 //! Tables: aligned text for stdout, rows for the report.
 
+use crate::nalgebra::Vector3;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
+
+/// A direction as a cell.
+///
+/// # Example
+/// ```
+/// use curvlay_examples::{nalgebra::Vector3, table::direction};
+/// assert_eq!(direction(&Vector3::new(-1e-9, -0.6, 0.8)), "(0.000 -0.600 0.800)");
+/// ```
+pub fn direction(direction: &Vector3<f64>) -> String {
+    // Rounded first, and with a zero added: -0 is 0.
+    let [x, y, z] = <[f64; 3]>::from(*direction).map(|k| (k * 1000.0).round() / 1000.0 + 0.0);
+    format!("({x:.3} {y:.3} {z:.3})")
+}
 
 /// A header and rows of the same number of columns.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

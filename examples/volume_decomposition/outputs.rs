@@ -11,7 +11,7 @@ use curvlay_examples::motion::{Printed, is_program};
 use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
-use curvlay_examples::table::Table;
+use curvlay_examples::table::{Table, direction};
 use curvlay_layers::planar::{FeatureKind, Scenario, Separation, Solid};
 use curvlay_trajectory::print::FaultKind;
 use std::io::{self, Write};
@@ -123,12 +123,11 @@ pub fn table(divided: &[Divided]) -> Table {
     let mut table = Table::new(heads);
     for of in divided {
         for (k, part) in of.result.parts.iter().enumerate() {
-            let d = part.direction;
             let first = |text: String| if k == 0 { text } else { String::new() };
             table.row([
                 first(of.name.clone()),
                 (k + 1).to_string(),
-                format!("({:.3} {:.3} {:.3})", d.x, d.y, d.z),
+                direction(&part.direction),
                 format!("{:.0}", part.solid.volume()),
                 part.layer_tops_mm.len().to_string(),
                 first(format!("{:.0}", of.result.overhang_before_mm3)),

@@ -97,6 +97,23 @@ fn a_mesh_becomes_programs() {
     assert!(!path.join("print_001_filament_1.script").exists() && figures.get("layers").is_none());
 }
 
+/// Bug: with most of the risky area left the run ended with status 0, and the report said that no side leans out.
+#[test]
+fn risky_area_that_is_left_is_a_finding() {
+    let ell = obj("risky.obj", &shapes::ell(), usize::MAX);
+    // In one part nearly all of the risky area is left.
+    let words = ["--mesh", ell.to_str().unwrap(), "--stage", "parts", "--min-part", "1"];
+    let report = |path: &Path| fs::read_to_string(path.join("report.html")).unwrap();
+    let (path, outcome) = run("risky", &words).unwrap();
+    let figures = summary(&path);
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)), "{}", figures["findings"]);
+    let [before, after] = ["risky_before_mm2", "risky_after_mm2"].map(|key| figures[key].as_f64().unwrap());
+    assert!(after > 0.9 * before && before > 1000.0, "{before} {after}");
+    assert!(report(&path).contains(&format!("{:.2} % of the area is left", 100.0 * after / before)));
+    let (path, outcome) = run("risky", &[&words[..], &["--allow-risky", "1"]].concat()).unwrap();
+    assert_eq!(outcome, Outcome::Done, "{}", summary(&path)["findings"]);
+}
+
 #[test]
 fn bad_input_is_told_and_leaves_nothing() {
     let open = obj("open.obj", &shapes::ell(), 20);
@@ -120,6 +137,7 @@ fn bad_input_is_told_and_leaves_nothing() {
         ["--parts", "0"],
         ["--filaments", "0"],
         ["--max-parts", "0"],
+        ["--allow-risky", "1.1"],
         ["--change-s", "-1"],
         ["--method", "luck"],
     ] {
