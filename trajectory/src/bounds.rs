@@ -2,6 +2,10 @@
 
 use std::f64::consts::TAU;
 
+/// How far beyond its stop a joint may come out of the inverse and still be meant to stand on it, in radians: more
+/// than rounding, and less than shows in a pose (1e-7 mm at a metre).
+pub(crate) const ON_STOP: f64 = 1e-10;
+
 /// Bounds of `N` joints, radians and seconds; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -49,6 +53,13 @@ pub enum BoundsError {
     },
 }
 
+/// The least angle between two stops that is whole turns away from this one, and how many more there are, a turn apart; `None` if there is none.
+pub(crate) fn images(lower: f64, upper: f64, angle: f64) -> Option<(f64, f64)> {
+    let least = angle + TAU * ((lower - ON_STOP - angle) / TAU).ceil();
+    let more = ((upper + ON_STOP - least) / TAU).floor();
+    (more >= 0.0).then(|| (least.clamp(lower, upper), more))
+}
+
 impl<const N: usize> Bounds<N> {
     /// No bounds at all.
     pub const NONE: Self = Bounds {
@@ -64,10 +75,19 @@ impl<const N: usize> Bounds<N> {
         self.upper[joint] - self.lower[joint] == f64::INFINITY
     }
 
-    /// Whether an angle of joint `j`, or one that is whole turns away, is within the stops.
-    pub(crate) fn has_image(&self, joint: usize, angle: f64) -> bool {
+    /// The angle of a joint nearest to `near` that is within its stops and whole turns away from this one.
+    pub(crate) fn image_near(&self, joint: usize, angle: f64, near: f64) -> Option<f64> {
+        if self.is_endless(joint) {
+            return Some(angle + TAU * ((near - angle) / TAU).round());
+        }
         let (lower, upper) = (self.lower[joint], self.upper[joint]);
-        upper - lower >= TAU || angle + TAU * ((lower - angle) / TAU).ceil() <= upper
+        let (least, more) = images(lower, upper, angle)?;
+        Some((least + TAU * ((near - least) / TAU).round().clamp(0.0, more)).clamp(lower, upper))
+    }
+
+    /// Whether an angle of a joint, or one that is whole turns away, is within the stops.
+    pub(crate) fn has_image(&self, joint: usize, angle: f64) -> bool {
+        self.image_near(joint, angle, angle).is_some()
     }
 
     /// Whether every joint has an angle and can move.
@@ -90,5 +110,32 @@ impl<const N: usize> Bounds<N> {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As by trying all turns. Stops that an angle meets exactly hold it.
+    #[test]
+    fn the_nearest_image_is_that_of_all_turns() {
+        let stops = [(-7.0, 6.5), (-3.0, 6.5), (-3.0, 3.0), (1.0, 1.5), (4.0, 4.0 + TAU), (-20.0, -9.0)];
+        for (lower, upper) in stops {
+            let bounds = Bounds::<1> { lower: [lower], upper: [upper], ..Bounds::NONE };
+            for k in 0..200 {
+                let (angle, near) = (f64::from(k % 20) * 0.7 - 7.0, f64::from(k / 20) * 3.1 - 14.0);
+                let turned = (-9..=9).map(|turns| angle + TAU * f64::from(turns));
+                let within = turned.filter(|turned| (lower..=upper).contains(turned));
+                let slow = within.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs()));
+                let found = bounds.image_near(0, angle, near);
+                assert_eq!(found.is_some(), slow.is_some(), "{lower} {upper} {angle} {near}");
+                assert_eq!(bounds.has_image(0, angle), slow.is_some());
+                let off = found.zip(slow).map_or(0.0, |(a, b)| a - b).abs();
+                assert!(off < 1e-9, "{lower} {upper} {angle} {near}: {found:?} {slow:?}");
+            }
+            assert_eq!(bounds.image_near(0, upper - TAU, upper), Some(upper));
+        }
+        assert_eq!(Bounds::<1>::NONE.image_near(0, 0.5, 0.5 + 3.0 * TAU), Some(0.5 + 3.0 * TAU));
     }
 }

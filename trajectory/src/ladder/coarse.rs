@@ -16,8 +16,9 @@
 //! every waypoint is refined in the same way, by bands about it.
 
 use super::Plan;
-use super::nodes::{Kind, ON_STOP, Window, nearest, wrapped};
+use super::nodes::{Kind, Window, nearest, wrapped};
 use super::search::{Path, Stuck, Windows};
+use crate::bounds::ON_STOP;
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, LadderOptions};
 use std::collections::HashMap;

@@ -1,12 +1,9 @@
 //! The nodes of one waypoint: sampled free parameters, the solutions there, and their images.
 
 use crate::Bounds;
+use crate::bounds::images;
 use crate::robot::{FreeRange, Robot};
 use std::f64::consts::{PI, TAU};
-
-/// How far beyond its stop a joint may come out of the inverse and still be meant to stand on it, in radians: more
-/// than rounding, and less than shows in a pose (1e-7 mm at a metre).
-pub(super) const ON_STOP: f64 = 1e-10;
 
 /// Images of one angle, at most.
 const MAX_IMAGES: f64 = (1 << 22) as f64;
@@ -50,10 +47,8 @@ impl Kind {
             Kind::AsGiven => return Some((angle, 0)),
             Kind::Single { lower, upper } | Kind::Images { lower, upper } => (lower, upper),
         };
-        let least = angle + TAU * ((lower - ON_STOP - angle) / TAU).ceil();
-        let more = ((upper + ON_STOP - least) / TAU).floor();
         // A cap for stops that are absurdly far apart; `TooLarge` will say so.
-        (more >= 0.0).then(|| (least.clamp(lower, upper), more.min(MAX_IMAGES) as u32))
+        images(lower, upper, angle).map(|(least, more)| (least, more.min(MAX_IMAGES) as u32))
     }
 }
 

@@ -10,13 +10,12 @@ use super::options::{PrintError, PrintLimits, PrintOptions};
 use super::plan::{Fault, FaultKind, PrintPlan, Run, Travel, sampled, seconds};
 use super::postures::samples_of;
 use super::travel::{arrive, depart, has_way, lifted};
+use crate::Progress;
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
 use crate::vectors::square;
-use crate::{Bounds, Progress};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
 
 /// From home to a run.
@@ -107,17 +106,15 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             (low, high) = (low.inf(&tip), high.sup(&tip));
         }
         let middle = (low + high) / 2.0;
-        let Bounds { lower, upper, .. } = task.inside();
-        let fits = |j: usize, angle: f64| (lower[j]..=upper[j]).contains(&angle);
-        let is_inside = |joints: &[f64; N]| (0..N).all(|j| fits(j, joints[j]));
+        let inside = task.inside();
+        let is_inside = |joints: &[f64; N]| (0..N).all(|j| (inside.lower[j]..=inside.upper[j]).contains(&joints[j]));
         let free_at = |above: f64, near: &[f64; N]| {
             let position = Vector3::new(middle.x, middle.y, high.z + above).into();
             let waypoint = Waypoint { position, axis: Vector3::z_axis() };
             let mut found: Vec<[f64; N]> = Vec::new();
             for free in samples_of(&robot.free(), &options.samples) {
                 robot.solutions(&waypoint, &free, &mut |_, joints| {
-                    let turned = |j: usize| joints[j] + TAU * ((near[j] - joints[j]) / TAU).round();
-                    found.push(std::array::from_fn(|j| if fits(j, turned(j)) { turned(j) } else { joints[j] }));
+                    found.push(std::array::from_fn(|j| inside.image_near(j, joints[j], near[j]).unwrap_or(joints[j])));
                 });
             }
             found.retain(|joints| is_inside(joints) && cell.posture_free(joints));
