@@ -10,7 +10,7 @@ use crate::surfaces::SurfacesRun;
 use crate::{Args, Lying, Results, Stage};
 use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
-use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{MissedReason, NoSupport};
 use curvlay_toolpath::surface::NozzlePart;
@@ -121,16 +121,6 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         ways_out(run, args).into_iter().for_each(|way| _ = finding.try_to(way));
         finding.allow(accept("--allow-missed", share));
     }
-}
-
-/// The option with a value, rounded up to two digits, that accepts a share.
-fn accept(option: &str, share: f64) -> String {
-    if !(share > 0.0 && share.is_finite()) {
-        return String::new();
-    }
-    let digit = 10f64.powf(share.log10().floor() - 1.0);
-    let decimals = (-digit.log10()).round().max(0.0) as usize;
-    format!("{option} {:.decimals$}", (share / digit).ceil() * digit)
 }
 
 /// Which cells are missed and why, and which of them no order can build.

@@ -3,7 +3,7 @@
 use super::{Args, Avoid, Base, Method, print};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::findings::{Findings, Severity, percent};
+use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Rotation3, Vector3};
 use curvlay_examples::shapes;
@@ -123,34 +123,23 @@ impl Divided {
 
     /// What is wrong.
     pub fn find(&self, args: &Args, findings: &mut Findings) {
-        let goal = TuningOptions::default().goal;
-        if self.risky_share() > goal {
-            let amount = format!("{:.1} mm2, {}", self.parts.risky_mm2(), percent(self.risky_share()));
-            let avoids_head = self.head.is_some();
+        let (share, goal) = (self.risky_share(), TuningOptions::default().goal);
+        let is_full = self.parts.parts.len() >= usize::from(args.max_parts);
+        if share > goal.min(args.allow_risky) {
+            let amount = format!("{:.1} mm2, {} of the risky area", self.parts.risky_mm2(), percent(share));
+            let advice = |holds: bool, what: &'static str| if holds { what } else { "" };
             findings
-                .explain(
-                    Severity::above(self.risky_share(), args.allow_risky),
-                    "sides lean out over nothing",
-                    amount,
-                    "parts.csv",
-                )
-                .cause(if avoids_head {
-                    "no cut that was tried lets the head reach all parts"
-                } else {
-                    "no cut that was tried takes more off"
-                })
-                .try_to("--base best, a larger --max-parts, a smaller --min-part")
-                .try_to(if avoids_head { "a workcell with a more slender head" } else { "" })
-                .try_to("support, or curved layers (the example curved_layers)")
-                .allow(format!("--allow-risky {:.2}", (self.risky_share() * 100.0).ceil() / 100.0));
+                .explain(Severity::above(share, args.allow_risky), "sides lean out over nothing", amount, "parts.csv")
+                .try_to(advice(is_full, "a larger --max-parts"))
+                .try_to(advice(args.base != Base::Best, "--base best"))
+                .try_to("a smaller --min-part")
+                .try_to(advice(self.head.is_some(), "a workcell with a more slender head"))
+                .try_to("curved layers, with support where they need it: the example curved_layers")
+                .allow(accept("--allow-risky", share));
         }
-        if self.parts.parts.len() >= usize::from(args.max_parts) {
-            findings.add(
-                Severity::Told,
-                "there are as many parts as may be",
-                args.max_parts.to_string(),
-                "--max-parts",
-            );
+        if is_full {
+            let amount = args.max_parts.to_string();
+            findings.add(Severity::Told, "there are as many parts as may be", amount, "--max-parts");
         }
         let audit = &self.audit;
         if audit.volume_error.abs() > AuditOptions::default().max_volume_error {

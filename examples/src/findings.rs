@@ -11,6 +11,23 @@ pub fn percent(share: f64) -> String {
     if share > 0.0 && share < 5e-5 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * share) }
 }
 
+/// The option with a value, rounded up to two digits, that accepts a share; empty for none.
+///
+/// # Example
+/// ```
+/// use curvlay_examples::findings::accept;
+/// assert_eq!(accept("--allow-missed", 0.0341), "--allow-missed 0.035");
+/// assert_eq!(accept("--allow-missed", 0.0), "");
+/// ```
+pub fn accept(option: &str, share: f64) -> String {
+    if !(share > 0.0 && share.is_finite()) {
+        return String::new();
+    }
+    let digit = 10f64.powf(share.log10().floor() - 1.0);
+    let decimals = (-digit.log10()).round().max(0.0) as usize;
+    format!("{option} {:.decimals$}", (share / digit).ceil() * digit)
+}
+
 /// What a finding does to the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
