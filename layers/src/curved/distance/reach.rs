@@ -6,7 +6,7 @@
 //! order, the present one included. So cells of a step are judged in parallel, and the order does not depend on the number of threads.
 //!
 //! Where fronts meet, the last cell of a crease has neighbours on both sides that are a whole layer lower, and in the way. One step earlier they are of its
-//! own layer: a cell that is not reached joins the step before its own if it is supported and reached then.
+//! own layer: a cell that is not reached joins the last step that was built if it is supported and reached then.
 
 use super::super::bits::CellSet;
 use super::super::cells::Cells;
@@ -157,15 +157,11 @@ impl Job<'_> {
                 return Err(GrowthError::Cancelled);
             }
             done += step.len() as u64;
-            let Judged { mut reached, unreached: late, unsupported } = growing.judge(step);
-            let (early, late) = growing.join_last_step(late);
-            early.iter().for_each(|&(cell, value)| values[cell as usize] = value);
-            unreached.extend(late);
-            if !early.is_empty() {
-                let on_early = growing.judge(&unsupported);
-                reached.extend(on_early.reached);
-                unreached.extend(on_early.unreached);
+            let (reached, mut late) = growing.judge(step);
+            for (cell, value) in growing.join_last_step(&mut late) {
+                values[cell as usize] = value;
             }
+            unreached.extend(late);
             growing.build(reached);
         }
         growing.build_last_step();
@@ -212,46 +208,44 @@ struct Growing<'a> {
     printed: Vec<NozzleCell>,
 }
 
-/// What the nozzle makes of the cells of a step.
-struct Judged {
-    reached: Vec<NozzleCell>,
-    unreached: Vec<u32>,
-    unsupported: Vec<u32>,
-}
-
 // A step and the one before are a layer, which is not in its own way: so `last` is no obstacle of the next step.
 const _: () = assert!(STEPS_PER_LAYER == 2);
 
 impl Growing<'_> {
-    fn judge(&self, step: &[u32]) -> Judged {
-        let (supported, unsupported): (Vec<u32>, Vec<u32>) = step.iter().partition(|&&cell| self.is_supported(cell));
+    /// Those of the cells that something supports: the ones that the nozzle reaches, and the others.
+    fn judge(&self, step: &[u32]) -> (Vec<NozzleCell>, Vec<u32>) {
+        let supported: Vec<u32> = step.iter().copied().filter(|&cell| self.is_supported(cell)).collect();
         let free = in_parallel(supported.len(), AT_A_TIME, |k| self.free_direction(supported[k]));
-        let mut judged = Judged { reached: Vec::new(), unreached: Vec::new(), unsupported };
+        let (mut reached, mut unreached) = (Vec::new(), Vec::new());
         for (cell, direction) in supported.into_iter().zip(free) {
             match direction {
-                Some(direction) => judged.reached.push(NozzleCell { cell, direction }),
-                None => judged.unreached.push(cell),
+                Some(direction) => reached.push(NozzleCell { cell, direction }),
+                None => unreached.push(cell),
             }
         }
-        judged
+        (reached, unreached)
     }
 
-    /// Adds those of the cells to the last step that the nozzle reaches and something supports then. Returns them, with the highest value of that
-    /// step, and the others.
-    fn join_last_step(&mut self, late: Vec<u32>) -> (Vec<(u32, f64)>, Vec<u32>) {
-        let before = self.order.len().checked_sub(1).map(|step| self.order.layer(step).to_vec());
-        let (false, Some(before)) = (late.is_empty(), before) else { return (Vec::new(), late) };
+    /// Moves those of the late cells into the last step that something supports and the nozzle reaches then. Returns them with the highest value of
+    /// that step.
+    fn join_last_step(&mut self, late: &mut Vec<u32>) -> Vec<(u32, f64)> {
+        let Some(last) = self.last.first().filter(|_| !late.is_empty() && !self.order.is_empty()) else {
+            return Vec::new();
+        };
+        let steps = f64::from(STEPS_PER_LAYER);
+        let step = self.field.value(last.cell).map_or(0.0, |value| (value * steps).floor());
+        // As it was when the last step was judged.
+        let before = self.order.layer(self.order.len() - 1).to_vec();
         before.iter().for_each(|&cell| self.obstacles.remove(cell));
         self.last.iter().for_each(|last| self.built.remove(last.cell));
-        let Judged { reached, mut unreached, unsupported } = self.judge(&late);
-        let steps = f64::from(STEPS_PER_LAYER);
-        let step = self.last.first().and_then(|last| self.field.value(last.cell)).map_or(0.0, |v| (v * steps).floor());
-        let early = reached.iter().map(|reached| (reached.cell, ((step + 1.0) / steps).next_down())).collect();
-        self.last.extend(reached);
-        self.last.iter().for_each(|last| _ = self.built.insert(last.cell));
+        let (early, _) = self.judge(late);
         before.iter().for_each(|&cell| self.obstacles.insert(cell));
-        unreached.extend(unsupported);
-        (early, unreached)
+        // Both rise.
+        late.retain(|&cell| early.binary_search_by_key(&cell, |early| early.cell).is_err());
+        let values = early.iter().map(|early| (early.cell, ((step + 1.0) / steps).next_down())).collect();
+        self.last.extend(early);
+        self.last.iter().for_each(|last| _ = self.built.insert(last.cell));
+        values
     }
 
     /// Builds a step, unless it is empty.
@@ -308,5 +302,43 @@ impl Growing<'_> {
             (None, None) => 0.0,
         };
         UnitVector3::try_new(Vector3::from_fn(|axis, _| slope(axis)), 1e-9).unwrap_or_else(Vector3::z_axis)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A late cell joins the last step if a cell of an earlier one supports it; one that hangs on the last step alone stays late.
+    #[test]
+    fn late_cells_need_an_earlier_support() {
+        // Cell 0 is built first, then 1; of the late ones 3 lies beside 0, and 2 beside 1 alone.
+        let cells = Cells::new([3, 2, 1], &[0b111, 0b001]).unwrap();
+        let field = super::super::in_cells(&cells, vec![0.5, 1.2, 1.6, 1.6, f64::NAN, f64::NAN]);
+        let (nozzle, rules) = (NozzleRule::default(), Rules::default());
+        let [mut built, mut first] = [CellSet::none(&cells), CellSet::none(&cells)];
+        [0, 1].into_iter().for_each(|cell| _ = built.insert(cell));
+        first.insert(0);
+        let upright = |cell| NozzleCell { cell, direction: Vector3::z_axis() };
+        let mut order = LayerOrder::new();
+        order.push([0]);
+        let mut growing = Growing {
+            cells: &cells,
+            rules: &rules,
+            field: &field,
+            base: &[0],
+            directions: nozzle.directions(),
+            min_up: 0.0,
+            built,
+            obstacles: Obstacles::new(&nozzle, 1.0, -100.0, first),
+            order,
+            last: vec![upright(1)],
+            printed: vec![upright(0)],
+        };
+        let mut late = vec![2, 3];
+        assert_eq!(growing.join_last_step(&mut late), [(3, 1.5_f64.next_down())]);
+        assert_eq!(late, [2]);
+        assert!(growing.last.iter().map(|last| last.cell).eq([1, 3]));
+        assert!([0, 1, 3].iter().all(|&cell| growing.built.contains(cell)) && growing.obstacles.set().contains(0));
     }
 }
