@@ -52,8 +52,9 @@ pub fn model(job: &Job, results: &Results) -> Model {
         model.laid = Some([machine.deposition.bead_mm, machine.deposition.extruded_mm3]);
         if let Some(motion) = motion {
             // What the robot does, not what it was asked to do.
-            model.laid = None;
             (model.steps, model.robot) = of_run!(motion, run => moved(run, &machine.resolved.paths));
+            let [mm, _] = model.laid_by_steps();
+            model.laid = Some([mm, of_run!(motion, run => laid_mm3(run))]);
         }
     }
     model.marks.retain(|marks| !marks.places.is_empty());
@@ -99,6 +100,12 @@ fn found(run: &MachineRun) -> [Marks; 5] {
         marks("unsupported beads", ORANGE, unsupported.collect()),
         marks("sharp turns of the nozzle", BLUE, sharp.collect()),
     ]
+}
+
+/// The volume of the filament that the motions lay.
+fn laid_mm3<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>) -> f64 {
+    let filament_mm: f64 = run.plan.runs.iter().filter_map(|run| run.filament_mm.last()).sum();
+    filament_mm * run.limits.filament_mm2
 }
 
 /// What the robot does, from knot to knot, and how it stands.

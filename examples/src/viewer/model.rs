@@ -229,8 +229,8 @@ impl Model {
         (header, deflated)
     }
 
-    /// Length and volume of all beads, by the steps.
-    fn laid_by_steps(&self) -> [f64; 2] {
+    /// Length in millimetres and volume in cubic millimetres of all beads, by the steps.
+    pub fn laid_by_steps(&self) -> [f64; 2] {
         let laid = self.steps.windows(2).filter(|pair| pair[1].kind != Step::TRAVEL).map(|pair| {
             let mm = (pair[1].tip - pair[0].tip).norm();
             [mm, mm * pair[1].width * pair[1].height]

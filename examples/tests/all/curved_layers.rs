@@ -368,6 +368,11 @@ fn a_robot_prints_a_block() {
     // All of the filament of the machine file, as fast as the tip goes.
     let laid: f64 = lines[lines.len() - 1][KIND + 4].parse().unwrap();
     assert!((laid - figures["filament_mm"].as_f64().unwrap()).abs() < 1e-3, "{laid}");
+    // Bug: the viewer of a motion had a volume of its own.
+    let page = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    let shown_cm3: f64 = page.split("\"volume\":").nth(1).unwrap().split([',', '}']).next().unwrap().parse().unwrap();
+    let laid_cm3 = laid * std::f64::consts::PI * 1.75 * 1.75 / 4.0 / 1000.0;
+    assert!((shown_cm3 / laid_cm3 - 1.0).abs() < 1e-6, "{shown_cm3} {laid_cm3}");
 
     // A line a layer, which add up to the whole.
     let layers = fs::read_to_string(Path::new(&out).join("layers.csv")).unwrap();
