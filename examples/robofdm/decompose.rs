@@ -11,7 +11,7 @@ use curvlay_layers::Progress;
 use curvlay_layers::planar::Solid;
 use curvlay_layers::planar::robofdm::{
     AuditOptions, AuditedPart, BeamOptions, Decomposition, Head, PartsAudit, Root, SegmentOptions, SequenceOptions,
-    TuningOptions, audit_parts, beam_search, crossing_sections, plan_sequence, segment, tune,
+    TuningOptions, WorstLayer, audit_parts, beam_search, crossing_sections, plan_sequence, segment, tune,
 };
 use std::time::{Duration, Instant};
 
@@ -84,7 +84,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
 
     let start = Instant::now();
     let audited: Vec<AuditedPart> = parts.parts.iter().map(|part| part.audited()).collect();
-    let options = AuditOptions { max_angle, head, ..AuditOptions::default() };
+    let options = AuditOptions { max_angle, head, max_unsupported: args.allow_unsupported, ..AuditOptions::default() };
     let audit = audit_parts(&solid, &audited, &options, &show)?;
     Ok(Divided {
         name,
@@ -159,10 +159,12 @@ impl Divided {
         for &part in audit.looking_down.iter().filter(|_| self.head.is_none()) {
             findings.add(Severity::Failed, "a base plane looks down", "", format!("part {}", part + 1));
         }
-        let area: f64 = audit.layer_mm2.iter().sum();
-        if self.unsupported_mm2() > AuditOptions::default().max_unsupported * area {
-            let amount = format!("{:.1} mm2 of {area:.0} mm2", self.unsupported_mm2());
-            findings.add(Severity::Failed, "layers lie on nothing", amount, "parts.csv");
+        let (hanging, layers) = (audit.hanging_layers.iter().sum::<usize>(), audit.layers.iter().sum::<usize>());
+        if let Some(WorstLayer { part, layer, share }) = audit.worst_layer.filter(|_| hanging > 0) {
+            let what = format!("layers lie on nothing by more than {}", percent(args.allow_unsupported));
+            let amount = format!("{hanging} of {layers}, {:.1} mm2 in all", self.unsupported_mm2());
+            let place = format!("parts.csv; most, {}, in layer {} of part {}", percent(share), layer + 1, part + 1);
+            findings.explain(Severity::Failed, what, amount, place).allow(accept("--allow-unsupported", share));
         }
     }
 }

@@ -64,6 +64,9 @@ pub struct Args {
     /// Share of the risky area, sides that lean out over nothing, that may be left: with more the exit status is 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     allow_risky: f64,
+    /// Share of a layer, or of a mean layer of its part if that is larger, that may lie on nothing: if one has more the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
+    allow_unsupported: f64,
     /// Height of a layer in millimetres
     #[arg(long, value_name = "MM", default_value_t = 0.8, value_parser = above_zero, allow_negative_numbers = true)]
     layer_height: f64,

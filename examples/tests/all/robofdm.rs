@@ -10,6 +10,7 @@ use crate::common::summary;
 use clap::Parser;
 use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::findings::accept;
 use curvlay_examples::mesh::{Mesh, read_mesh};
 use curvlay_examples::shapes;
 use curvlay_voxel::inspect::inspect;
@@ -102,7 +103,7 @@ fn a_mesh_becomes_programs() {
 fn risky_area_that_is_left_is_a_finding() {
     let ell = obj("risky.obj", &shapes::ell(), usize::MAX);
     // In one part nearly all of the risky area is left.
-    let words = ["--mesh", ell.to_str().unwrap(), "--stage", "parts", "--min-part", "1"];
+    let words = ["--mesh", ell.to_str().unwrap(), "--stage", "parts", "--min-part", "1", "--allow-unsupported", "1"];
     let report = |path: &Path| fs::read_to_string(path.join("report.html")).unwrap();
     let (path, outcome) = run("risky", &words).unwrap();
     let figures = summary(&path);
@@ -112,6 +113,23 @@ fn risky_area_that_is_left_is_a_finding() {
     assert!(report(&path).contains(&format!("{:.2} % of the area is left", 100.0 * after / before)));
     let (path, outcome) = run("risky", &[&words[..], &["--allow-risky", "1"]].concat()).unwrap();
     assert_eq!(outcome, Outcome::Done, "{}", summary(&path)["findings"]);
+
+    // The arm of the ell begins with a layer on nothing. It is one of many; the limit is of each.
+    let words = [&words[..6], &["--allow-risky", "1"]].concat();
+    let (path, outcome) = run("risky", &words).unwrap();
+    let figures = summary(&path);
+    let findings = figures["findings"].as_str().unwrap();
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && findings.contains("layers lie on nothing"), "{findings}");
+    assert!(figures["hanging_layers"].as_u64() > Some(0) && figures["audit_ok"] == false);
+    let share = figures["worst_layer_share"].as_f64().unwrap();
+    assert!(share > 0.05 && findings.contains(&accept("--allow-unsupported", share)), "{share}: {findings}");
+}
+
+/// Bug: with one part allowed there were two.
+#[test]
+fn one_part_is_one_part() {
+    let (path, _) = run("one", &["--stage", "parts", "--max-parts", "1"]).unwrap();
+    assert_eq!(summary(&path)["parts"], 1);
 }
 
 #[test]
@@ -138,6 +156,7 @@ fn bad_input_is_told_and_leaves_nothing() {
         ["--filaments", "0"],
         ["--max-parts", "0"],
         ["--allow-risky", "1.1"],
+        ["--allow-unsupported", "1.1"],
         ["--change-s", "-1"],
         ["--method", "luck"],
     ] {

@@ -250,7 +250,9 @@ pub fn beam_search(
         let mut state = whole;
         state.follow(sequence, &|done, total| tell("planes", done, total))?;
         state.merge();
-        beam.push(member(state));
+        if state.nodes.len() <= options.tuning.max_parts {
+            beam.push(member(state));
+        }
     }
     beam.sort_by(|a, b| a.rank().order(&b.rank()));
     let mut best = beam[0].clone();

@@ -1,4 +1,4 @@
-//! Region merging (section 2.4.3): parts go back to earlier ones as long as nothing gets worse.
+//! Region merging (section 2.4.3): parts go back to earlier ones as long as nothing gets worse, or there are more than are allowed.
 
 use super::promise::Judge;
 use super::state::State;
@@ -6,16 +6,17 @@ use crate::planar::solid::Wall;
 use std::sync::Arc;
 
 impl State {
-    /// Merges parts with earlier ones as long as nothing gets worse.
+    /// Merges parts with earlier ones as long as nothing gets worse, and while there are too many, where that is possible at all.
     pub(super) fn merge(&mut self) {
         loop {
             let before = self.risky();
+            let are_too_many = self.nodes.len() > self.options.max_parts;
             let mut choices: Vec<(f64, usize, usize)> = Vec::new();
             for later in 1..self.nodes.len() {
                 // What lies between them in the order must not carry the later one.
                 let Some(&earlier) = self.touched(later).last() else { continue };
                 let risky = before + self.merged(earlier, later).1;
-                if risky <= before * (1.0 + 1e-12) {
+                if are_too_many || risky <= before * (1.0 + 1e-12) {
                     choices.push((risky, earlier, later));
                 }
             }

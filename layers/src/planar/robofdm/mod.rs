@@ -32,7 +32,7 @@ mod split;
 mod state;
 mod tuning;
 
-pub use audit::{AuditOptions, AuditedPart, PartsAudit, audit_parts};
+pub use audit::{AuditOptions, AuditedPart, PartsAudit, WorstLayer, audit_parts};
 pub use beam::{BeamOptions, beam_search};
 pub use border::Border;
 pub use crossing::crossing_sections;

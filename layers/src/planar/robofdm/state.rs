@@ -217,11 +217,13 @@ impl State {
         plane
     }
 
-    /// A cut of a part by a plane, on the part alone. `None` where it cuts nothing off that pays, or something would float.
+    /// A cut of a part by a plane, on the part alone. `None` where it cuts nothing off that pays, something would float, or there would be
+    /// more parts than are allowed.
     pub(super) fn tried(&self, node: usize, plane: &CutPlane) -> Option<Trial> {
         let Node { cell, walls, .. } = &self.nodes[node];
         let judge = self.judge(node, walls);
-        Trial::new(self.partition.only(&[*cell]), *cell, plane, &judge, self.min_mm3(), &self.options)
+        let trial = Trial::new(self.partition.only(&[*cell]), *cell, plane, &judge, self.min_mm3(), &self.options)?;
+        (self.nodes.len() + trial.division.above.len() <= self.options.max_parts).then_some(trial)
     }
 
     /// What a trial saves: risky area, but for what its seams cost.

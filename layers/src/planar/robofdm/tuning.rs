@@ -222,8 +222,8 @@ pub fn tune(
     let mut after = [state.risky(); 3];
     tell("merging", 0, 1)?;
     state.merge();
-    // Segments of a solid that needs no support may well need some.
-    if state.risky() > before {
+    // Segments of a solid that needs no support may well need some, and where a head is in the way not all can be merged.
+    if state.risky() > before || state.nodes.len() > options.max_parts {
         state = whole;
     }
     after[1] = state.risky();

@@ -135,14 +135,47 @@ fn a_beam_search_needs_no_segments_and_cuts_handles() {
     assert!(parts.risky_mm2() <= narrow.risky_mm2().max(tuning.goal * parts.risky_before_mm2));
 }
 
-#[test]
-fn a_cap_all_around_its_stem_is_taken_off_in_pieces() {
-    // Cuts behind the stem promise the whole cap, but leave nothing that stands: they must not crowd out the others.
-    let shape = cells([24, 24, 20], |p| {
+/// A round cap on a stem.
+fn capped() -> Shape {
+    cells([24, 24, 20], |p| {
         let d = p - Vector3::new(12.0, 12.0, 0.0);
         let round = |radius: f64, low: f64, high: f64| (d.x.hypot(d.y) - radius).max(low - p.z).max(p.z - high);
         round(3.1, 1.1, 12.0).min(round(9.6, 11.1, 17.1))
+    })
+}
+
+/// Bug: segments stayed parts of their own, however few parts were allowed, and a cut made as many as it made.
+#[test]
+fn there_are_no_more_parts_than_are_allowed() {
+    let fork = cells([40, 10, 24], |p| {
+        let stem = to_segment(p, [20.0, 5.0, -5.0], [20.0, 5.0, 18.0]);
+        let arms = to_segment(p, [5.0, 5.0, 18.0], [35.0, 5.0, 18.0]);
+        stem.min(arms).max(4.1 - p.z) - 4.1
     });
+    let mut most = 0;
+    for shape in [tee(), capped(), fork] {
+        let (whole, sequence) = (solid(&shape), sequenced(&shape));
+        for (max_parts, head) in [1, 2, 3].into_iter().flat_map(|max| [(max, None), (max, Some(head()))]) {
+            let tuning = TuningOptions { max_parts, head, normals: 40, ..tuning() };
+            let options = BeamOptions { tuning, width: 3, branches: 2, ..BeamOptions::default() };
+            let tuned = tune(&whole, &sequence, &tuning, &go).unwrap();
+            let searched = beam_search(&whole, Some(&sequence), &options, &go).unwrap();
+            for parts in [tuned, searched] {
+                most = most.max(parts.parts.len());
+                assert!(parts.parts.len() <= max_parts, "{} of {max_parts}", parts.parts.len());
+                assert!(parts.risky_mm2() <= parts.risky_before_mm2 * (1.0 + 1e-9));
+                let audit = judged(&whole, &parts, head);
+                assert!(audit.misplaced_points == 0 && audit.volume_error.abs() < 1e-12, "{audit:?}");
+            }
+        }
+    }
+    assert_eq!(most, 3);
+}
+
+#[test]
+fn a_cap_all_around_its_stem_is_taken_off_in_pieces() {
+    // Cuts behind the stem promise the whole cap, but leave nothing that stands: they must not crowd out the others.
+    let shape = capped();
     let whole = solid(&shape);
     let parts =
         tune(&whole, &sequenced(&shape), &TuningOptions { spacing: 2.0, normals: 60, ..tuning() }, &go).unwrap();
@@ -158,8 +191,8 @@ fn a_segment_is_the_least_risky_of_two_starts() {
         corners.windows(2).map(|c| to_segment(p, c[0], c[1])).fold(f64::MAX, f64::min).max(4.1 - p.z) - 4.1
     });
     let (whole, sequence) = (solid(&shape), sequenced(&shape));
-    let options = BeamOptions { tuning: TuningOptions { max_parts: 1, ..tuning() }, ..BeamOptions::default() };
-    // Nothing may be cut: what is left is one of the starts.
+    let options = BeamOptions { tuning: TuningOptions { goal: 1.0, ..tuning() }, ..BeamOptions::default() };
+    // Nothing is cut: what is left is one of the starts.
     let parts = beam_search(&whole, Some(&sequence), &options, &go).unwrap();
     assert!(parts.risky_mm2() <= parts.risky_before_mm2);
     assert!((parts.risky_after_phases_mm2[0] - parts.risky_mm2()).abs() < 1e-6);

@@ -157,6 +157,38 @@ fn the_audit_sees_what_hangs_what_overlaps_and_what_is_missing() {
     assert!((missing.volume_error + 0.5).abs() < 1e-12 && !missing.is_ok);
 }
 
+/// Bug: the limit was of all layers together, so that one in mid-air passed below many that lie on something.
+#[test]
+fn one_layer_on_nothing_among_many_fails() {
+    // A tower of 200 layers that stands on nothing.
+    let tower = block(10.0, 10.0, 100.0);
+    let judged = |on_platform: bool, max_unsupported: f64| {
+        let part = [AuditedPart { solid: &tower, direction: Vector3::z(), on_platform }];
+        audit_parts(&tower, &part, &AuditOptions { max_unsupported, ..AuditOptions::default() }, &go).unwrap()
+    };
+    let floating = judged(false, 0.01);
+    let [area, unsupported] = [floating.layer_mm2[0], floating.unsupported_mm2[0]];
+    assert!((area - 20_000.0).abs() < 1e-6 && (unsupported - 100.0).abs() < 1e-6, "{unsupported} of {area}");
+    assert!(!floating.is_ok && floating.hanging_layers == [1], "{floating:?}");
+    let worst = floating.worst_layer.unwrap();
+    assert!((worst.part, worst.layer) == (0, 0) && (worst.share - 1.0).abs() < 1e-9, "{worst:?}");
+    let allowed = judged(false, 1.0);
+    assert!(allowed.is_ok && allowed.hanging_layers == [0] && allowed.worst_layer == floating.worst_layer);
+    // A tip of 4 mm2 on nothing, of a part with layers of 100 mm2 above it, is a share of those.
+    let shape = cells([10, 10, 30], |p| {
+        let d = p - Vector3::new(5.0, 5.0, 0.0);
+        d.x.abs().max(d.y.abs()) - if p.z < 1.0 { 1.0 } else { 5.0f64.min(p.z) }
+    });
+    let tip = solid(&shape);
+    let part = [AuditedPart { solid: &tip, direction: Vector3::z(), on_platform: false }];
+    let audit = audit_parts(&tip, &part, &AuditOptions::default(), &go).unwrap();
+    let share = audit.worst_layer.unwrap().share;
+    assert!(share < 0.2 && audit.unsupported_mm2[0] > 1.0, "{audit:?}");
+    // Where all lies on something there is no worst layer.
+    let standing = judged(true, 0.0);
+    assert!(standing.is_ok && standing.worst_layer.is_none(), "{standing:?}");
+}
+
 #[test]
 fn a_wedge_leans_out_as_far_as_the_angle_lets_it() {
     // Sheared by 1: 45 degrees on one side.
