@@ -35,14 +35,14 @@ pub mod verify;
 pub use bounds::{Bounds, BoundsError};
 pub use closures::RobotFn;
 pub use global::{
-    Avoid, BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, MissedReport, PeakReport,
-    smooth_clear_of, smooth_globally,
+    Avoid, BoundsMissed, Cone, GlobalError, GlobalMotion, GlobalOptions, GlobalStatus, GlobalStep, MissedReport,
+    PeakReport, smooth_clear_of, smooth_globally,
 };
 pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{
     Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, MAX_SAMPLES, MinSpeed, Norm, min_speed, plan_ladder,
 };
-pub use local::{FilterError, FilterOptions, FilterStatus, Filtered, filter_locally};
+pub use local::{FilterError, FilterOptions, FilterStatus, FilterStep, Filtered, filter_locally};
 pub use nalgebra;
 pub use path::{
     Defect, IncompletePath, MIN_WAYPOINTS, PathError, PathOptions, PathSegment, TimedPath, Timing, timed_path,

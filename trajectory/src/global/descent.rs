@@ -67,6 +67,8 @@ pub(super) struct Descent<'a, R: ?Sized, const N: usize, const F: usize> {
     pub point: Point<N, F>,
     pub merit: Merit,
     pub damping: Vec<f64>,
+    /// The merit after each round.
+    pub history: Vec<Merit>,
     /// What the damping is at least.
     least_damping: f64,
 }
@@ -85,7 +87,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
     pub fn new(robot: &'a R, branches: &'a [u32], steep: f64, point: Point<N, F>, model: &mut Model<'_, N, F>) -> Self {
         let merit = Merit::of(model, &point);
         let damping = vec![DAMPING[0]; point.free.len()];
-        Descent { robot, branches, steep, point, merit, damping, least_damping: DAMPING[1] }
+        Descent { robot, branches, steep, point, merit, damping, history: Vec::new(), least_damping: DAMPING[1] }
     }
 
     /// Values the point anew, after prices have changed; steps are damped as in the beginning.
@@ -101,6 +103,12 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
         peak_price: f64,
         tolerance: f64,
     ) -> Result<Round<N, F>, QpError> {
+        let round = self.tried(model, peak_price, tolerance)?;
+        self.history.push(self.merit);
+        Ok(round)
+    }
+
+    fn tried(&mut self, model: &mut Model<'_, N, F>, peak_price: f64, tolerance: f64) -> Result<Round<N, F>, QpError> {
         let peak = (peak_price > 0.0).then_some(PeakTerm { price: peak_price, height: self.merit.peak });
         // A promise that counts from `tolerance` on needs two more digits; bounds of the peak need all that there are.
         let digits = if peak.is_some() {

@@ -10,10 +10,10 @@
 //! [`GlobalOptions::rise`] more of that integral.
 
 use super::avoid::Avoid;
-use super::descent::Descent;
+use super::descent::{Descent, Merit};
 use super::first::smooth_first;
 use super::model::Model;
-use super::motion::{GlobalMotion, GlobalStatus, MissedReport};
+use super::motion::{GlobalMotion, GlobalStatus, GlobalStep, MissedReport};
 use super::options::{GlobalError, GlobalOptions, check};
 use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
@@ -168,6 +168,8 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         settled = settled && done;
         peak = Some(report);
     }
+    let step = |merit: &Merit| GlobalStep { squared_jerk: merit.squared_jerk, peak: merit.peak };
+    let history = descent.history.iter().map(step).collect();
     let point = descent.point;
     let trajectory = Trajectory::new(line, &point.knots)?;
     let violations = trajectory.violations(bounds, 1e-9);
@@ -195,5 +197,6 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         squared_jerk: [begin, smooth.squared_jerk],
         peak,
         rounds,
+        history,
     })
 }

@@ -15,5 +15,5 @@ mod point;
 
 pub use avoid::Avoid;
 pub use filter::{smooth_clear_of, smooth_globally};
-pub use motion::{BoundsMissed, GlobalMotion, GlobalStatus, MissedReport, PeakReport};
+pub use motion::{BoundsMissed, GlobalMotion, GlobalStatus, GlobalStep, MissedReport, PeakReport};
 pub use options::{Cone, GlobalError, GlobalOptions};

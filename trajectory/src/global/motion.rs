@@ -39,6 +39,15 @@ pub struct MissedReport {
     pub lower_bound: f64,
 }
 
+/// The motion after a round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlobalStep {
+    /// The integral of the squared jerk of its spline, in rad^2/s^5.
+    pub squared_jerk: f64,
+    /// The greatest jerk of its spline over its bound; 0 without bounds on jerk.
+    pub peak: f64,
+}
+
 /// A smooth motion. It may miss its bounds: see [`GlobalMotion::status`] and [`GlobalMotion::require_bounds`].
 #[derive(Clone, Debug, PartialEq)]
 #[must_use = "check `status`, or call `require_bounds`"]
@@ -63,6 +72,8 @@ pub struct GlobalMotion<const N: usize, const F: usize> {
     pub steep: Vec<usize>,
     /// Rounds of the first and of the second pass.
     pub rounds: [usize; 2],
+    /// Each round, of both passes. A pass may begin again at the start, and takes the best that it has seen.
+    pub history: Vec<GlobalStep>,
 }
 
 /// A motion is not within its bounds everywhere.

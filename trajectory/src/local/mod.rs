@@ -67,6 +67,21 @@ pub enum FilterStatus {
     Iterations,
 }
 
+/// A window that was laid, and the motion after it: the figures of the dissertation's Figs. 4.3 and 4.4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterStep<const N: usize> {
+    /// The waypoint in its middle.
+    pub waypoint: usize,
+    /// Waypoints to either side, of the last size that was tried.
+    pub margin: usize,
+    /// Whether it succeeded.
+    pub succeeded: bool,
+    /// The measure J with the weights.
+    pub jerk: f64,
+    /// The greatest jerk of each joint at the waypoints (Eq. 4.10), in rad/s^3.
+    pub max_jerk: [f64; N],
+}
+
 /// A filtered motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filtered<const N: usize, const F: usize> {
@@ -80,6 +95,8 @@ pub struct Filtered<const N: usize, const F: usize> {
     pub successes: usize,
     /// The measure J with the weights, at the start and at the end.
     pub jerk: [f64; 2],
+    /// Each window, in the order in which they were laid.
+    pub history: Vec<FilterStep<N>>,
 }
 
 /// Why there is nothing to filter.
@@ -185,7 +202,7 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let waypoints = times.len();
     let before = filter.jerk(&motion.postures, 0..waypoints);
     let mut locked = vec![false; waypoints];
-    let (mut iterations, mut successes) = (0, 0);
+    let (mut iterations, mut successes, mut history) = (0, 0, Vec::new());
     let status = loop {
         let (worst, any) = worst(&filter, &motion, &locked);
         let Some(middle) = worst else {
@@ -200,25 +217,40 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         }
         iterations += 1;
         let mut margin = options.margin;
-        loop {
+        let succeeded = loop {
             let window = middle.saturating_sub(margin)..(middle + margin + 1).min(waypoints);
             let well = filter.minimise(&mut motion, window.clone(), options.gain);
             if well {
                 locked[window].fill(false);
                 successes += 1;
-                break;
+                break true;
             }
             if options.growth == 0 || margin + options.growth > options.max_margin {
                 locked[window].fill(true);
-                break;
+                break false;
             }
             margin += options.growth;
-        }
+        };
+        let (jerk, max_jerk) = (filter.jerk(&motion.postures, 0..waypoints), max_jerk(&filter, &motion));
+        history.push(FilterStep { waypoint: middle, margin, succeeded, jerk, max_jerk });
     };
     let jerk = [before, filter.jerk(&motion.postures, 0..waypoints)];
     let node =
         |i: usize| LadderNode { joints: motion.postures[i].joints, free: motion.free[i], branch: motion.branches[i] };
-    Ok(Filtered { nodes: (0..waypoints).map(node).collect(), status, iterations, successes, jerk })
+    Ok(Filtered { nodes: (0..waypoints).map(node).collect(), status, iterations, successes, jerk, history })
+}
+
+/// The greatest jerk of each joint at the waypoints that have a stencil.
+fn max_jerk<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    filter: &Filter<'_, N, F, R>,
+    motion: &Motion<N, F>,
+) -> [f64; N] {
+    let mut most = [0.0f64; N];
+    for waypoint in 2..motion.postures.len() - 2 {
+        let jerk = filter.derivative(&motion.postures, waypoint, 3);
+        most.iter_mut().zip(jerk).for_each(|(most, jerk)| *most = most.max(jerk.abs()));
+    }
+    most
 }
 
 /// The free waypoint with the largest jerk of those that have more than they may, and whether any has.

@@ -220,6 +220,13 @@ fn the_second_pass_lowers_the_peak_to_its_bound_or_says_how_low_it_can_be() {
     assert!(report.after < report.before && report.lower_bound <= report.after * (1.0 + 1e-6));
     assert!(report.after < 1.02 * report.lower_bound, "{report:?}");
     assert!(found.trajectory.squared_jerk() <= 1.05 * found.squared_jerk[1] * (1.0 + 1e-9));
+    // The history: a step a round. The first pass ends with what it returns, the second has passed by its best.
+    let [first, second] = found.rounds;
+    assert!(found.history.len() == first + second && second > 1);
+    let end = found.history[first - 1];
+    assert_eq!((end.squared_jerk, end.peak), (found.squared_jerk[1], report.before));
+    let best = found.history[first..].iter().find(|step| step.peak.to_bits() == report.after.to_bits()).unwrap();
+    assert!((best.squared_jerk - found.trajectory.squared_jerk()).abs() <= 1e-9 * best.squared_jerk);
 }
 
 #[test]

@@ -67,6 +67,26 @@ fn a_planar_arm_moves_more_smoothly() {
     let found = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet).unwrap();
     assert_kept(&robot, &times, &bounds, &start.nodes, &found);
     assert!(found.jerk[1] < 0.9 * found.jerk[0], "{:?}", found.jerk);
+    // The history: a step a window, the last of them the result.
+    let history = &found.history;
+    assert_eq!(history.len(), found.iterations);
+    assert_eq!(history.iter().filter(|step| step.succeeded).count(), found.successes);
+    assert!(found.successes > 0 && history.iter().any(|step| !step.succeeded));
+    for step in history {
+        assert!(
+            (5..=20).contains(&step.margin) && step.margin % 5 == 0 && (2..148).contains(&step.waypoint),
+            "{step:?}"
+        );
+        assert!(step.succeeded || step.margin == 20, "{step:?}");
+    }
+    let last = history.last().unwrap();
+    assert_eq!(last.jerk.to_bits(), found.jerk[1].to_bits());
+    for joint in 0..3 {
+        let jerks = waypoint_jerks(&times, &joints(&found.nodes));
+        let most = jerks.iter().map(|jerk| jerk[joint].abs()).fold(0.0, f64::max);
+        assert!((last.max_jerk[joint] - most).abs() <= 1e-9 * most, "{joint}: {} {most}", last.max_jerk[joint]);
+    }
+    assert!(history[0].jerk > last.jerk && history[0].jerk <= found.jerk[0] * (1.0 + 1e-9));
     let again = filter_locally(&robot, &times, &start.nodes, &bounds, &FilterOptions::default(), &quiet);
     assert_eq!(again, Ok(found));
 }
