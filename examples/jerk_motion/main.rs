@@ -22,7 +22,7 @@ mod plot;
 
 use clap::{Parser, ValueEnum};
 use collisions::{Amount, Study};
-use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args, warn};
+use curvlay_examples::args::{Common, Failure, Outcome, above_zero, from_zero, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Up;
 use curvlay_examples::motion::shown::followed;
@@ -76,6 +76,9 @@ pub struct Args {
     /// Postures that collision indicators learn from
     #[arg(long = "training", value_name = "N", default_value_t = 3020, value_parser = clap::value_parser!(u32).range(30..=20_000))]
     training_count: u32,
+    /// By which share the global filter may pass a limit of jerk: beyond it the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
+    allow_jerk: f64,
     #[command(flatten)]
     common: Common,
 }
@@ -143,7 +146,6 @@ fn main() -> ExitCode {
     run_with_args(|args: Args| {
         let folder = args.common.folder("jerk_motion", [args.waypoints(), args.part.as_deref()], outputs::is_ours)?;
         let (results, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
-        outputs::told(results.faults()).iter().for_each(warn);
         outputs::table(&results).print()?;
         Ok(outcome)
     })
@@ -176,9 +178,10 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
     let study = study.map(|run| study_collisions(run, &six, &timed, args, bars)).transpose()?;
     bars.finish();
     let results = Results { path: timed, given: given.0.len(), ur3, cell8, study };
-    outputs::write(args, &results, folder, start.elapsed())?;
-    let outcome = Outcome::of(results.failed_checks());
-    Ok((results, outcome))
+    let mut findings = results.findings(args);
+    outputs::write(args, (&results, &findings), folder, start.elapsed())?;
+    findings.say();
+    Ok((results, findings.outcome()))
 }
 
 /// Table 4.1 on the smoothest motion of the UR3.

@@ -5,9 +5,9 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{Studied, inside};
 use curvlay_trajectory::print::{OnPath, path_deviations};
 use curvlay_trajectory::{
-    Bounds, FilterOptions, GlobalOptions, LadderError, LadderNode, LadderOptions, LadderSearch, MIN_WAYPOINTS,
-    Progress, Quantity, RunIn, Timeline, Trajectory, Violation, filter_locally, jerk_measure, plan_ladder,
-    smooth_globally,
+    Bounds, FilterOptions, FilterStep, GlobalOptions, GlobalStep, LadderError, LadderNode, LadderOptions, LadderSearch,
+    MIN_WAYPOINTS, Progress, Quantity, RunIn, Timeline, Trajectory, Violation, filter_locally, jerk_measure,
+    plan_ladder, smooth_globally, waypoint_jerks,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -36,6 +36,17 @@ pub struct Planned<const N: usize> {
     /// One a run; more than one where the path breaks off.
     pub trajectories: Vec<Trajectory<N>>,
     pub figures: Figures,
+    /// How a filter went, on the run on which it took the most steps; empty for a method that is no filter.
+    pub history: Vec<HistoryStep>,
+}
+
+/// A motion on its way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HistoryStep {
+    /// What the filter lowers: J of the local one, the integral of the squared jerk of the global one.
+    pub objective: f64,
+    /// Greatest jerk: of each joint at the waypoints for the local filter, of all joints over its limit for the global one.
+    pub jerk: Vec<f64>,
 }
 
 /// What is said of a motion.
@@ -45,7 +56,9 @@ pub struct Figures {
     pub j: f64,
     /// Integral of the squared jerk of the splines, from rest to rest.
     pub spline_jerk: f64,
-    /// Greatest of each joint, everywhere.
+    /// Greatest of each joint at the waypoints, by the central differences of Eq. 4.10: what the dissertation reports.
+    pub waypoint_jerk: Vec<f64>,
+    /// Greatest of each joint, everywhere on the spline.
     pub joint_jerk: Vec<f64>,
     pub velocity: f64,
     pub acceleration: f64,
@@ -69,14 +82,26 @@ pub struct Figures {
     pub speed_lower_bound: Option<f64>,
 }
 
+/// By how much a value is beyond its bound, as a share of the bound.
+pub fn beyond(violation: &Violation) -> f64 {
+    violation.value.abs() / violation.bound.abs() - 1.0
+}
+
 impl Figures {
+    /// Greatest of all joints, everywhere on the spline.
     pub fn jerk(&self) -> f64 {
         self.joint_jerk.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Those that are not on jerk.
-    pub fn hard_violations(&self) -> impl Iterator<Item = &Violation> {
-        self.violations.iter().filter(|violation| violation.quantity != Quantity::Jerk)
+    /// Greatest of all joints at the waypoints, by Eq. 4.10.
+    pub fn jerk_at_waypoints(&self) -> f64 {
+        self.waypoint_jerk.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// How many bounds on jerk, or on all else, do not hold, and the worst of them.
+    pub fn broken(&self, on_jerk: bool) -> Option<(usize, &Violation)> {
+        let broken = || self.violations.iter().filter(|broken| (broken.quantity == Quantity::Jerk) == on_jerk);
+        Some((broken().count(), broken().max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?))
     }
 }
 
@@ -141,10 +166,11 @@ pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
         let (mut local, mut global) = (None, None);
         for &method in plan.methods {
             let started = Instant::now();
-            let (mut lower_bound, mut whole) = (None, None);
+            let (mut lower_bound, mut whole, mut history) = (None, None, Vec::new());
             let (motion, time) = match method {
                 "local" => {
-                    let motion = smoothed(robot, times, &bounds, &ladder, bars)?;
+                    let motion;
+                    (motion, history) = smoothed(robot, times, &bounds, &ladder, bars)?;
                     local = Some((motion.clone(), started.elapsed()));
                     (motion, ladder_time + started.elapsed())
                 }
@@ -154,7 +180,7 @@ pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
                     let found = globally(robot, times, &bounds, other.as_ref().unwrap_or(start), bars)?;
                     let time = ladder_time + before + started.elapsed();
                     global = Some((found.clone(), time));
-                    (lower_bound, whole) = (found.2, Some(found.1));
+                    (lower_bound, whole, history) = (found.2, Some(found.1), found.3);
                     (found.0, time)
                 }
                 FREED => {
@@ -185,6 +211,7 @@ pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
             let trajectories = whole.map_or_else(|| motion.splines(times), Ok)?;
             let mut planned = measured(method, robot, times, &bounds, &motion, trajectories, time);
             planned.figures.jerk_lower_bound = lower_bound;
+            planned.history = history;
             planned.figures.breaks.iter_mut().for_each(|waypoint| *waypoint += waypoints);
             if method == "ladder" {
                 planned.figures.speed_lower_bound = needed_speed(robot, times, &bounds, &motion)?;
@@ -310,15 +337,24 @@ fn smoothed<const N: usize, const F: usize, R: Studied<N, F>>(
     bounds: &Bounds<N>,
     ladder: &Motion<N, F>,
     bars: &Bars,
-) -> Result<Motion<N, F>, Failure> {
-    let mut motion = ladder.clone();
+) -> Result<(Motion<N, F>, Vec<HistoryStep>), Failure> {
+    let (mut motion, mut history) = (ladder.clone(), Vec::new());
     for run in ladder.runs.iter().filter(|run| run.len() >= MIN_WAYPOINTS) {
         let part = OnPath { robot, waypoints: &robot.path()[run.clone()] };
         let (times, start) = (&times[run.clone()], &ladder.nodes[run.clone()]);
         let filtered = filter_locally(&part, times, start, bounds, &FilterOptions::default(), &shown(bars))?;
         motion.nodes[run.clone()].copy_from_slice(&filtered.nodes);
+        let step = |step: FilterStep<N>| HistoryStep { objective: step.jerk, jerk: step.max_jerk.to_vec() };
+        longer(&mut history, filtered.history.into_iter().map(step).collect());
     }
-    Ok(motion)
+    Ok((motion, history))
+}
+
+/// Keeps the longer history.
+fn longer(known: &mut Vec<HistoryStep>, new: Vec<HistoryStep>) {
+    if new.len() > known.len() {
+        *known = new;
+    }
 }
 
 /// The ladder's path or the local filter's, whichever has less jerk as a spline, and the time that it took beyond the
@@ -337,8 +373,8 @@ fn jerk<const N: usize, const F: usize>(motion: &Motion<N, F>, times: &[f64]) ->
     Ok(motion.splines(times)?.iter().map(Trajectory::squared_jerk).sum())
 }
 
-/// A motion by the global filter, its trajectories, and the lower bound of its greatest jerk.
-type Global<const N: usize, const F: usize> = (Motion<N, F>, Vec<Trajectory<N>>, Option<f64>);
+/// A motion by the global filter, its trajectories, the lower bound of its greatest jerk, and how the filter went.
+type Global<const N: usize, const F: usize> = (Motion<N, F>, Vec<Trajectory<N>>, Option<f64>, Vec<HistoryStep>);
 
 /// The global filter on every run that is long enough.
 fn globally<const N: usize, const F: usize, R: Studied<N, F>>(
@@ -349,6 +385,7 @@ fn globally<const N: usize, const F: usize, R: Studied<N, F>>(
     bars: &Bars,
 ) -> Result<Global<N, F>, Failure> {
     let (mut motion, mut trajectories, mut lower_bound) = (start.clone(), start.splines(times)?, None);
+    let mut history = Vec::new();
     for (run, trajectory) in start.runs.iter().zip(&mut trajectories).filter(|(run, _)| run.len() >= MIN_WAYPOINTS) {
         let line = Timeline::new(&times[run.clone()], RunIn::default())?;
         let part = OnPath { robot, waypoints: &robot.path()[run.clone()] };
@@ -357,13 +394,20 @@ fn globally<const N: usize, const F: usize, R: Studied<N, F>>(
         motion.nodes[run.clone()].copy_from_slice(&found.nodes);
         lower_bound = greater(lower_bound, found.peak.map(|peak| peak.lower_bound));
         *trajectory = found.trajectory;
+        let step = |step: GlobalStep| HistoryStep { objective: step.squared_jerk, jerk: vec![step.peak] };
+        longer(&mut history, found.history.into_iter().map(step).collect());
     }
-    Ok((motion, trajectories, lower_bound))
+    Ok((motion, trajectories, lower_bound, history))
 }
 
 /// The greater of what there is.
 fn greater(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).reduce(f64::max)
+}
+
+/// Raises what is known of each joint to a new value.
+fn raise(known: &mut [f64], new: impl IntoIterator<Item = f64>) {
+    known.iter_mut().zip(new).for_each(|(known, new)| *known = known.max(new));
 }
 
 fn measured<const N: usize, const F: usize, R: Studied<N, F>>(
@@ -378,6 +422,7 @@ fn measured<const N: usize, const F: usize, R: Studied<N, F>>(
     let mut figures = Figures {
         j: 0.0,
         spline_jerk: 0.0,
+        waypoint_jerk: vec![0.0; N],
         joint_jerk: vec![0.0; N],
         velocity: 0.0,
         acceleration: 0.0,
@@ -399,6 +444,9 @@ fn measured<const N: usize, const F: usize, R: Studied<N, F>>(
     for (run, trajectory) in motion.runs.iter().zip(&trajectories) {
         let joints: Vec<[f64; N]> = motion.nodes[run.clone()].iter().map(|node| node.joints).collect();
         figures.j += jerk_measure(&times[run.clone()], &joints);
+        for jerks in waypoint_jerks(&times[run.clone()], &joints) {
+            raise(&mut figures.waypoint_jerk, jerks.map(f64::abs));
+        }
         figures.spline_jerk += trajectory.squared_jerk();
         for (most, joint) in figures.joint_jerk.iter_mut().zip(trajectory.extremes()) {
             *most = most.max(joint.jerk.value.abs());
@@ -410,7 +458,7 @@ fn measured<const N: usize, const F: usize, R: Studied<N, F>>(
         let off = path_deviations(robot, &robot.path()[run.clone()], trajectory, times, 0.0).into_iter();
         figures.strayed_mm = off.fold(figures.strayed_mm, f64::max);
     }
-    Planned { method, trajectories, figures }
+    Planned { method, trajectories, figures, history: Vec::new() }
 }
 
 impl<const N: usize> Planned<N> {
@@ -419,7 +467,8 @@ impl<const N: usize> Planned<N> {
         let (ours, theirs) = (&mut self.figures, next.figures);
         ours.j += theirs.j;
         ours.spline_jerk += theirs.spline_jerk;
-        ours.joint_jerk.iter_mut().zip(theirs.joint_jerk).for_each(|(most, jerk)| *most = most.max(jerk));
+        raise(&mut ours.waypoint_jerk, theirs.waypoint_jerk);
+        raise(&mut ours.joint_jerk, theirs.joint_jerk);
         ours.velocity = ours.velocity.max(theirs.velocity);
         ours.acceleration = ours.acceleration.max(theirs.acceleration);
         ours.time += theirs.time;
@@ -432,5 +481,6 @@ impl<const N: usize> Planned<N> {
         ours.jerk_lower_bound = greater(ours.jerk_lower_bound, theirs.jerk_lower_bound);
         ours.speed_lower_bound = greater(ours.speed_lower_bound, theirs.speed_lower_bound);
         self.trajectories.extend(next.trajectories);
+        longer(&mut self.history, next.history);
     }
 }
