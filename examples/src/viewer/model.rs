@@ -205,10 +205,20 @@ impl Model {
         let nozzle = self.nozzle.map(|nozzle| [nozzle.tip, nozzle.half_angle_deg, nozzle.cone, nozzle.block]);
         let (names, deflated) = columns.finish();
         let [mm, mm3] = self.laid.unwrap_or_else(|| self.laid_by_steps());
+        // What is framed: what is built, with room for the nozzle on it; travels of a robot to its home are far away.
+        let built = self.built();
+        let [least, most] = built.unwrap_or([low, high]);
+        let (middle, diagonal) = (least + (most - least) / 2.0, (most - least).norm());
+        let nozzle_mm =
+            self.nozzle.filter(|_| built.is_some() && !self.steps.is_empty()).map_or(0.0, |nozzle| nozzle.cone);
+        let around_mm = (diagonal + 2.0 * nozzle_mm).max(1e-6);
         let header = json!({
             "name": self.name,
             "low": [low.x, low.y, low.z],
             "high": [high.x, high.y, high.z],
+            "built": built.is_some(),
+            "middle": [middle.x, middle.y, middle.z],
+            "around": around_mm,
             "unit": step,
             "width": width / SIZES,
             "height": height / SIZES,
@@ -243,13 +253,22 @@ impl Model {
         let meshes = std::iter::once(&self.part).chain(&self.layers).flat_map(|mesh| &mesh.vertices);
         let marks = self.marks.iter().flat_map(|marks| &marks.places).map(|place| place.at);
         let all = meshes.copied().chain(self.steps.iter().map(|step| step.tip)).chain(marks);
-        let all = all.chain(self.ends.iter().flat_map(|(_, line)| *line));
-        let bounds = all.fold(None, |bounds: Option<[Point3<f64>; 2]>, point| {
-            let [low, high] = bounds.unwrap_or([point; 2]);
-            Some([low.inf(&point), high.sup(&point)])
-        });
-        bounds.unwrap_or_default()
+        box_around(all.chain(self.ends.iter().flat_map(|(_, line)| *line))).unwrap_or_default()
     }
+
+    /// The box around the part and its layers; none without either.
+    fn built(&self) -> Option<[Point3<f64>; 2]> {
+        let meshes = std::iter::once(&self.part).chain(&self.layers);
+        box_around(meshes.flat_map(|mesh| &mesh.vertices).copied())
+    }
+}
+
+/// The box around points; none without any.
+fn box_around(points: impl Iterator<Item = Point3<f64>>) -> Option<[Point3<f64>; 2]> {
+    points.fold(None, |bounds, point| {
+        let [low, high] = bounds.unwrap_or([point; 2]);
+        Some([low.inf(&point), high.sup(&point)])
+    })
 }
 
 impl Robot {

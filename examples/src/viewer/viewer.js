@@ -74,7 +74,7 @@ function program(vertex, fragment) {
   }
   return { made, places };
 }
-// A bead is two triangles that face the eye: as wide as an elliptic cylinder looks from there, shaded as one. Steps come from a texture.
+// A bead is two triangles that face the eye, shaded as an elliptic cylinder. Steps come from a texture.
 const TUBE = `
   uniform highp usampler2D steps; uniform mat4 part, view; uniform vec3 low, eye; uniform float unit, travelWidth;
   uniform vec2 sizes; uniform ivec2 layers; uniform int shown, base, stride;
@@ -82,8 +82,8 @@ const TUBE = `
   uvec4 step_(int at) { return texelFetch(steps, ivec2(at & 2047, at >> 11), 0); }
   vec3 place(uvec4 s) { return (part * vec4(low + vec3(s.x & 65535u, s.x >> 16, s.y & 65535u) * unit, 1)).xyz; }
   void main() {
-    // Every n-th step where frames would take long: straight from one to the next, on the same path.
-  int segment = gl_VertexID / 6 * stride + base, corner = gl_VertexID % 6;
+    // Every n-th step where frames take long.
+    int segment = gl_VertexID / 6 * stride + base, corner = gl_VertexID % 6;
     corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
     uvec4 from = step_(segment), s = step_(segment + stride);
     int kind = int(s.w & 255u), layer = int(s.y >> 16);
@@ -189,7 +189,7 @@ function start(columns) {
   const secondsTo = i => (T[i] - (i ? T[i - 1] : 0)) * tick;
   const lays = i => K[i] !== 255;
 
-  // Sums, and where each layer and path begins and ends.
+  // Where layers and paths begin and end.
   const first = new Array(layers).fill(Infinity), last = new Array(layers).fill(-1), ofPath = new Map();
   const layerSeconds = new Float64Array(layers);
   for (let i = 0; i < count; i++) {
@@ -205,7 +205,7 @@ function start(columns) {
   const total = count ? T[count - 1] * tick : 0;
 
   // ---- buffers
-  // A texel of four words for each step: x, y, z, layer; direction, width, height; kind, colour, path.
+  // A texel for each step: x, y, z, layer; direction, width, height; kind, colour, path.
   const ROW = 2048, rows = Math.max(1, Math.ceil(count / ROW)), octets = new Uint8Array(16 * ROW * rows), words = new Uint16Array(octets.buffer);
   for (let i = 0; i < count; i++) {
     words.set([X[i], Y[i], Z[i], L[i]], 8 * i);
@@ -242,8 +242,9 @@ function start(columns) {
   const thick = robot && robot.stances ? 0.035 * Math.max(...robotAt(0).arm.map(([a, b]) => Math.hypot(...sub(a, b)))) : 0;
 
   // ---- state
-  const extent = Math.hypot(...sub(header.high, header.low)) || 1, middle = add(header.low, sub(header.high, header.low), 0.5);
-  const camera = { yaw: -0.9, pitch: 0.5, far: 2.1 * extent, target: middle };
+  const extent = Math.hypot(...sub(header.high, header.low)) || 1, { middle, around } = header;
+  // The camera goes with a part that a robot moves.
+  const camera = { yaw: -0.9, pitch: 0.5, far: 2.1 * around, target: middle, carried: middle };
   const state = { low: 0, high: layers - 1, now: total, playing: false, colour: count ? 'kind' : 'layer', selected: -1, drawn: 0, frames: 0, frameMs: 0, errors: 0 };
   const shown = {};
   let dirty = true;
@@ -282,7 +283,7 @@ function start(columns) {
       const numbers = new Float32Array(count), sample = [];
       for (let i = 0; i < count; i++) if (lays(i)) { numbers[i] = colour.of(i); if (i % (1 + (count >> 14)) === 0) sample.push(numbers[i]); }
       sample.sort((a, b) => a - b);
-      // A few outliers do not take the colours from all others.
+      // Outliers do not take all colours.
       const cut = Math.floor(sample.length * (['layer', 'time'].includes(state.colour) ? 0 : 0.01));
       const least = sample.length ? sample[cut] : 0, most = sample.length ? sample[sample.length - 1 - cut] : 1;
       for (let i = 0; i < count; i++) paintStep(i, lays(i) ? 254 * Math.min(Math.max((numbers[i] - least) / (most - least || 1), 0), 1) : 255);
@@ -396,7 +397,10 @@ function start(columns) {
   function draw() {
     const wide = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio * scale)), tall = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio * scale));
     if (canvas.width !== wide || canvas.height !== tall) { canvas.width = wide; canvas.height = tall; }
-    const { view, eye } = matrices(), stance = robot && shown.robot ? robotAt(state.now) : null, part = stance ? stance.part : IDENTITY;
+    const stance = robot && shown.robot ? robotAt(state.now) : null, part = stance ? stance.part : IDENTITY, carried = moved(part, middle);
+    camera.target = add(camera.target, sub(carried, camera.carried));
+    camera.carried = carried;
+    const { view, eye } = matrices();
     const paper = getComputedStyle(section).backgroundColor.match(/[\d.]+/g).map(c => c / 255), dark = paper[0] < 0.5;
     gl.viewport(0, 0, wide, tall);
     gl.clearColor(paper[0], paper[1], paper[2], 1);
@@ -425,9 +429,9 @@ function start(columns) {
         if (layer >= state.low && layer <= state.high) drawMesh(ends, part, [0.85, 0.2, 0.15, 1], gl.LINES, 2 * i, 2, 1);
       });
     }
-    // With nothing inside the part is opaque.
+    // Opaque with nothing inside.
     if (shown.part && !count && !sheets.count) drawMesh(parts, part, [0.45, 0.6, 0.75, 1]);
-    // Marks hide with their layers; those of a layer mostly follow one another: a call a row.
+    // Marks hide with their layers.
     let from = 0;
     gl.uniform1f(solid.places.raise, 1.5 * Math.max(header.width * 127, 1));
     header.marks.forEach(([, colour, many], at) => {
@@ -529,15 +533,21 @@ function start(columns) {
     showTime();
   }
   const VIEWS = { Home: [-0.9, 0.5], Front: [-Math.PI / 2, 0], Left: [Math.PI, 0], Right: [0, 0], Back: [Math.PI / 2, 0], Top: [-Math.PI / 2, 1.5607], Bottom: [-Math.PI / 2, -1.5607] };
+  // Looks at a place of the part, wherever the robot has it.
+  function aim(place) {
+    const part = robot && shown.robot ? robotAt(state.now).part : IDENTITY;
+    camera.target = moved(part, place);
+    camera.carried = moved(part, middle);
+  }
   function see(name) {
     [camera.yaw, camera.pitch] = VIEWS[name];
-    camera.far = 2.1 * extent;
-    camera.target = middle;
-    if (robot && shown.robot) {
-      const { arm, part } = robotAt(state.now), around = [...arm.flat(), moved(part, middle)];
-      const [least, most] = [Math.min, Math.max].map(of => [0, 1, 2].map(axis => of(...around.map(p => p[axis]))));
+    camera.far = 2.1 * around;
+    aim(middle);
+    if (robot && shown.robot && !header.built) {
+      const all = [...robotAt(state.now).arm.flat(), camera.target];
+      const [least, most] = [Math.min, Math.max].map(of => [0, 1, 2].map(axis => of(...all.map(p => p[axis]))));
       camera.target = add(least, sub(most, least), 0.5);
-      camera.far = 2.2 * Math.max(Math.hypot(...sub(most, least)), extent);
+      camera.far = 2.2 * Math.max(Math.hypot(...sub(most, least)), around);
     }
     touch();
   }
@@ -597,8 +607,8 @@ function start(columns) {
       select(nearest);
     } else { select(-1); }
     spot = place;
-    camera.target = place;
-    camera.far = Math.min(camera.far, 0.6 * extent);
+    aim(place);
+    camera.far = Math.min(camera.far, 0.6 * around);
     touch();
   }
   const colourInput = find('colour');
@@ -616,7 +626,7 @@ function start(columns) {
   find('sums').textContent = count ? [`${clock(total)} in all`, `${header.metres.toFixed(1)} m`, ...(layers > 1 ? [`${header.volume.toFixed(2)} cm3`] : []),
     ...(header.density ? [`${(header.volume * header.density).toFixed(1)} g`] : []), `${ofPath.size} starts`].join(' · ') : `${layers} layers`;
 
-  // ---- pointers, wheel, keys
+  // ---- input
   const pointers = new Map();
   let travelled = 0;
   function orbit(dx, dy) { camera.yaw -= 0.008 * dx; camera.pitch = Math.min(Math.max(camera.pitch + 0.008 * dy, -1.5607), 1.5607); touch(); }
@@ -625,7 +635,7 @@ function start(columns) {
     camera.target = add(add(camera.target, x, -dx * mm), y, dy * mm);
     touch();
   }
-  function zoom(by) { camera.far = Math.min(Math.max(camera.far * by, extent / 500), 60 * extent); touch(); }
+  function zoom(by) { camera.far = Math.min(Math.max(camera.far * by, around / 500), 60 * extent); touch(); }
   canvas.onpointerdown = event => { canvas.setPointerCapture(event.pointerId); pointers.set(event.pointerId, [event.clientX, event.clientY]); travelled = pointers.size > 1 ? 99 : 0; };
   canvas.onpointermove = event => {
     const before = pointers.get(event.pointerId);
@@ -643,7 +653,7 @@ function start(columns) {
   canvas.onpointerup = event => { pointers.delete(event.pointerId); if (travelled < 5 && event.button === 0) pick(event.clientX, event.clientY); };
   canvas.onpointercancel = event => pointers.delete(event.pointerId);
   canvas.oncontextmenu = event => event.preventDefault();
-  canvas.ondblclick = () => { if (state.selected >= 0) { camera.target = tip(state.selected); touch(); } };
+  canvas.ondblclick = () => { if (state.selected >= 0) { aim(tip(state.selected)); touch(); } };
   canvas.addEventListener('wheel', event => { event.preventDefault(); zoom(Math.exp(0.0012 * event.deltaY * (event.deltaMode ? 20 : 1))); }, { passive: false });
   const KEYS = { ArrowLeft: () => orbit(-20, 0), ArrowRight: () => orbit(20, 0), ArrowUp: () => orbit(0, 20), ArrowDown: () => orbit(0, -20), '+': () => zoom(0.85), '-': () => zoom(1.18),
     Home: () => see('Home'), ' ': () => play(!state.playing), PageUp: () => toLayer(state.high + 1), PageDown: () => toLayer(state.high - 1), Escape: () => select(-1) };
@@ -651,7 +661,7 @@ function start(columns) {
   new ResizeObserver(touch).observe(canvas);
   matchMedia('(prefers-color-scheme: dark)').onchange = touch;
 
-  // ---- plots: seconds by layer; speeds of joints by their limits
+  // ---- plots: time by layer; speeds of joints
   const svg = (name, attributes, parent) => {
     const made = parent.appendChild(document.createElementNS('http://www.w3.org/2000/svg', name));
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
@@ -690,7 +700,7 @@ function start(columns) {
     svg('path', { d: `M${x(state.now / tick).toFixed(1)} 0V${TALL}`, stroke: 'currentColor', 'vector-effect': 'non-scaling-stroke' }, joints);
   }
 
-  // ---- frames: only when something has changed; coarser while a frame takes long
+  // ---- frames: when something has changed; coarser while they take long
   let before = performance.now();
   function frameOf(now) {
     const passed = Math.min((now - before) / 1000, 0.25);

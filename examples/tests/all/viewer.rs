@@ -175,6 +175,30 @@ fn the_script_is_small() {
     assert!(!SCRIPT.contains("</script"));
 }
 
+/// Bug: after a motion run the picture was as wide as the way of the robot to its home, and the part a dot.
+#[test]
+fn the_part_is_framed_not_the_way_home() {
+    let framed = |model: &Model| -> [Value; 3] {
+        let html = model.to_html();
+        let header = html.split_once("view-header\">").unwrap().1.split_once("</script>").unwrap().0;
+        let header: Value = serde_json::from_str(header).unwrap();
+        ["middle", "around", "built"].map(|key| header[key].clone())
+    };
+    let mut model = model();
+    let before = framed(&model);
+    // The part and its layers: 20 x 20 x 1 mm, and a cone of 4 mm above and below.
+    assert_eq!((&before[0], &before[2]), (&json!([10.0, 10.0, 1.0]), &json!(true)));
+    let around = before[1].as_f64().unwrap();
+    assert!((around - (801f64.sqrt() + 8.0)).abs() < 1e-9, "{around}");
+    let home = Step { tip: Point3::new(400.0, -300.0, 900.0), kind: Step::TRAVEL, ..model.steps[0] };
+    model.steps.push(home);
+    assert_eq!(framed(&model), before);
+    // With nothing built all there is counts.
+    (model.part, model.layers) = (Mesh::default(), Vec::new());
+    let machine = framed(&model);
+    assert!(machine[1].as_f64() > Some(1000.0) && machine[2] == json!(false), "{machine:?}");
+}
+
 #[test]
 fn a_browser_shows_turns_and_plays_the_build() {
     let folder = place("viewer", "browser");
@@ -234,6 +258,23 @@ fn a_browser_shows_turns_and_plays_the_build() {
     browser.value("s.querySelector('.view-finds button:last-child').click(); 1");
     assert_eq!(browser.value("[v.state.high, v.header.kinds[0], v.state.selected > 0]"), json!([1, "wall", true]));
     assert_eq!(browser.value("v.camera.target.map(c => Math.round(c))"), json!([20, 20, 1]));
+
+    // With the robot the camera is aimed at the part where the robot has it, as near as without, and goes with it.
+    let home = "v.shown.robot = true; v.see('Home'); v.camera.target.map(c => Math.round(c))";
+    let now = browser.value("v.state.now").as_f64().unwrap();
+    assert_eq!(browser.value(home), json!([160, 10, (211.0 + now).round() as i64]));
+    assert_eq!(browser.value("v.camera.far === 2.1 * v.header.around"), true);
+    browser.value("v.state.now = 10; v.touch(); 1");
+    browser.picture();
+    assert_eq!(browser.value("v.camera.target.map(c => Math.round(c))"), json!([160, 10, 221]));
+    // A finding of the part is where the robot has it.
+    browser.value("s.querySelector('.view-finds button:last-child').click(); 1");
+    let now = browser.value("v.state.now").as_f64().unwrap();
+    assert_eq!(
+        browser.value("v.camera.target.map(c => Math.round(c))"),
+        json!([170, 20, (211.0 + now).round() as i64])
+    );
+    browser.value("v.shown.robot = false; v.touch(); 1");
 
     // Every colour, every switch, the robot; nothing is said on the console, and WebGL finds no error.
     let before = browser.picture();
