@@ -61,7 +61,15 @@ impl Report {
 
     /// A table; columns of figures are set flush right. An empty caption is left out.
     pub fn table(&mut self, caption: &str, table: &Table) -> &mut Self {
-        let class = |column: usize| if table.is_numeric(column) { " class=\"figure\"" } else { "" };
+        let is_short = |column: usize| {
+            let cells = || table.rows().iter().filter_map(|row| row.get(column));
+            cells().all(|cell| cell.chars().count() <= SHORT_CELL)
+        };
+        let class = |column: usize| match (table.is_numeric(column), is_short(column)) {
+            (true, _) => " class=\"figure\"",
+            (false, true) => " class=\"short\"",
+            _ => "",
+        };
         let mut html = String::from("<div class=\"scroll\"><table>");
         if !caption.is_empty() {
             let _ = write!(html, "<caption>{}</caption>", escaped(caption));
@@ -78,7 +86,7 @@ impl Report {
             html += "\n<tr>";
             for (column, cell) in row.iter().enumerate() {
                 let _ = match column {
-                    0 if !table.is_numeric(0) => write!(html, "<th scope=\"row\">{}</th>", escaped(cell)),
+                    0 if !table.is_numeric(0) => write!(html, "<th scope=\"row\"{}>{}</th>", class(0), escaped(cell)),
                     _ => write!(html, "<td{}>{}</td>", class(column), escaped(cell)),
                 };
             }
@@ -184,6 +192,9 @@ impl Report {
     }
 }
 
+/// Columns whose cells are no longer than this, in characters, do not wrap: directions, names.
+const SHORT_CELL: usize = 28;
+
 /// Shows the picture that the slider stands at, and its caption.
 const CHOOSE: &str = "const f = this.parentNode; f.querySelectorAll('img').forEach((img, i) => { \
                       img.hidden = i != this.value; if (!img.hidden) f.lastElementChild.textContent = img.alt; })";
@@ -217,16 +228,20 @@ div.notice, .noted { max-width: 44rem; margin: 0.75rem 0; }
 .beside table { min-width: 0; }
 @media (min-width: 72rem) { main:has(.beside) { max-width: 88rem; }
   .beside { display: grid; grid-template-columns: minmax(0, 1fr) 22rem; gap: 1.25rem; align-items: start; } }
-.scroll { overflow-x: auto; max-width: 100%; margin: 1.25rem 0; }
+.scroll { overflow-x: auto; width: fit-content; max-width: max(100%, calc(50vw + 50% - 2rem)); margin: 1.25rem 0; }
+.beside .scroll, details .scroll { max-width: 100%; }
 table { border-collapse: collapse; font-size: 0.94rem; min-width: min(24rem, 100%); }
 caption { text-align: left; color: var(--soft); padding-bottom: 0.4rem; }
 th, td { padding: 0.38rem 1.1rem 0.38rem 0; border-bottom: 1px solid var(--line); text-align: left;
   vertical-align: baseline; }
 th:not(:first-child), td:not(:first-child) { padding-left: 1.1rem; }
-thead th { color: var(--soft); font-weight: 600; border-bottom: 2px solid var(--line); white-space: nowrap; }
+thead th { color: var(--soft); font-weight: 600; border-bottom: 2px solid var(--line); vertical-align: bottom; }
 tbody th { font-weight: 400; }
 tbody tr:last-child > * { border-bottom-color: transparent; }
-.figure { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.figure { text-align: right; font-variant-numeric: tabular-nums; }
+td.figure, tbody .short { white-space: nowrap; }
+.beside .short { white-space: normal; }
+@media (max-width: 60rem) { tbody .short { white-space: normal; } }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1.25rem;
   margin: 1.25rem 0; align-items: start; }
 figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
