@@ -156,8 +156,12 @@ fn report(args: &Args, run: &Run) -> Report {
             search.cell_mm[1]
         ),
     };
+    let [first, then] = match args.orient.standing_first {
+        true => ["whether the part stands by itself", "missed cells"],
+        false => ["missed cells", "whether the part stands by itself"],
+    };
     report.paragraph(&format!(
-        "{} poses of {}, with cells of {:.3} mm.{again} Ranked by missed cells, then whether the part stands by itself, then by straight \
+        "{} poses of {}, with cells of {:.3} mm.{again} Ranked by {first}, then {then}, then by straight \
          support under the missed cells, layers, height and base. A pose is the direction of the mesh that points up.",
         search.coarse.len(),
         run.part.name,

@@ -201,7 +201,7 @@ fn report(results: &Results) -> Result<Report, Failure> {
         "H. Boge grew six small objects layer by layer on a small, a medium and a large platform (Robotic additive \
          manufacturing, MSc thesis, NTNU 2019): greedily (GCFA), and with incremental shadow prevention (GCFA-ISP). A \
          cell that comes to lie inside the convex hull of what is built is missed. The objects are shown in figures \
-         only; here they are reconstructions with her counts.",
+         only; here they are reconstructions, chosen to fit her counts.",
     );
     results.disagreeing().for_each(|entry| {
         _ = report.notice(&format!("{} is {}, in the thesis {}", entry.key, entry.ours, entry.thesis));
@@ -220,7 +220,7 @@ fn report(results: &Results) -> Result<Report, Failure> {
         .heading("By our default rules")
         .paragraph(
             "A cell may lie up to one cell deep in the hull, cells held back can be taken later, and the platform \
-             reaches down without end. Each order was audited from first principles.",
+             reaches down without end.",
         )
         .table(DEFAULT, &default_table(results))
         .heading("On the large platform, by the rules of the thesis");

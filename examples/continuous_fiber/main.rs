@@ -373,7 +373,7 @@ fn judge_predictions(predictions: &Predictions, findings: &mut Findings) {
         let ratio = prediction.ours / prediction.measured;
         if (ratio - 1.0).abs() > NEAR {
             let amount = format!("{:.3} / {:.3} {}", prediction.ours, prediction.measured, prediction.unit);
-            let what = format!("{}: ours / measured differ, {}", prediction.what, prediction.remark);
+            let what = format!("{}: ours / measured differ; possible reasons: {}", prediction.what, prediction.remark);
             findings.add(Severity::Noted, what, amount.trim_end(), "");
         }
     }

@@ -1,7 +1,7 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
 
 use super::layer::Solved;
-use super::predict::{MEASURED_GPA, MEASURED_NM2, deflection_mm};
+use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, deflection_mm};
 use super::tapes::Planned;
 use super::{Args, Run, drawing};
 use curvlay_examples::args::{Failure, typed_name};
@@ -261,6 +261,14 @@ fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What a prediction assumes, by how much it is off, and what may be the reason.
+fn explained(prediction: &Prediction) -> String {
+    let Prediction { what, ours, measured, assumed, remark, .. } = prediction;
+    let off = ours / measured - 1.0;
+    let side = if off < 0.0 { "below" } else { "above" };
+    format!("{what}: {assumed}. Ours is {} {side} the measured figure. Possible reasons: {remark}.", percent(off.abs()))
+}
+
 fn report(run: &Run, pictures: &Pictures) -> Report {
     let mut report = Report::new("Continuous fibre on curved layers");
     run.findings.report(&mut report);
@@ -273,10 +281,7 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
         .table("Tapes", &tapes(run))
         .table("Stiffness: ours by theory, measured in the dissertation", &predictions(run));
     for prediction in &run.predictions.list {
-        report.paragraph(&format!(
-            "{}: {}. Where they differ: {}.",
-            prediction.what, prediction.assumed, prediction.remark
-        ));
+        report.paragraph(&explained(prediction));
     }
     if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2) {
         report.paragraph(&format!("At 7.27 N and supports 200 mm apart the reinforced bar would bend by {mm:.2} mm."));
@@ -294,11 +299,13 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
     }
     if let Some(moved) = &run.moved {
         report.paragraph(&format!(
-            "{} lays the {} tapes of the arc in {:.0} s: the contact line is within {:.3} mm of the centre line, the roller within {:.2} degrees of \
-             it, mounted at {:.0} degrees. The body of the cell's nozzle stands for that of the roller.",
+            "{}: {} motions for the {} tapes of the arc, {:.0} s, {} faults. On them the contact line is within {:.3} mm of the centre line, the \
+             roller within {:.2} degrees of it, mounted at {:.0} degrees. The body of the cell's nozzle stands for that of the roller.",
             moved.cell,
+            moved.runs,
             moved.tapes,
             moved.robot_s,
+            moved.faults.len(),
             moved.max_deviation_mm,
             moved.max_turn.to_degrees(),
             moved.mount.to_degrees()

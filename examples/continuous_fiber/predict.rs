@@ -38,7 +38,7 @@ pub struct Prediction {
     pub measured: f64,
     /// What is assumed.
     pub assumed: String,
-    /// Why they differ, where they do.
+    /// What may be the reason where they differ.
     pub remark: &'static str,
 }
 

@@ -34,6 +34,8 @@ const NOTABLE_TURNING: f64 = 0.5;
 /// Adds what is wrong with a stage that has ended; the first two end together.
 pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
+    let borders_mm =
+        || surfaces.iter().flat_map(|run| &run.sheets).map(|sheet| sheet.border_mm).fold(0.0, |sum, mm| sum + mm);
     match stage {
         Stage::Field | Stage::Surfaces => {
             of_field(field, args, findings);
@@ -43,7 +45,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
         Stage::Gcode => machine.iter().zip(paths.iter()).for_each(|(run, paths)| {
             of_machine(field, paths, run, args, findings);
             of_feed(run, findings);
-            of_support(paths.bead_mm, run, args, findings);
+            of_support((paths.bead_mm, borders_mm()), run, args, findings);
         }),
         Stage::Motion => {
             motion.iter().for_each(|motion| {
@@ -99,7 +101,7 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     }
     if !run.growth.nozzle.is_empty() {
         let amount = format!("{} of {} cells", run.growth.nozzle.len(), run.growth.order.cells().len());
-        let what = "cells lie inside the hull of what is built before: this nozzle reaches them, a larger one may not";
+        let what = "cells were checked for this nozzle, not by the hull rule: a larger one may not reach them";
         findings.add(Told, what, amount, "--nozzle");
     }
     if !run.audit.is_ok() {
@@ -344,8 +346,8 @@ fn of_feed(run: &MachineRun, findings: &mut Findings) {
     }
 }
 
-/// Of what beads lie on.
-fn of_support(bead_mm: f64, run: &MachineRun, args: &Args, findings: &mut Findings) {
+/// Of what beads lie on, with the length along which layers end inside the part.
+fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, findings: &mut Findings) {
     let support = &run.support;
     if support.unsupported.is_empty() {
         return;
@@ -365,13 +367,18 @@ fn of_support(bead_mm: f64, run: &MachineRun, args: &Args, findings: &mut Findin
     let AllowArgs { allow_unsupported, allow_unsupported_beads, .. } = args.allow;
     let limits = [(share, allow_unsupported), (longest / bead_mm, allow_unsupported_beads)];
     // Layers that end inside the part leave steps on which nothing can be done for beads: told unless a limit is asked for.
+    let (_, grown) = args.complete.with_strategy(args.grow.strategy().is_none());
     let has_failed = limits.into_iter().any(|(value, limit)| limit.is_some_and(|limit| value > limit));
     let severity = if has_failed { Failed } else { Told };
     findings
         .explain(severity, what, amount, "unsupported.csv")
-        .cause("layers that end inside the part leave steps that nothing lies under")
-        .try_to("--support auto")
-        .try_to("--orient best")
+        .cause(if borders_mm > 0.0 {
+            format!("layers end inside the part, along {borders_mm:.0} mm: beyond these ends beads of later layers may lie on nothing")
+        } else {
+            String::new()
+        })
+        .try_to(if grown == Support::None { "--support auto" } else { "" })
+        .try_to(if args.orient == Lying::Best { "" } else { "--orient best" })
         .allow(format!(
             "{} and {}",
             accept("--allow-unsupported", share),
@@ -387,8 +394,16 @@ fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<
         return findings.add(Told, what, "", "--no-links");
     };
     let (margin_mm, allowance_mm) = (run.margin_mm, equipment.model().arm.allowance_mm);
-    let amount = format!("{}; with an allowance of {allowance_mm} mm and a margin of {margin_mm} mm", bodies.model);
-    findings.add(Noted, "motions are proven free for this model of the arm", amount, "--link-allowance, --margin");
+    let error = match bodies.is_estimate {
+        true => "an estimate".to_owned(),
+        false => format!("right to about {} mm", bodies.error_mm),
+    };
+    let amount = format!(
+        "{}, {error}; with an allowance of {allowance_mm} mm for cables and a margin of {margin_mm} mm",
+        bodies.model
+    );
+    let what = "motions are proven free for the bodies as they are modelled; nozzle against part and plate is sampled while it prints";
+    findings.add(Noted, what, amount, "--link-allowance, --margin");
     if bodies.is_estimate {
         let what = "the bodies of the arm are an estimate: real links may be thicker, try the motions slowly first";
         findings.add(Told, what, "", "arm.bodies of the workcell");
@@ -449,7 +464,8 @@ fn of_plan<const N: usize, const F: usize>(
     }
     if checked.unprinted_mm > 0.0 {
         let (mm, all) = (checked.unprinted_mm, checked.path_mm);
-        let amount = format!("{mm:.1} of {all:.1} mm, {}; layers above them go over the void", percent(unprinted));
+        let amount =
+            format!("{mm:.1} of {all:.1} mm, {}; beads above them, if any, lie on nothing", percent(unprinted));
         findings
             .explain(severity, "paths are not printed", amount, "left_out.csv, motion-faults.csv")
             .allow(accept("--allow-unprinted", unprinted));

@@ -176,7 +176,7 @@ pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
     row("outside of the design", percent(coverage.outside), "");
     row("largest distortion", percent(planned.distortion.largest), "");
     row("axis 6 degrees", format!("{:.1}", printed.axis6_span_deg()), "");
-    row("returns home", "0".to_owned(), "one a contour");
+    row("returns home", printed.returns_home.to_string(), "one a contour");
     row("strokes not printed", print.faults.len().to_string(), "");
     row("moves", printed.program.written.moves.to_string(), "");
     row("modules", (printed.program.written.modules + 1).to_string(), "1, too large to load");
@@ -237,7 +237,7 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("axis6_min_deg", print.axis6[0].to_degrees())?
         .set("axis6_max_deg", print.axis6[1].to_degrees())?
         .set("axis6_span_deg", printed.axis6_span_deg())?
-        .set("returns_home", 0)?
+        .set("returns_home", printed.returns_home)?
         .set("unreachable", print.faults.len())?
         .set("touching", printed.touching.values().sum::<usize>())?
         .set("blocked_travels", printed.blocked_travels)?
@@ -292,11 +292,15 @@ fn build(args: &Args, planned: &Planned) -> Model {
 fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings, drawn: &[Vec<u8>]) -> Report {
     let mut report = Report::new("A drawing on a dome");
     findings.report(&mut report);
-    report.paragraph(
-        "A design comes from its file onto a dome that an IRB 120 holds under a fixed nozzle. Its entities are joined to \
-         contours; what an earlier contour fills is removed from later ones; what is left is filled with beads, and projected onto \
-         the dome. Each stroke of the nozzle then has a pose of the robot at every point.",
-    );
+    let print = &printed.program.print;
+    report.paragraph(&format!(
+        "The entities of the design are joined to contours; what an earlier contour fills is removed from later ones; what is left is \
+         drawn in beads, and projected onto a platform that an IRB 120 holds under a fixed nozzle. The program has {} strokes in {} \
+         poses; {} strokes are not printed.",
+        print.strokes.len(),
+        print.points(),
+        print.faults.len()
+    ));
     report.table("This run, beside the thesis", &table(args, planned, printed));
     let mut layers = Table::new(["layer", "entities"]);
     for (name, count) in planned.drawing.layers() {

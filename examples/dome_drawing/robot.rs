@@ -43,6 +43,9 @@ const CHECK_EVERY_MM: f64 = 5.0;
 /// Every target comes back from the program within this, in millimetres.
 const ROUND_TRIP_MM: f64 = 1e-3;
 
+/// Joints of a move that is read back are those that were planned within this, in radians: programs have four digits of a degree or more.
+const SAME_JOINT: f64 = 1e-5;
+
 /// A program in memory.
 pub struct Program {
     pub print: DomePrint,
@@ -61,6 +64,8 @@ pub struct Printed {
     /// Largest distance of a target read back.
     pub round_trip_mm: f64,
     pub targets_read: usize,
+    /// Moves between strokes, as read back, that are neither away from one nor to the next: returns home.
+    pub returns_home: usize,
 }
 
 impl Printed {
@@ -250,12 +255,20 @@ pub fn check(
         }
         before = Some(stroke.below[1]);
     }
-    let (round_trip_mm, targets_read) = read_back(&program)?;
-    Ok(Printed { program, seconds, touching, checked, blocked_travels, round_trip_mm, targets_read })
+    let ReadBack { off_mm: round_trip_mm, targets: targets_read, returns_home } = read_back(&program)?;
+    Ok(Printed { program, seconds, touching, checked, blocked_travels, round_trip_mm, targets_read, returns_home })
 }
 
-/// Reads the program by our own reader: the largest distance of a target from the plan, and how many there are.
-fn read_back(program: &Program) -> Result<(f64, usize), Failure> {
+/// What the program holds, as our own reader reads it.
+struct ReadBack {
+    /// Largest distance of a target from the plan, and how many there are.
+    off_mm: f64,
+    targets: usize,
+    /// Moves by joints that lead neither below the begin nor below the end of a stroke.
+    returns_home: usize,
+}
+
+fn read_back(program: &Program) -> Result<ReadBack, Failure> {
     let open = |path: &str| {
         let name = path.rsplit(['/', ':', '\\']).next().unwrap_or(path);
         let file = program.files.iter().find(|(file, _)| file.eq_ignore_ascii_case(name));
@@ -263,16 +276,72 @@ fn read_back(program: &Program) -> Result<(f64, usize), Failure> {
     };
     let main = open(&format!("{NAME}.mod"))?;
     let mut planned = program.print.strokes.iter().flat_map(|stroke| &stroke.poses);
-    let (mut worst, mut count) = (0.0f64, 0);
+    let mut below = program.print.strokes.iter().flat_map(|stroke| stroke.below).peekable();
+    let mut read = ReadBack { off_mm: 0.0, targets: 0, returns_home: 0 };
     for step in read_rapid(main, open)? {
-        if let Step::Move(Move { goal: Goal::Line(target), .. }) = step? {
-            let Some(pose) = planned.next() else { return Ok((f64::INFINITY, count + 1)) };
-            // Of the platform's rim, the farthest point that the pose moves.
-            let turn = target.pose.rotation.angle_to(&pose.rotation);
-            let off = (target.pose.translation.vector - pose.translation.vector).norm() + 250.0 * turn;
-            worst = worst.max(off);
-            count += 1;
+        match step? {
+            Step::Move(Move { goal: Goal::Line(target), .. }) => {
+                read.targets += 1;
+                // Of the platform's rim, the farthest point that the pose moves.
+                let off = planned.next().map_or(f64::INFINITY, |pose| {
+                    let turn = target.pose.rotation.angle_to(&pose.rotation);
+                    (target.pose.translation.vector - pose.translation.vector).norm() + 250.0 * turn
+                });
+                read.off_mm = read.off_mm.max(off);
+            }
+            Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
+                let is_at = |planned: &[f64; 6]| joints.iter().zip(planned).all(|(a, b)| (a - b).abs() <= SAME_JOINT);
+                read.returns_home += usize::from(below.next_if(is_at).is_none());
+            }
+            _ => {}
         }
     }
-    Ok((worst, count))
+    Ok(read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NAME, Program, read_back};
+    use curvlay_kinematics::nalgebra::Isometry3;
+    use curvlay_kinematics::program::{
+        ConfData, DomeOptions, DomePrint, Goal, Move, PrintedStroke, RapidOptions, Speed, Step, Zone, write_rapid,
+    };
+
+    /// A program of two strokes, with what comes after each.
+    fn read(after: &[Step]) -> super::ReadBack {
+        let stroke = |x: f64| PrintedStroke {
+            poses: vec![Isometry3::translation(x, 0.0, 600.0), Isometry3::translation(x + 1.0, 0.0, 600.0)],
+            joints: vec![[0.0; 6]; 2],
+            confs: vec![ConfData::default(); 2],
+            below: [[0.1 * x; 6], [0.2 * x; 6]],
+            lengths: vec![0.0, 1.0],
+            feed: 1.0,
+        };
+        let print = DomePrint { strokes: vec![stroke(1.0), stroke(2.0)], ..DomePrint::default() };
+        let options = DomeOptions::default();
+        let steps = print.strokes.iter().flat_map(|stroke| {
+            let one = DomePrint { strokes: vec![stroke.clone()], ..DomePrint::default() };
+            one.steps(&options).chain(after.iter().copied()).collect::<Vec<_>>()
+        });
+        let rapid = RapidOptions { name: NAME.to_owned(), ..RapidOptions::default() };
+        let mut files = Vec::new();
+        let written = write_rapid(steps, &rapid, |name| {
+            let file = super::Shared::default();
+            files.push((name.to_owned(), file.clone()));
+            Ok(file)
+        })
+        .unwrap();
+        let files = files.into_iter().map(|(name, file)| (name, file.0.take())).collect();
+        read_back(&Program { print, files, written }).unwrap()
+    }
+
+    #[test]
+    fn moves_that_belong_to_no_stroke_are_counted() {
+        let plain = read(&[]);
+        assert_eq!((plain.targets, plain.returns_home), (4, 0));
+        assert!(plain.off_mm < 1e-3);
+        let home =
+            Step::Move(Move { goal: Goal::Joints([0.0; 6]), table: None, speed: Speed::default(), zone: Zone::Stop });
+        assert_eq!(read(&[home]).returns_home, 2);
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::Args;
 use super::drawing::{build, picture};
-use super::reaching::{Reached, failed_checks, is_in_box};
+use super::reaching::{Reached, TOOL_ANGLES, failed_checks, is_in_box};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -92,10 +92,14 @@ fn report(args: &Args, reached: &[Reached]) -> Report {
     let mut report = Report::new("Reach of the arms, and where the nozzle should stand");
     report.paragraph(&format!(
         "After Dai (2020), section 2.3.1: {} postures of each arm, spread evenly over its joints; frames of the platform \
-         in its hand that face down, lie below the floor or less than {} mm in front of axis 1 are dropped. The nozzle \
-         belongs at the middle of the box of {} mm that contains the most of the others. The box was found exactly: no \
-         box anywhere contains more.",
-        args.samples, args.front_mm, args.box_mm
+         in its hand that face down, lie below the floor or less than {} mm in front of axis 1 are dropped. The method puts \
+         the nozzle at the middle of the box of {} mm that contains the most of the others. A second count of the frames in \
+         the box, one by one, agrees for {} of {} arms.",
+        args.samples,
+        args.front_mm,
+        args.box_mm,
+        reached.iter().filter(|arm| arm.recounted == arm.placement.frames).count(),
+        reached.len()
     ));
     for arm in reached.iter().filter(|arm| !arm.is_ok()) {
         report.notice(&format!(
@@ -106,10 +110,11 @@ fn report(args: &Args, reached: &[Reached]) -> Report {
             arm.worst_mm
         ));
     }
-    report.table("This run", &table(reached)).paragraph(
-        "Waypoints: an upright cube of half the box, 125 points. Reached: with at least one of 30 tool angles, within \
-         the limits. Collisions are not looked at here.",
-    );
+    let waypoints = reached.first().map_or(0, |arm| arm.waypoints);
+    report.table("This run", &table(reached)).paragraph(&format!(
+        "Waypoints: an upright cube of half the box, {waypoints} points. Reached: with at least one of {TOOL_ANGLES} tool angles, \
+         within the limits of the joints. Collisions are not checked."
+    ));
     for arm in reached {
         let front = picture(arm, Vector3::new(0.35, -1.0, 0.3), args.box_mm);
         let above = picture(arm, Vector3::new(0.0, -0.25, 1.0), args.box_mm);

@@ -51,7 +51,7 @@ impl ArmName {
 }
 
 /// Tool angles tried at each waypoint: the dissertation's number (section 3.5.3).
-const TOOL_ANGLES: usize = 30;
+pub const TOOL_ANGLES: usize = 30;
 
 /// Waypoints along an edge of the part that is tried out: it fills half the box.
 const ALONG: usize = 5;

@@ -11,6 +11,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{Mark, Marks, Model, Robot, Stance, Step};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
+use curvlay_kinematics::stewart::StewartFault;
 use std::io::{self, Write};
 use std::time::Duration;
 
@@ -94,7 +95,7 @@ fn summary(args: &Args, printed: &Printed, time: Duration) -> Result<Summary, Fa
 fn report(args: &Args, printed: &Printed) -> Report {
     let mut report = Report::new("A curved layer on a Stewart platform");
     report.paragraph(&format!(
-        "The platform carries the part; the nozzle hangs {} mm above the base and stands still. At each waypoint the \
+        "The platform carries the part; the nozzle hangs {} mm above the base and stands still. The platform turns so that the \
          direction of growth is upright. The singularity measure is the change of the legs, in mm, when the platform \
          moves by 1 mm in the worst way: 0 where the legs do not hold it.",
         args.nozzle_mm
@@ -104,10 +105,15 @@ fn report(args: &Args, printed: &Printed) -> Report {
     {
         report.notice(&format!("{} waypoints cannot be reached; number {index}: {fault}", printed.unreachable));
     }
-    report.table("This run", &table(printed)).paragraph(
-        "The layer was followed a second time by the legs alone, each pose found from the one before, as a control \
-         would. No leg touches another where a waypoint is reached.",
-    );
+    report.table("This run", &table(printed)).paragraph(&format!(
+        "The layer was followed a second time by the legs alone, each pose found from the one before, as a control would: at {} of {} \
+         waypoints that are reached the nozzle is more than a nanometre off. Legs, capsules {} mm thick, touch at {} waypoints; these count as \
+         unreachable.",
+        printed.lost,
+        printed.poses.len() - printed.unreachable,
+        2.0 * machine().leg_radius,
+        printed.poses.iter().filter(|pose| matches!(pose.fault, Some(StewartFault::Legs { .. }))).count()
+    ));
     if let (Some(first), Some(last)) = (printed.poses.first(), printed.poses.last()) {
         let toward = Vector3::new(0.55, -1.0, 0.45);
         let (begin, end) =

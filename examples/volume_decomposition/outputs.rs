@@ -213,10 +213,11 @@ const SHOWN: usize = 12;
 fn report(args: &Args, divided: &[Divided], findings: &Findings) -> Report {
     let mut report = Report::new("Volumes along several directions");
     findings.report(&mut report);
+    let passes = if args.rapid { "" } else { " Whether the torch passes everywhere is not checked without --rapid." };
     report.paragraph(&format!(
         "Layers of {} mm; a side that slopes less than {} degrees over the level needs support. What a layer carries is green, what \
-         hangs over is red, intersection points are black. Walls are blue where they are upright and grey where they are tilted, so that \
-         the torch of {} mm passes at a stand-off of {} mm. Arrows are the printing directions.",
+         hangs over is red, intersection points are black. Walls are blue where they are upright and grey where they are tilted for a \
+         torch of {} mm at a stand-off of {} mm.{passes} Arrows are the printing directions.",
         args.layer_mm, args.angle_deg, args.torch_mm, args.stand_off_mm
     ));
     report.table("All parts", &table(divided));

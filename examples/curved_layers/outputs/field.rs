@@ -265,28 +265,36 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         ]);
 }
 
-/// What holds for the order of the cells, by what this run found.
-fn reach(run: &FieldRun) -> String {
-    let (by_nozzle, built) = (run.growth.nozzle.len(), run.growth.order.cells().len());
-    let mut text = "The order in which the cells are built. ".to_owned();
+/// What the audit of this run says of the order of the cells.
+fn reach(args: &Args, run: &FieldRun) -> String {
     if !run.audit.is_ok() {
-        text += &format!("It fails the audit: {}.", run.audit);
-        return text;
+        return format!("The order of the cells fails its audit: {}.", run.audit);
     }
-    text += "Every cell has support in an earlier layer. ";
-    text += &match by_nozzle {
-        0 => "None lies inside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches it.".to_owned(),
-        all if all == built => "The nozzle of this run reaches each without touching the plate or a cell of an earlier layer.".to_owned(),
-        some => format!(
-            "{some} of {built} are reached by the nozzle of this run without touching the plate or a cell of an earlier layer; \
-             the others lie outside the convex hull of the platform and all earlier layers, so a nozzle of any size reaches them."
-        ),
+    let (by_nozzle, built) = (run.growth.nozzle.len(), run.growth.order.cells().len());
+    let missed = match run.growth.missed.len() {
+        0 => String::new(),
+        missed => format!(" {missed} cells are in no layer."),
     };
-    text
+    let depth = if args.grow.beyond_eps { "at most" } else { "less than" };
+    let by_hull = format!(
+        "the centre lies outside the convex hull of the platform and the centres of all earlier cells, or {depth} {} of a cell deep in it: a \
+         nozzle of any size reaches it if it may go as deep into earlier cells",
+        args.grow.eps
+    );
+    let by_shape = "the nozzle of this run, in the direction that was found for it, meets neither the plate nor an earlier cell, taken as a \
+                    ball; a larger nozzle may not reach it";
+    let reach = match by_nozzle {
+        0 => format!("Of each {by_hull}."),
+        all if all == built => format!("For each {by_shape}."),
+        some => format!("For {some} of them {by_shape}. Of the other {} {by_hull}.", built - some),
+    };
+    format!(
+        "The audit of this order of {built} cells found no fault.{missed} Each stands on the plate or has a neighbour in an earlier cell layer. {reach}"
+    )
 }
 
 /// The first chapter: what it is about, and the field.
-pub fn report(run: &FieldRun, report: &mut Report) -> Result<(), Failure> {
+pub fn report(args: &Args, run: &FieldRun, report: &mut Report) -> Result<(), Failure> {
     let (grid, field) = (&run.solid.grid, numbers(run));
     let layered = LayeredCells::new(grid.dims(), grid.rows(), &field).map_err(failure)?;
     let (layers, missed) = (run.growth.order.len() as u32, run.growth.missed.len());
@@ -298,7 +306,7 @@ pub fn report(run: &FieldRun, report: &mut Report) -> Result<(), Failure> {
         scene.draw(width, height).with_legend(layers, missed).to_png()
     };
     let cut = |plane: Plane| draw_cut(&layered, plane, width, height).with_legend(layers, missed).to_png();
-    report.paragraph(&reach(run));
+    report.paragraph(&reach(args, run));
     report
         .heading("The part, coloured by layer")
         .pictures(&[

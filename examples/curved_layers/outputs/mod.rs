@@ -76,6 +76,13 @@ pub struct Files {
     programs: Option<Programs>,
 }
 
+impl Files {
+    /// Whether programs were written and read again.
+    fn has_read_programs(&self) -> bool {
+        self.programs.as_ref().is_some_and(|programs| programs.read.is_some())
+    }
+}
+
 /// Writes the motion itself, which is checked before all else is written.
 pub fn trajectory(motion: &Motion, folder: &OutputFolder) -> Result<(), Failure> {
     folder.write_with(TRAJECTORY, |out| of_run!(motion, run => motion::write_csv(run, out)))?;
@@ -221,7 +228,7 @@ fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> R
         beside.table("", &people::table(job, results));
     };
     report.beside(|first| _ = first.viewer(build), said);
-    field::report(field, &mut report)?;
+    field::report(job.args, field, &mut report)?;
     if let Some(surfaces) = surfaces {
         surfaces::report(field, surfaces, &mut report);
         if let Some(paths) = paths {

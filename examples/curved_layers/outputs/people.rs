@@ -3,13 +3,13 @@
 
 use crate::motion::of_run;
 use crate::{Job, Results, Stage};
-use curvlay_examples::findings::Severity;
+use curvlay_examples::findings::{Severity, percent};
 use curvlay_examples::table::Table;
 
 /// Size, layers, time, material, starts, what is wrong, and where the files are.
 pub fn table(job: &Job, results: &Results) -> Table {
     let Job { args, part, folder, setup, .. } = job;
-    let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
+    let Results { field, surfaces, paths, machine, motion, .. } = results;
     let mut table = Table::new([part.name.as_str(), ""]);
     let mut row = |name: &str, text: String| _ = table.row([name.to_owned(), text]);
     if let Some([low, high]) = part.mesh.bounds() {
@@ -54,19 +54,40 @@ pub fn table(job: &Job, results: &Results) -> Table {
     if let Some(motion) = motion {
         row("robot time", duration(of_run!(motion, run => run.plan.robot_s())));
     }
-    let (failed, told) = (findings.of(Severity::Failed).count(), findings.of(Severity::Told).count());
-    let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
-    let wrong = match (failed, told) {
-        (0, 0) => "nothing is missing, all checks passed".to_owned(),
-        (0, told) => format!("all checks passed; {}, see above", plural(told, "warning")),
-        (failed, told) => format!("{} failed, {}, see above", plural(failed, "check"), plural(told, "warning")),
-    };
-    row("checks", wrong);
+    row("checks", checks(results));
     if args.stage >= Stage::Gcode {
         row("machine file", folder.path().join("toolpath.gcode").display().to_string());
     }
     row("open", folder.path().join("report.html").display().to_string());
     table
+}
+
+/// What was checked, and what of it failed; the share of beads that lie on nothing fails by request only, so it is named here.
+fn checks(results: &Results) -> String {
+    let Results { surfaces, paths, machine, motion, files, findings, .. } = results;
+    let checked: Vec<&str> = [
+        ("order of the cells", true),
+        ("surfaces", surfaces.is_some()),
+        ("paths", paths.is_some()),
+        ("nozzle, travels and beads", machine.is_some()),
+        ("motions", motion.as_ref().is_some_and(|motion| of_run!(motion, run => run.checked.is_some()))),
+        ("programs", files.has_read_programs()),
+    ]
+    .into_iter()
+    .filter_map(|(what, is_checked)| is_checked.then_some(what))
+    .collect();
+    let (failed, told) = (findings.of(Severity::Failed).count(), findings.of(Severity::Told).count());
+    let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    let failed = if failed == 0 { "none failed".to_owned() } else { format!("{} failed", plural(failed, "check")) };
+    let mut text = format!("{failed} ({})", checked.join("; "));
+    if told > 0 {
+        text += &format!(", {}, see above", plural(told, "warning"));
+    }
+    let on_nothing = machine.as_ref().map_or(0.0, |run| run.support.unsupported_share());
+    if on_nothing > 0.0 {
+        text += &format!("; {} of the beads' length lies on nothing", percent(on_nothing));
+    }
+    text
 }
 
 /// A time as one says it: `34 min`, `2 h 05 min`.

@@ -85,6 +85,7 @@ fn a_hook_is_turned_over_and_written() {
     let stl = read_mesh(&path.join("best_pose.stl")).unwrap();
     assert_eq!((stl.triangles.len(), best.triangles.len()), (given.triangles.len(), given.triangles.len()));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(report.contains("Ranked by whether the part stands by itself, then missed cells, then"));
     // The poses that were tried again, and the sphere.
     assert!((5..=6).contains(&report.matches("data:image/png;base64,").count()));
 

@@ -121,6 +121,11 @@ fn the_specimens_have_their_tapes() {
     assert!(csv.starts_with("part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm\ndumbbell,1,1,"));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 5);
+    // By how much theory is off is computed; the arc's plan says what is laid, and what is not.
+    let off = 100.0 * (figure("modulus_gpa") / 2.32 - 1.0);
+    assert!(report.contains(&format!("Ours is {off:.2} % above the measured figure. Possible reasons: ")));
+    assert!(report.contains(&format!("{} motions for the 6 tapes of the arc", figure("motion_runs"))));
+    assert!(report.contains(" s, 0 faults."));
 }
 
 /// A cantilever: its tapes go along it, by the solver and by a file that says the same.

@@ -1274,11 +1274,26 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
         let args = ["--mesh", &mesh, "--cell", "2", "--support-distance", "1", "--quiet", "--out", &out];
         let output = run(&[&args[..], &all, more].concat());
         let (stderr, notices) = told(&output, &out);
-        (output.status.code(), stderr, notices, out)
+        let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
+        (output.status.code(), stderr + &stdout, notices, out)
     };
     let words = "unsupported beads";
     let (status, stderr, _, out) = printed("told", &[]);
     assert!(status == Some(0) && stderr.contains(&format!("warning: {words}")), "{stderr}");
+    // Its share stands beside what is said of the checks. What is tried already is no advice.
+    let share = summary(&out)["unsupported_share"].as_f64().unwrap();
+    assert!(stderr.contains(&format!("; {:.2} % of the beads' length lies on nothing", 100.0 * share)), "{stderr}");
+    assert!(
+        stderr.contains("none failed (order of the cells; surfaces; paths; nozzle, travels and beads)"),
+        "{stderr}"
+    );
+    let advice = |text: &str| {
+        let of = text.lines().skip_while(|line| !line.contains(words)).take_while(|line| !line.contains("accept:"));
+        of.collect::<Vec<_>>().join("\n")
+    };
+    assert!(advice(&stderr).contains("--orient best") && !advice(&stderr).contains("--support auto"), "{stderr}");
+    let (_, without, ..) = printed("none", &["--support", "none"]);
+    assert!(advice(&without).contains("--support auto; --orient best"), "{without}");
     documented(&out);
     let figures = summary(&out);
     let figure = |key: &str| figures[key].as_f64().unwrap();
@@ -1292,6 +1307,46 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
         assert!(status == Some(3) && stderr.contains(&format!("check failed: {words}")), "{stderr}");
         assert!(notices.iter().any(|notice| notice.starts_with("Check failed: ") && notice.contains(words)));
     }
+}
+
+/// Bug: the report said that a nozzle of any size reaches all cells, and stdout that all checks passed, whatever had been found.
+#[test]
+fn what_is_said_of_an_order_is_what_was_found() {
+    let scratch = Scratch::new("said");
+    let mesh = scratch.path("stool.stl");
+    // A top on one leg: cells under it lie inside the hull of what is built before.
+    fs::write(&mesh, boxes(&[[[12.0, 12.0, 0.0], [20.0, 20.0, 12.0]], [[0.0, 0.0, 12.0], [32.0, 32.0, 20.0]]]))
+        .unwrap();
+    let run = |name: &str, more: &[&str]| {
+        let out = scratch.path(name);
+        let args =
+            ["--mesh", &mesh, "--cell", "2", "--stage", "field", "--allow-missed", "1", "--quiet", "--out", &out];
+        let output = run(&[&args[..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+        (report, String::from_utf8_lossy(&output.stdout).into_owned(), summary(&out))
+    };
+    let (any, larger) = ("a nozzle of any size reaches it if it may go as deep", "a larger nozzle may not reach it");
+    let (report, stdout, figures) = run("hull", &HULLS_ALONE);
+    let built = figures["cells"].as_u64().unwrap() - figures["missed_cells"].as_u64().unwrap();
+    assert!(report.contains(&format!("The audit of this order of {built} cells found no fault.")));
+    assert!(report.contains("less than 1 of a cell deep in it") && report.contains(any) && !report.contains(larger));
+    assert_eq!(report.contains(" cells are in no layer."), figures["missed_cells"].as_u64() > Some(0));
+    // Only what was checked is said to have passed.
+    assert!(stdout.contains("none failed (order of the cells)"), "{stdout}");
+    let (report, ..) = run("beyond", &[&HULLS_ALONE[..], &["--beyond-eps"]].concat());
+    assert!(report.contains("at most 1 of a cell deep in it"));
+
+    let (report, _, figures) = run("distance", &["--layers-by", "distance"]);
+    assert_eq!((figures["nozzle_cells"].as_u64(), figures["missed_cells"].as_u64()), (Some(built), Some(0)));
+    assert!(!report.contains("any size") && report.contains(larger));
+
+    let (report, _, figures) = run("from-start", &["--nozzle-growth", "from-start"]);
+    let by_nozzle = figures["nozzle_cells"].as_u64().unwrap();
+    assert!(by_nozzle > 0 && by_nozzle < built, "{by_nozzle} of {built}");
+    assert!(report.contains(&format!("For {by_nozzle} of them the nozzle of this run")) && report.contains(larger));
+    let findings = figures["findings"].as_str().unwrap();
+    assert!(findings.contains("cells were checked for this nozzle, not by the hull rule"), "{findings}");
 }
 
 /// Bug: a robot that cannot print a waypoint was not told in the report. Here bodies of the arm keep no 15 mm apart: nothing is printed,

@@ -56,6 +56,7 @@ fn the_nozzle_stands_where_the_frames_are() {
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 12);
     assert!(!report.contains("class=\"notice\""));
+    assert!(report.contains("one by one, agrees for 6 of 6 arms.") && report.contains("125 points"));
 }
 
 #[test]

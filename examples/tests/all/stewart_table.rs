@@ -53,6 +53,8 @@ fn the_dome_is_printed() {
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 2);
     assert!(!report.contains("class=\"notice\""));
+    let said = format!("at 0 of {} waypoints that are reached the nozzle is more than a nanometre off", rows.len());
+    assert!(report.contains(&said) && report.contains("touch at 0 waypoints"));
 }
 
 #[test]
@@ -66,7 +68,8 @@ fn waypoints_come_from_a_file() {
     let summary = summary(&path);
     assert_eq!((&summary["waypoints"], &summary["unreachable"]), (&4.into(), &1.into()));
     assert_eq!((&summary["checks_failed"], &summary["layer"]), (&"reach".into(), &"layer.csv".into()));
-    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("number 2: leg"));
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(report.contains("number 2: leg") && report.contains("at 0 of 3 waypoints that are reached"));
 }
 
 #[test]

@@ -78,6 +78,9 @@ fn all_shapes_are_divided_without_overhang() {
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     // A picture for each separation and each part.
     assert_eq!(report.matches("data:image/png;base64,").count(), 5 + 12);
+    // What was not checked is not claimed. Directions stay on one line.
+    assert!(report.contains("is not checked without --rapid"));
+    assert!(report.contains("<td class=\"short\">(0.000 0.000 1.000)</td>"));
     assert!(!report.contains("class=\"notice failed\""));
 }
 
