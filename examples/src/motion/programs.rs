@@ -1,10 +1,10 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, ServoRate, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
-    UrScriptOptions, print_pieces, print_stream, print_targets,
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions, UrScriptOptions,
+    print_pieces, print_stream, print_targets,
 };
-use curvlay_kinematics::workcell::{ArmGeometry, Equipment, Workcell};
+use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -39,7 +39,10 @@ pub fn cuts<const N: usize, const F: usize, W: Workcell<N, F>>(
         return BTreeSet::new();
     }
     let steps = |run: &Run<N, F>, travel: Option<&Travel<N>>| match is_stream {
-        true => (run.duration() + travel.map_or(0.0, Travel::duration)) / rate(cell.equipment()).seconds(),
+        true => {
+            (run.duration() + travel.map_or(0.0, Travel::duration))
+                / StreamOptions::of_workcell(cell.equipment()).rate.seconds()
+        }
         false => (run.passes.len() + 2 + travel.map_or(0, |travel| travel.postures(LIFT_POSTURES).len())) as f64,
     };
     let motions = plan.runs.iter().enumerate().map(|(number, run)| {
@@ -63,17 +66,8 @@ pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Ran
     pieces
 }
 
-/// The rate at which the controller of an arm of Universal Robots takes joints: 500 Hz for e-Series, whose names end with `e`, and
-/// 125 Hz for others, which e-Series take as well.
-pub fn rate(equipment: &Equipment) -> ServoRate {
-    match &equipment.model().arm.geometry {
-        ArmGeometry::Named(name) if name.ends_with('e') => ServoRate::Hz500,
-        _ => ServoRate::Hz125,
-    }
-}
-
 /// Some runs and the travels behind them as joints of the arm over time, at the rate of its controller; signals of the extruder as
-/// late as the arm is behind.
+/// late as the arm is behind, and earlier by the lag of the extruder.
 pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &'a W,
     plan: &'a PrintPlan<N, F>,
@@ -92,8 +86,7 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
         filament_mm: (leg.kind == LegKind::Print).then_some(move |time: f64| leg.filament_mm(time)),
         signals: Vec::new(),
     });
-    let lag_s = UrScriptOptions::default().lookahead_s;
-    let options = StreamOptions { rate: rate(cell.equipment()), lag_s, ..StreamOptions::default() };
+    let options = StreamOptions::of_workcell(cell.equipment());
     print_stream(ends.map(|joints| joints.map_or([0.0; 6], |joints| arm(&joints))), legs, options)
 }
 

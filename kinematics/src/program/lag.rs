@@ -1,4 +1,4 @@
-//! Signals that come as much later as the arm is behind its stream.
+//! Signals that come later, as the arm is behind its stream, or earlier, as the equipment is behind the arm.
 
 use super::Step;
 use std::collections::VecDeque;
@@ -59,5 +59,58 @@ impl<I: Iterator<Item = Step>> Iterator for Delayed<I> {
                 self.due()
             }
         }
+    }
+}
+
+/// Passes signals on before so many steps of a stream that come before them. Where the stream has fewer steps before its first signal,
+/// its first posture is held for the rest. A move passes at once: those of a stream come before its steps.
+pub(super) struct Advanced<I> {
+    steps: I,
+    ticks: usize,
+    /// Steps of the stream that wait.
+    waiting: VecDeque<Step>,
+    /// How often the first posture is to come once more, when it is known.
+    held: usize,
+    /// Whether a step of the stream was passed on, or a signal.
+    has_begun: bool,
+}
+
+impl<I: Iterator<Item = Step>> Advanced<I> {
+    pub fn new(steps: I, ticks: usize) -> Self {
+        Advanced { steps, ticks, waiting: VecDeque::new(), held: 0, has_begun: false }
+    }
+
+    /// Holds the first posture, so that as many steps wait as the first signal is to be early.
+    fn begin(&mut self) {
+        let missing = self.ticks - self.waiting.len();
+        match self.waiting.front().copied() {
+            Some(first) => (0..missing).for_each(|_| self.waiting.push_front(first)),
+            None => self.held = missing,
+        }
+    }
+}
+
+impl<I: Iterator<Item = Step>> Iterator for Advanced<I> {
+    type Item = Step;
+
+    fn next(&mut self) -> Option<Step> {
+        while self.waiting.len() <= self.ticks {
+            match self.steps.next() {
+                Some(step @ Step::Servo { .. }) => {
+                    self.waiting.extend((0..std::mem::take(&mut self.held)).map(|_| step));
+                    self.waiting.push_back(step);
+                }
+                Some(step @ Step::Move(_)) => return Some(step),
+                Some(signal) => {
+                    if !std::mem::replace(&mut self.has_begun, true) {
+                        self.begin();
+                    }
+                    return Some(signal);
+                }
+                None => break,
+            }
+        }
+        self.has_begun = true;
+        self.waiting.pop_front()
     }
 }

@@ -9,15 +9,15 @@
 //! Nothing here knows of a planner: a motion is a duration with closures, or a list of knots.
 
 use super::knot::{PrintKnot, TargetOptions};
-use super::lag::Delayed;
+use super::lag::{Advanced, Delayed};
 use super::merge::merged;
 use super::{
     ExternalAxes, Goal, Move, ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate,
-    Speed, Step, TimedSignal, Zone,
+    Speed, Step, TimedSignal, UrScriptOptions, Zone,
 };
 use crate::arm::Arm;
 use crate::scene::Mount;
-use crate::workcell::{Equipment, Workcell, tool_frame};
+use crate::workcell::{ArmGeometry, Equipment, Workcell, tool_frame};
 use std::ops::Range;
 
 /// A motion of a print as a function of time.
@@ -42,13 +42,31 @@ pub struct StreamOptions {
     /// writes one, with more the beads are as much too thick or too thin.
     pub same_speed: f64,
     /// How far the arm is behind the stream, in seconds: signals come as much later, and the last posture is held as long. Arms
-    /// of Universal Robots follow `servoj` with a lag of its look-ahead time. Default 0.
+    /// of Universal Robots follow `servoj` with a lag of its look-ahead time. Below 0 signals come earlier, for equipment that takes longer
+    /// than the arm, by 0.5 s at most; where the stream begins with one, the first posture is held as long. Default 0.
     pub lag_s: f64,
 }
+
+/// How much earlier signals of a stream come at most, in seconds: as in RAPID. As many ticks are held in memory.
+const MAX_EARLY_S: f64 = 0.5;
 
 impl Default for StreamOptions {
     fn default() -> Self {
         StreamOptions { rate: ServoRate::Hz125, same_speed: 2e-3, lag_s: 0.0 }
+    }
+}
+
+impl StreamOptions {
+    /// The rate of the arm of a workcell, 500 Hz for e-Series, whose names end with `e`, and 125 Hz for others, which e-Series take as
+    /// well; signals later by the look-ahead time of `servoj`, and earlier by the lag of the extruder.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let rate = match &equipment.model().arm.geometry {
+            ArmGeometry::Named(name) if name.ends_with('e') => ServoRate::Hz500,
+            _ => ServoRate::Hz125,
+        };
+        let lookahead_s = UrScriptOptions::of_workcell(equipment).lookahead_s;
+        let lag_s = lookahead_s - equipment.model().controller.extruder_lag_s;
+        StreamOptions { rate, lag_s, ..StreamOptions::default() }
     }
 }
 
@@ -119,8 +137,9 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
     });
     // The end lies between two ticks.
     let steps = [first].into_iter().chain(along).chain([Step::Servo { joints: ends[1], seconds: period }]);
-    // A lag that is not a number is none.
-    Delayed::new(steps, (lag_s / period).round() as u64)
+    // A lag that is not a number is none; each of the two casts takes what is below 0 as 0.
+    let ticks = (lag_s.clamp(-MAX_EARLY_S, f64::INFINITY) / period).round();
+    Delayed::new(Advanced::new(steps, -ticks as usize), ticks as u64)
 }
 
 fn by_joints(joints: [f64; 6], table: Option<[f64; 2]>) -> Step {
@@ -275,7 +294,7 @@ impl ProgramLimits {
 impl RapidOptions {
     /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
     /// the limits of its arm; the arm and the table, for the seconds that the program states; the extruder is
-    /// switched on the path.
+    /// switched on the path, earlier by its lag in the workcell.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let defaults = RapidOptions::default();
         let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
@@ -285,7 +304,7 @@ impl RapidOptions {
         let unit = equipment.positioner().map(|_| "STN1".to_owned());
         let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
         let (arm, positioner) = (*equipment.arm(), equipment.positioner().copied());
-        let switching = RapidSwitching::OnPath { lag_s: 0.0 };
+        let switching = RapidSwitching::OnPath { lag_s: equipment.model().controller.extruder_lag_s };
         let limits = ProgramLimits::of_arm(&arm);
         RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, ..defaults }
     }

@@ -1,7 +1,8 @@
 //! From the numbers of a file to what they describe, each checked under the name that it has in the file.
 
 use super::model::{
-    ArmGeometry, ArmPart, FrameModel, LimitsModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, VERSION,
+    ArmGeometry, ArmPart, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel, PositionerGeometry,
+    PositionerPart, VERSION,
 };
 use crate::arm::robots::{ARMS, POSITIONERS};
 use crate::arm::{Arm, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
@@ -82,6 +83,12 @@ pub enum WorkcellError {
         path: String,
         /// What is wrong with it.
         what: &'static str,
+    },
+    /// A setting of `servoj`, which the controller of this arm does not have.
+    #[error("{path}: only arms of Universal Robots have `servoj`; leave it out")]
+    NoServoj {
+        /// The field.
+        path: &'static str,
     },
     /// The arm cannot reach what it has to.
     #[error("{path}: stretched out, the arm reaches {reach_mm:.1} mm: {what}")]
@@ -382,6 +389,27 @@ pub(super) fn home(
         if !(lower..=upper).contains(&radians(&path, degrees)?) {
             return Err(wrong(path, degrees, "within the limits of the joint"));
         }
+    }
+    Ok(())
+}
+
+/// Ranges that the controllers take: `EquipLag` of RAPID, `servoj` of URScript.
+pub(super) fn controller(model: &ControllerModel, arm: &Arm) -> Result<(), WorkcellError> {
+    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s } = *model;
+    let within = |path, value: f64, [min, max]: [f64; 2]| match (min..=max).contains(&value) {
+        true => Ok(()),
+        false => Err(wrong(path, value, format!("from {min} to {max}"))),
+    };
+    within("controller.extruder_lag_s", extruder_lag_s, [0.0, 0.5])?;
+    for (path, value, range) in [
+        ("controller.servoj_gain", servoj_gain, [100.0, 2000.0]),
+        ("controller.servoj_lookahead_s", servoj_lookahead_s, [0.03, 0.2]),
+    ] {
+        let Some(value) = value else { continue };
+        if !arm.is_ur() {
+            return Err(WorkcellError::NoServoj { path });
+        }
+        within(path, value, range)?;
     }
     Ok(())
 }

@@ -70,6 +70,7 @@ impl Equipment {
             (Held::Nozzle, Some(_)) => check::reach(&arm_model, to_tip, None)?,
         }
         check::home(model.home_deg.as_deref(), arm.limits(), table.as_ref().map(|table| table.positioner.limits()))?;
+        check::controller(&model.controller, &arm)?;
         let positioner = table.as_ref().map(|table| table.positioner);
         let (links, link_bodies) = links::of(&model.arm, &arm_model, read)?;
         let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links)))?;

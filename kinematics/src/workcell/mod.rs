@@ -18,7 +18,8 @@
 //! use curvlay_kinematics::nalgebra::{Point3, Vector3};
 //! use curvlay_kinematics::scene::{Mount, Scene};
 //! use curvlay_kinematics::workcell::{
-//!     AnyWorkcell, ArmGeometry, ArmPart, FrameModel, Held, NozzleModel, PlateModel, VERSION, Workcell, WorkcellModel,
+//!     AnyWorkcell, ArmGeometry, ArmPart, ControllerModel, FrameModel, Held, NozzleModel, PlateModel, VERSION, Workcell,
+//!     WorkcellModel,
 //! };
 //! use curvlay_kinematics::Waypoint;
 //! // A UR5 that holds the part under a nozzle that hangs down.
@@ -40,6 +41,7 @@
 //!     plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
 //!     positioner: None,
 //!     home_deg: None,
+//!     controller: ControllerModel::default(),
 //!     stand: None,
 //!     solids: vec![],
 //! };
@@ -71,8 +73,9 @@ pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
-    ArmGeometry, ArmPart, BodiesModel, FrameModel, Held, LimitsModel, LinkMeshModel, MountModel, NozzleModel,
-    PlateModel, PositionerGeometry, PositionerPart, ShapeModel, SolidModel, StandModel, VERSION, WorkcellModel,
+    ArmGeometry, ArmPart, BodiesModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel, MountModel,
+    NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ShapeModel, SolidModel, StandModel, VERSION,
+    WorkcellModel,
 };
 pub use six::SixAxisCell;
 

@@ -34,12 +34,39 @@ pub struct WorkcellModel {
     /// limits and free with the whole part on the plate. Absent: one is computed above the part.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub home_deg: Option<Vec<f64>>,
+    /// How programs drive the extruder and the arm.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "ControllerModel::is_default"))]
+    pub controller: ControllerModel,
     /// What the arm stands on.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub stand: Option<StandModel>,
     /// Floor, walls, posts, holders.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub solids: Vec<SolidModel>,
+}
+
+/// Settings of the programs of a cell: [`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell),
+/// [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell) and
+/// [`StreamOptions::of_workcell`](crate::program::StreamOptions::of_workcell) take them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ControllerModel {
+    /// How long the extruder takes from its signal to what comes of it, in seconds, 0 to 0.5: signals come as much earlier.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub extruder_lag_s: f64,
+    /// How hard `servoj` follows a stream, 100 to 2000; absent: 2000. For an arm of Universal Robots only.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub servoj_gain: Option<f64>,
+    /// How far `servoj` looks ahead, in seconds, 0.03 to 0.2; absent: 0.03. For an arm of Universal Robots only.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub servoj_lookahead_s: Option<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl ControllerModel {
+    fn is_default(&self) -> bool {
+        *self == ControllerModel::default()
+    }
 }
 
 /// What an arm holds.

@@ -4,8 +4,8 @@
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, ArmPart, EightAxisCell, FrameModel, FreeRange, Held, LimitsModel, NozzleModel,
-    PlateModel, PositionerGeometry, PositionerPart, SixAxisCell, VERSION, Workcell, WorkcellModel,
+    AnyWorkcell, ArmGeometry, ArmPart, ControllerModel, EightAxisCell, FrameModel, FreeRange, Held, LimitsModel,
+    NozzleModel, PlateModel, PositionerGeometry, PositionerPart, SixAxisCell, VERSION, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{
     Assessment, BestPosture, JointLimits, PartPlace, PlaceError, PlateError, PlateOptions, Waypoint, best_place,
@@ -224,6 +224,7 @@ fn ur3() -> SixAxisCell {
         plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
         positioner: None,
         home_deg: None,
+        controller: ControllerModel::default(),
         stand: None,
         solids: vec![],
     };

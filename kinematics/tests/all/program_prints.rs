@@ -5,11 +5,13 @@
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
 use curvlay_kinematics::program::{
-    Goal, Move, PrintKnot, ProgramLimits, RapidOptions, ServoRate, Speed, Step, StreamLeg, StreamOptions, TargetMotion,
-    TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream, print_targets, program_seconds,
-    read_rapid, write_rapid, write_urscript,
+    Goal, Move, PrintKnot, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, StreamLeg,
+    StreamOptions, TargetMotion, TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream,
+    print_targets, program_seconds, read_rapid, write_rapid, write_urscript,
 };
-use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisCell, SixAxisCell, Workcell};
+use curvlay_kinematics::workcell::{
+    AnyWorkcell, ArmGeometry, ControllerModel, EightAxisCell, Equipment, SixAxisCell, Workcell, WorkcellModel,
+};
 use proptest::prelude::*;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -238,6 +240,32 @@ fn rapid_of_a_workcell_comes_back() {
 
     let ur3 = RapidOptions::of_workcell(ur3().equipment());
     assert_eq!((ur3.tool.in_hand, ur3.work_object.in_hand, ur3.work_object.unit), (false, true, None));
+}
+
+/// What a workcell says of its controller is in the options of each kind of program.
+#[test]
+fn options_are_those_of_the_controller() {
+    let with = |cell: &Equipment, controller: ControllerModel| {
+        AnyWorkcell::new(WorkcellModel { controller, ..cell.model().clone() }).unwrap()
+    };
+    let lag = |extruder_lag_s: f64| ControllerModel { extruder_lag_s, ..ControllerModel::default() };
+    for extruder_lag_s in [0.0, 0.12] {
+        let cell = with(over_table().equipment(), lag(extruder_lag_s));
+        let switching = RapidOptions::of_workcell(cell.equipment()).switching;
+        assert_eq!(switching, RapidSwitching::OnPath { lag_s: extruder_lag_s });
+    }
+    let of_ur3 = |controller: ControllerModel| {
+        let cell = with(ur3().equipment(), controller);
+        let UrScriptOptions { gain, lookahead_s, .. } = UrScriptOptions::of_workcell(cell.equipment());
+        (gain, lookahead_s, StreamOptions::of_workcell(cell.equipment()))
+    };
+    assert_eq!(of_ur3(lag(0.0)), (2000.0, 0.03, StreamOptions { lag_s: 0.03, ..StreamOptions::default() }));
+    let soft = ControllerModel { extruder_lag_s: 0.25, servoj_gain: Some(500.0), servoj_lookahead_s: Some(0.125) };
+    assert_eq!(of_ur3(soft), (500.0, 0.125, StreamOptions { lag_s: -0.125, ..StreamOptions::default() }));
+    let mut model = ur3().equipment().model().clone();
+    model.arm.geometry = ArmGeometry::Named("UR3e".into());
+    let rate = StreamOptions::of_workcell(AnyWorkcell::new(model).unwrap().equipment()).rate;
+    assert_eq!(rate, ServoRate::Hz500);
 }
 
 /// Against places of the cell, joint for joint in a thousand chords; lines that the plan has too slow take the time of their own speed.

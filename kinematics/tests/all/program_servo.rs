@@ -98,6 +98,38 @@ fn signals_come_as_much_later_as_the_arm_is_behind() {
     }
 }
 
+/// By the count of steps before each signal. Where the first signal has fewer before it, the first posture is held.
+#[test]
+fn signals_come_as_much_earlier_as_the_equipment_takes() {
+    let of = |idle_s: f64, lag_s: f64| -> Vec<Step> {
+        let options = StreamOptions { lag_s, ..StreamOptions::default() };
+        let legs = [leg(idle_s, false), leg(0.02, true), leg(0.3, false), leg(0.3, true)];
+        print_stream([[0.0; 6], [0.03, 0.0, 0.0, 0.0, 0.0, 0.0]], legs, options).collect()
+    };
+    let servos = |steps: &[Step]| -> Vec<Step> {
+        steps.iter().filter(|step| matches!(step, Step::Servo { .. })).copied().collect()
+    };
+    // 62 ticks are half a second.
+    for (idle_s, lag_s, early, held) in [
+        (0.2, -0.08, 10, 0),
+        (0.08, -0.08, 10, 0),
+        (0.04, -0.08, 10, 5),
+        (0.0, -0.08, 10, 10),
+        (0.4, -0.5, 63, 13),
+        (0.4, f64::NEG_INFINITY, 63, 13),
+        (0.2, f64::NAN, 0, 0),
+    ] {
+        let (at_once, earlier) = (of(idle_s, 0.0), of(idle_s, lag_s));
+        let expected: Vec<_> =
+            signals(&at_once).into_iter().map(|(count, step)| (count + held - early, step)).collect();
+        assert_eq!(signals(&earlier), expected, "{idle_s} {lag_s}");
+        let before = servos(&at_once);
+        let expected: Vec<Step> = std::iter::repeat_n(before[0], held).chain(before).collect();
+        assert_eq!(servos(&earlier), expected, "{idle_s} {lag_s}");
+        assert!(matches!(earlier[0], Step::Move(_)));
+    }
+}
+
 #[test]
 fn a_file_that_starts_itself_calls_its_function() {
     let write = |starts: bool| {

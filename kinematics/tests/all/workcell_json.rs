@@ -2,8 +2,8 @@
 #![cfg(feature = "serde")]
 
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, LimitsModel, LinkMeshModel, MountModel, PositionerGeometry,
-    ShapeModel, SolidModel, StandModel, Workcell, WorkcellError, WorkcellFileError, WorkcellModel,
+    AnyWorkcell, ArmGeometry, BodiesModel, ControllerModel, FrameModel, LimitsModel, LinkMeshModel, MountModel,
+    PositionerGeometry, ShapeModel, SolidModel, StandModel, Workcell, WorkcellError, WorkcellFileError, WorkcellModel,
 };
 use proptest::prelude::*;
 use std::io::{Error, Read, Write};
@@ -79,6 +79,7 @@ fn every_kind() -> WorkcellModel {
     model.stand = Some(StandModel::Pedestal { height_mm: 500.0, radius_mm: Some(90.0) });
     model.plate.diameter_mm = Some(250.0);
     model.home_deg = Some(vec![0.0, -30.0, 20.0, 0.0, 60.0, 0.0, 0.0, 0.0]);
+    model.controller.extruder_lag_s = 0.1;
     model
 }
 
@@ -102,7 +103,10 @@ fn every_field_is_documented() {
     let page = include_str!("../../../docs/formats.md");
     let (_, page) = page.split_once("\n## Workcells\n").unwrap();
     let mut found = vec![];
-    for model in FILES.map(read).into_iter().chain([every_kind()]) {
+    let mut of_ur = read(FILES[0]);
+    of_ur.controller.servoj_gain = Some(500.0);
+    of_ur.controller.servoj_lookahead_s = Some(0.1);
+    for model in FILES.map(read).into_iter().chain([every_kind(), of_ur]) {
         keys(&serde_json::to_value(model).unwrap(), &mut found);
     }
     assert!(found.len() > 100);
@@ -244,4 +248,44 @@ fn a_home_posture_is_checked() {
     }
     let error = AnyWorkcell::new(with(home[..6].to_vec())).unwrap_err().to_string();
     assert_eq!(error, "home_deg.length is 6: it must be a list of 8 angles, one for each joint");
+}
+
+/// Of the controller: what it cannot take is named, and `servoj` is for arms that have it. A controller with nothing set is not written.
+#[test]
+fn a_controller_is_checked() {
+    let with = |file: &str, controller: ControllerModel| WorkcellModel { controller, ..read(file) };
+    let error = |file: &str, controller| AnyWorkcell::new(with(file, controller)).unwrap_err().to_string();
+    let defaults = ControllerModel::default();
+    let [ur3, irb] = [FILES[0], FILES[1]];
+    for (value, sound) in [(0.0, true), (0.5, true), (-0.01, false), (0.51, false), (f64::NAN, false)] {
+        for file in [ur3, irb] {
+            let controller = ControllerModel { extruder_lag_s: value, ..defaults };
+            match sound {
+                true => assert!(AnyWorkcell::new(with(file, controller)).is_ok()),
+                false => {
+                    let expected = format!("controller.extruder_lag_s is {value}: it must be from 0 to 0.5");
+                    assert_eq!(error(file, controller), expected);
+                }
+            }
+        }
+    }
+    let servoj = |gain, lookahead| ControllerModel { servoj_gain: gain, servoj_lookahead_s: lookahead, ..defaults };
+    for sound in [servoj(Some(100.0), Some(0.03)), servoj(Some(2000.0), None), servoj(None, Some(0.2))] {
+        let model = with(ur3, sound);
+        assert!(AnyWorkcell::new(model.clone()).is_ok());
+        assert_eq!(read(&written(&model)), model);
+    }
+    for gain in [99.0, 2001.0] {
+        let expected = format!("controller.servoj_gain is {gain}: it must be from 100 to 2000");
+        assert_eq!(error(ur3, servoj(Some(gain), None)), expected);
+    }
+    for lookahead in [0.029, 0.21] {
+        let expected = format!("controller.servoj_lookahead_s is {lookahead}: it must be from 0.03 to 0.2");
+        assert_eq!(error(ur3, servoj(None, Some(lookahead))), expected);
+    }
+    for (field, controller) in [("gain", servoj(Some(500.0), None)), ("lookahead_s", servoj(None, Some(0.1)))] {
+        let expected = format!("controller.servoj_{field}: only arms of Universal Robots have `servoj`; leave it out");
+        assert_eq!(error(irb, controller), expected);
+    }
+    assert!(!written(&with(ur3, defaults)).contains("controller"));
 }

@@ -159,7 +159,7 @@ pub struct RapidOptions {
     /// What kind of output that is.
     pub filament_output: FilamentOutput,
     /// Where the extruder is switched. Default [`RapidSwitching::Between`]; [`RapidOptions::of_workcell`] takes
-    /// [`RapidSwitching::OnPath`] without a lag.
+    /// [`RapidSwitching::OnPath`] with the lag of the workcell's extruder.
     pub switching: RapidSwitching,
     /// Limits of the accelerations, at the begin of each part module, so that they hold wherever a program is started. Default
     /// `Some(RapidAcceleration::default())`; with `None` what is set on the controller stays.

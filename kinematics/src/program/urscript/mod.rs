@@ -121,16 +121,20 @@ impl Default for UrScriptOptions {
 }
 
 impl UrScriptOptions {
-    /// The nozzle as tool and the part frame as work object of a workcell, with its arm and within the limits of that.
+    /// The nozzle as tool and the part frame as work object of a workcell, with its arm and within the limits of that; `servoj` as its
+    /// controller is set.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
+        let (defaults, controller) = (UrScriptOptions::default(), &equipment.model().controller);
         UrScriptOptions {
             part_in_hand: matches!(carrier, Mount::Link(_)),
             work,
             tool: tool_frame(&nozzle),
             arm: Some(*equipment.arm()),
             limits: ProgramLimits::of_arm(equipment.arm()),
-            ..UrScriptOptions::default()
+            lookahead_s: controller.servoj_lookahead_s.unwrap_or(defaults.lookahead_s),
+            gain: controller.servoj_gain.unwrap_or(defaults.gain),
+            ..defaults
         }
     }
 }
