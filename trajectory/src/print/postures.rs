@@ -190,8 +190,9 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
         let same = before.map(|before| before.branch);
         // Less clearance than the best of a waypoint is taken only where there is no path otherwise.
         let (few, many) = ((task.options.samples, 0), (task.options.near_samples, task.options.doublings));
-        let (wide, narrow) = (Clearance::Wide, Clearance::Narrow);
-        let tries = [(wide, same, few), (wide, None, few), (narrow, same, few), (narrow, same, many)];
+        let [wide, narrow, least] = Clearance::ALL;
+        let tries =
+            [(wide, same, few), (wide, None, few), (narrow, same, few), (narrow, same, many), (least, same, many)];
         let found = tries.iter().find_map(|&(enough, branch, samples)| plan(enough, branch, samples, false).ok());
         // A path that breaks off anyway gets fewer samples and one branch: all together take minutes on a long path.
         let broken_off = |branch| plan(narrow, branch, (task.options.near_samples, 0), true);
@@ -207,8 +208,8 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Ok(Chosen { prepared, ladders })
 }
 
-/// The same path with other postures, on one branch after the other, those with the most clearance first; each unbroken. The first
-/// postures are near `from`.
+/// The same path with other postures, on one branch after the other, those with the most clearance first; each unbroken; first all
+/// that few samples find. The first postures are near `from`.
 pub(super) fn others<'a, const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Prepared { sections, .. }: &'a Prepared,
     from: Option<[f64; N]>,
@@ -224,10 +225,14 @@ pub(super) fn others<'a, const N: usize, const F: usize, R: PrintRobot<N, F>>(
             });
         }
     }
-    let each =
-        Clearance::ALL.into_iter().flat_map(move |enough| branches.clone().into_iter().map(move |b| (enough, b)));
-    each.filter_map(move |(enough, branch)| {
-        let search = Search { enough, branch: Some(branch), samples: (task.options.samples, 0), breaks: false, from };
+    let (few, many) = ((task.options.samples, 0), (task.options.near_samples, task.options.doublings));
+    let each = [few, many].into_iter().flat_map(move |samples| {
+        let branches = branches.clone();
+        let with = move |enough| branches.clone().into_iter().map(move |branch| (samples, enough, branch));
+        Clearance::ALL.into_iter().flat_map(with)
+    });
+    each.filter_map(move |(samples, enough, branch)| {
+        let search = Search { enough, branch: Some(branch), samples, breaks: false, from };
         sections.iter().map(|section| ladder(section, search, task, cell).ok()).collect()
     })
 }

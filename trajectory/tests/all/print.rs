@@ -509,6 +509,23 @@ fn a_path_that_comes_to_a_stop_is_printed_whole_in_two_runs() {
     assert_eq!(findings(&plan, &paths), [""; 0]);
 }
 
+/// Each circle ends 1.2 turns on. The next one begins nearest there where the table would come to its stop on the way, so the transfer
+/// brings it back by a whole turn.
+#[test]
+fn a_joint_that_has_wound_up_is_brought_back_at_lifts() {
+    let circle = |layer: u32| Owned::new(layer, circle(40.0, f64::from(layer) + 1.0, 1.2, 0.1));
+    let paths: Vec<Owned> = (0..4).map(circle).collect();
+    let plan = planned(Wall::None, &paths).unwrap();
+    assert_eq!((plan.runs.len(), &plan.faults[..]), (4, &[][..]));
+    for run in &plan.runs {
+        let joints = run.trajectory.joints();
+        let (begin, end) = (joints[0][0], joints[joints.len() - 1][0]);
+        assert!((begin - (0.3 - TAU)).abs() < 0.1 && (end - begin - 1.2 * TAU).abs() < 0.2, "{begin} {end}");
+    }
+    assert!(plan.travels.iter().all(Option::is_some));
+    assert_eq!(findings(&plan, &paths), [""; 0]);
+}
+
 #[test]
 fn a_waypoint_on_its_own_is_told() {
     let mut paths = [Owned::new(0, circle(40.0, 1.0, 0.5, 0.1))];

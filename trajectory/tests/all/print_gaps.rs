@@ -51,8 +51,36 @@ impl PrintRobot<5, 1> for TwoSided {
     }
 }
 
-/// The most clearance of a path on either side; `None` where something is in the way.
-type Room = [Option<Clearance>; 2];
+/// What is free around a path on one side.
+#[derive(Clone, Copy, PartialEq)]
+enum Space {
+    /// Nothing.
+    Blocked,
+    /// All of it, with so much clearance.
+    Open(Clearance),
+    /// The tool between 0.1 and 0.16 rad: no one of 24 samples is.
+    Slot,
+    /// Wide with the tool near 0 on the first half of the path, and near half a turn on the second; with the least clearance
+    /// everywhere.
+    Torn,
+}
+
+impl Space {
+    /// At a place along a path, by its joint, and a turn of the tool.
+    fn keeps(self, along: f64, turn: f64, clearance: Clearance) -> bool {
+        match self {
+            Space::Blocked => false,
+            Space::Open(most) => most <= clearance,
+            Space::Slot => (0.1..0.16).contains(&turn),
+            Space::Torn => {
+                clearance == Clearance::Least || (turn.cos() > 0.9 && along < 1.0) || turn.cos() < -0.9 && along > 0.9
+            }
+        }
+    }
+}
+
+/// The space around a path on either side.
+type Room = [Space; 2];
 
 /// Paths stand 10 mm apart in y; no motion leads from one side to the other.
 #[derive(Clone)]
@@ -85,7 +113,7 @@ impl PrintCell<5> for Sides<'_> {
 
     fn keeps(&self, joints: &[f64; 5], clearance: Clearance) -> bool {
         let path = joints[1].round() as usize;
-        self.0[path][usize::from(joints[4] > 1.0)].is_some_and(|most| most <= clearance)
+        self.0[path][usize::from(joints[4] > 1.0)].keeps(joints[0], joints[3], clearance)
     }
 
     fn obstacle(&self, _: &[f64; 5]) -> Option<String> {
@@ -130,10 +158,11 @@ fn sides(plan: &PrintPlan<5, 1>) -> (Vec<usize>, Vec<usize>) {
     (plan.runs.iter().map(|run| side(run.trajectory.joints())).collect(), gaps)
 }
 
-const FIRST: Room = [Some(Clearance::Wide), None];
-const SECOND: Room = [None, Some(Clearance::Wide)];
+const WIDE: Space = Space::Open(Clearance::Wide);
+const FIRST: Room = [WIDE, Space::Blocked];
+const SECOND: Room = [Space::Blocked, WIDE];
 /// Either; what is planned on its own takes the second, for its clearance.
-const BOTH: Room = [Some(Clearance::Narrow), Some(Clearance::Wide)];
+const BOTH: Room = [Space::Open(Clearance::Narrow), WIDE];
 
 #[test]
 fn the_path_behind_a_gap_gets_other_postures() {
@@ -155,4 +184,19 @@ fn postures_stay_where_others_leave_as_many_gaps() {
     assert_eq!(sides(&planned(&[(0, FIRST), (0, BOTH), (0, SECOND)])), (vec![0, 1, 1], vec![0]));
     assert_eq!(sides(&planned(&[(0, FIRST), (0, BOTH), (0, BOTH), (0, SECOND)])), (vec![0, 1, 1, 1], vec![0]));
     assert_eq!(sides(&planned(&[(0, FIRST), (0, SECOND)])), (vec![0, 1], vec![0]));
+}
+
+/// Bug: the other postures were those of few samples of the tool angle; a path of 71 waypoints on a UR3 had none.
+#[test]
+fn other_postures_are_found_with_more_samples() {
+    let narrow = [Space::Slot, WIDE];
+    assert_eq!(sides(&planned(&[(0, FIRST), (0, narrow), (0, FIRST)])), (vec![0, 0, 0], vec![]));
+    assert_eq!(sides(&planned(&[(0, narrow), (0, FIRST)])), (vec![0, 0], vec![]));
+}
+
+/// Bug: where waypoints have clearance that the path cannot keep, it broke off, although it can be followed with less.
+#[test]
+fn a_path_takes_the_least_clearance_before_it_breaks_off() {
+    let plan = planned(&[(0, FIRST), (0, [Space::Torn, Space::Blocked]), (0, FIRST)]);
+    assert_eq!(sides(&plan), (vec![0, 0, 0], vec![]));
 }
