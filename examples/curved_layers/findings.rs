@@ -349,6 +349,12 @@ fn of_feed(run: &MachineRun, findings: &mut Findings) {
 /// Of what beads lie on, with the length along which layers end inside the part.
 fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, findings: &mut Findings) {
     let support = &run.support;
+    if !support.spans.is_empty() {
+        let what = "beads span gaps, straight and held at both ends";
+        let (count, longest) = (counted(support.spans.len(), "piece"), support.longest_span_mm());
+        let amount = format!("{:.1} mm in {count}, the longest {longest:.1} mm", support.span_mm());
+        findings.add(Told, what, amount, "spans.csv");
+    }
     if support.unsupported.is_empty() {
         return;
     }
@@ -366,9 +372,8 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
     );
     let AllowArgs { allow_unsupported, allow_unsupported_beads, .. } = args.allow;
     let limits = [(share, allow_unsupported), (longest / bead_mm, allow_unsupported_beads)];
-    // Layers that end inside the part leave steps on which nothing can be done for beads: told unless a limit is asked for.
     let (_, grown) = args.complete.with_strategy(args.grow.strategy().is_none());
-    let has_failed = limits.into_iter().any(|(value, limit)| limit.is_some_and(|limit| value > limit));
+    let has_failed = limits.into_iter().any(|(value, limit)| value > limit);
     let severity = if has_failed { Failed } else { Told };
     findings
         .explain(severity, what, amount, "unsupported.csv")

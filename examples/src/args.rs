@@ -282,13 +282,13 @@ pub struct AllowArgs {
     /// Share of the length of the paths that may be left out before the exit status is 3
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
     pub allow_left_out: f64,
-    /// Share of the length of the beads that may lie on nothing before the exit status is 3; without this option it is a warning
-    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
-    pub allow_unsupported: Option<f64>,
-    /// How long a piece of a bead that lies on nothing may be before the exit status is 3, in beads; without this option it is a
-    /// warning
-    #[arg(long, value_name = "BEADS", value_parser = from_zero, allow_negative_numbers = true)]
-    pub allow_unsupported_beads: Option<f64>,
+    /// Share of the length of the beads that may lie on nothing before the exit status is 3; spans that are held at both ends are
+    /// not counted
+    #[arg(long, value_name = "SHARE", default_value_t = 5e-3, value_parser = share, allow_negative_numbers = true)]
+    pub allow_unsupported: f64,
+    /// How long a piece of a bead that lies on nothing may be before the exit status is 3, in widths of a bead
+    #[arg(long, value_name = "BEADS", default_value_t = 40.0, value_parser = from_zero, allow_negative_numbers = true)]
+    pub allow_unsupported_beads: f64,
     /// Share of the length of the paths that no robot program may print before the exit status is 3: out of reach, in the robot's way,
     /// without a transfer, or withheld
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share, allow_negative_numbers = true)]

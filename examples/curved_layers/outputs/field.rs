@@ -104,11 +104,6 @@ fn write_field(run: &FieldRun, order: &[u32], layers: &[u32], out: &mut dyn Writ
     Ok(())
 }
 
-/// A limit, or that there is none.
-fn limit(value: Option<f64>) -> Value {
-    value.map_or_else(|| Value::from("none"), Value::from)
-}
-
 /// How many cells were missed for reasons that `is` picks.
 fn missed(run: &FieldRun, is: impl Fn(MissedReason) -> bool) -> usize {
     run.growth.missed.iter().filter(|missed| is(missed.reason)).count()
@@ -157,8 +152,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("allow_gouging", args.allow.allow_gouging)?
         .set("allow_left_out", args.allow.allow_left_out)?
         .set("allow_unprinted", args.allow.allow_unprinted)?
-        .set("allow_unsupported", limit(args.allow.allow_unsupported))?
-        .set("allow_unsupported_beads", limit(args.allow.allow_unsupported_beads))?
+        .set("allow_unsupported", args.allow.allow_unsupported)?
+        .set("allow_unsupported_beads", args.allow.allow_unsupported_beads)?
         .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?
         .set("workcell", args.motion.workcell.as_ref().map_or("none".into(), |path| path.display().to_string()))?;
     // Those with values of the run come with their stage.

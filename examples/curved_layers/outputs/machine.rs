@@ -16,7 +16,7 @@ use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, write_paths_vtp};
+use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, UnsupportedPiece, write_paths_vtp};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::io;
@@ -46,14 +46,16 @@ pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder
     folder.write_list("left_out.csv", !run.resolved.left_out.is_empty(), |out| left_out(run, out))?;
     folder.write_list("turns.csv", !run.resolved.sharp.is_empty(), |out| turns(run, out))?;
     folder.write_list("blocked_travels.csv", !run.travels.blocked.is_empty(), |out| blocked_travels(run, out))?;
-    folder.write_list("unsupported.csv", !run.support.unsupported.is_empty(), |out| unsupported(run, out))?;
+    for (name, list) in [("unsupported.csv", &run.support.unsupported), ("spans.csv", &run.support.spans)] {
+        folder.write_list(name, !list.is_empty(), |out| pieces(run, list, out))?;
+    }
     Ok(written)
 }
 
-/// Pieces of beads that lie on nothing.
-fn unsupported(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
+/// Pieces of beads.
+fn pieces(run: &MachineRun, list: &[UnsupportedPiece], out: &mut dyn io::Write) -> io::Result<()> {
     writeln!(out, "layer,path,from_mm,to_mm,length_mm,x,y,z")?;
-    run.support.unsupported.iter().try_for_each(|piece| {
+    list.iter().try_for_each(|piece| {
         let (layer, [from, to], tip) = (run.resolved.paths[piece.path].layer + 1, piece.arcs, piece.tip);
         write!(out, "{layer},{},{from:.3},{to:.3},{:.3},", piece.path, piece.length())?;
         writeln!(out, "{:.3},{:.3},{:.3}", tip.x, tip.y, tip.z)
@@ -189,6 +191,9 @@ pub fn summary(
         .set("unsupported_share", run.support.unsupported_share())?
         .set("unsupported_pieces", run.support.unsupported.len())?
         .set("unsupported_longest_mm", run.support.longest_mm())?
+        .set("span_mm", run.support.span_mm())?
+        .set("spans", run.support.spans.len())?
+        .set("span_longest_mm", run.support.longest_span_mm())?
         .set_seconds("support_s", times.support)?
         .set("gcode_bytes", written.bytes)?;
     Ok(())
@@ -248,11 +253,14 @@ fn gouging_row(resolved: &ResolvedPaths) -> String {
 fn on_nothing(run: &MachineRun) -> String {
     let support = &run.support;
     format!(
-        "{:.1} mm of bead, {}, in {} pieces of at most {:.1} mm",
+        "{:.1} mm of bead, {}, in {} pieces of at most {:.1} mm; {:.1} mm in {} spans of at most {:.1} mm",
         support.unsupported_mm(),
         percent(support.unsupported_share()),
         support.unsupported.len(),
-        support.longest_mm()
+        support.longest_mm(),
+        support.span_mm(),
+        support.spans.len(),
+        support.longest_span_mm()
     )
 }
 

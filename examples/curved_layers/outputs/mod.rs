@@ -34,7 +34,7 @@ type Picture = (String, Vec<u8>);
 pub const TRAJECTORY: &str = "trajectory.csv";
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 27] = [
+const NAMES: [&str; 28] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
@@ -57,6 +57,7 @@ const NAMES: [&str; 27] = [
     "turns.csv",
     "blocked_travels.csv",
     "unsupported.csv",
+    "spans.csv",
     TRAJECTORY,
     "layers.csv",
     "motion-faults.csv",

@@ -1250,7 +1250,7 @@ fn gouging_is_told_and_options_decide_the_status() {
         assert!(stderr.lines().any(|line| line.starts_with("check failed: ") && said(line)), "{stderr}");
         assert!(notices.iter().any(|notice| notice.starts_with("Check failed: ") && said(notice)));
     }
-    let all = ["--allow-gouging", "1", "--allow-left-out", "1", "--allow-volume", "1"];
+    let all = ["--allow-gouging", "1", "--allow-left-out", "1", "--allow-volume", "1", "--allow-unsupported", "1"];
     let (status, stderr, notices, figures) = printed("lenient", &all);
     let blocked = figures["blocked_travels"].as_u64().unwrap() > 0;
     assert_eq!(status, Some(if blocked { 3 } else { 0 }), "{stderr}");
@@ -1278,7 +1278,8 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
         (output.status.code(), stderr + &stdout, notices, out)
     };
     let words = "unsupported beads";
-    let (status, stderr, _, out) = printed("told", &[]);
+    let told_all = ["--allow-unsupported", "1", "--allow-unsupported-beads", "1000"];
+    let (status, stderr, _, out) = printed("told", &told_all);
     assert!(status == Some(0) && stderr.contains(&format!("warning: {words}")), "{stderr}");
     // Its share stands beside what is said of the checks. What is tried already is no advice.
     let share = summary(&out)["unsupported_share"].as_f64().unwrap();
@@ -1302,8 +1303,13 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
     assert_eq!(lengths.clone().count() as u64, figures["unsupported_pieces"].as_u64().unwrap());
     assert!((lengths.clone().sum::<f64>() - figure("unsupported_mm")).abs() < 1e-3 * figure("unsupported_pieces"));
     assert!((lengths.fold(0.0, f64::max) - figure("unsupported_longest_mm")).abs() < 1e-3);
-    for more in [["--allow-unsupported", "0"], ["--allow-unsupported-beads", "0"]] {
-        let (status, stderr, notices, _) = printed("strict", &more);
+    // Those that are held at both ends are listed apart.
+    let spans = fs::read_to_string(Path::new(&out).join("spans.csv")).unwrap();
+    assert_eq!(spans.lines().skip(1).count() as u64, figures["spans"].as_u64().unwrap());
+    assert!(stderr.contains("warning: beads span gaps, straight and held at both ends: "), "{stderr}");
+    for [share, beads] in [["0", "1000"], ["1", "0"]] {
+        let limits = ["--allow-unsupported", share, "--allow-unsupported-beads", beads];
+        let (status, stderr, notices, _) = printed("strict", &limits);
         assert!(status == Some(3) && stderr.contains(&format!("check failed: {words}")), "{stderr}");
         assert!(notices.iter().any(|notice| notice.starts_with("Check failed: ") && notice.contains(words)));
     }

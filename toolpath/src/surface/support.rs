@@ -11,6 +11,9 @@
 //! * was laid before, on another layer (neighbours in the same layer hold it aside, not up), and
 //! * lies below: nearer to the plate, or whatever the nozzle points at, by a share of a layer height along the direction of the nozzle.
 //!
+//! A place that is not supported is part of a *span* if what is laid there is a straight line between two places that are: the bead is
+//! drawn tight from one to the other, as a slicer's bridges are. Every other piece lies on nothing.
+//!
 //! Between waypoints middles and sizes go evenly from one to the next. Distances are to the place of the centre line that is nearest:
 //! exact for beads no wider than high, and for wider ones where their centre line is upright to their nozzle. Places are looked at one by
 //! one, a small step apart, each for the piece of bead around it: the end of an unsupported piece is within half a step of where
@@ -44,15 +47,19 @@ pub struct SupportOptions {
     pub step: f64,
     /// Whether there is a plate at z = 0: yes.
     pub plate: bool,
+    /// How far the bead has to lie on something before and after a span, in its widths: 1. Infinite for no spans.
+    pub span_hold: f64,
+    /// How far a span may leave the straight line between its ends, in its widths: a half.
+    pub span_bend: f64,
 }
 
 impl Default for SupportOptions {
     fn default() -> Self {
-        SupportOptions { max_distance: 1.5, min_drop: 0.25, step: 0.1, plate: true }
+        SupportOptions { max_distance: 1.5, min_drop: 0.25, step: 0.1, plate: true, span_hold: 1.0, span_bend: 0.5 }
     }
 }
 
-/// A piece of a bead that lies on nothing.
+/// A piece of a bead under which there is nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnsupportedPiece {
     /// The path, by its place in the list of paths.
@@ -78,12 +85,14 @@ pub struct BeadSupport {
     pub bead_mm: f64,
     /// The pieces that lie on nothing, in the order in which they are laid.
     pub unsupported: Vec<UnsupportedPiece>,
+    /// The spans, held at both ends, in the same order. They are not among the others.
+    pub spans: Vec<UnsupportedPiece>,
 }
 
 impl BeadSupport {
     /// Length of all pieces that lie on nothing, in millimetres.
     pub fn unsupported_mm(&self) -> f64 {
-        self.unsupported.iter().map(UnsupportedPiece::length).fold(0.0, |sum, length| sum + length) // a sum of nothing is -0.0
+        total(&self.unsupported)
     }
 
     /// The same as a share of the length of all beads; 0 if there are none.
@@ -93,8 +102,26 @@ impl BeadSupport {
 
     /// Length of the longest piece that lies on nothing, in millimetres.
     pub fn longest_mm(&self) -> f64 {
-        self.unsupported.iter().map(UnsupportedPiece::length).fold(0.0, f64::max)
+        longest(&self.unsupported)
     }
+
+    /// Length of all spans, in millimetres.
+    pub fn span_mm(&self) -> f64 {
+        total(&self.spans)
+    }
+
+    /// Length of the longest span, in millimetres.
+    pub fn longest_span_mm(&self) -> f64 {
+        longest(&self.spans)
+    }
+}
+
+fn total(pieces: &[UnsupportedPiece]) -> f64 {
+    pieces.iter().map(UnsupportedPiece::length).fold(0.0, |sum, length| sum + length) // a sum of nothing is -0.0
+}
+
+fn longest(pieces: &[UnsupportedPiece]) -> f64 {
+    pieces.iter().map(UnsupportedPiece::length).fold(0.0, f64::max)
 }
 
 /// Why beads cannot be checked.
@@ -187,15 +214,18 @@ pub fn check_support(
     let laid = Laid::new(paths, layer_height, options);
     let of_path = |number: usize, path: &ToolPath| laid.unsupported(number, path);
     let pieces = parallel::map(paths, "support", progress, of_path).ok_or(SupportError::Cancelled)?;
+    let (spans, unsupported): (Vec<_>, Vec<_>) = pieces.into_iter().flatten().partition(|&(_, is_span)| is_span);
+    let alone = |pieces: Vec<(UnsupportedPiece, bool)>| pieces.into_iter().map(|(piece, _)| piece).collect();
     let bead_mm = paths.iter().flat_map(|path| path.waypoints.windows(2)).map(|pair| pair[1].arc - pair[0].arc);
     Ok(BeadSupport {
         bead_mm: bead_mm.fold(0.0, |sum, length| sum + length),
-        unsupported: pieces.into_iter().flatten().collect(),
+        unsupported: alone(unsupported),
+        spans: alone(spans),
     })
 }
 
 fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Result<(), SupportError> {
-    let &SupportOptions { max_distance, min_drop, step, .. } = options;
+    let &SupportOptions { max_distance, min_drop, step, span_hold, span_bend, .. } = options;
     let above_zero = [("layer_height", layer_height), ("max_distance", max_distance), ("step", step)];
     let wrong = |&(_, value): &(&str, f64)| !(value > 0.0 && value <= LARGEST);
     if let Some((option, value)) = above_zero.into_iter().find(wrong) {
@@ -204,6 +234,10 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
     if !(min_drop >= 0.0 && min_drop <= max_distance) {
         let wanted = "from 0 to max_distance";
         return Err(SupportError::Option { option: "min_drop", value: min_drop, wanted });
+    }
+    let not_below_zero = [("span_hold", span_hold), ("span_bend", span_bend)];
+    if let Some((option, value)) = not_below_zero.into_iter().find(|&(_, value)| !(value >= 0.0)) {
+        return Err(SupportError::Option { option, value, wanted: "0 or more" });
     }
     let mut length = 0.0;
     for (number, path) in paths.iter().enumerate() {
@@ -283,11 +317,22 @@ struct Laid {
     drop_mm: f64,
     step_mm: f64,
     plate: bool,
+    span_hold: f64,
+    span_bend: f64,
+}
+
+/// What is known of a piece of a bead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Hold {
+    Held,
+    OnNothing,
+    /// Of a kind that is not judged.
+    Unknown,
 }
 
 impl Laid {
     fn new(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Laid {
-        let &SupportOptions { max_distance, min_drop, step, plate } = options;
+        let &SupportOptions { max_distance, min_drop, step, plate, span_hold, span_bend } = options;
         let max_mm = max_distance * layer_height;
         let (mut segments, mut firsts) = (Vec::new(), Vec::new());
         for (number, path) in (0..).zip(paths) {
@@ -322,43 +367,63 @@ impl Laid {
             drop_mm: min_drop * layer_height,
             step_mm: step * layer_height,
             plate,
+            span_hold,
+            span_bend,
         }
     }
 
-    /// The unsupported pieces of a path.
-    fn unsupported(&self, number: usize, path: &ToolPath) -> Vec<UnsupportedPiece> {
-        let mut found: Vec<[f64; 2]> = Vec::new();
+    /// The unsupported pieces of a path, and whether they are spans.
+    fn unsupported(&self, number: usize, path: &ToolPath) -> Vec<(UnsupportedPiece, bool)> {
+        let runs = self.runs(number, path);
+        let is_held = |run: Option<&(Hold, [f64; 2])>, width: f64| {
+            run.is_some_and(|(hold, [from, to])| *hold == Hold::Held && to - from >= self.span_hold * width)
+        };
+        let mut pieces = Vec::new();
+        for (k, &(hold, arcs)) in runs.iter().enumerate() {
+            if hold != Hold::OnNothing || arcs[1] <= arcs[0] {
+                continue;
+            }
+            let (before, after) = match path.closed {
+                true => (runs.get((k + runs.len() - 1) % runs.len()), runs.get((k + 1) % runs.len())),
+                false => (k.checked_sub(1).and_then(|k| runs.get(k)), runs.get(k + 1)),
+            };
+            let width = path.waypoints[waypoint_after(path, arcs[0])].width;
+            let is_span = is_held(before, width) && is_held(after, width) && bend(path, arcs) <= self.span_bend * width;
+            pieces
+                .push((UnsupportedPiece { path: number, arcs, tip: tip_at(path, 0.5 * (arcs[0] + arcs[1])) }, is_span));
+        }
+        pieces
+    }
+
+    /// The runs of a path in which all is alike, with their lengths along it. On a closed path the last one goes on into the first.
+    fn runs(&self, number: usize, path: &ToolPath) -> Vec<(Hold, [f64; 2])> {
+        let mut runs: Vec<(Hold, [f64; 2])> = Vec::new();
         // What carried the place before most likely carries this one.
         let mut last = None;
         let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
-        let judged = |segment: &&Segment| !(segment.kind.is_sparse() || segment.kind == BeadKind::Bridge);
-        for segment in self.segments[self.firsts[number]..end].iter().filter(judged) {
+        for segment in &self.segments[self.firsts[number]..end] {
             let [a, b] = &segment.ends;
+            let is_judged = !(segment.kind.is_sparse() || segment.kind == BeadKind::Bridge);
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
-            let steps = (length / self.step_mm).ceil().max(1.0);
+            let steps = if is_judged { (length / self.step_mm).ceil().max(1.0) } else { 1.0 };
             for k in 0..steps as usize {
-                let at = a.toward(b, (k as f64 + 0.5) / steps);
-                if self.is_supported(segment, &at, &mut last) {
-                    continue;
-                }
+                let hold = match is_judged {
+                    false => Hold::Unknown,
+                    true if self.is_supported(segment, &a.toward(b, (k as f64 + 0.5) / steps), &mut last) => Hold::Held,
+                    true => Hold::OnNothing,
+                };
                 let [from, to] = [k, k + 1].map(|k| a.arc + (b.arc - a.arc) * (k as f64 / steps));
-                match found.last_mut().filter(|piece| piece[1] >= from) {
-                    Some(piece) => piece[1] = to,
-                    None => found.push([from, to]),
+                match runs.last_mut().filter(|run| run.0 == hold) {
+                    Some(run) => run.1[1] = to,
+                    None => runs.push((hold, [from, to])),
                 }
             }
         }
-        let ends = [&path.waypoints[0], &path.waypoints[path.waypoints.len() - 1]].map(|end| end.arc);
-        if path.closed && found.len() > 1 && found[0][0] <= ends[0] && found[found.len() - 1][1] >= ends[1] {
-            let first = found.remove(0);
-            found.iter_mut().last().into_iter().for_each(|last| last[1] += first[1] - first[0]);
+        if path.closed && runs.len() > 1 && runs[0].0 == runs[runs.len() - 1].0 {
+            let (_, [from, to]) = runs.remove(0);
+            runs.iter_mut().last().into_iter().for_each(|last| last.1[1] += to - from);
         }
-        let piece = |arcs: [f64; 2]| {
-            let middle = 0.5 * (arcs[0] + arcs[1]);
-            let wrapped = if middle > ends[1] { middle - (ends[1] - ends[0]) } else { middle };
-            UnsupportedPiece { path: number, arcs, tip: tip_at(path, wrapped) }
-        };
-        found.into_iter().filter(|arcs| arcs[1] > arcs[0]).map(piece).collect()
+        runs
     }
 
     fn is_supported(&self, segment: &Segment, at: &Section, last: &mut Option<u32>) -> bool {
@@ -404,12 +469,31 @@ fn cell(at: Point3<f64>, side: f64) -> [i64; 3] {
     [at.x, at.y, at.z].map(|x| (x / side).floor() as i64)
 }
 
-/// The tip at a length along a path.
+/// The waypoint at the end of the segment at a length along a path.
+fn waypoint_after(path: &ToolPath, arc: f64) -> usize {
+    path.waypoints.partition_point(|waypoint| waypoint.arc < arc).clamp(1, path.waypoints.len() - 1)
+}
+
+/// The tip at a length along a path; beyond the end of a closed one from its start.
 fn tip_at(path: &ToolPath, arc: f64) -> Point3<f64> {
     let waypoints = &path.waypoints;
-    let after = waypoints.partition_point(|waypoint| waypoint.arc < arc).clamp(1, waypoints.len() - 1);
+    let [first, last] = [&waypoints[0], &waypoints[waypoints.len() - 1]].map(|end| end.arc);
+    let arc = if arc > last { arc - (last - first) } else { arc };
+    let after = waypoint_after(path, arc);
     let [a, b] = [after - 1, after].map(|k| &waypoints[k]);
     let length = b.arc - a.arc;
     let share = if length > 0.0 { ((arc - a.arc) / length).clamp(0.0, 1.0) } else { 0.0 };
     a.tip + (b.tip - a.tip) * share
+}
+
+/// How far the tips of a piece are from the straight line between its ends, at most.
+fn bend(path: &ToolPath, [from, to]: [f64; 2]) -> f64 {
+    let [start, end] = [from, to].map(|arc| tip_at(path, arc));
+    let (way, whole) = (end - start, path.waypoints[path.waypoints.len() - 1].arc - path.waypoints[0].arc);
+    let is_within = |arc: f64| (from..=to).contains(&arc) || (from..=to).contains(&(arc + whole));
+    let off_line = |tip: &Point3<f64>| {
+        let share = (tip - start).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE);
+        (tip - (start + way * share.clamp(0.0, 1.0))).norm()
+    };
+    path.waypoints.iter().filter(|at| is_within(at.arc)).map(|at| off_line(&at.tip)).fold(0.0, f64::max)
 }

@@ -4,7 +4,7 @@ use crate::common::layers;
 
 use curvlay_toolpath::nalgebra::{Point3, Rotation3, Unit, Vector3};
 use curvlay_toolpath::surface::{
-    BeadSupport, SupportError, SupportOptions, ToolPath, UnsupportedPiece, Waypoint, check_support,
+    BeadKind, BeadSupport, SupportError, SupportOptions, ToolPath, UnsupportedPiece, Waypoint, check_support,
 };
 use proptest::prelude::*;
 use std::ops::ControlFlow;
@@ -84,16 +84,81 @@ fn only_earlier_beads_of_other_layers_hold() {
     assert_eq!(of_path(&checked(&level), 1), [[0.0, 9.0]]);
 }
 
+/// The ends of the bead below `over`: 8 mm, then nothing, then from 15 mm on.
+fn two_ends() -> [ToolPath; 2] {
+    [bead(0, &[[0.0, 0.0, 0.4], [8.0, 0.0, 0.4]]), bead(0, &[[15.0, 0.0, 0.4], [30.0, 0.0, 0.4]])]
+}
+
+/// How far an end holds beyond itself what lies 0.81 mm above.
+fn beyond() -> f64 {
+    (1.2_f64.powi(2) - 0.81_f64.powi(2)).sqrt()
+}
+
 #[test]
-fn a_bridge_is_found_where_it_is() {
-    // From 8 to 15 nothing is below: held 0.894 mm beyond each end.
-    let ends = [bead(0, &[[0.0, 0.0, 0.4], [8.0, 0.0, 0.4]]), bead(0, &[[15.0, 0.0, 0.4], [30.0, 0.0, 0.4]])];
+fn a_span_is_found_where_it_is() {
     let over = bead(1, &[[0.0, 0.0, 1.21], [30.0, 0.0, 1.21]]);
-    let aside = (1.2_f64.powi(2) - 0.81_f64.powi(2)).sqrt();
-    let [piece] = checked(&[&ends[..], &[over]].concat()).unsupported[..] else { panic!("one piece") };
-    let [from, to] = piece.arcs;
-    assert!((from - (8.0 + aside)).abs() <= 0.04 && (to - (15.0 - aside)).abs() <= 0.04, "{piece:?}");
-    assert_eq!(piece.path, 2);
+    let support = checked(&[&two_ends()[..], &[over]].concat());
+    let [span] = support.spans[..] else { panic!("one span") };
+    let [from, to] = span.arcs;
+    assert!((from - (8.0 + beyond())).abs() <= 0.04 && (to - (15.0 - beyond())).abs() <= 0.04, "{span:?}");
+    assert_eq!((span.path, support.unsupported.len()), (2, 0));
+    assert_eq!((support.span_mm(), support.longest_span_mm(), support.unsupported_mm()), (to - from, to - from, 0.0));
+}
+
+#[test]
+fn a_span_is_straight_and_held_at_both_ends() {
+    let spans = |over: &ToolPath, options: &SupportOptions| {
+        let paths = [&two_ends()[..], std::slice::from_ref(over)].concat();
+        let support = check_support(&paths, HEIGHT, options, &go_on).unwrap();
+        assert_eq!(support.spans.len() + support.unsupported.len(), 1);
+        support.spans.len() == 1
+    };
+    let default = SupportOptions::default();
+    // Beads are 0.8 mm wide: the middle of the span may be 0.4 mm aside.
+    let bent = |by: f64| {
+        bead(1, &[[0.0, 0.0, 1.21], [8.9, 0.0, 1.21], [11.5, by, 1.21], [14.1, 0.0, 1.21], [30.0, 0.0, 1.21]])
+    };
+    assert!(spans(&bent(0.39), &default) && !spans(&bent(0.41), &default));
+    assert!(!spans(&bent(0.39), &SupportOptions { span_bend: 0.4, ..default }));
+    // It begins or ends so far before or after the gap.
+    let from_to = |before: f64, after: f64| {
+        bead(1, &[[8.0 + beyond() - before, 0.0, 1.21], [15.0 - beyond() + after, 0.0, 1.21]])
+    };
+    assert!(
+        spans(&from_to(0.9, 0.9), &default)
+            && !spans(&from_to(0.7, 0.9), &default)
+            && !spans(&from_to(0.9, 0.7), &default)
+    );
+    assert!(spans(&from_to(0.5, 0.5), &SupportOptions { span_hold: 0.5, ..default }));
+    assert!(!spans(&from_to(5.0, 5.0), &SupportOptions { span_hold: f64::INFINITY, ..default }));
+    // Nothing before it, or nothing after it.
+    let hold = SupportOptions { span_hold: 0.0, ..default };
+    assert!(!spans(&bead(1, &[[10.0, 0.0, 1.21], [20.0, 0.0, 1.21]]), &hold));
+    assert!(!spans(&bead(1, &[[0.0, 0.0, 1.21], [12.0, 0.0, 1.21]]), &hold));
+    // What is not judged holds nothing.
+    let mut sparse = bead(1, &[[0.0, 0.0, 1.21], [10.0, 0.0, 1.21], [30.0, 0.0, 1.21]]);
+    sparse.waypoints[1].kind = BeadKind::Infill;
+    assert!(!spans(&sparse, &hold));
+}
+
+#[test]
+fn a_span_may_lie_over_the_start_of_a_closed_path() {
+    let round = |y: f64| {
+        let [start, near] = [[11.5, y, 1.21], [14.1, 0.0, 1.21]];
+        let corners = [[30.0, 0.0, 1.21], [30.0, 9.0, 1.21], [0.0, 9.0, 1.21], [0.0, 0.0, 1.21], [8.9, 0.0, 1.21]];
+        bead(1, &[&[start, near], &corners[..], &[start]].concat())
+    };
+    let mut over = round(0.0);
+    let far = bead(0, &[[30.0, 0.0, 0.4], [30.0, 9.0, 0.4], [0.0, 9.0, 0.4], [0.0, 0.0, 0.4]]);
+    let under = [&two_ends()[..], &[far]].concat();
+    assert_eq!(checked(&[&under[..], &[over.clone()]].concat()).unsupported.len(), 2);
+    over.closed = true;
+    let support = checked(&[&under[..], &[over.clone()]].concat());
+    let [span] = support.spans[..] else { panic!("one span: {support:?}") };
+    assert!((span.length() - (7.0 - 2.0 * beyond())).abs() <= 0.08 && (span.tip.x - 11.5).abs() < 0.05, "{span:?}");
+    // Bent at the start, it is none.
+    over = ToolPath { closed: true, ..round(1.0) };
+    assert!(checked(&[&under[..], &[over]].concat()).spans.is_empty());
 }
 
 #[test]
@@ -177,7 +242,7 @@ fn fine(path: &ToolPath, parts: usize) -> Vec<(Point3<f64>, Vector3<f64>, f64)> 
     points
 }
 
-/// The unsupported length of each path, point against point, for beads no wider than high.
+/// The length of each path that lies on nothing or is a span, point against point, for beads no wider than high.
 fn by_brute_force(paths: &[ToolPath]) -> Vec<f64> {
     let all: Vec<_> = paths.iter().map(|path| fine(path, 300)).collect();
     let is_held = |number: usize, (at, direction, _): &(Point3<f64>, Vector3<f64>, f64)| {
@@ -195,8 +260,20 @@ fn by_brute_force(paths: &[ToolPath]) -> Vec<f64> {
 }
 
 fn lengths(support: &BeadSupport, paths: usize) -> Vec<f64> {
-    let of = |path| support.unsupported.iter().filter(|piece| piece.path == path).map(UnsupportedPiece::length).sum();
+    let of = |path| {
+        support
+            .unsupported
+            .iter()
+            .chain(&support.spans)
+            .filter(|piece| piece.path == path)
+            .map(UnsupportedPiece::length)
+            .sum()
+    };
     (0..paths).map(of).collect()
+}
+
+fn without_support(support: &BeadSupport) -> f64 {
+    support.unsupported_mm() + support.span_mm()
 }
 
 proptest! {
@@ -217,8 +294,9 @@ proptest! {
         let fine = SupportOptions { step: 0.01, ..SupportOptions::default() };
         let [coarse, fine] = [SupportOptions::default(), fine].map(|options| check_support(&paths, HEIGHT, &options, &go_on).unwrap());
         // Each end by half a step; pieces and gaps shorter than a step may come and go.
-        let ends = 2 * coarse.unsupported.len().max(fine.unsupported.len());
-        prop_assert!((coarse.unsupported_mm() - fine.unsupported_mm()).abs() <= 0.08 * ends as f64 + 1e-9);
+        let ends = |support: &BeadSupport| 2 * (support.unsupported.len() + support.spans.len());
+        let [one, other] = [&coarse, &fine].map(without_support);
+        prop_assert!((one - other).abs() <= 0.08 * ends(&coarse).max(ends(&fine)) as f64 + 1e-9);
     }
 
     #[test]
@@ -230,7 +308,7 @@ proptest! {
             at.direction = Unit::new_normalize(turn * at.direction.into_inner());
         }
         // Rounding may turn single places.
-        let [one, other] = [&paths, &moved].map(|paths| checked(paths).unsupported_mm());
+        let [one, other] = [&paths, &moved].map(|paths| without_support(&checked(paths)));
         prop_assert!((one - other).abs() <= 0.17, "{one} {other}");
     }
 
