@@ -1,6 +1,6 @@
 //! What is wrong with what each stage has made, in plain words: when it is told, and when the exit status is 3.
 
-use crate::complete::{NozzleGrowth, Support};
+use crate::complete::{LayersBy, NozzleGrowth, Support};
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::motion::check::Checked;
@@ -373,6 +373,8 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
     let AllowArgs { allow_unsupported, allow_unsupported_beads, .. } = args.allow;
     let limits = [(share, allow_unsupported), (longest / bead_mm, allow_unsupported_beads)];
     let (_, grown) = args.complete.with_strategy(args.grow.strategy().is_none());
+    let is_by_hulls =
+        args.complete.layers_by == LayersBy::Hull && args.grow.strategy().is_none() && args.resume.is_none();
     let has_failed = limits.into_iter().any(|(value, limit)| value > limit);
     let severity = if has_failed { Failed } else { Told };
     findings
@@ -382,6 +384,7 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
         } else {
             String::new()
         })
+        .try_to(if is_by_hulls { "--layers-by distance" } else { "" })
         .try_to(if grown == Support::None { "--support auto" } else { "" })
         .try_to(if args.orient == Lying::Best { "" } else { "--orient best" })
         .allow(format!(

@@ -1292,9 +1292,11 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
         let of = text.lines().skip_while(|line| !line.contains(words)).take_while(|line| !line.contains("accept:"));
         of.collect::<Vec<_>>().join("\n")
     };
-    assert!(advice(&stderr).contains("--orient best") && !advice(&stderr).contains("--support auto"), "{stderr}");
+    assert!(advice(&stderr).ends_with("try: --layers-by distance; --orient best"), "{stderr}");
     let (_, without, ..) = printed("none", &["--support", "none"]);
-    assert!(advice(&without).contains("--support auto; --orient best"), "{without}");
+    assert!(advice(&without).contains("distance; --support auto; --orient best"), "{without}");
+    let (_, by_distance, ..) = printed("distance", &["--layers-by", "distance"]);
+    assert!(advice(&by_distance).ends_with("try: --orient best"), "{by_distance}");
     documented(&out);
     let figures = summary(&out);
     let figure = |key: &str| figures[key].as_f64().unwrap();

@@ -236,7 +236,7 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
         return Err(SupportError::Option { option: "min_drop", value: min_drop, wanted });
     }
     let not_below_zero = [("span_hold", span_hold), ("span_bend", span_bend)];
-    if let Some((option, value)) = not_below_zero.into_iter().find(|&(_, value)| !(value >= 0.0)) {
+    if let Some((option, value)) = not_below_zero.into_iter().find(|&(_, value)| value.is_nan() || value < 0.0) {
         return Err(SupportError::Option { option, value, wanted: "0 or more" });
     }
     let mut length = 0.0;

@@ -200,6 +200,8 @@ fn nonsense_is_refused() {
         SupportOptions { max_distance: 0.0, ..default },
         SupportOptions { step: f64::NAN, ..default },
         SupportOptions { min_drop: 2.0, ..default },
+        SupportOptions { span_hold: f64::NAN, ..default },
+        SupportOptions { span_bend: -0.1, ..default },
     ] {
         assert!(matches!(error(std::slice::from_ref(&path), options), SupportError::Option { .. }));
     }
