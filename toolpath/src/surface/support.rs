@@ -214,14 +214,13 @@ pub fn check_support(
     let laid = Laid::new(paths, layer_height, options);
     let of_path = |number: usize, path: &ToolPath| laid.unsupported(number, path);
     let pieces = parallel::map(paths, "support", progress, of_path).ok_or(SupportError::Cancelled)?;
-    let (spans, unsupported): (Vec<_>, Vec<_>) = pieces.into_iter().flatten().partition(|&(_, is_span)| is_span);
-    let alone = |pieces: Vec<(UnsupportedPiece, bool)>| pieces.into_iter().map(|(piece, _)| piece).collect();
     let bead_mm = paths.iter().flat_map(|path| path.waypoints.windows(2)).map(|pair| pair[1].arc - pair[0].arc);
-    Ok(BeadSupport {
-        bead_mm: bead_mm.fold(0.0, |sum, length| sum + length),
-        unsupported: alone(unsupported),
-        spans: alone(spans),
-    })
+    let bead_mm = bead_mm.fold(0.0, |sum, length| sum + length);
+    let mut support = BeadSupport { bead_mm, ..BeadSupport::default() };
+    for (piece, is_span) in pieces.into_iter().flatten() {
+        if is_span { &mut support.spans } else { &mut support.unsupported }.push(piece);
+    }
+    Ok(support)
 }
 
 fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Result<(), SupportError> {
