@@ -137,8 +137,8 @@ pub struct Growth {
     pub missed: Vec<MissedCell>,
     /// How it went.
     pub statistics: GrowthStatistics,
-    /// Cells that lie inside the hull of earlier layers and are within reach of the nozzle all the same, by rising number: those of
-    /// [`grow_with_nozzle`](super::grow_with_nozzle). The other cells keep the hull rule.
+    /// Cells that were judged by the nozzle, which reaches them, by rising number: those of [`grow_with_nozzle`](super::grow_with_nozzle), which lie
+    /// inside the hull of earlier layers, and all of [`grow_by_distance`](super::grow_by_distance). The other cells keep the hull rule.
     pub nozzle: Vec<NozzleCell>,
 }
 
