@@ -62,7 +62,7 @@ pub fn table(job: &Job, results: &Results) -> Table {
     table
 }
 
-/// What was checked, and what of it failed; the share of beads that lie on nothing fails by request only, so it is named here.
+/// What was checked, and what of it failed; the share of beads on nothing, also where that is allowed.
 fn checks(results: &Results) -> String {
     let Results { surfaces, paths, machine, motion, files, findings, .. } = results;
     let checked: Vec<&str> = [

@@ -1278,8 +1278,8 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
         (output.status.code(), stderr + &stdout, notices, out)
     };
     let words = "unsupported beads";
-    let told_all = ["--allow-unsupported", "1", "--allow-unsupported-beads", "1000"];
-    let (status, stderr, _, out) = printed("told", &told_all);
+    let lenient = ["--allow-unsupported", "1", "--allow-unsupported-beads", "1000"];
+    let (status, stderr, _, out) = printed("told", &lenient);
     assert!(status == Some(0) && stderr.contains(&format!("warning: {words}")), "{stderr}");
     // Its share stands beside what is said of the checks. What is tried already is no advice.
     let share = summary(&out)["unsupported_share"].as_f64().unwrap();
