@@ -5,12 +5,12 @@
 //! middle: of a ribbon 4.2 mm wide and a bead of 1.5 mm that are two to each side, 1.05 mm wide.
 //!
 //! * [`Fill::Lines`]: scan lines, joined to zigzags along the boundary (`lines`).
-//! * [`Fill::Concentric`]: the outline moved inwards again and again (`loops`).
+//! * [`Fill::Concentric`]: the outline moved inwards again and again.
 //! * [`Fill::Spiral`]: the same loops, joined by bridges into one closed curve a region (`spiral`), so that the nozzle starts and
 //!   stops once.
 
+mod inradius;
 mod lines;
-mod loops;
 mod spiral;
 
 use super::overlap::Region;
@@ -260,7 +260,7 @@ fn beads(region: &Region, source: usize, options: &FillOptions) -> Result<Option
     let whole = region.shape();
     // Half of the tolerance for the shape, half for its round corners.
     let thin: Shape = whole.iter().map(|ring| simplified(ring, 0.5 * options.tolerance)).collect();
-    let depth = loops::inradius(&thin, 0.002 * bead, 0.5 * options.tolerance);
+    let depth = inradius::inradius(&thin, 0.002 * bead);
     let stroke = |ring: &Ring, kind, width| Stroke { points: to_points(ring), closed: true, width, kind, source };
     // What lies within the bead on the outline is filled as a region of its own.
     let (mut outlines, first) = match options.contour {
