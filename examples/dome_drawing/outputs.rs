@@ -1,7 +1,7 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, `strokes.csv`, the program, pictures, and `report.html`.
 
 use super::plan::Planned;
-use super::robot::{NAME, Printed};
+use super::robot::{EVEN, NAME, Printed, on_platform};
 use super::{Args, input, pictures};
 use curvlay_examples::args::{Failure, Outcome, typed_name};
 use curvlay_examples::findings::{Findings, Severity, percent};
@@ -10,7 +10,6 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{Mesh, Model, Step};
-use curvlay_kinematics::nalgebra::Point3;
 use curvlay_kinematics::program::DomeOptions;
 use curvlay_toolpath::drawing::{StrokeKind, save_drawing, write_dxf};
 use std::io::{self, Write};
@@ -108,6 +107,21 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
         let amount = format!("{:.1e} mm at {} targets", printed.round_trip_mm, printed.targets_read);
         findings.add(Severity::Failed, "the program read back is not the plan", amount, "");
     }
+    let run = &printed.run;
+    let [slowest, fastest] = run.speed_mm_s;
+    if !printed.is_even() {
+        let wanted = DomeOptions::default().print_mm_s;
+        let amount = format!("{slowest:.2} to {fastest:.2} mm/s, not {wanted} within {}", percent(EVEN));
+        findings.add(Severity::Failed, "the nozzle does not go evenly", amount, "--step");
+    }
+    if run.lost + printed.off_course > 0 {
+        let amount = format!("{} moves, {} strokes", run.lost, printed.off_course);
+        findings.add(Severity::Failed, "straight moves of the program lead to other joints than planned", amount, "");
+    }
+    if run.joint_speed > 1.0 {
+        let amount = format!("{} of its limit", percent(run.joint_speed));
+        findings.add(Severity::Told, "the robot slows down where a joint is at its limit of speed", amount, "");
+    }
     let fills = !matches!(args.fill, super::FillKind::None) && !planned.overlaps.regions.is_empty();
     if fills && planned.coverage.covered < COVERED {
         let amount = format!("{} of the area", percent(1.0 - planned.coverage.covered));
@@ -178,6 +192,12 @@ pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
     row("axis 6 degrees", format!("{:.1}", printed.axis6_span_deg()), "");
     row("returns home", printed.returns_home.to_string(), "one a contour");
     row("strokes not printed", print.faults.len().to_string(), "");
+    let minutes = |seconds: f64| format!("{:.1}", seconds / 60.0);
+    row("minutes, with plunges and hops", minutes(printed.run.seconds), "");
+    row("of these printing", minutes(printed.run.printing_s), "");
+    row("nozzle mm/s", printed.run.speed_mm_s.map(|speed| format!("{speed:.2}")).join(" to "), "20");
+    row("turns of the extruder", format!("{:.1}", printed.extruder_turns()), "");
+    row("beads mm3", format!("{:.0}", printed.material_mm3(args.layer_height_mm)), "");
     row("moves", printed.program.written.moves.to_string(), "");
     row("modules", (printed.program.written.modules + 1).to_string(), "1, too large to load");
     row("read back within mm", format!("{:.1e}", printed.round_trip_mm), "");
@@ -241,6 +261,17 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("unreachable", print.faults.len())?
         .set("touching", printed.touching.values().sum::<usize>())?
         .set("blocked_travels", printed.blocked_travels)?
+        .set("program_min", printed.run.seconds / 60.0)?
+        .set("printing_min", printed.run.printing_s / 60.0)?
+        .set("printed_mm", printed.run.printed_mm)?
+        .set("min_nozzle_mm_s", printed.run.speed_mm_s[0])?
+        .set("max_nozzle_mm_s", printed.run.speed_mm_s[1])?
+        .set("extruder_turns", printed.extruder_turns())?
+        .set("material_mm3", printed.material_mm3(args.layer_height_mm))?
+        .set("conf_changes", printed.run.conf_changes)?
+        .set("joint_speed_fraction", printed.run.joint_speed)?
+        .set("inserted_points", print.inserted)?
+        .set("merged_points", print.merged)?
         .set("moves", printed.program.written.moves)?
         .set("modules", printed.program.written.modules + 1)?
         .set("round_trip_mm", printed.round_trip_mm)?;
@@ -249,35 +280,40 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
     Ok(summary)
 }
 
-/// The design as it is printed on the dome.
-fn build(args: &Args, planned: &Planned) -> Model {
-    let speed = DomeOptions::default().print_mm_s;
+/// The design as the program prints it on the dome, with the times of the program.
+fn build(args: &Args, planned: &Planned, printed: &Printed) -> Model {
     let mut steps = Vec::new();
-    for (path, on_surface) in (0..).zip(&planned.strokes) {
+    for (path, (printed, run)) in (0..).zip(printed.program.print.strokes.iter().zip(&printed.run.strokes)) {
+        let on_surface = &planned.strokes[printed.stroke];
         let stroke = planned.flat(on_surface);
         let kind = match stroke.kind {
             StrokeKind::Outline => 0,
             StrokeKind::Fill => 1,
             StrokeKind::Open => 2,
         };
-        let back = on_surface.points[..usize::from(stroke.closed).min(on_surface.points.len())].iter();
-        let mut last: Option<Point3<f64>> = None;
-        for at in on_surface.points.iter().chain(back) {
-            let (width, height, direction) = (stroke.width, args.layer_height_mm, *at.normal);
-            let seconds = last.map_or(0.0, |last| (at.position - last).norm() / speed);
-            let kind = if last.is_some() { kind } else { Step::TRAVEL };
+        let length = printed.lengths.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+        for (k, pose) in printed.poses.iter().enumerate() {
+            let (tip, direction) = on_platform(pose);
+            let (kind, seconds) = match k {
+                0 => (Step::TRAVEL, run.before_s),
+                _ => (kind, run.printing_s * (printed.lengths[k] - printed.lengths[k - 1]) / length),
+            };
             steps.push(Step {
-                tip: at.position,
-                direction,
-                width,
-                height,
+                tip,
+                direction: *direction,
+                width: stroke.width,
+                height: args.layer_height_mm,
                 kind,
                 layer: on_surface.layer,
                 path,
                 seconds,
             });
-            last = Some(at.position);
         }
+    }
+    // Away from the last one.
+    if let Some(last) = steps.last().copied() {
+        let seconds = printed.run.seconds - steps.iter().map(|step| step.seconds).sum::<f64>();
+        steps.push(Step { kind: Step::TRAVEL, seconds, ..last });
     }
     let (vertices, triangles) = pictures::mesh_of(planned);
     Model {
@@ -293,13 +329,17 @@ fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings
     let mut report = Report::new("A drawing on a dome");
     findings.report(&mut report);
     let print = &printed.program.print;
+    let run = &printed.run;
     report.paragraph(&format!(
         "The entities of the design are joined to contours; what an earlier contour fills is removed from later ones; what is left is \
          drawn in beads, and projected onto a platform that an IRB 120 holds under a fixed nozzle. The program has {} strokes in {} \
-         poses; {} strokes are not printed.",
+         poses; {} strokes are not printed. It takes {:.0} minutes at the speeds of its moves, {:.0} of them with the extruder on, without \
+         accelerations and the loading of modules.",
         print.strokes.len(),
         print.points(),
-        print.faults.len()
+        print.faults.len(),
+        run.seconds / 60.0,
+        run.printing_s / 60.0
     ));
     report.table("This run, beside the thesis", &table(args, planned, printed));
     let mut layers = Table::new(["layer", "entities"]);
@@ -307,7 +347,7 @@ fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings
         layers.row([name, count.to_string()]);
     }
     report.table("Layers of the file", &layers);
-    report.viewer(&build(args, planned));
+    report.viewer(&build(args, planned, printed));
     let captions = [
         "the entities of the file, a colour each",
         "joined contours: closed ones dark, open ones orange",

@@ -5,13 +5,13 @@ use super::stream::Command;
 use super::{Args, stream};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_kinematics::nalgebra::{Isometry3, Point2, Point3};
+use curvlay_kinematics::nalgebra::{Isometry3, Point2, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::program::link::{
     LinkMessage, LinkOptions, LinkProgress, LinkRapidOptions, LinkTranslator, MAX_NUMBER, write_link_rapid,
 };
 use curvlay_kinematics::program::{
-    DomeOptions, DomePrint, DomeRig, DomeStroke, Goal, Move, ProgramLimits, RapidOptions, RapidWritten, Step,
-    print_on_dome, read_rapid, write_rapid,
+    DomeOptions, DomePrint, DomeRig, DomeRun, DomeStroke, Goal, Move, PrintedStroke, ProgramLimits, RapidOptions,
+    RapidWritten, Step, print_on_dome, read_rapid, run_on_dome, write_rapid,
 };
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, nozzle_frame, robots};
@@ -34,8 +34,17 @@ const RPM_BEAD_MM: f64 = 3.2;
 /// Height of fill over outlines that are printed before, in millimetres (thesis, section 4.13).
 const FILL_ABOVE_MM: f64 = 0.2;
 
-/// The body of the platform in the scene lies so deep below its surface, in millimetres: the nozzle touches the surface.
+/// The body of the nozzle begins so far above its tip, in millimetres: the tip touches the platform.
 const SKIN_MM: f64 = 0.5;
+
+/// Ways up to a stroke are straight moves; so many pieces of them are proven as moves by joints, which are apart from them by micrometres.
+const PLUNGE_PIECES: u32 = 6;
+
+/// The shortest pieces of a way that are looked at, in millimetres. Near the platform longer than [`SKIN_MM`] would prove nothing.
+const WAY_RESOLUTION_MM: f64 = 0.1;
+
+/// The nozzle goes over the platform at the speed that was planned within this, as a share.
+pub const EVEN: f64 = 0.02;
 
 /// Waypoints at most so far apart, in millimetres, are looked at in the scene.
 const CHECK_EVERY_MM: f64 = 5.0;
@@ -45,6 +54,10 @@ const ROUND_TRIP_MM: f64 = 1e-3;
 
 /// Joints of a move that is read back are those that were planned within this, in radians: programs have four digits of a degree or more.
 const SAME_JOINT: f64 = 1e-5;
+
+/// Joints at the end of a stroke to which straight moves lead, each to the nearest ones, are those that were planned within this, in radians:
+/// poses have four digits of a millimetre. Another posture or another turn of an axis is a thousand times as far.
+const SAME_END: f64 = 1e-3;
 
 /// A program in memory.
 pub struct Program {
@@ -66,6 +79,10 @@ pub struct Printed {
     pub targets_read: usize,
     /// Moves between strokes, as read back, that are neither away from one nor to the next: returns home.
     pub returns_home: usize,
+    /// What the program does, as read back.
+    pub run: DomeRun,
+    /// Strokes of the program at the end of which the joints are not those that were planned.
+    pub off_course: usize,
 }
 
 impl Printed {
@@ -80,6 +97,22 @@ impl Printed {
 
     pub fn axis6_span_deg(&self) -> f64 {
         (self.program.print.axis6[1] - self.program.print.axis6[0]).to_degrees()
+    }
+
+    /// Turns of the extruder in all.
+    pub fn extruder_turns(&self) -> f64 {
+        self.run.fed / 60.0
+    }
+
+    /// Volume of the beads that the program lays: as wide as the extruder turns fast, and as high as a layer.
+    pub fn material_mm3(&self, layer_height_mm: f64) -> f64 {
+        self.run.fed_mm * RPM_BEAD_MM / RPM * layer_height_mm
+    }
+
+    /// Whether the nozzle goes evenly over the platform.
+    pub fn is_even(&self) -> bool {
+        let wanted = DomeOptions::default().print_mm_s;
+        self.run.speed_mm_s.iter().all(|speed| (speed / wanted - 1.0).abs() <= EVEN)
     }
 
     pub fn read_back(&self) -> bool {
@@ -134,7 +167,10 @@ pub fn program(args: &Args, planned: &Planned, bars: &Bars) -> Result<Program, F
         name: NAME.to_owned(),
         filament_signal: "aoExtruderRpm".to_owned(),
         moves_per_module: args.moves_per_module,
+        // Joints run along the borders of quarter turns; the check follows them through the program.
+        monitor_lines: false,
         limits: ProgramLimits::of_arm(&arm),
+        arm: Some(arm),
         ..RapidOptions::default()
     };
     let mut files: Vec<(String, Shared)> = Vec::new();
@@ -192,9 +228,8 @@ pub fn stream(
         .map_err(|error| Failure::new(format!("--stream: {error}")))
 }
 
-/// The scene: the arm, the platform in its hand, and the nozzle.
-fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
-    let rig = DomeRig::BROOKS;
+/// The platform: the hull of points of its surface.
+fn platform(args: &Args, planned: &Planned) -> Shape {
     let radius = 0.5 * args.platform_diameter_mm;
     let ring = |share: f64| {
         (0..48)
@@ -202,21 +237,36 @@ fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
             .map(move |a| Point2::new(share * radius * a.cos(), share * radius * a.sin()))
     };
     let rings = (0..=16).flat_map(|k| ring(f64::from(k) / 16.0));
-    let points: Vec<Point3<f64>> = rings
-        .filter_map(|at| planned.carrier.over(&at))
-        .map(|at| at.position - at.normal.into_inner() * SKIN_MM)
-        .collect();
-    let flange_platform = Isometry3::translation(0.0, 0.0, -rig.effector);
-    let nozzle = nozzle_frame(&rig.contact(), &-curvlay_kinematics::nalgebra::Vector3::z_axis());
+    let points = rings.filter_map(|at| planned.carrier.over(&at)).map(|at| at.position).collect();
+    Shape::Hull { points, radius: 0.0 }
+}
+
+/// Where the platform is in the hand.
+fn flange_platform() -> Isometry3<f64> {
+    Isometry3::translation(0.0, 0.0, -DomeRig::BROOKS.effector)
+}
+
+/// The tip of the nozzle on the platform, and which way is up there.
+pub fn on_platform(base_flange: &Isometry3<f64>) -> (Point3<f64>, UnitVector3<f64>) {
+    let platform = base_flange * flange_platform();
+    (
+        platform.inverse_transform_point(&DomeRig::BROOKS.contact()),
+        platform.rotation.inverse_transform_unit_vector(&Vector3::z_axis()),
+    )
+}
+
+/// The scene: the arm, the platform in its hand, and the nozzle.
+fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
+    let tip = DomeRig::BROOKS.contact() + Vector3::z() * SKIN_MM;
+    let nozzle = nozzle_frame(&tip, &-Vector3::z_axis());
     let circle = |radius: f64, z: f64| {
         (0..12).map(move |k| TAU * f64::from(k) / 12.0).map(move |a| Point3::new(radius * a.cos(), radius * a.sin(), z))
     };
     // A flat tip of 1 mm, a cone of 45 degrees, and a block of 20 mm.
     let cone = Shape::Hull { points: circle(0.5, 0.0).chain(circle(8.5, 8.0)).collect(), radius: 0.0 };
     let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
-    let platform = Shape::Hull { points, radius: 0.0 };
     let bodies = vec![
-        body("platform", Mount::Link(6), flange_platform, platform),
+        body("platform", Mount::Link(6), flange_platform(), platform(args, planned)),
         body("nozzle", Mount::Base, nozzle, cone),
         body("hot end", Mount::Base, nozzle, Shape::cylinder(10.0, 8.0, 60.0)),
     ];
@@ -231,7 +281,9 @@ pub fn check(
     seconds: Duration,
     bars: &Bars,
 ) -> Result<Printed, Failure> {
-    let scene = scene(args, planned, Arm::new(&robots::IRB120)?)?;
+    let arm = Arm::new(&robots::IRB120)?;
+    let scene = scene(args, planned, arm)?;
+    let hop_mm = options(args).hop_mm;
     let mut touching: BTreeMap<String, usize> = BTreeMap::new();
     let (mut checked, mut blocked_travels) = (0, 0);
     let mut before: Option<[f64; 6]> = None;
@@ -250,13 +302,47 @@ pub fn check(
                 *touching.entry(format!("{a} and {b}")).or_default() += 1;
             }
         }
-        if let Some(from) = before {
-            blocked_travels += usize::from(!scene.is_free(&from.into(), &stroke.below[0].into(), 1.0)?);
-        }
+        let mut way: Vec<[f64; 6]> = before.into_iter().collect();
+        way.extend(plunge(&arm, stroke, hop_mm));
+        let up = is_free(&scene, &way)?;
+        let down = is_free(&scene, &[stroke.joints[last], stroke.below[1]])?;
+        blocked_travels += usize::from(!up) + usize::from(!down);
         before = Some(stroke.below[1]);
     }
-    let ReadBack { off_mm: round_trip_mm, targets: targets_read, returns_home } = read_back(&program)?;
-    Ok(Printed { program, seconds, touching, checked, blocked_travels, round_trip_mm, targets_read, returns_home })
+    let ReadBack { off_mm: round_trip_mm, targets: targets_read, returns_home, run, off_course } = read_back(&program)?;
+    Ok(Printed {
+        program,
+        seconds,
+        touching,
+        checked,
+        blocked_travels,
+        round_trip_mm,
+        targets_read,
+        returns_home,
+        run,
+        off_course,
+    })
+}
+
+/// Joints from below a stroke straight up to its begin.
+fn plunge(arm: &Arm, stroke: &PrintedStroke, hop_mm: f64) -> Vec<[f64; 6]> {
+    let mut way = vec![stroke.below[0]];
+    for k in 1..PLUNGE_PIECES {
+        let mut pose = stroke.poses[0];
+        pose.translation.z -= hop_mm * (1.0 - f64::from(k) / f64::from(PLUNGE_PIECES));
+        way.extend(arm.continuing(&pose, &way[way.len() - 1]));
+    }
+    way.push(stroke.joints[0]);
+    way
+}
+
+fn is_free(scene: &Scene, way: &[[f64; 6]]) -> Result<bool, Failure> {
+    for pair in way.windows(2) {
+        if !scene.is_free(&pair[0].into(), &pair[1].into(), WAY_RESOLUTION_MM)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// What the program holds, as our own reader reads it.
@@ -266,6 +352,9 @@ struct ReadBack {
     targets: usize,
     /// Moves by joints that lead neither below the begin nor below the end of a stroke.
     returns_home: usize,
+    run: DomeRun,
+    /// Strokes that end at other joints than planned.
+    off_course: usize,
 }
 
 fn read_back(program: &Program) -> Result<ReadBack, Failure> {
@@ -277,26 +366,32 @@ fn read_back(program: &Program) -> Result<ReadBack, Failure> {
     let main = open(&format!("{NAME}.mod"))?;
     let mut planned = program.print.strokes.iter().flat_map(|stroke| &stroke.poses);
     let mut below = program.print.strokes.iter().flat_map(|stroke| stroke.below).peekable();
-    let mut read = ReadBack { off_mm: 0.0, targets: 0, returns_home: 0 };
-    for step in read_rapid(main, open)? {
-        match step? {
+    let (mut off_mm, mut targets, mut returns_home) = (0.0f64, 0, 0);
+    let steps: Vec<Step> = read_rapid(main, open)?.collect::<Result<_, _>>()?;
+    for step in &steps {
+        match step {
             Step::Move(Move { goal: Goal::Line(target), .. }) => {
-                read.targets += 1;
+                targets += 1;
                 // Of the platform's rim, the farthest point that the pose moves.
                 let off = planned.next().map_or(f64::INFINITY, |pose| {
                     let turn = target.pose.rotation.angle_to(&pose.rotation);
                     (target.pose.translation.vector - pose.translation.vector).norm() + 250.0 * turn
                 });
-                read.off_mm = read.off_mm.max(off);
+                off_mm = off_mm.max(off);
             }
             Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
                 let is_at = |planned: &[f64; 6]| joints.iter().zip(planned).all(|(a, b)| (a - b).abs() <= SAME_JOINT);
-                read.returns_home += usize::from(below.next_if(is_at).is_none());
+                returns_home += usize::from(below.next_if(is_at).is_none());
             }
             _ => {}
         }
     }
-    Ok(read)
+    let run = run_on_dome(&DomeRig::BROOKS, &Arm::new(&robots::IRB120)?, steps);
+    let ends = run.strokes.iter().zip(&program.print.strokes);
+    let is_off = |ours: &[f64; 6], planned: &[f64; 6]| ours.iter().zip(planned).any(|(a, b)| (a - b).abs() > SAME_END);
+    let off = ends.filter(|(ours, planned)| planned.joints.last().is_none_or(|end| is_off(&ours.joints, end))).count();
+    let off_course = off + run.strokes.len().abs_diff(program.print.strokes.len());
+    Ok(ReadBack { off_mm, targets, returns_home, run, off_course })
 }
 
 #[cfg(test)]
@@ -310,6 +405,7 @@ mod tests {
     /// A program of two strokes, with what comes after each.
     fn read(after: &[Step]) -> super::ReadBack {
         let stroke = |x: f64| PrintedStroke {
+            stroke: 0,
             poses: vec![Isometry3::translation(x, 0.0, 600.0), Isometry3::translation(x + 1.0, 0.0, 600.0)],
             joints: vec![[0.0; 6]; 2],
             confs: vec![ConfData::default(); 2],

@@ -60,6 +60,23 @@ fn the_design_made_in_code_is_printed() {
     assert!(figure("area_union_mm2") < figure("area_sum_mm2"));
     assert!(figure("axis6_min_deg") >= -400.0 && figure("axis6_max_deg") <= 400.0);
     assert!(figure("round_trip_mm") <= 1e-3);
+    // The nozzle goes at 20 mm/s on the whole path of the program, and configuration data change only where joints do.
+    assert!(figure("min_nozzle_mm_s") >= 19.6 && figure("max_nozzle_mm_s") <= 20.4);
+    assert!(count("conf_changes") * 100 < count("moves"), "{}", count("conf_changes"));
+    assert!(figure("joint_speed_fraction") < 1.0);
+    // Each stroke has 30 mm up and 30 mm down at 10 mm/s, and the way to the next one; the main module states the same time.
+    assert!((figure("printing_min") - figure("printed_mm") / 20.0 / 60.0).abs() < 1e-3 * figure("printing_min"));
+    assert!(figure("program_min") > figure("printing_min") + 0.1 * count("stops") as f64);
+    let main = fs::read_to_string(path.join("drawing.mod")).unwrap();
+    assert!(main.contains(&format!("  ! {:.1} s of motion", 60.0 * figure("program_min"))), "{main}");
+    assert!(main.contains("ConfL\\Off;"));
+    // Beads of these widths, a millimetre high; 4 turns a minute for a width of 3.2 mm at 20 mm/s.
+    let [narrow, wide] = ["min_width_mm", "max_width_mm"].map(|key| figure(key) * figure("printed_mm"));
+    assert!(figure("material_mm3") > narrow && figure("material_mm3") < wide);
+    assert!(
+        (figure("extruder_turns") - figure("material_mm3") / 3.2 / 20.0 * 4.0 / 60.0).abs()
+            < 1e-3 * figure("extruder_turns")
+    );
     assert!(figure("covered_fraction") >= 0.95 && figure("overlap_fraction") <= 0.04);
     assert!(count("stops") * 5 <= count("stops_scan_lines"));
     // A line for each point, on the dome of Eq. 3-1.
@@ -75,7 +92,8 @@ fn the_design_made_in_code_is_printed() {
     let parts: Vec<String> =
         (1..count("modules")).map(|k| fs::read_to_string(path.join(format!("drawing_{k:03}.mod"))).unwrap()).collect();
     let lines: usize = parts.iter().map(|part| part.matches("MoveL ").count()).sum();
-    assert_eq!(lines as u64, count("contour_points") + count("fill_points") + count("splits"));
+    let points = count("contour_points") + count("fill_points") + count("splits") + count("inserted_points");
+    assert_eq!(lines as u64, points - count("merged_points"));
     let starts: usize = parts.iter().map(|part| part.matches("SetDO doExtruder,1").count()).sum();
     assert_eq!(starts as u64, count("stops"));
     let report = fs::read_to_string(path.join("report.html")).unwrap();

@@ -5,12 +5,13 @@
 //! needed; every pose is solved by the inverse kinematics, joints next to the ones before.
 //!
 //! Departs from the thesis: configuration data are computed, not fixed; the speed of a move is such that the nozzle goes evenly over
-//! the dome, while the flange, to which RAPID's speed refers, may hardly move; the way to the next stroke is by joints.
+//! the platform, while the flange, to which RAPID's speed refers, may hardly move ([`run_on_dome`](super::run_on_dome) verifies it from
+//! the program); the way to the next stroke is by joints.
 
 use super::{ConfData, DomeRig, Goal, Move, Speed, Step, Target, TurnError, TurnPath, Zone, choose_turns};
 use crate::arm::Arm;
 use nalgebra::{Isometry3, Point3, UnitVector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
 /// A stroke on the surface.
@@ -29,7 +30,7 @@ pub struct DomeStroke {
 /// How a print on a dome is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DomeOptions {
-    /// Speed of the nozzle over the surface, mm/s. Default 20.
+    /// Speed of the nozzle over the platform, mm/s. Default 20.
     pub print_mm_s: f64,
     /// Speed down to a stroke and up from it, mm/s. Default 10.
     pub plunge_mm_s: f64,
@@ -45,8 +46,6 @@ pub struct DomeOptions {
     pub nozzle_mm: f64,
     /// How corners within a stroke are rounded, in millimetres of the flange's way. Default 0.3.
     pub corner_mm: f64,
-    /// What turning may take of axis 6 more than the shortest, as a share. Default 2.
-    pub turn_factor: f64,
 }
 
 impl Default for DomeOptions {
@@ -59,7 +58,6 @@ impl Default for DomeOptions {
             hop_mm: 30.0,
             nozzle_mm: 0.0,
             corner_mm: 0.3,
-            turn_factor: 2.0,
         }
     }
 }
@@ -67,15 +65,17 @@ impl Default for DomeOptions {
 /// A stroke as the robot prints it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrintedStroke {
+    /// Which of the strokes, from 0; a stroke may be printed in parts.
+    pub stroke: usize,
     /// Poses of the flange in the base.
     pub poses: Vec<Isometry3<f64>>,
     /// Joints at each of them.
     pub joints: Vec<[f64; 6]>,
-    /// Configuration data of those joints.
+    /// Configuration data of those joints. A joint within 1e-4 rad of the border of a quarter turn stays in the quarter turn of the point before.
     pub confs: Vec<ConfData>,
     /// Joints below the begin and the end, with the platform down from the nozzle.
     pub below: [[f64; 6]; 2],
-    /// How far the nozzle goes over the surface to each point, in millimetres.
+    /// How far the nozzle goes over the platform to each point, in millimetres.
     pub lengths: Vec<f64>,
     /// Speed of the filament.
     pub feed: f64,
@@ -92,6 +92,10 @@ pub struct DomePrint {
     pub faults: Vec<DomeFault>,
     /// How often a stroke was stopped because axis 6 cannot turn as far as it needs.
     pub splits: usize,
+    /// Points that are inserted because the nozzle would not go evenly from one point to the next.
+    pub inserted: usize,
+    /// Points that are left out because the nozzle would be there within a millisecond of the point before.
+    pub merged: usize,
     /// The least and the largest angle of axis 6, in radians.
     pub axis6: [f64; 2],
     /// How far axis 6 turns between strokes in all, in radians.
@@ -115,7 +119,7 @@ pub enum DomeFault {
     Reach {
         /// The stroke, from 0.
         stroke: usize,
-        /// The point, from 0, as the stroke is followed.
+        /// The point, from 0, or the way to it.
         point: usize,
         /// The point.
         x: f64,
@@ -196,7 +200,8 @@ fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], 
     let mut print = DomePrint { axis6: [home[5]; 2], home: *home, ..DomePrint::default() };
     let (mut previous, mut turn) = (*home, 0.0);
     // The last piece comes first.
-    let mut waiting: Vec<Piece> = strokes.iter().enumerate().rev().map(|of| Piece::of(of, options)).collect();
+    let mut waiting: Vec<Piece> = strokes.iter().enumerate().rev().map(|of| Piece::of(rig, of, options)).collect();
+    print.inserted = waiting.iter().map(|piece| piece.points.len() - piece.stroke.points.len()).sum();
     while let Some(Piece { number, stroke, points, turns, closed, whole }) = waiting.pop() {
         let path = TurnPath { turns: &turns, closed };
         let choice = match choose_turns(&[path], range, turn) {
@@ -217,16 +222,20 @@ fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], 
         };
         let (points, turns) = (choice.ordered(&points), choice.turned(&turns));
         let above = stroke.above + options.nozzle_mm;
-        let poses: Vec<Isometry3<f64>> = points
-            .iter()
-            .zip(&turns)
-            .map(|((at, normal), turn)| rig.target_on(&(at + normal.into_inner() * above), normal, *turn))
-            .collect();
+        // Where the tip is.
+        let tips: Vec<Point3<f64>> = points.iter().map(|place| place.at + place.normal.into_inner() * above).collect();
+        let posed = tips.iter().zip(&points).zip(&turns);
+        let mut poses: Vec<Isometry3<f64>> =
+            posed.map(|((tip, place), turn)| rig.target_on(tip, &place.normal, *turn)).collect();
         match follow(arm, &previous, &poses, options.hop_mm, constant, &turns) {
-            Ok((joints, below)) => {
+            Ok((mut joints, below)) => {
+                let kept = spaced(&tips, options.print_mm_s * MIN_SECONDS);
+                print.merged += tips.len() - kept.len();
+                poses = kept.iter().map(|&k| poses[k]).collect();
+                joints = kept.iter().map(|&k| joints[k]).collect();
                 let mut along = 0.0;
-                let steps = points.iter().enumerate().map(|(k, (at, _))| {
-                    along += if k > 0 { (at - points[k - 1].0).norm() } else { 0.0 };
+                let steps = (0..kept.len()).map(|k| {
+                    along += if k > 0 { (tips[kept[k]] - tips[kept[k - 1]]).norm() } else { 0.0 };
                     along
                 });
                 let lengths = steps.collect();
@@ -236,11 +245,13 @@ fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], 
                 print.travel += choice.travel.abs();
                 previous = below[1];
                 turn = turns.last().copied().unwrap_or(turn);
-                let confs = joints.iter().map(|joints| ConfData::of(arm, joints)).collect();
-                print.strokes.push(PrintedStroke { poses, joints, confs, below, lengths, feed: stroke.feed });
+                let confs = quarters(arm, &joints);
+                let feed = stroke.feed;
+                print.strokes.push(PrintedStroke { stroke: number, poses, joints, confs, below, lengths, feed });
             }
             Err(point) => {
-                let at = points.get(point).map_or_else(Point3::origin, |(at, _)| *at);
+                let point = points.get(point).map_or(point, |place| place.point);
+                let at = stroke.points.get(point).map_or_else(Point3::origin, |(at, _)| *at);
                 print.faults.push(DomeFault::Reach { stroke: number, point, x: at.x, y: at.y, z: at.z });
             }
         }
@@ -252,19 +263,66 @@ fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], 
 struct Piece<'a> {
     number: usize,
     stroke: &'a DomeStroke,
-    points: Vec<(Point3<f64>, UnitVector3<f64>)>,
+    points: Vec<Place>,
     turns: Vec<f64>,
     closed: bool,
     whole: bool,
 }
 
 impl<'a> Piece<'a> {
-    fn of((number, stroke): (usize, &'a DomeStroke), options: &DomeOptions) -> Self {
+    fn of(rig: &DomeRig, (number, stroke): (usize, &'a DomeStroke), options: &DomeOptions) -> Self {
         let places: Vec<Point3<f64>> = stroke.points.iter().map(|(at, _)| *at).collect();
-        let mut turns = DomeRig::turns(&places, options.pole_mm);
-        turns.iter_mut().for_each(|turn| *turn += options.added_turn);
-        Piece { number, stroke, points: stroke.points.clone(), turns, closed: stroke.closed, whole: true }
+        let given = DomeRig::turns(&places, options.pole_mm);
+        let (mut points, mut turns): (Vec<Place>, Vec<f64>) = (Vec::new(), Vec::new());
+        for (point, &(at, normal)) in stroke.points.iter().enumerate() {
+            let turn = given[point] + options.added_turn;
+            if let Some((from, last)) = points.last().copied().zip(turns.last().copied()) {
+                let above = stroke.above + options.nozzle_mm;
+                let ends = [(from.at, from.normal, last), (at, normal, turn)];
+                let poses = ends.map(|(at, normal, turn)| rig.target_on(&(at + *normal * above), &normal, turn));
+                let parts = parts(rig, &poses, options.print_mm_s * MIN_SECONDS);
+                for k in (1..MAX_PARTS).take_while(|k| f64::from(*k) < parts) {
+                    let share = f64::from(k) / parts;
+                    let normal = UnitVector3::new_normalize(from.normal.lerp(&normal, share));
+                    points.push(Place { at: from.at + (at - from.at) * share, normal, point });
+                    turns.push(last + (turn - last) * share);
+                }
+            }
+            points.push(Place { at, normal, point });
+            turns.push(turn);
+        }
+        Piece { number, stroke, points, turns, closed: stroke.closed, whole: true }
     }
+}
+
+/// A point of a stroke, or one between it and the point before.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    at: Point3<f64>,
+    normal: UnitVector3<f64>,
+    /// Which of the points of the stroke, from 0.
+    point: usize,
+}
+
+/// The speed of the nozzle over the platform differs by at most so much within a move, as a share. Between targets the flange goes straight
+/// where it should go along an arc, so the nozzle is slower at one end than at the other: by 2.4 % on a line of 1 mm through the pole, and by
+/// half of it on half of the way. More would be seen by the check of 2 %; less makes longer programs.
+const UNEVEN: f64 = 0.01;
+/// A move is divided into so many at most.
+const MAX_PARTS: u32 = 32;
+
+/// Into how many parts a move has to be divided so that the nozzle goes evenly on each of them; none shorter than `least`. Not a number for poses
+/// that are none.
+fn parts(rig: &DomeRig, [from, to]: &[Isometry3<f64>; 2], least: f64) -> f64 {
+    let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
+    let way = to.translation.vector - from.translation.vector;
+    let contact = rig.contact().coords;
+    // Of a point of the platform that is at the nozzle, as the move begins and ends.
+    let [begin, end] = [from, to].map(|pose| (way + turn.cross(&(contact - pose.translation.vector))).norm());
+    let tip = |pose: &Isometry3<f64>| pose.inverse_transform_point(&rig.contact());
+    let length = (tip(to) - tip(from)).norm();
+    let off = (begin - length).abs().max((end - length).abs());
+    (off / (UNEVEN * length)).ceil().min((length / least).floor()).clamp(1.0, f64::from(MAX_PARTS))
 }
 
 /// Parts of a path, each as long as its angles stay within a span; neighbours have a point together.
@@ -281,6 +339,50 @@ fn within_span(turns: &[f64], span: f64) -> Vec<Range<usize>> {
     }
     parts.push(begin..turns.len());
     parts
+}
+
+/// The points of a path that are at least so far from the one before; the first and the last always.
+fn spaced(tips: &[Point3<f64>], least: f64) -> Vec<usize> {
+    let mut kept = vec![0];
+    for k in 1..tips.len() {
+        let far = |from: usize| (tips[k] - tips[from]).norm() >= least;
+        if kept.last().is_some_and(|&from| far(from)) {
+            kept.push(k);
+        } else if k + 1 == tips.len() {
+            // The last takes the place of the one before, unless that is the first.
+            kept.truncate(kept.len().max(2) - 1);
+            kept.push(k);
+        }
+    }
+    kept
+}
+
+/// A joint this near the border of a quarter turn, in radians, counts to the quarter turn of the point before. The arm stands in its YZ plane
+/// while it prints on a surface of revolution, so joint 1 is at -90 or 90 degrees and joint 4 at 0: rounding would decide, at
+/// each point anew. Quaternions of a program have eight digits, which give joints to about 1e-7; beyond 1e-3 a controller that compares
+/// configuration data with its joints could see another quarter turn.
+const BORDER: f64 = 1e-4;
+
+/// Configuration data along a path.
+fn quarters(arm: &Arm, joints: &[[f64; 6]]) -> Vec<ConfData> {
+    let mut before: Option<ConfData> = None;
+    let follow = |joints: &[f64; 6]| {
+        let mut conf = ConfData::of(arm, joints);
+        if let Some(before) = before {
+            let steady = |now: &mut i32, last: i32, joint: usize| {
+                let begin = f64::from(last) * FRAC_PI_2;
+                if (begin - BORDER..=begin + FRAC_PI_2 + BORDER).contains(&joints[joint]) {
+                    *now = last;
+                }
+            };
+            steady(&mut conf.cf1, before.cf1, 0);
+            steady(&mut conf.cf4, before.cf4, 3);
+            steady(&mut conf.cf6, before.cf6, 5);
+        }
+        before = Some(conf);
+        conf
+    };
+    joints.iter().map(follow).collect()
 }
 
 /// Joints 1 to 5 may change by so much from one point of a path to the next, in radians; more is another posture, through which no
@@ -356,9 +458,11 @@ impl PrintedStroke {
             let seconds = ((self.lengths[k] - self.lengths[k - 1]) / options.print_mm_s).max(MIN_SECONDS);
             let way = (self.poses[k].translation.vector - self.poses[k - 1].translation.vector).norm();
             let turn = self.poses[k].rotation.angle_to(&self.poses[k - 1].rotation);
+            // The slower of way and turn sets the time of a move (RAPID's `speeddata`), so each of them takes it all: where the flange stands
+            // still, as on a ring around the pole, only turning is left.
             let speed = Speed {
-                mm_s: (way / seconds).max(MIN_SPEED_MM_S),
-                rad_s: (options.turn_factor * turn / seconds).max(MIN_TURN_RAD_S),
+                mm_s: ((way + ROUNDING_MM) / seconds).max(MIN_SPEED_MM_S),
+                rad_s: (turn / seconds).max(MIN_TURN_RAD_S),
             };
             let zone = if k == last { Zone::Stop } else { Zone::Blend(options.corner_mm) };
             to(target(k), speed, zone)
@@ -369,8 +473,11 @@ impl PrintedStroke {
     }
 }
 
-/// A move takes this at least: the time of a controller's tick.
+/// A move takes this at least, a quarter of a controller's tick: points that are nearer are left out, as the nozzle would slow down for them.
 const MIN_SECONDS: f64 = 1e-3;
-/// Slowest speeds that are written; where the flange hardly moves, turning sets the time.
+/// What four digits take from or add to the way between two targets, in millimetres. A flange that stands still but for turning has a way of
+/// that length in the program; at the speed of a shorter way it would set the time. A move of 0.1 mm that only goes straight is 0.2 % too fast.
+const ROUNDING_MM: f64 = 2e-4;
+/// Slowest speeds that are written. A nozzle that goes over the platform at 2 mm/s or more needs more of one of them.
 const MIN_SPEED_MM_S: f64 = 0.01;
 const MIN_TURN_RAD_S: f64 = 0.01;

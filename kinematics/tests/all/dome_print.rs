@@ -2,12 +2,16 @@
 
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_kinematics::program::{
-    DomeFault, DomeOptions, DomeRig, DomeStroke, ExtruderCommand, ExtruderCommandError, Goal, Move, Step, TurnError,
-    TurnPath, Zone, choose_turns, print_on_dome,
+    ConfData, DomeFault, DomeOptions, DomePrint, DomeRig, DomeRun, DomeStroke, ExtruderCommand, ExtruderCommandError,
+    Goal, Move, RapidOptions, Speed, Step, Target, TurnError, TurnPath, Zone, choose_turns, print_on_dome, read_rapid,
+    run_on_dome, write_rapid,
 };
 use curvlay_kinematics::{Arm, Cell, Waypoint, nozzle_frame, robots};
 use proptest::prelude::*;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::rc::Rc;
 
 fn arm() -> Arm {
     Arm::new(&robots::IRB120).unwrap()
@@ -205,26 +209,143 @@ fn what_cannot_be_printed_is_named() {
     assert!(print.faults[0].to_string().contains("point 1 at (900.0, 0.0"), "{}", print.faults[0]);
 }
 
-/// The nozzle goes evenly over the surface, whatever the flange does.
-#[test]
-fn speeds_are_those_over_the_surface() {
+/// Writes strokes as RAPID, reads the program again and follows it.
+fn run(strokes: &[DomeStroke], options: &DomeOptions) -> (DomePrint, DomeRun, String) {
     let (rig, arm) = (DomeRig::BROOKS, arm());
-    let options = DomeOptions::default();
-    let print = print_on_dome(&rig, &arm, &[ring(60.0, 1.0)], &options);
-    let mut poses: Vec<Isometry3<f64>> = Vec::new();
-    let mut seconds = 0.0;
-    for step in print.steps(&options).skip(1) {
-        let Step::Move(Move { goal: Goal::Line(target), speed, .. }) = step else { continue };
-        if let Some(last) = poses.last() {
-            let way = (target.pose.translation.vector - last.translation.vector).norm() / speed.mm_s;
-            let turn =
-                UnitQuaternion::angle_to(&target.pose.rotation, &last.rotation) / speed.rad_s * options.turn_factor;
-            seconds += way.max(turn);
-        }
-        poses.push(target.pose);
+    let print = print_on_dome(&rig, &arm, strokes, options);
+    assert!(print.faults.is_empty(), "{:?}", print.faults);
+    let rapid = RapidOptions { monitor_lines: false, ..RapidOptions::default() };
+    let mut files: BTreeMap<String, Rc<RefCell<Vec<u8>>>> = BTreeMap::new();
+    write_rapid(print.steps(options), &rapid, |name| Ok(Bytes(files.entry(name.to_owned()).or_default().clone())))
+        .unwrap();
+    let files: BTreeMap<String, Vec<u8>> = files.into_iter().map(|(name, file)| (name, file.take())).collect();
+    let open = |path: &str| Ok(files[path.trim_start_matches("HOME:")].as_slice());
+    let steps = read_rapid(files["curvlay.mod"].as_slice(), open).unwrap().map(Result::unwrap);
+    let main = String::from_utf8(files["curvlay.mod"].clone()).unwrap();
+    (print, run_on_dome(&rig, &arm, steps), main)
+}
+
+struct Bytes(Rc<RefCell<Vec<u8>>>);
+
+impl std::io::Write for Bytes {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
     }
-    let expected = print.strokes[0].lengths.last().unwrap() / options.print_mm_s;
-    assert!((seconds - expected).abs() < 0.01 * expected, "{seconds} {expected}");
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// On rings around the pole the flange stands still but for turning; a line through it turns half around within 10 mm; a spiral does all.
+#[test]
+fn the_nozzle_goes_evenly_whatever_the_flange_does() {
+    let spiral = |k: u32| {
+        let (r, a) = (0.02 * f64::from(k), 0.05 * f64::from(k));
+        [r * a.cos(), r * a.sin()]
+    };
+    for (what, stroke) in [
+        ("small ring", ring(5.5, 1.0)),
+        ("ring", ring(60.0, 1.0)),
+        ("large ring", ring(120.0, -1.0)),
+        ("line", stroke((-80..=80).map(|x| [f64::from(x), 0.3]), false)),
+        ("beside the pole", stroke((-160..=160).map(|x| [0.5 * f64::from(x), 4.0]), false)),
+        ("spiral", stroke((0..400).map(spiral), false)),
+    ] {
+        let (print, run, _) = run(&[DomeStroke { above: 0.2, ..stroke }], &DomeOptions::default());
+        assert!(run.speed_mm_s.iter().all(|speed| (speed - 20.0).abs() < 0.02 * 20.0), "{what}: {:?}", run.speed_mm_s);
+        let length = print.strokes[0].lengths.last().unwrap();
+        assert!((run.printed_mm - length).abs() < 1e-3 * length, "{what}: {} {length}", run.printed_mm);
+        assert!((run.fed - 2.0 * run.printing_s).abs() < 1e-9 && (run.fed_mm - 2.0 * run.printed_mm).abs() < 1e-6);
+        // The nozzle plunges over 30 mm at 10 mm/s, down and up again.
+        assert!((run.seconds - run.printing_s - 6.0).abs() < 1e-2, "{what}: {} {}", run.seconds, run.printing_s);
+        assert_eq!((run.lost, run.strokes.len()), (0, 1), "{what}");
+        let (ours, theirs) = (run.strokes[0].joints, print.strokes[0].joints.last().unwrap());
+        assert!((0..6).all(|joint| (ours[joint] - theirs[joint]).abs() < 1e-5), "{what}: {ours:?} {theirs:?}");
+    }
+}
+
+/// On waves the normals turn from point to point, and the flange, 190 mm away, goes many times as far as the nozzle.
+#[test]
+fn the_nozzle_goes_evenly_over_waves() {
+    let wave = |x: f64| {
+        let normal = UnitVector3::new_normalize(Vector3::new(-0.2 * (x / 15.0).cos(), 0.0, 1.0));
+        (Point3::new(x, 30.0, 140.0 + 3.0 * (x / 15.0).sin()), normal)
+    };
+    let waves =
+        DomeStroke { points: (-40..=40).map(|x| wave(f64::from(x))).collect(), closed: false, feed: 1.0, above: 0.0 };
+    let (print, run, _) = run(&[waves], &DomeOptions::default());
+    assert!(run.speed_mm_s.iter().all(|speed| (speed - 20.0).abs() < 0.02 * 20.0), "{:?}", run.speed_mm_s);
+    assert!(print.inserted > 0 && print.points() == 81 + print.inserted);
+}
+
+/// Joint 1 is at -90 degrees and joint 4 at 0 on the whole ring: rounding must not choose their quarter turns. Joint 6 passes four borders.
+#[test]
+fn configuration_data_do_not_flip_on_a_border() {
+    let (_, run, main) = run(&[ring(60.0, 1.0)], &DomeOptions::default());
+    assert!(run.conf_changes <= 4, "{}", run.conf_changes);
+    assert!(main.contains("ConfL\\Off;\n"));
+}
+
+/// Points that are nearer than the nozzle goes in a millisecond are left out, so that it does not slow down for them; the ends stay.
+#[test]
+fn points_next_to_each_other_do_not_slow_the_nozzle_down() {
+    let row = |xs: &[f64]| stroke(xs.iter().map(|x| [*x, 40.0]), false);
+    let (print, run, _) = run(&[row(&[0.0, 0.001, 1.0, 1.005, 1.018, 1.03, 2.0, 2.01])], &DomeOptions::default());
+    assert_eq!((print.merged, print.points()), (4, 4));
+    assert!(run.speed_mm_s.iter().all(|speed| (speed - 20.0).abs() < 0.02 * 20.0), "{:?}", run.speed_mm_s);
+    let (at, normal) = dome(2.01, 40.0);
+    let end = DomeRig::turns(&[at], 5.0)[0];
+    let pose = DomeRig::BROOKS.target_on(&at, &normal, end + PI);
+    assert!((print.strokes[0].poses[3].translation.vector - pose.translation.vector).norm() < 1e-9);
+    // Both ends of a stroke that is as short stay.
+    let (print, ..) = self::run(&[row(&[0.0, 0.005, 0.01])], &DomeOptions::default());
+    assert_eq!((print.merged, print.points()), (1, 2));
+}
+
+/// The follower of programs by figures that were computed by hand.
+#[test]
+fn a_program_is_followed_as_its_speeds_say() {
+    let (rig, arm) = (DomeRig::BROOKS, arm());
+    // The flange 12 mm beside the nozzle; it turns about its own axis, and goes on by 3 mm.
+    let pose = |y: f64, turn: f64| {
+        let at = rig.contact() - Vector3::new(0.0, 12.0 + y, rig.top - rig.effector);
+        Isometry3::from_parts(at.into(), UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn))
+    };
+    let line = |pose: Isometry3<f64>, mm_s: f64, rad_s: f64, cf6: i32| {
+        let goal = Goal::Line(Target { pose, conf: ConfData { cf6, ..ConfData::default() } });
+        Step::Move(Move { goal, table: None, speed: Speed { mm_s, rad_s }, zone: Zone::Stop })
+    };
+    let joints = arm.continuing(&pose(0.0, 0.0), &[-PI / 2.0, 0.0, 0.0, 0.0, -0.5, 0.0]).unwrap();
+    let begin = Step::Move(Move { goal: Goal::Joints(joints), table: None, speed: Speed::default(), zone: Zone::Stop });
+    let steps = [
+        begin,
+        // 2 s of turning, half of it with the extruder off.
+        line(pose(0.0, 0.5), 10.0, 0.5, 0),
+        Step::Extruder(true),
+        Step::FilamentSpeed(4.0),
+        line(pose(0.0, 1.0), 10.0, 0.5, 0),
+        // 3 s at 1 mm/s.
+        line(pose(3.0, 1.0), 1.0, 0.5, 1),
+        Step::Extruder(false),
+        // Out of reach.
+        line(pose(2000.0, 1.0), 1000.0, 0.5, 1),
+    ];
+    let run = run_on_dome(&rig, &arm, steps);
+    assert!((run.seconds - (1.0 + 1.0 + 3.0 + 1.997)).abs() < 1e-9, "{}", run.seconds);
+    assert!((run.printing_s - 4.0).abs() < 1e-9 && (run.fed - 16.0).abs() < 1e-9);
+    // 12 mm about the axis of the flange, by half a radian in eight chords.
+    assert!((run.printed_mm - 9.0).abs() < 1e-3 && (run.fed_mm - 36.0).abs() < 4e-3, "{}", run.printed_mm);
+    assert!((run.speed_mm_s[0] - 1.0).abs() < 1e-9 && (run.speed_mm_s[1] - 6.0).abs() < 1e-3, "{:?}", run.speed_mm_s);
+    assert_eq!((run.conf_changes, run.lost), (1, 1));
+    let [stroke] = run.strokes[..] else { panic!() };
+    assert!((stroke.before_s - 1.0).abs() < 1e-9 && (stroke.printing_s - 4.0).abs() < 1e-9);
+    let end = arm.forward(&stroke.joints);
+    assert!((end.translation.vector - pose(3.0, 1.0).translation.vector).norm() < 1e-6);
+    // Joint 6 turns at 0.5 rad/s of 420 degrees a second, and others hardly.
+    assert!(run.joint_speed >= 0.5 / 420f64.to_radians() - 1e-9 && run.joint_speed < 0.1, "{}", run.joint_speed);
+    let nothing = run_on_dome(&rig, &arm, []);
+    assert_eq!((nothing.speed_mm_s, nothing.strokes.len(), nothing.lost), ([0.0; 2], 0, 0));
 }
 
 proptest! {

@@ -161,6 +161,11 @@ pub struct RapidOptions {
     /// Where the extruder is switched. Default [`RapidSwitching::Between`]; [`RapidOptions::of_workcell`] takes
     /// [`RapidSwitching::OnPath`] with the lag of the workcell's extruder.
     pub switching: RapidSwitching,
+    /// Whether the controller stops where a straight line does not end in the configuration that its target names (`ConfL\On`). Default true. With
+    /// false (`ConfL\Off`) it goes on to the joints nearest to those before, and the configuration data of lines say nothing: for lines
+    /// whose joints change little from one target to the next, when they run along the border of a quarter turn. Moves to joints are exact
+    /// either way.
+    pub monitor_lines: bool,
     /// Limits of the accelerations, at the begin of each part module, so that they hold wherever a program is started. Default
     /// `Some(RapidAcceleration::default())`; with `None` what is set on the controller stays.
     pub acceleration: Option<RapidAcceleration>,
@@ -207,6 +212,7 @@ impl Default for RapidOptions {
             filament_signal: "aoFilament".to_owned(),
             filament_output: FilamentOutput::Analog,
             switching: RapidSwitching::Between,
+            monitor_lines: true,
             acceleration: Some(RapidAcceleration::default()),
             folder: "HOME:".to_owned(),
             moves_per_module: 5000,

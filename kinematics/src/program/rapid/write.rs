@@ -396,7 +396,7 @@ fn write_main<W: Write>(
     };
     text.word("  PROC main()\n");
     off(&mut text);
-    text.word("    ConfJ\\On;\n    ConfL\\On;\n");
+    text.word("    ConfJ\\On;\n    ConfL\\").word(if options.monitor_lines { "On" } else { "Off" }).word(";\n");
     if let Some(unit) = &options.work_object.unit {
         text.word("    ActUnit ").word(unit).word(";\n");
     }
