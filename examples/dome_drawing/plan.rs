@@ -4,7 +4,7 @@ use super::input::{fault, skipped};
 use super::{Args, FillKind, ProjectionKind, input};
 use curvlay_examples::args::{Failure, warn};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::mesh::{MeshFile, read_mesh_file};
+use curvlay_examples::mesh::{Mesh, MeshFile, read_mesh_file};
 use curvlay_kinematics::nalgebra::{Point2, Point3, Vector3};
 use curvlay_toolpath::drawing::{
     Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, Gap, MeshSurface,
@@ -106,6 +106,8 @@ pub struct Planned {
     pub on_printed: usize,
     pub thinned_mm: f64,
     pub carrier: Carrier,
+    /// The mesh that carries the design, in the frame of the platform.
+    pub mesh: Option<Mesh>,
     pub projection: Projection,
     pub strokes: Vec<OnSurface>,
     /// Strokes of the same design filled with scan lines that are not joined, as in the thesis.
@@ -125,7 +127,8 @@ impl Planned {
     }
 }
 
-fn carrier(args: &Args) -> Result<Carrier, Failure> {
+/// What carries the design, and the mesh that it is, if it is one.
+fn carrier(args: &Args) -> Result<(Carrier, Option<Mesh>), Failure> {
     let radius = 0.5 * args.platform_diameter_mm;
     let profile = match args.surface.as_str() {
         "dome" => Profile::brooks(),
@@ -139,17 +142,19 @@ fn carrier(args: &Args) -> Result<Carrier, Failure> {
             let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
             let shift = Vector3::new(-0.5 * (low.x + high.x), -0.5 * (low.y + high.y), 149.6 - high.z);
             let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
+            let placed = Mesh { vertices, triangles: mesh.triangles };
             let kind = match args.projection {
                 ProjectionKind::Rigid => UnrollKind::Rigid,
                 ProjectionKind::Conformal => UnrollKind::Conformal,
                 _ => {
-                    let mesh = MeshSurface::new(&vertices, &mesh.triangles).map_err(|error| fault(path, error))?;
-                    return Ok(Carrier::Mesh(mesh));
+                    let surface = MeshSurface::new(&placed.vertices, &placed.triangles);
+                    return Ok((Carrier::Mesh(surface.map_err(|error| fault(path, error))?), Some(placed)));
                 }
             };
             let options = UnrollOptions { kind, reach: radius, ..UnrollOptions::default() };
-            let unrolled = UnrolledMesh::new(&vertices, &mesh.triangles, options);
-            return Ok(Carrier::Unrolled(Box::new(unrolled.map_err(|error| fault(path, error))?)));
+            let unrolled = UnrolledMesh::new(&placed.vertices, &placed.triangles, options);
+            let unrolled = unrolled.map_err(|error| fault(path, error))?;
+            return Ok((Carrier::Unrolled(Box::new(unrolled)), Some(placed)));
         }
     };
     if matches!(args.projection, ProjectionKind::Rigid | ProjectionKind::Conformal) {
@@ -164,7 +169,7 @@ fn carrier(args: &Args) -> Result<Carrier, Failure> {
             args.surface, args.platform_diameter_mm
         ))
     })?;
-    Ok(Carrier::Revolved(revolved))
+    Ok((Carrier::Revolved(revolved), None))
 }
 
 /// How the beads lie.
@@ -265,7 +270,7 @@ fn no_bead(args: &Args, drawing: &Drawing, size_mm: [f64; 2], scale: f64) -> Str
 pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     bars.update("read", 0, 5);
     let (name, drawing) = input::read(args)?;
-    let carrier = carrier(args)?;
+    let (carrier, mesh) = carrier(args)?;
     let here = |error: &dyn std::fmt::Display| Failure::new(format!("{name}: {error}"));
     check_layers(args, &drawing).map_err(|what| here(&what))?;
     let pieces = drawing.contours(|layer| wanted(args, layer), Flatten::default()).map_err(|error| here(&error))?;
@@ -341,6 +346,7 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
         on_printed,
         thinned_mm,
         carrier,
+        mesh,
         projection,
         strokes,
         contours,

@@ -228,8 +228,11 @@ pub fn stream(
         .map_err(|error| Failure::new(format!("--stream: {error}")))
 }
 
-/// The platform: the hull of points of its surface.
+/// The platform: the mesh that it is, or the hull of a surface of revolution, which is convex.
 fn platform(args: &Args, planned: &Planned) -> Shape {
+    if let Some(mesh) = &planned.mesh {
+        return Shape::Mesh { points: mesh.vertices.clone(), triangles: mesh.triangles.clone() };
+    }
     let radius = 0.5 * args.platform_diameter_mm;
     let ring = |share: f64| {
         (0..48)

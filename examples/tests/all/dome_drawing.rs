@@ -183,6 +183,42 @@ fn a_mesh_is_unrolled() {
     assert!(error.contains("take meridian"), "{error}");
 }
 
+/// Heights over a square of 280 mm, as OBJ.
+fn height_field(height: impl Fn(f64, f64) -> f64) -> String {
+    let n = 57u32;
+    let at = |k: u32| 5.0 * f64::from(k) - 140.0;
+    let mut obj = String::new();
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        obj += &format!("v {} {} {}\n", at(i), at(j), height(at(i), at(j)));
+    }
+    for (i, j) in (0..n - 1).flat_map(|i| (0..n - 1).map(move |j| (i, j))) {
+        let [a, b, c, d] = [i * n + j, i * n + j + 1, (i + 1) * n + j, (i + 1) * n + j + 1].map(|k| k + 1);
+        obj += &format!("f {a} {c} {d}\nf {a} {d} {b}\n");
+    }
+    obj
+}
+
+/// The convex hull of a bowl or a saddle would touch the nozzle at each waypoint; the mesh itself does not. A pin beside the pole that is higher than the
+/// tip of the nozzle does.
+#[test]
+fn a_concave_mesh_is_what_it_is() {
+    let words = |mesh: &str| ["--surface", mesh, "--diameter", "160", "--fill", "none"].map(str::to_owned);
+    let figures = |name: &str, obj: String| {
+        let mesh = file(&format!("{name}.obj"), &obj);
+        let words = words(&mesh);
+        let (path, outcome) = run(name, &words.iter().map(String::as_str).collect::<Vec<_>>()).unwrap();
+        let summary = summary(&path);
+        let counts = ["touching", "blocked_travels", "unreachable"].map(|key| summary[key].as_u64().unwrap());
+        (counts, outcome)
+    };
+    assert_eq!(figures("bowl", height_field(|x, y| (x * x + y * y) / 800.0)), ([0; 3], Outcome::Done));
+    assert_eq!(figures("saddle", height_field(|x, y| (x * x - y * y) / 1000.0)), ([0; 3], Outcome::Done));
+    let pin = height_field(|x, y| if x.abs() + y.abs() < 3.0 { 20.0 } else { 0.0 });
+    let ([touching, ..], outcome) = figures("pin", pin);
+    assert!(touching > 0 && touching < 60, "{touching}");
+    assert_ne!(outcome, Outcome::Done);
+}
+
 #[test]
 fn bad_files_are_told() {
     let entities = |text: &str| {
