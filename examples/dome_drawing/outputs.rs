@@ -1,6 +1,6 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, `strokes.csv`, the program, pictures, and `report.html`.
 
-use super::plan::Planned;
+use super::plan::{OnSurface, Planned};
 use super::robot::{EVEN, NAME, Printed, on_platform};
 use super::{Args, input, pictures};
 use curvlay_examples::args::{Failure, Outcome, typed_name};
@@ -10,8 +10,9 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{Mesh, Model, Step};
+use curvlay_kinematics::nalgebra::Point3;
 use curvlay_kinematics::program::DomeOptions;
-use curvlay_toolpath::drawing::{StrokeKind, save_drawing, write_dxf};
+use curvlay_toolpath::drawing::{SpacePath, StrokeKind, save_drawing, write_dxf, write_paths_dxf};
 use std::io::{self, Write};
 
 /// Share of the design that beads may leave open, and share that they may cover twice, without a finding; what the filled design of the
@@ -25,7 +26,7 @@ pub fn is_ours(name: &str) -> bool {
         let number = name.strip_prefix(NAME)?.strip_prefix('_')?.strip_suffix(".mod")?;
         (!number.is_empty() && number.chars().all(|c| c.is_ascii_digit())).then_some(())
     };
-    ["strokes.csv", "report.html", "design.drawing", "design.dxf"].contains(&name)
+    ["strokes.csv", "strokes.dxf", "report.html", "design.drawing", "design.dxf"].contains(&name)
         || ["", "_link", "_move"].iter().any(|part| name == format!("{NAME}{part}.mod"))
         || part().is_some()
         || pictures::NAMES.iter().any(|picture| name == format!("{picture}.png"))
@@ -40,6 +41,7 @@ pub fn write(args: &Args, planned: &Planned, printed: &Printed, folder: &OutputF
     folder.write_with("design.drawing", |mut out| save_drawing(&mut out, &planned.drawing))?;
     folder.write_with("design.dxf", |mut out| write_dxf(&mut out, &planned.drawing))?;
     folder.write_with("strokes.csv", |out| write_strokes(planned, out))?;
+    folder.write_with("strokes.dxf", |mut out| write_paths_dxf(&mut out, &in_space(planned)))?;
     let drawn = pictures::draw(planned);
     for (name, png) in pictures::NAMES.iter().zip(&drawn) {
         folder.write(&format!("{name}.png"), png)?;
@@ -154,6 +156,17 @@ fn write_strokes(planned: &Planned, out: &mut dyn Write) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The strokes on the surface, a layer of the file for each kind and layer of beads.
+fn in_space(planned: &Planned) -> Vec<SpacePath> {
+    let path = |on_surface: &OnSurface| {
+        let stroke = planned.flat(on_surface);
+        let mut points: Vec<Point3<f64>> = on_surface.points.iter().map(|at| at.position).collect();
+        points.truncate(points.len() - usize::from(stroke.closed));
+        SpacePath { layer: format!("{} {}", kind(stroke.kind), on_surface.layer + 1), points, closed: stroke.closed }
+    };
+    planned.strokes.iter().map(path).collect()
 }
 
 /// How often the nozzle stops, also in the middle of a stroke.

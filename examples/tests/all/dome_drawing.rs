@@ -88,6 +88,12 @@ fn the_design_made_in_code_is_printed() {
         let height = 149.6 - 0.002343 * square - 3.309e-8 * square * square;
         assert!((cells[2] - height).abs() < 1e-3, "{line}");
     }
+    // The same points as polylines in space; of a closed stroke the first comes once.
+    let dxf = fs::read_to_string(path.join("strokes.dxf")).unwrap();
+    let [polylines, closed] =
+        ["\n0\nPOLYLINE\n".to_owned(), "\n70\n9\n".to_owned()].map(|of| dxf.matches(&of).count() as u64);
+    assert_eq!(polylines, count("stops") - count("splits"));
+    assert_eq!(dxf.matches("\n0\nVERTEX\n").count() as u64 + closed + 1, csv.lines().count() as u64);
     // A main and parts, and as many targets in them.
     let parts: Vec<String> =
         (1..count("modules")).map(|k| fs::read_to_string(path.join(format!("drawing_{k:03}.mod"))).unwrap()).collect();

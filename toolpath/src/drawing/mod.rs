@@ -6,7 +6,7 @@
 //! | step | section | here |
 //! |---|---|---|
 //! | file to entities | 4.5, 4.6 | [`read_dxf`], `read_svg`: a [`Drawing`] |
-//! | entities to file | 4.3, 4.12 | [`write_dxf`], [`save_drawing`] and [`load_drawing`] |
+//! | entities to file | 4.3 | [`write_dxf`], [`save_drawing`] and [`load_drawing`] |
 //! | entities to contours | 4.7 | [`Drawing::contours`], [`join`] |
 //! | centre, scale, order | 4.8, 5.2.2 | [`centre_of`], [`place`], [`order`] |
 //! | overlaps removed | 4.9 | [`remove_overlaps`]: [`Region`]s and open pieces |
@@ -14,6 +14,7 @@
 //! | clusters thinned | 4.17.2 | [`thin_clusters`] |
 //! | where a stroke begins | 4.13, 5.2.3 | [`start_strokes`] |
 //! | onto the surface | 4.11 | [`Surface`], [`Projection`]; [`UnrolledMesh`] for least distortion |
+//! | points on it to file | 4.12 | [`write_paths_dxf`] |
 //!
 //! Symbols: the thesis' `Point2D` is a `Point2` in millimetres, `Point3D` a [`SurfacePoint`].
 //!
@@ -43,7 +44,7 @@ pub use cluster::{Thinned, thin_clusters};
 pub use coverage::{Coverage, CoverageError, coverage};
 pub use curve::Curve;
 pub use drawing::{Drawing, Entity, FillRule, PathFill};
-pub use dxf::{DxfError, Place, read_dxf, write_dxf};
+pub use dxf::{DxfError, Place, SpacePath, read_dxf, write_dxf, write_paths_dxf};
 pub use fill::{ContourAt, Fill, FillError, FillOptions, Filled, Stroke, StrokeKind, fill};
 pub use flatten::{CurveFault, Flatten, FlattenError, MAX_COORDINATE_MM, MAX_POINTS};
 pub use join::{Contour, Gap, JoinError, Joined, gaps, join};

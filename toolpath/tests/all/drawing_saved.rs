@@ -249,3 +249,48 @@ fn the_designs_come_back() {
         assert_eq!(load_drawing(file.as_slice()).unwrap(), drawing);
     }
 }
+
+/// By rules of the format: pairs of lines, a POLYLINE with the flag of three dimensions, its VERTEX records, SEQEND; handles once each.
+#[test]
+fn paths_in_space_are_polylines_of_three_dimensions() {
+    let at = |x: f64, y: f64, z: f64| curvlay_toolpath::nalgebra::Point3::new(x, y, z);
+    let ring = SpacePath {
+        layer: "fill/1".to_owned(),
+        points: vec![at(1.5, 0.0, 149.0), at(0.0, 2.0, 148.25), at(-3.0, 1e-9, 147.0)],
+        closed: true,
+    };
+    let open =
+        SpacePath { layer: "open".to_owned(), points: vec![at(0.0, 0.0, 1.0), at(0.1, 0.2, 0.3)], closed: false };
+    let mut file = Vec::new();
+    write_paths_dxf(&mut file, &[ring.clone(), open.clone()]).unwrap();
+    let text = String::from_utf8(file.clone()).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let pairs: Vec<(i32, &str)> = lines.chunks(2).map(|pair| (pair[0].parse().unwrap(), pair[1])).collect();
+    let kinds: Vec<&str> = pairs.iter().filter(|(code, _)| *code == 0).map(|(_, kind)| *kind).collect();
+    let begin = kinds.iter().position(|kind| *kind == "POLYLINE").unwrap();
+    let expected =
+        ["POLYLINE", "VERTEX", "VERTEX", "VERTEX", "SEQEND", "POLYLINE", "VERTEX", "VERTEX", "SEQEND", "ENDSEC", "EOF"];
+    assert_eq!(kinds[begin..], expected);
+    let all = |code: i32| pairs.iter().filter(move |(at, _)| *at == code).map(|(_, text)| *text);
+    let flags: Vec<&str> = all(70).skip_while(|flag| *flag != "9").collect();
+    assert_eq!(flags, ["9", "32", "32", "32", "8", "32", "32"]);
+    let heights: Vec<f64> = all(30).map(|z| z.parse().unwrap()).collect();
+    assert_eq!(heights, [0.0, 149.0, 148.25, 147.0, 0.0, 1.0, 0.3]);
+    let handles: std::collections::BTreeSet<&str> = all(5).collect();
+    assert_eq!(handles.len(), all(5).count());
+    // Seen from above; names of layers lose what the format does not take.
+    let drawing = read_dxf(file.as_slice()).unwrap();
+    let found: Vec<(&str, usize, bool)> =
+        drawing.entities.iter().map(|entity| (entity.layer.as_str(), entity.curves.len(), entity.closed)).collect();
+    assert_eq!((found[0].0, found[1].0, drawing.unit_mm), ("fill_1", "open", Some(1.0)));
+    assert_eq!(drawing.entities[1].curves, [Curve::Line { from: Point2::new(0.0, 0.0), to: Point2::new(0.1, 0.2) }]);
+    for bad in [
+        SpacePath { points: vec![at(0.0, 0.0, 0.0)], ..open.clone() },
+        SpacePath { points: vec![at(0.0, 0.0, 0.0), at(0.0, f64::NAN, 0.0)], ..open.clone() },
+    ] {
+        let mut file = Vec::new();
+        let error = write_paths_dxf(&mut file, &[ring.clone(), bad]).unwrap_err();
+        assert_eq!((error.kind(), file.len()), (ErrorKind::InvalidInput, 0));
+        assert!(error.to_string().starts_with("path 1 cannot be written"));
+    }
+}

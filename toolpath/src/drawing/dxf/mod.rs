@@ -16,7 +16,7 @@ mod pairs;
 mod text;
 mod write;
 
-pub use write::write_dxf;
+pub use write::{SpacePath, write_dxf, write_paths_dxf};
 
 use super::drawing::Drawing;
 use super::skipped::printable;

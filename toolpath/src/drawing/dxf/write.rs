@@ -6,7 +6,7 @@
 
 use crate::drawing::curve::Curve;
 use crate::drawing::drawing::{Drawing, Entity};
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::{Matrix2, Point2, Point3, Vector2};
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::io::{self, Write};
@@ -38,26 +38,56 @@ pub fn write_dxf(out: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
         }
     }
     let mut file = Pairs { out, handle: FIRST_HANDLE };
-    file.texts(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015"), (9, "$INSUNITS"), (70, "4")])?;
-    file.texts(&[(9, "$HANDSEED"), (5, "FFFFFF"), (0, "ENDSEC"), (0, "SECTION"), (2, "TABLES")])?;
-    file.texts(&[(0, "TABLE"), (2, "LTYPE"), (5, "5"), (100, "AcDbSymbolTable"), (70, "1")])?;
-    file.texts(&[(0, "LTYPE"), (5, "14"), (100, "AcDbSymbolTableRecord"), (100, "AcDbLinetypeTableRecord")])?;
-    file.texts(&[(2, "CONTINUOUS"), (70, "0"), (3, ""), (72, "65"), (73, "0"), (40, "0.0"), (0, "ENDTAB")])?;
-    let layers: BTreeSet<String> =
-        std::iter::once("0".to_owned()).chain(drawing.entities.iter().map(|entity| name(&entity.layer))).collect();
-    let count = layers.len().to_string();
-    file.texts(&[(0, "TABLE"), (2, "LAYER"), (5, "2"), (100, "AcDbSymbolTable"), (70, &count)])?;
-    for layer in &layers {
-        let handle = file.next_handle();
-        file.texts(&[(0, "LAYER"), (5, &handle), (100, "AcDbSymbolTableRecord"), (100, "AcDbLayerTableRecord")])?;
-        file.texts(&[(2, layer), (70, "0"), (62, "7"), (6, "CONTINUOUS")])?;
-    }
-    file.texts(&[(0, "ENDTAB"), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES")])?;
+    file.begin(drawing.entities.iter().map(|entity| entity.layer.as_str()))?;
     for entity in &drawing.entities {
         file.entity(entity)?;
     }
-    file.texts(&[(0, "ENDSEC"), (0, "EOF")])?;
-    file.out.flush()
+    file.end()
+}
+
+/// A path in space, as beads lie on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpacePath {
+    /// Its layer.
+    pub layer: String,
+    /// Its points, in millimetres.
+    pub points: Vec<Point3<f64>>,
+    /// Whether a segment leads from the last point to the first.
+    pub closed: bool,
+}
+
+/// Writes paths in space, each as a POLYLINE in three dimensions: Brooks, section 4.12, where the points on the dome are saved.
+///
+/// # Errors
+/// [`io::ErrorKind::InvalidInput`] for a path with fewer than two points or a coordinate that is not finite, before anything is written; and what
+/// the writer reports.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::drawing::{SpacePath, read_dxf, write_paths_dxf};
+/// use curvlay_toolpath::nalgebra::Point3;
+/// let points = vec![Point3::new(0.0, 0.0, 150.0), Point3::new(30.0, 0.0, 147.0), Point3::new(30.0, 40.0, 143.5)];
+/// let mut file = Vec::new();
+/// write_paths_dxf(&mut file, &[SpacePath { layer: "fill".to_owned(), points, closed: true }])?;
+/// assert!(String::from_utf8_lossy(&file).contains("\n30\n143.5\n"));
+/// // As a drawing it is seen from above.
+/// let drawing = read_dxf(file.as_slice()).map_err(std::io::Error::other)?;
+/// assert_eq!((drawing.entities[0].kind.as_str(), drawing.entities[0].curves.len()), ("POLYLINE", 3));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn write_paths_dxf(out: &mut impl Write, paths: &[SpacePath]) -> io::Result<()> {
+    let fits =
+        |path: &SpacePath| path.points.len() >= 2 && path.points.iter().flat_map(Point3::iter).all(|x| x.is_finite());
+    if let Some(number) = paths.iter().position(|path| !fits(path)) {
+        let what = format!("path {number} cannot be written: it needs two points or more, with finite coordinates");
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+    }
+    let mut file = Pairs { out, handle: FIRST_HANDLE };
+    file.begin(paths.iter().map(|path| path.layer.as_str()))?;
+    for path in paths {
+        file.in_space(path)?;
+    }
+    file.end()
 }
 
 /// Handles below are those of the tables.
@@ -77,6 +107,43 @@ struct Pairs<'a, W> {
 }
 
 impl<W: Write> Pairs<'_, W> {
+    /// Header and tables, up to the entities.
+    fn begin<'a>(&mut self, layers: impl Iterator<Item = &'a str>) -> io::Result<()> {
+        self.texts(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015"), (9, "$INSUNITS"), (70, "4")])?;
+        self.texts(&[(9, "$HANDSEED"), (5, "FFFFFF"), (0, "ENDSEC"), (0, "SECTION"), (2, "TABLES")])?;
+        self.texts(&[(0, "TABLE"), (2, "LTYPE"), (5, "5"), (100, "AcDbSymbolTable"), (70, "1")])?;
+        self.texts(&[(0, "LTYPE"), (5, "14"), (100, "AcDbSymbolTableRecord"), (100, "AcDbLinetypeTableRecord")])?;
+        self.texts(&[(2, "CONTINUOUS"), (70, "0"), (3, ""), (72, "65"), (73, "0"), (40, "0.0"), (0, "ENDTAB")])?;
+        let layers: BTreeSet<String> = std::iter::once("0".to_owned()).chain(layers.map(name)).collect();
+        let count = layers.len().to_string();
+        self.texts(&[(0, "TABLE"), (2, "LAYER"), (5, "2"), (100, "AcDbSymbolTable"), (70, &count)])?;
+        for layer in &layers {
+            let handle = self.next_handle();
+            self.texts(&[(0, "LAYER"), (5, &handle), (100, "AcDbSymbolTableRecord"), (100, "AcDbLayerTableRecord")])?;
+            self.texts(&[(2, layer), (70, "0"), (62, "7"), (6, "CONTINUOUS")])?;
+        }
+        self.texts(&[(0, "ENDTAB"), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES")])
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        self.texts(&[(0, "ENDSEC"), (0, "EOF")])?;
+        self.out.flush()
+    }
+
+    fn in_space(&mut self, path: &SpacePath) -> io::Result<()> {
+        self.head("POLYLINE", &path.layer, "AcDb3dPolyline")?;
+        // Vertices follow; in three dimensions, and closed or not.
+        self.texts(&[(66, "1"), (10, "0.0"), (20, "0.0"), (30, "0.0"), (70, if path.closed { "9" } else { "8" })])?;
+        for at in &path.points {
+            self.head("VERTEX", &path.layer, "AcDbVertex")?;
+            self.texts(&[(100, "AcDb3dPolylineVertex")])?;
+            self.numbers(&[(10, at.x), (20, at.y), (30, at.z)])?;
+            self.texts(&[(70, "32")])?;
+        }
+        let handle = self.next_handle();
+        self.texts(&[(0, "SEQEND"), (5, &handle), (100, "AcDbEntity"), (8, &name(&path.layer))])
+    }
+
     fn texts(&mut self, pairs: &[(i32, &str)]) -> io::Result<()> {
         pairs.iter().try_for_each(|(code, text)| write!(self.out, "{code}\n{text}\n"))
     }

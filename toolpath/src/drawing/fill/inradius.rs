@@ -24,7 +24,9 @@ use std::f64::consts::SQRT_2;
 pub(super) fn inradius(shape: &Shape, precision: f64) -> f64 {
     let area: f64 = shape.iter().map(|ring| ring_area(ring)).sum();
     let ends = shape.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
-    let segments: Vec<Segment> = ends.filter(|(a, b)| a != b).map(|(a, b)| [*a, *b].map(Point2::from)).collect();
+    let segments = ends.map(|(a, b)| [*a, *b].map(Point2::from));
+    // A repeated point has no nearest point on it.
+    let segments: Vec<Segment> = segments.filter(|[a, b]| (b - a).norm_squared() > 0.0).collect();
     let positive = area > 0.0 && precision > 0.0;
     if !positive || segments.is_empty() {
         return 0.0;
