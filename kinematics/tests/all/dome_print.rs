@@ -279,12 +279,21 @@ fn the_nozzle_goes_evenly_over_waves() {
     assert!(print.inserted > 0 && print.points() == 81 + print.inserted);
 }
 
-/// Joint 1 is at -90 degrees and joint 4 at 0 on the whole ring: rounding must not choose their quarter turns. Joint 6 passes four borders.
+/// Joint 1 is at -90 degrees and joint 4 at 0 on all of the dome: rounding must not choose their quarter turns. Joint 6 passes four borders
+/// on a ring, and on a wave at a radius of 60 mm.
 #[test]
 fn configuration_data_do_not_flip_on_a_border() {
-    let (_, run, main) = run(&[ring(60.0, 1.0)], &DomeOptions::default());
-    assert!(run.conf_changes <= 4, "{}", run.conf_changes);
-    assert!(main.contains("ConfL\\Off;\n"));
+    let wave = |k: u32| {
+        let (r, a) = (60.0 + 20.0 * (0.3 * f64::from(k)).sin(), TAU * f64::from(k) / 500.0);
+        [r * a.cos(), r * a.sin()]
+    };
+    for (what, stroke) in
+        [("small ring", ring(9.0, 1.0)), ("ring", ring(60.0, 1.0)), ("wave", stroke((0..=500).map(wave), false))]
+    {
+        let (_, run, main) = run(&[stroke], &DomeOptions::default());
+        assert!(run.conf_changes <= 4, "{what}: {}", run.conf_changes);
+        assert!(main.contains("ConfL\\Off;\n"));
+    }
 }
 
 /// Points that are nearer than the nozzle goes in a millisecond are left out, so that it does not slow down for them; the ends stay.
