@@ -61,7 +61,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
         cell_mm: CELL_MM,
         origin: part.origin,
         frame_part: centred_on_plate(plan.resolved.tips()),
-        layers: &layered.uniform.field.cells_by_surface(surfaces.len(), CELL_MM, CELL_MM)?,
+        layers: &layered.uniform.field.cells_by_surface(&layered.surfaces.heights_mm, CELL_MM)?,
     };
     let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &GougingOptions::in_workcell(), &|_| Continue(()))?;
     println!("{} cells missed, {} pieces left out", layered.growth.missed.len(), plan.resolved.left_out.len());

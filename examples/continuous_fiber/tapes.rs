@@ -135,7 +135,7 @@ fn thermoplastic(
         curves: &[],
     });
     let above = surfaces.iter().zip(&lent).map(|(surface, curves)| {
-        let LayerSurface { vertices, triangles, thickness } = *surface;
+        let LayerSurface { vertices, triangles, thickness, .. } = *surface;
         BuiltLayer { vertices, triangles, spacing: thickness, curves }
     });
     let stack: Vec<BuiltLayer> = mould.into_iter().chain(above).collect();

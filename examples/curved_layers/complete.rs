@@ -46,6 +46,8 @@ pub enum LayersBy {
     Hull,
     /// By the distance from the plate inside the part, as far as the nozzle that prints reaches: layers that do not tear.
     Distance,
+    /// By the distance, leaning from upright no more than the cone of the nozzle allows; half layers where layers are thick.
+    Directed,
     /// By the distance, unless that misses cells and hulls miss fewer.
     Best,
 }
@@ -98,6 +100,7 @@ impl CompleteArgs {
         let layers_by = match self.layers_by {
             LayersBy::Hull => curved::LayersBy::Hull,
             LayersBy::Distance => curved::LayersBy::Distance,
+            LayersBy::Directed => curved::LayersBy::Directed,
             LayersBy::Best => curved::LayersBy::Best,
         };
         let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);

@@ -246,7 +246,11 @@ pub fn run(
         if let Some(supported) = &order.supported {
             (support, straight_cells) = (supported.support.clone(), supported.straight_cells);
         }
-        let name = if order.layers_by == LayersBy::Distance { "distance" } else { order.strategy.name() };
+        let name = match order.layers_by {
+            LayersBy::Distance => "distance",
+            LayersBy::Directed => "directed",
+            _ => order.strategy.name(),
+        };
         let (audit, missed) = (order.audit.clone(), order.missed_by_hull.clone());
         let (growth, made) = match surfaces {
             Some(surfaces) => {

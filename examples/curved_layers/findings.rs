@@ -384,7 +384,7 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
         } else {
             String::new()
         })
-        .try_to(if is_by_hulls { "--layers-by distance" } else { "" })
+        .try_to(if is_by_hulls { "--layers-by distance or directed" } else { "" })
         .try_to(if grown == Support::None { "--support auto" } else { "" })
         .try_to(if args.orient == Lying::Best { "" } else { "--orient best" })
         .allow(format!(

@@ -95,10 +95,11 @@ impl SurfacesRun {
         }
         let printed = self.printed.iter();
         printed
-            .map(|PrintedSheet { vertices, triangles, thickness_mm: thickness, .. }| LayerSurface {
+            .map(|PrintedSheet { vertices, triangles, thickness_mm: thickness, is_half, .. }| LayerSurface {
                 vertices,
                 triangles,
                 thickness,
+                is_half: *is_half,
             })
             .collect()
     }
@@ -200,6 +201,7 @@ pub fn method_name(method: UniformMethod) -> String {
         }
         UniformMethod::Coherent => "coherent field".to_owned(),
         UniformMethod::Distance => "distance from the plate".to_owned(),
+        UniformMethod::Directed => "directions of the distance, as far as the nozzle's cone lets them lean".to_owned(),
         _ => "plain".to_owned(),
     }
 }

@@ -396,10 +396,10 @@ impl Print<'_> {
         let layers = surfaces.surfaces();
         let stack = self.paths.filled.stack(&layers)?;
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
-        let (grid, height_mm) = (&field.solid.grid, surfaces.height_mm);
+        let grid = &field.solid.grid;
         // Part and support; the cells of the gap between them stay empty.
         let SavedField { field: order, rows, aids, .. } = &surfaces.saved;
-        let mut layers = order.cells_by_surface(surfaces.sheets.len(), height_mm, grid.cell_mm())?;
+        let mut layers = order.cells_by_surface(&surfaces.heights_mm, grid.cell_mm())?;
         layers.iter_mut().for_each(|layer| layer.retain(|cell| aids.gap.binary_search(cell).is_err()));
         let part = PartCells {
             dims: grid.dims(),

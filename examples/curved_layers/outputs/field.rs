@@ -41,8 +41,7 @@ pub fn products(
     let mut layers = Vec::new();
     if let Some(surfaces) = surfaces.filter(|_| writes) {
         layers.resize(order.len(), 0);
-        let by_surface =
-            surfaces.saved.field.cells_by_surface(surfaces.sheets.len(), surfaces.height_mm, run.solid.grid.cell_mm());
+        let by_surface = surfaces.saved.field.cells_by_surface(&surfaces.heights_mm, run.solid.grid.cell_mm());
         for (layer, cells) in (1u32..).zip(by_surface.map_err(failure)?) {
             cells.into_iter().for_each(|cell| layers[cell as usize] = layer);
         }

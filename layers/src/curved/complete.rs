@@ -42,6 +42,8 @@ pub enum LayersBy {
     Hull,
     /// By the [distance](super::distance_field) from what the part stands on, as far as the nozzle that prints reaches.
     Distance,
+    /// By a field that follows the distance, but leans no more than the nozzle's cone allows ([`grow_directed`](super::grow_directed)).
+    Directed,
     /// By the distance, unless that misses cells and hulls miss fewer.
     Best,
 }
@@ -49,7 +51,7 @@ pub enum LayersBy {
 impl LayersBy {
     /// Steps of the order to a layer.
     fn steps(self) -> u32 {
-        if self == LayersBy::Distance { STEPS_PER_LAYER } else { 1 }
+        if matches!(self, LayersBy::Distance | LayersBy::Directed) { STEPS_PER_LAYER } else { 1 }
     }
 }
 
@@ -193,9 +195,11 @@ impl Workpiece<'_> {
         if options.layers_by == LayersBy::Hull {
             return self.order_by_hulls(strategy, height_mm, options, progress);
         }
-        let by_distance = self.order_by_distance(options, progress)?;
+        let is_directed = options.layers_by == LayersBy::Directed;
+        let layers_by = if is_directed { LayersBy::Directed } else { LayersBy::Distance };
+        let by_distance = self.order_by_distance(layers_by, options, progress)?;
         let is_complete = by_distance.audit.is_ok() && by_distance.taken().missed.is_empty();
-        if options.layers_by == LayersBy::Distance || is_complete {
+        if options.layers_by == layers_by || is_complete {
             return Ok(by_distance);
         }
         let by_hulls = self.order_by_hulls(strategy, height_mm, options, progress)?;
@@ -412,13 +416,15 @@ pub struct PrintedSheet {
     pub thickness_mm: Vec<f64>,
     /// How many of the triangles are the part's; those after them are support.
     pub part_triangles: usize,
+    /// Whether it is a half layer ([`LayerField::with_half_layers`]).
+    pub is_half: bool,
 }
 
 impl PartSupport {
     /// The layers of the part and of this support together, first to last: all that planning their tool paths takes.
     pub fn printed_with(&self, part: &LayerSurfaces) -> Vec<PrintedSheet> {
         let both = part.iter().zip(self.surfaces.iter());
-        let printed = both.map(|((points, triangles, thickness), of_support)| {
+        let printed = both.map(|((points, triangles, thickness, is_half), of_support)| {
             let first = points.len() as u32;
             let moved = of_support.1.iter().map(|corners| corners.map(|corner| first + corner));
             PrintedSheet {
@@ -426,6 +432,7 @@ impl PartSupport {
                 triangles: triangles.iter().copied().chain(moved).collect(),
                 thickness_mm: [thickness, of_support.2].concat(),
                 part_triangles: triangles.len(),
+                is_half,
             }
         });
         printed.collect()

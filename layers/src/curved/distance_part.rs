@@ -1,12 +1,12 @@
 //! A part by its distance from the plate, made complete.
 //!
-//! [`grow_by_distance`] orders what the nozzle that prints reaches that way. What is left is built after it by [`grow_with_nozzle`], in layers of its
+//! [`grow_by_distance`] or [`grow_directed`] orders what the nozzle that prints reaches that way. What is left is built after it by [`grow_with_nozzle`], in layers of its
 //! own; what is missed then gets support, and part and support are ordered together in the same way.
 
 use super::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
 use super::cells::Cells;
 use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
-use super::distance::{DistanceOrder, distance_layers, grow_by_distance};
+use super::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_directed};
 use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
 use super::strategy::Strategy;
@@ -20,16 +20,20 @@ use std::ops::ControlFlow;
 const SUPPORT_ROUNDS: u32 = 2;
 
 impl Workpiece<'_> {
-    /// The order by distance, and its audit.
+    /// The order by distance, or the directed one, and its audit.
     pub(super) fn order_by_distance(
         &self,
+        layers_by: LayersBy,
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<CompleteOrder, LayersError> {
         let Workpiece { platform, rules, cell_mm, .. } = *self;
+        let ordered = |cells: &Cells| match layers_by {
+            LayersBy::Directed => grow_directed(cells, cell_mm, platform, &rules, &options.rule, progress),
+            _ => grow_by_distance(cells, cell_mm, platform, &rules, &options.rule, progress),
+        };
         let grow_in = |cells: &Cells| -> Result<(Growth, LayerField), GrowthError> {
-            let DistanceOrder { growth, field, .. } =
-                grow_by_distance(cells, cell_mm, platform, &rules, &options.rule, progress)?;
+            let DistanceOrder { growth, field, .. } = ordered(cells)?;
             if growth.missed.is_empty() || options.nozzle == NozzleUse::Off {
                 return Ok((growth, field));
             }
@@ -51,7 +55,7 @@ impl Workpiece<'_> {
             }
         }
         let mut order = CompleteOrder {
-            layers_by: LayersBy::Distance,
+            layers_by,
             strategy: Strategy::Unbuild,
             growth,
             supported,
@@ -62,7 +66,7 @@ impl Workpiece<'_> {
         };
         let united = order.united(&self.cells)?;
         if order.supported.is_some() {
-            distances = grow_by_distance(&united, cell_mm, platform, &rules, &options.rule, progress)?.field;
+            distances = ordered(&united)?.field;
         }
         let field = distance_layers(&united, &distances, &order.taken().order).map_err(UniformError::from)?;
         order.field = Some(field);
@@ -87,5 +91,6 @@ pub(super) fn by_distance(
     if !audit.is_ok() {
         return Err(UniformError::Order(Box::new(audit)));
     }
-    Ok(UniformField { field: field.clone(), method: UniformMethod::Distance, audit, jumps: jumps(field) })
+    let method = if field.half_layers().is_some() { UniformMethod::Directed } else { UniformMethod::Distance };
+    Ok(UniformField { field: field.clone(), method, audit, jumps: jumps(field) })
 }

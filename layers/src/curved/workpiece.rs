@@ -15,8 +15,8 @@ use super::rules::Rules;
 use super::strategy::Strategy;
 use super::support::SupportError;
 use super::surface::{
-    BorderSmoothing, ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, SurfaceSlices,
-    UniformError, UniformField, coherent_field, contour, extend, measure_spacing_within, uniform_field,
+    BorderSmoothing, ContourError, ExtendedField, FittedLevels, LayerField, Spacing, SpacingError, Surface,
+    SurfaceSlices, UniformError, UniformField, coherent_field, extend, measure_spacing_within, uniform_field,
 };
 use super::surface::{Report, in_parallel_watched};
 use super::trim::{BoundaryKind, Clipped, TrimError, TrimmedSheet, Trimmer, slices};
@@ -94,6 +94,10 @@ pub struct LayerSurfaces {
     pub height_mm: f64,
     /// The surfaces, trimmed to the mesh; some may be empty.
     pub sheets: Vec<TrimmedSheet>,
+    /// For each of them whether it is a half layer ([`LayerField::with_half_layers`]).
+    pub is_half: Vec<bool>,
+    /// Height of each of them along the growth, in millimetres.
+    pub heights_mm: Vec<f64>,
     /// Where they passed through each other: later ones are clipped to earlier ones, and what is left of that.
     pub clipped: Clipped,
     /// How far apart they lie.
@@ -391,11 +395,14 @@ impl Workpiece<'_> {
         begin("trim", progress)?;
         let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * asked_mm);
         begin("contour", progress)?;
-        let mut untrimmed = contour(extended, levels, self.cell_mm, self.origin, progress)?;
-        untrimmed.iter_mut().for_each(|surface| surface.smooth_border(self.cell_mm, BorderSmoothing::default()));
+        let mut untrimmed = extended.contour_with_half_layers(levels, self.cell_mm, self.origin, progress)?;
+        untrimmed.iter_mut().for_each(|(_, surface)| surface.smooth_border(self.cell_mm, BorderSmoothing::default()));
         begin("trim", progress)?;
+        let (is_half, untrimmed): (Vec<bool>, Vec<Surface>) = untrimmed.into_iter().unzip();
         let trimmed = |k: usize, watch: Report| trimmer.trim(&untrimmed[k].points, &untrimmed[k].triangles, watch);
         let trimmed = in_parallel_watched(untrimmed.len(), "trim", progress, trimmed).ok_or(LayersError::Cancelled)?;
+        let layer_mm = extended.layer_cells() * self.cell_mm;
+        let heights_mm = untrimmed.iter().map(|surface| surface.value * layer_mm).collect();
         drop(untrimmed);
         let mut sheets = trimmed.into_iter().collect::<Result<Vec<TrimmedSheet>, _>>()?;
         begin("clip", progress)?;
@@ -408,7 +415,17 @@ impl Workpiece<'_> {
             |(sheet, raw): (&TrimmedSheet, &Vec<f64>)| uniform_thickness(&sheet.vertices, &sheet.triangles, raw, min);
         let thickness_mm = sheets.iter().zip(&spacing.thickness_mm).map(thickness).collect();
         let boundary = self.boundary(&sheets, missed);
-        Ok(LayerSurfaces { height_mm, sheets, clipped, spacing, thickness_mm, boundary, missed_mm3 })
+        Ok(LayerSurfaces {
+            height_mm,
+            sheets,
+            is_half,
+            heights_mm,
+            clipped,
+            spacing,
+            thickness_mm,
+            boundary,
+            missed_mm3,
+        })
     }
 
     /// Volume of the part in some of its cells, in cubic millimetres: exact for cells inside, a hundredth or so of what lies in
@@ -505,10 +522,10 @@ impl LayerSurfaces {
         slices(&self.sheets)
     }
 
-    /// Points, triangles and thickness of each surface, first to last: all that planning its tool paths takes.
-    pub fn iter(&self) -> impl Iterator<Item = (&[Point3<f64>], &[[u32; 3]], &[f64])> {
-        let each = self.sheets.iter().zip(&self.thickness_mm);
-        each.map(|(sheet, thickness)| (&sheet.vertices[..], &sheet.triangles[..], &thickness[..]))
+    /// Points, triangles and thickness of each surface, first to last, and whether it is a half layer: all that planning its tool paths takes.
+    pub fn iter(&self) -> impl Iterator<Item = (&[Point3<f64>], &[[u32; 3]], &[f64], bool)> {
+        let each = self.sheets.iter().zip(&self.thickness_mm).zip(&self.is_half);
+        each.map(|((sheet, thickness), &is_half)| (&sheet.vertices[..], &sheet.triangles[..], &thickness[..], is_half))
     }
 
     /// Connected pieces of all surfaces together: so many curves it takes at least to fill them. Triangles are connected where
@@ -529,6 +546,8 @@ impl LayerSurfaces {
     /// let mut surfaces = LayerSurfaces {
     ///     height_mm: 0.4,
     ///     sheets: vec![sheet],
+    ///     is_half: vec![false],
+    ///     heights_mm: vec![0.2],
     ///     thickness_mm: vec![vec![0.5, 0.1]],
     /// #   clipped: Clipped::default(), spacing: Spacing::default(), boundary: LayerBoundary::default(), missed_mm3: 0.0,
     ///     // and what else there is
@@ -540,7 +559,7 @@ impl LayerSurfaces {
     pub fn thickness_share(&self) -> f64 {
         let even = EVEN_THICKNESS.map(|times| times * self.height_mm);
         let (mut area_mm2, mut even_mm2) = (0.0, 0.0);
-        for (vertices, triangles, thickness) in self.iter() {
+        for (vertices, triangles, thickness, _) in self.iter() {
             for (corners, thickness) in triangles.iter().zip(thickness) {
                 let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
                 let area = (b - a).cross(&(c - a)).norm() / 2.0;

@@ -1,4 +1,4 @@
-//! The cells of each surface: every cell with a value is in the one list that its height says.
+//! The cells of each surface: every cell with a value is with the surface that is nearest.
 
 use curvlay_layers::curved::Cells;
 use curvlay_layers::curved::surface::{FieldError, LayerField};
@@ -13,12 +13,14 @@ proptest! {
     #[test]
     fn each_cell_is_where_its_height_is(
         values in prop::collection::vec(prop::option::weighted(0.8, 0.0..9.0f64), 1..60),
-        surfaces in 0usize..8,
-        (layer_cells, height_mm, cell_mm) in (0.5..2.0f64, 0.3..3.0f64, 0.3..3.0f64),
+        steps in prop::collection::vec(0.3..3.0f64, 0..8),
+        (layer_cells, cell_mm) in (0.5..2.0f64, 0.3..3.0f64),
     ) {
         let values: Vec<f64> = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).chain([0.5]).collect();
-        let layers = field(&values, layer_cells).cells_by_surface(surfaces, height_mm, cell_mm).unwrap();
-        prop_assert_eq!(layers.len(), surfaces.max(1));
+        let mut top = 0.0;
+        let heights_mm: Vec<f64> = steps.iter().map(|step| { top += step; top }).collect();
+        let layers = field(&values, layer_cells).cells_by_surface(&heights_mm, cell_mm).unwrap();
+        prop_assert_eq!(layers.len(), heights_mm.len().max(1));
         prop_assert!(layers.iter().all(|cells| cells.is_sorted()));
         for (cell, value) in values.iter().enumerate() {
             let found: Vec<usize> = (0..layers.len()).filter(|&layer| layers[layer].contains(&(cell as u32))).collect();
@@ -27,9 +29,10 @@ proptest! {
                 continue;
             }
             prop_assert_eq!(found.len(), 1);
-            // The surface runs through the middle of what it stands for.
-            let (above, last) = (value * layer_cells * cell_mm - found[0] as f64 * height_mm, layers.len() - 1);
-            prop_assert!(above >= -1e-9 && (above <= height_mm + 1e-9 || found[0] == last));
+            // No surface is nearer.
+            let far = |height_mm: &f64| (value * layer_cells * cell_mm - height_mm).abs();
+            let nearest = heights_mm.iter().map(far).fold(f64::INFINITY, f64::min);
+            prop_assert!(heights_mm.is_empty() || far(&heights_mm[found[0]]) <= nearest + 1e-9);
         }
     }
 }
@@ -38,8 +41,7 @@ proptest! {
 fn lengths_that_are_none() {
     let field = field(&[0.5], 1.0);
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(field.cells_by_surface(1, wrong, 1.0), Err(FieldError::Thickness { .. })));
-        assert!(matches!(field.cells_by_surface(1, 1.0, wrong), Err(FieldError::Thickness { .. })));
+        assert!(matches!(field.cells_by_surface(&[1.0], wrong), Err(FieldError::Thickness { .. })));
     }
-    assert_eq!(field.cells_by_surface(0, 1.0, 1.0).unwrap(), [[0]]);
+    assert_eq!(field.cells_by_surface(&[], 1.0).unwrap(), [[0]]);
 }

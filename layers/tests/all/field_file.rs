@@ -39,10 +39,12 @@ fn text_of(saved: &SavedField) -> String {
 proptest! {
     #[test]
     fn what_was_written_is_read(
-        values in prop::collection::vec(prop::option::of(0.0..1e2f64), 70 * 3 * 2), solid_as_well in 0..7u32, steps in 1..9u32
+        values in prop::collection::vec(prop::option::of(0.0..1e2f64), 70 * 3 * 2), solid_as_well in 0..7u32, steps in 1..9u32,
+        half_layers in prop::option::of(1.0..2.0f64),
     ) {
         let Some(before) = saved([70, 3, 2], &values, solid_as_well) else { return Ok(()) };
-        let before = SavedField { field: before.field.clone().in_steps(steps), ..before };
+        let field = before.field.clone().in_steps(steps).with_half_layers(half_layers.unwrap_or(0.0));
+        let before = SavedField { field, ..before };
         let after = SavedField::read(text_of(&before).as_bytes()).unwrap();
         let bits = |saved: &SavedField| saved.field.values().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         prop_assert_eq!(bits(&before), bits(&after));
@@ -50,6 +52,7 @@ proptest! {
             (&after.rows, after.cell_mm, after.origin, after.mesh));
         prop_assert_eq!(before.field.layer_cells().to_bits(), after.field.layer_cells().to_bits());
         prop_assert_eq!((after.field.steps_per_layer(), after.field.order()), (steps, before.field.order()));
+        prop_assert_eq!(after.field.half_layers(), half_layers);
         prop_assert_eq!(text_of(&after), text_of(&before));
     }
 
@@ -85,6 +88,8 @@ fn what_is_wrong_is_told_by_its_line() {
         ("layer_cells 0.8125", "layer_cells 0.8125 0", 6),
         ("layer_cells 0.8125", "layer_cells 0.8125 4 4", 6),
         ("cells 3", "cells many", 7),
+        ("cells 3", "half_layers 0.5\ncells 3", 7),
+        ("cells 3", "half_layers 1.5\nhalf_layers 1.5\ncells 3", 8),
         ("\n0 0.5", "\n0", 8),
         ("\n1 -", "\n1 inf", 9),
         ("end", "", 11),

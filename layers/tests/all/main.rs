@@ -9,6 +9,7 @@ mod elastic;
 mod field_file;
 mod growth;
 mod growth_twins;
+mod half_layers;
 mod impossible;
 mod mould;
 mod nozzle;

@@ -305,7 +305,7 @@ fn thickness_is_evened_out_over_corners() {
     let solid = random(3);
     let surfaces = solid.workpiece().layers(None, 0.6, &go).unwrap().surfaces;
     let mut triangles = 0;
-    for (at, (vertices, corners, thickness)) in surfaces.iter().enumerate() {
+    for (at, (vertices, corners, thickness, _)) in surfaces.iter().enumerate() {
         let sheet = &surfaces.sheets[at];
         assert_eq!((vertices, corners), (&sheet.vertices[..], &sheet.triangles[..]));
         assert!(thickness.iter().zip(slow_thickness(&surfaces, at)).all(|(a, b)| (a - b).abs() < 1e-12));

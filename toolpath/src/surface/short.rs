@@ -31,7 +31,7 @@ impl FilledLayers {
     /// let vertices = [part(0.0, [8.0, 8.0]), part(10.0, [0.9, 3.0])].concat();
     /// let vertices: Vec<_> = vertices.into_iter().map(|[x, y]| Point3::new(x, y, 0.4)).collect();
     /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4] }];
+    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4], is_half: false }];
     /// let options = PathOptions::default();
     /// let filled = fill_layers(&surfaces, &options, &|_| ControlFlow::Continue(()))?;
     /// assert_eq!(filled.totals().curves, 2);

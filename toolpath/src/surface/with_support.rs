@@ -52,7 +52,7 @@ impl FilledLayer {
     /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
     /// let points = [0.4, 1.2, 2.0].map(|z| [square(0.0, z), square(30.0, z)].concat());
     /// let surfaces = |range: std::ops::Range<usize>, count: usize| [0, 1, 2].map(|k| LayerSurface {
-    ///     vertices: &points[k][range.clone()], triangles: &triangles[..count], thickness: &[0.8; 4][..count],
+    ///     vertices: &points[k][range.clone()], triangles: &triangles[..count], thickness: &[0.8; 4][..count], is_half: false,
     /// });
     /// let (part, support, both) = (surfaces(0..4, 2), surfaces(4..8, 2), surfaces(0..8, 4));
     /// let (options, go) = (PathOptions::default(), |_| Continue(()));

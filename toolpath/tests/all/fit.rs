@@ -14,7 +14,8 @@ fn walls(wide: f64, long: f64) -> Vec<[Point3<f64>; 4]> {
 }
 
 fn surfaces(walls: &[[Point3<f64>; 4]]) -> Vec<LayerSurface<'_>> {
-    let surface = |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2] };
+    let surface =
+        |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
     walls.iter().map(|wall| surface(&wall[..])).collect()
 }
 

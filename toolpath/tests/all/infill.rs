@@ -3,9 +3,9 @@
 use crate::common::{go_on, grid, to_boundary};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::surface::{
-    BeadKind, Bridges, FillError, FillLayersError, FilledLayers, InfillOptions, InfillPattern, LayerSurface, Nozzle,
-    PathError, PathOptions, Pattern, PrintOptions, SparseFill, StackError, SupportOptions, SurfaceMesh, SurfacePath,
-    check_support, fill_layer, fill_layers,
+    BeadKind, Bridges, FillError, FillLayersError, FilledLayer, FilledLayers, InfillOptions, InfillPattern,
+    LayerSurface, Nozzle, PathError, PathOptions, Pattern, PrintOptions, SparseFill, StackError, SupportOptions,
+    SurfaceMesh, SurfacePath, check_support, fill_layer, fill_layers, fill_range,
 };
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
@@ -31,6 +31,7 @@ impl Part {
             vertices: self.meshes[k].vertices(),
             triangles: self.meshes[k].triangles(),
             thickness: &self.thickness[k],
+            is_half: false,
         };
         (0..self.meshes.len()).map(of).collect()
     }
@@ -259,6 +260,32 @@ fn pyramid(low: usize, high: usize) -> Part {
     Part::new((0..low).map(|k| plate(24, k)).chain((low..low + high).map(top)))
 }
 
+/// Half layers between all layers of a pyramid: skins and infill of the layers stay as they are without, and half layers inside have no skin.
+#[test]
+fn half_layers_do_not_count() {
+    let (low, high) = (8, 5);
+    let part = pyramid(low, high);
+    let half = |k: usize| {
+        let z = HEIGHT * (k as f64 + 1.0);
+        grid(8, 50 + k as u64, 0.6, |_, _| false, move |p| Point3::new(p.x + 8.0, p.y + 8.0, z))
+    };
+    let halves = Part::new((0..low + high - 1).map(half));
+    let between = halves.surfaces().into_iter().map(|surface| LayerSurface { is_half: true, ..surface });
+    let mut between = between.map(Some).chain([None]);
+    let halved: Vec<LayerSurface> =
+        part.surfaces().into_iter().flat_map(|layer| [Some(layer), between.next().unwrap()]).flatten().collect();
+    let infill = InfillOptions { density: 0.3, walls: 1, skin: 2, ..InfillOptions::default() };
+    let options = PathOptions { bead: BEAD, infill, ..PathOptions::default() };
+    let filled = |surfaces: &[LayerSurface]| fill_range(surfaces, 0..surfaces.len(), &options, &go_on).unwrap();
+    let paths = |layer: &Option<FilledLayer>| layer.as_ref().unwrap().paths.paths.clone();
+    let (plain, halved) = (filled(&part.surfaces()), filled(&halved));
+    for (layer, both) in plain.iter().zip(halved.chunks(2)) {
+        assert_eq!(format!("{:?}", paths(layer)), format!("{:?}", paths(&both[0])));
+    }
+    let kinds: Vec<BeadKind> = paths(&halved[2 * 4 + 1]).iter().map(|path| path.points[0].kind).collect();
+    assert!(kinds.contains(&BeadKind::Infill) && !kinds.contains(&BeadKind::Skin), "{kinds:?}");
+}
+
 #[test]
 fn skins_are_where_fewer_layers_lie_above_or_below() {
     let (low, high, skin) = (7, 5, 2);
@@ -386,7 +413,8 @@ fn a_solid_part_does_not_depend_on_walls_and_skins() {
 fn a_single_layer_is_all_skin() {
     let mesh = plate(12, 0);
     let thickness = vec![HEIGHT; mesh.triangles().len()];
-    let surface = LayerSurface { vertices: mesh.vertices(), triangles: mesh.triangles(), thickness: &thickness };
+    let surface =
+        LayerSurface { vertices: mesh.vertices(), triangles: mesh.triangles(), thickness: &thickness, is_half: false };
     let infill = InfillOptions { density: 0.2, ..InfillOptions::default() };
     let options = PathOptions { bead: BEAD, infill, ..PathOptions::default() };
     let layer = fill_layer(&surface, &options, &go_on).unwrap();

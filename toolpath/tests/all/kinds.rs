@@ -13,7 +13,12 @@ const BEAD: f64 = 0.8;
 fn moves(pattern: Pattern) -> (Vec<Move>, Vec<(BeadKind, f64)>) {
     let plate = grid(SIDE as usize, 1, 0.6, |_, _| false, |p| Point3::new(p.x, p.y, BEAD / 2.0));
     let thickness = vec![BEAD; plate.triangles().len()];
-    let surface = LayerSurface { vertices: plate.vertices(), triangles: plate.triangles(), thickness: &thickness };
+    let surface = LayerSurface {
+        vertices: plate.vertices(),
+        triangles: plate.triangles(),
+        thickness: &thickness,
+        is_half: false,
+    };
     let filled = fill_layers(&[surface], &PathOptions { pattern, ..PathOptions::default() }, &go_on).unwrap();
     let distance = to_boundary(&plate);
     let points = filled.layers[0].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);

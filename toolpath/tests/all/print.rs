@@ -35,7 +35,7 @@ impl Sheets {
         let each = self.meshes.iter().zip(&self.thickness);
         let plain = each.map(|(mesh, thickness)| (mesh.vertices(), mesh.triangles(), &thickness[..]));
         let mut surfaces: Vec<LayerSurface> = plain.map(LayerSurface::from).collect();
-        surfaces.insert(1, LayerSurface { vertices: &[], triangles: &[], thickness: &[] });
+        surfaces.insert(1, LayerSurface { vertices: &[], triangles: &[], thickness: &[], is_half: false });
         surfaces
     }
 }
@@ -171,7 +171,7 @@ fn a_print_is_planned_by_the_steps_behind_it() {
     let built: Vec<BuiltLayer> = surfaces
         .iter()
         .zip(&curves)
-        .map(|(&LayerSurface { vertices, triangles, thickness }, curves)| BuiltLayer {
+        .map(|(&LayerSurface { vertices, triangles, thickness, .. }, curves)| BuiltLayer {
             vertices,
             triangles,
             spacing: thickness,
@@ -329,7 +329,8 @@ fn crossing_sheet() -> SurfaceMesh {
 fn fitted_beads_that_cross_are_replaced_by_uniform_ones() {
     let mesh = crossing_sheet();
     let thickness = vec![0.5; mesh.triangles().len()];
-    let surface = LayerSurface { vertices: mesh.vertices(), triangles: mesh.triangles(), thickness: &thickness };
+    let surface =
+        LayerSurface { vertices: mesh.vertices(), triangles: mesh.triangles(), thickness: &thickness, is_half: false };
     let (fitted, uniform) = (PathOptions::default(), PathOptions { fitted: false, ..PathOptions::default() });
     let crossings = |paths: &LayerPaths| {
         let lines: Vec<_> = paths.paths.iter().map(SurfacePath::line).collect();

@@ -38,7 +38,7 @@ proptest! {
         }).collect();
         let thickness: Vec<Vec<f64>> = sheets.iter().map(|(_, triangles)| vec![0.8; triangles.len()]).collect();
         let surfaces: Vec<_> = sheets.iter().zip(&thickness).map(|((vertices, triangles), thickness)| LayerSurface {
-            vertices, triangles, thickness,
+            vertices, triangles, thickness, is_half: false,
         }).collect();
         let infill = InfillOptions { density, walls, skin, ..InfillOptions::default() };
         let (options, go) = (PathOptions { infill, ..PathOptions::default() }, |_| ControlFlow::Continue(()));
@@ -62,7 +62,8 @@ proptest! {
 fn ranges_that_are_none_are_refused() {
     let (vertices, triangles) = sheet(6.0, 0.4, 0.0);
     let thickness = vec![0.8; triangles.len()];
-    let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &thickness }; 2];
+    let surfaces =
+        [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &thickness, is_half: false }; 2];
     let (options, go) = (PathOptions::default(), |_| ControlFlow::Continue(()));
     #[allow(clippy::reversed_empty_ranges)]
     for (range, ends) in [(1..3, [1, 3]), (3..3, [3, 3]), (2..1, [2, 1])] {

@@ -41,7 +41,7 @@ fn filled_layers_come_back() {
     let level = [[0, 1, 2], [0, 2, 3]];
     // One that a bead fits onto, and one that is too narrow.
     for vertices in [square(11.0), square(0.2)] {
-        let surface = LayerSurface { vertices: &vertices, triangles: &level, thickness: &[0.8; 2] };
+        let surface = LayerSurface { vertices: &vertices, triangles: &level, thickness: &[0.8; 2], is_half: false };
         let filled = fill_layer(&surface, &PathOptions::default(), &|_| ControlFlow::Continue(())).unwrap();
         comes_back(&Some(filled));
     }

@@ -31,7 +31,12 @@ fn corners(rectangles: &[Rectangle]) -> Vec<[Point3<f64>; 4]> {
 }
 
 fn surfaces(corners: &[[Point3<f64>; 4]]) -> Vec<LayerSurface<'_>> {
-    let surface = |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[HEIGHT; 2] };
+    let surface = |vertices| LayerSurface {
+        vertices,
+        triangles: &[[0, 1, 2], [0, 2, 3]],
+        thickness: &[HEIGHT; 2],
+        is_half: false,
+    };
     corners.iter().map(|corners| surface(&corners[..])).collect()
 }
 

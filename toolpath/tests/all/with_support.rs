@@ -52,7 +52,12 @@ fn layers() -> Layers {
 fn surfaces(sheets: &[Sheet]) -> Vec<LayerSurface<'_>> {
     sheets
         .iter()
-        .map(|(vertices, triangles)| LayerSurface { vertices, triangles, thickness: &THICKNESS[..triangles.len()] })
+        .map(|(vertices, triangles)| LayerSurface {
+            vertices,
+            triangles,
+            thickness: &THICKNESS[..triangles.len()],
+            is_half: false,
+        })
         .collect()
 }
 

@@ -5,15 +5,16 @@
 //! Symbols: `T` in the book is a value here; along each axis it enters as `weight (T - origin)^2`.
 
 use super::super::cells::Cells;
+use super::beside;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Values rise by at least this much from the lowest face neighbour, in cells. A first-order value rises by `1/sqrt(3)` or more, since three equal
 /// terms `(T - u)^2` add up to 1; those of second order are held to a little less, so that support within half a layer is sure.
-const MIN_RISE: f64 = 0.5;
+pub(super) const MIN_RISE: f64 = 0.5;
 
 /// The value of cells of the base: their middle.
-const ON_BASE: f64 = 0.5;
+pub(super) const ON_BASE: f64 = 0.5;
 
 /// A value on its way: the lowest first, of equal ones the cell with the lowest number. Values are positive, so their bits are in their order.
 type Queued = Reverse<(u64, u32)>;
@@ -59,8 +60,7 @@ impl March<'_> {
             if std::mem::replace(&mut self.known[cell as usize], true) {
                 continue;
             }
-            for (axis, forward) in (0..3).flat_map(|axis| [(axis, false), (axis, true)]) {
-                let Some(next) = self.beside(cell, axis, forward) else { continue };
+            for next in beside(&self.cells, cell).into_iter().flatten() {
                 if self.known[next as usize] {
                     continue;
                 }
@@ -72,13 +72,6 @@ impl March<'_> {
                 }
             }
         }
-    }
-
-    /// The cell beside a face of this one, if it is of the solid.
-    fn beside(&self, cell: u32, axis: usize, forward: bool) -> Option<u32> {
-        let mut place = self.cells.position(cell);
-        place[axis] = if forward { place[axis] + 1 } else { place[axis].checked_sub(1)? };
-        self.cells.contains(place).then(|| self.cells.id(place))
     }
 
     fn known_value(&self, cell: u32) -> Option<f64> {
@@ -97,13 +90,13 @@ impl March<'_> {
 
     /// What the lower of the two known neighbours along an axis contributes; of second order where a lower one lies behind it.
     fn term(&self, cell: u32, axis: usize) -> Option<Term> {
-        let side = |forward: bool| {
-            let beside = self.beside(cell, axis, forward)?;
-            Some((self.known_value(beside)?, beside, forward))
+        let side = |face: usize| {
+            let next = beside(&self.cells, cell)[face]?;
+            Some((self.known_value(next)?, next, face))
         };
-        let lower = |a: &(f64, u32, bool), b: &(f64, u32, bool)| a.0.total_cmp(&b.0);
-        let (neighbour, beside, forward) = [side(false), side(true)].into_iter().flatten().min_by(lower)?;
-        let behind = self.beside(beside, axis, forward).and_then(|behind| self.known_value(behind));
+        let lower = |a: &(f64, u32, usize), b: &(f64, u32, usize)| a.0.total_cmp(&b.0);
+        let (neighbour, next, face) = [side(2 * axis), side(2 * axis + 1)].into_iter().flatten().min_by(lower)?;
+        let behind = beside(&self.cells, next)[face].and_then(|behind| self.known_value(behind));
         Some(match behind {
             // At the base the field has a kink: it is level along it.
             Some(behind) if behind <= neighbour && neighbour > ON_BASE => {

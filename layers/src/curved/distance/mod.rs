@@ -9,11 +9,16 @@
 //!
 //! The idea of a scalar field whose level sets are the layers is that of Zhang et al., "S3-Slicer: a general slicing framework for multi-axis 3D
 //! printing", ACM TOG 41(6), 2022, and of Etienne et al., "CurviSlicer: slightly curved slicing for 3-axis printers", ACM TOG 38(4), 2019, who
-//! optimise deformations of tetrahedra. Ours is a distance on the cells, without an optimisation, and is judged and mended cell by cell.
+//! optimise deformations of tetrahedra. Ours is a distance on the cells, or follows it by one linear system, and is judged and mended cell by cell.
+//!
+//! Where fronts of the distance meet, they close a slot that no nozzle gets into. [`grow_directed`] orders by a field that leans from upright no more than the
+//! nozzle's cone allows ([directed]). Where its directions turn layers are thick, and get [half layers](LayerField::with_half_layers).
 //!
 //! [`distance_field`] makes the field, [`grow_by_distance`] the order, [`distance_layers`] the field of an order that was completed by others.
 
 mod delayed;
+mod directed;
+mod lifted;
 mod march;
 mod reach;
 
@@ -24,11 +29,15 @@ use super::platform::Platform;
 use super::rules::Rules;
 use super::standing::standing;
 use super::surface::{FieldError, LayerField};
-pub use reach::{DistanceOrder, grow_by_distance};
+pub use reach::{DistanceOrder, grow_by_distance, grow_directed};
 
 /// The order of a distance field is cut this often in a layer. Every cell that is not on the base has one beside a face of it whose
 /// distance is less by at least half a cell ([`distance_field`]), so with two steps a layer that one is in an earlier step.
 pub const STEPS_PER_LAYER: u32 = 2;
+
+/// Layers of a directed field more than this many heights apart get a half layer between them: the middles of beads that lie on each other are one and a half
+/// apart at most, and where a half layer ends they lean a little.
+const HALF_LAYERS: f64 = 1.45;
 
 /// The distance of the cells from what they stand on, in cells, along paths inside the part.
 ///
@@ -67,13 +76,24 @@ fn solved(cells: &Cells, base: &[u32], floor: &dyn Fn(u32) -> f64) -> LayerField
     in_cells(cells, march::distances(cells, base, floor))
 }
 
+/// The cells beside the faces of a cell: below and above along each axis.
+fn beside(cells: &Cells, cell: u32) -> [Option<u32>; 6] {
+    let place = cells.position(cell);
+    std::array::from_fn(|face| {
+        let mut at = place;
+        let along = &mut at[face / 2];
+        *along = if face % 2 == 1 { *along + 1 } else { along.checked_sub(1)? };
+        cells.contains(at).then(|| cells.id(at))
+    })
+}
+
 /// The field of these values, a cell a layer.
 fn in_cells(cells: &Cells, values: Vec<f64>) -> LayerField {
     let field = LayerField::new(cells, values, 1.0).unwrap_or_else(|error| unreachable!("{error}"));
     field.in_steps(STEPS_PER_LAYER)
 }
 
-/// The field of an order that [`grow_by_distance`] began and others went on with: that of the distances as far as the order follows it, then
+/// The field of an order that [`grow_by_distance`] or [`grow_directed`] began and others went on with: that of the distances as far as the order follows it, then
 /// a layer for each layer of the order.
 ///
 /// # Arguments
@@ -114,7 +134,8 @@ pub fn distance_layers(cells: &Cells, distances: &LayerField, order: &LayerOrder
     for (layer, of_layer) in order.iter().skip(head).enumerate() {
         of_layer.iter().for_each(|&cell| values[cell as usize] = first + layer as f64 + 0.5);
     }
-    Ok(LayerField::new(cells, values, 1.0)?.in_steps(STEPS_PER_LAYER))
+    let field = LayerField::new(cells, values, 1.0)?.in_steps(STEPS_PER_LAYER);
+    Ok(field.with_half_layers(distances.half_layers().unwrap_or(0.0)))
 }
 
 /// How many layers an order follows the field from its beginning on: whole layers lie in one step each, and the steps rise.

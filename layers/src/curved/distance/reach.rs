@@ -18,7 +18,10 @@ use super::super::rules::Rules;
 use super::super::standing::{joined, standing};
 use super::super::surface::{LayerField, in_parallel};
 use super::delayed::{Floors, delay};
-use super::{STEPS_PER_LAYER, in_cells, solved};
+use super::directed::{directed, max_tilt};
+use super::lifted::lifted;
+use super::march::distances;
+use super::{HALF_LAYERS, STEPS_PER_LAYER, in_cells, solved};
 use crate::Progress;
 use nalgebra::{UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -95,23 +98,53 @@ pub fn grow_by_distance(
         return Err(GrowthError::NothingOnPlatform);
     }
     let job = Job { cells, cell_mm, platform, rules, nozzle, base: &base, progress };
-    let mut best = job.grown(solved(cells, &base, &|_| 0.0))?;
-    let (mut rounds, mut last, mut floors) = (0, best.clone(), Floors::none(cells));
-    for round in 1..=ROUNDS {
-        if last.unreached.is_empty() || round > rounds + MAX_IDLE_ROUNDS + 1 {
-            break;
-        }
-        let shape = (nozzle, cell_mm);
-        delay(&mut floors, cells, &last.field, &last.unreached, &last.obstacles, shape, rules.neighbours);
-        last = job.grown(solved(cells, &base, &|cell| floors.of(cell)))?;
-        if last.left < best.left {
-            (best, rounds) = (last.clone(), round);
-        }
+    job.ordered(|floors| solved(cells, &base, &|cell| floors.of(cell)))
+}
+
+/// Orders the cells as [`grow_by_distance`] does, by a field that follows the distance but leans from upright no more than the nozzle's cone leaves of a
+/// right angle: so fronts that meet leave a valley that it fits into. Its layers are thicker where directions turn, and the field has
+/// [half layers](LayerField::with_half_layers) there.
+///
+/// # Arguments
+/// * as for [`grow_by_distance`].
+///
+/// # Errors
+/// As for [`grow_by_distance`].
+///
+/// # Cost
+/// That of [`grow_by_distance`], and of a linear system: `n` times the length of the part in cells, some 0.2 s for 60,000 cells, one thread.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, NozzleRule, Platform, Rules, grow_directed};
+/// use std::ops::ControlFlow::Continue;
+/// // A mast of 12 cells of 5 mm with an arm at its top: its layers lean by 43 degrees.
+/// let mut rows = vec![0b00_0001; 12];
+/// rows[11] = 0b11_1111;
+/// let cells = Cells::new([6, 1, 12], &rows)?;
+/// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
+/// let order = grow_directed(&cells, 5.0, &platform, &rules, &NozzleRule::default(), &|_| Continue(()))?;
+/// assert!(order.growth.missed.is_empty() && order.field.half_layers().is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn grow_directed(
+    cells: &Cells,
+    cell_mm: f64,
+    platform: &Platform,
+    rules: &Rules,
+    nozzle: &NozzleRule,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<DistanceOrder, GrowthError> {
+    check_growth(cells, cell_mm, platform, rules, nozzle)?;
+    let base = standing(cells, platform, rules)?;
+    if base.is_empty() {
+        return Err(GrowthError::NothingOnPlatform);
     }
-    let Grown { order, mut printed, field, .. } = best;
-    printed.sort_unstable_by_key(|printed| printed.cell);
-    let growth = Growth { missed: job.missed(&order), order, statistics: GrowthStatistics::default(), nozzle: printed };
-    Ok(DistanceOrder { growth, field, rounds })
+    let job = Job { cells, cell_mm, platform, rules, nozzle, base: &base, progress };
+    let directed = directed(cells, &base, &distances(cells, &base, &|_| 0.0), max_tilt(nozzle));
+    job.ordered(|floors| {
+        in_cells(cells, lifted(cells, &base, &directed, &|cell| floors.of(cell))).with_half_layers(HALF_LAYERS)
+    })
 }
 
 struct Job<'a> {
@@ -140,6 +173,29 @@ struct Grown {
 }
 
 impl Job<'_> {
+    /// The order of a field with these floors; what is in the way of cells that it does not reach gets floors, as long as that leaves fewer cells out.
+    fn ordered(&self, field: impl Fn(&Floors) -> LayerField) -> Result<DistanceOrder, GrowthError> {
+        let Job { cells, cell_mm, rules, nozzle, .. } = *self;
+        let mut best = self.grown(field(&Floors::none(cells)))?;
+        let (mut rounds, mut last, mut floors) = (0, best.clone(), Floors::none(cells));
+        for round in 1..=ROUNDS {
+            if last.unreached.is_empty() || round > rounds + MAX_IDLE_ROUNDS + 1 {
+                break;
+            }
+            let shape = (nozzle, cell_mm);
+            delay(&mut floors, cells, &last.field, &last.unreached, &last.obstacles, shape, rules.neighbours);
+            last = self.grown(field(&floors))?;
+            if last.left < best.left {
+                (best, rounds) = (last.clone(), round);
+            }
+        }
+        let Grown { order, mut printed, field, .. } = best;
+        printed.sort_unstable_by_key(|printed| printed.cell);
+        let growth =
+            Growth { missed: self.missed(&order), order, statistics: GrowthStatistics::default(), nozzle: printed };
+        Ok(DistanceOrder { growth, field, rounds })
+    }
+
     /// Builds what the nozzle reaches in the order of a field. Its values of cells that came a step early are changed to that step.
     fn grown(&self, field: LayerField) -> Result<Grown, GrowthError> {
         let Job { cells, cell_mm, platform, rules, nozzle, base, progress } = *self;
@@ -169,7 +225,8 @@ impl Job<'_> {
         order.cells().iter().for_each(|&cell| obstacles.insert(cell));
         unreached.sort_unstable();
         let left = cells.count() - order.cells().len();
-        Ok(Grown { order, printed, field: in_cells(cells, values), left, unreached, obstacles })
+        let field = in_cells(cells, values).with_half_layers(field.half_layers().unwrap_or(0.0));
+        Ok(Grown { order, printed, field, left, unreached, obstacles })
     }
 
     /// The cells in no layer, with the reasons.

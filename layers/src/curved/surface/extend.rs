@@ -27,6 +27,9 @@ pub struct ExtendedField {
     highest: f64,
     jumps: usize,
     ring_cells: usize,
+    /// The nodes around the part, rising, those without a value as well.
+    ring: Vec<usize>,
+    half_layers: Option<f64>,
 }
 
 impl ExtendedField {
@@ -43,6 +46,11 @@ impl ExtendedField {
     /// Pairs of cells with a common face that is cut ([`JUMP`]): no surface runs across.
     pub fn jumps(&self) -> usize {
         self.jumps
+    }
+
+    /// That of the field.
+    pub(in crate::curved) fn half_layers(&self) -> Option<f64> {
+        self.half_layers
     }
 
     /// Cells outside the part that have got a value.
@@ -68,6 +76,12 @@ impl ExtendedField {
     /// The same, and the slopes there.
     pub(super) fn value_and_slopes(&self, place: [i32; 3]) -> Option<(f64, [f64; 3])> {
         self.node(place).map(|node| (self.lattice.values[node], self.lattice.slopes(node)))
+    }
+
+    /// How steep the field is at a cell of the part, in layers a cell; `None` elsewhere.
+    pub(super) fn steepness(&self, place: [i32; 3]) -> Option<f64> {
+        let node = self.node(place).filter(|node| self.ring.binary_search(node).is_err())?;
+        Some(self.lattice.slopes(node).iter().map(|slope| slope * slope).sum::<f64>().sqrt())
     }
 
     /// The node at a place, if it has a value.
@@ -161,7 +175,8 @@ pub fn extend(field: &LayerField, cells: &Cells) -> ExtendedField {
             }
         }
     }
-    ExtendedField { lattice, layer_cells: field.layer_cells(), highest: field.highest(), jumps, ring_cells }
+    let (layer_cells, highest, half_layers) = (field.layer_cells(), field.highest(), field.half_layers());
+    ExtendedField { lattice, layer_cells, highest, jumps, ring_cells, ring, half_layers }
 }
 
 /// All steps of at most two cells along each axis.

@@ -16,6 +16,7 @@ pub struct LayerField {
     layer_cells: f64,
     /// Steps of the order to a layer.
     steps: u32,
+    half_layers: Option<f64>,
 }
 
 /// Why values are no field.
@@ -92,7 +93,11 @@ impl LayerField {
                 return Err(FieldError::NotSolid { cell });
             }
         }
-        if any { Ok(LayerField { dims: cells.dims(), values, layer_cells, steps: 1 }) } else { Err(FieldError::Empty) }
+        if any {
+            Ok(LayerField { dims: cells.dims(), values, layer_cells, steps: 1, half_layers: None })
+        } else {
+            Err(FieldError::Empty)
+        }
     }
 
     /// The field with other values at its cells.
@@ -108,6 +113,17 @@ impl LayerField {
     /// The same field, whose [order](LayerField::order) has so many steps to a layer, and one at least.
     pub fn in_steps(self, per_layer: u32) -> Self {
         LayerField { steps: per_layer.max(1), ..self }
+    }
+
+    /// The same field, whose surfaces have half layers: between two that are more than `thicker_than` layer heights apart there is one more, as far as they
+    /// are ([`Workpiece::surfaces`](super::super::Workpiece::surfaces)). None unless `thicker_than` is at least 1: what is thinner needs no other.
+    pub fn with_half_layers(self, thicker_than: f64) -> Self {
+        LayerField { half_layers: (thicker_than >= 1.0).then_some(thicker_than), ..self }
+    }
+
+    /// How many layer heights two surfaces are apart at least where a half layer lies between them; `None` if there are no half layers.
+    pub fn half_layers(&self) -> Option<f64> {
+        self.half_layers
     }
 
     /// Cells of the grid along x, y and z.
@@ -145,41 +161,41 @@ impl LayerField {
         self.values.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The cells of each layer when surfaces are contoured at a layer height: surface `k` (from 0) runs through the middle of the
-    /// cells whose height along the growth is from `k` to `k + 1` layer heights. What lies above the last surface goes with it.
+    /// The cells of each surface: those whose height along the growth is nearer to it than to the ones before and after it. What lies above the last
+    /// surface goes with it.
     ///
     /// # Arguments
-    /// * `surfaces`: how many there are; with 0 there is one list.
-    /// * `height_mm`, `cell_mm`: the layer height, and the edge of a cell.
+    /// * `heights_mm`: heights of the surfaces along the growth, rising; with none there is one list. Those of
+    ///   [`LayerSurfaces`](super::super::LayerSurfaces).
+    /// * `cell_mm`: the edge of a cell.
     ///
     /// # Returns
     /// A list a surface, rising by cell number; lists may be empty. Cells without a value are in none.
     ///
     /// # Errors
-    /// [`FieldError::Thickness`] for a layer height or a cell that is not above 0 and finite.
+    /// [`FieldError::Thickness`] for a cell that is not above 0 and finite.
     ///
     /// # Cost
-    /// `O(n)` for `n` cells of the grid.
+    /// `O(n log m)` for `n` cells of the grid and `m` surfaces.
     ///
     /// # Example
     /// ```
     /// use curvlay_layers::curved::{Cells, surface::LayerField};
     /// let cells = Cells::new([4, 1, 1], &[0b1111])?;
     /// let field = LayerField::new(&cells, vec![0.5, 1.2, f64::NAN, 1.9], 1.0)?;
-    /// // Layers of 3 mm on cells of 2 mm: heights are 1, 2.4 and 3.8 mm.
-    /// assert_eq!(field.cells_by_surface(2, 3.0, 2.0)?, [vec![0, 1], vec![3]]);
+    /// // Layers of 3 mm on cells of 2 mm, whose heights are 1, 2.4 and 3.8 mm.
+    /// assert_eq!(field.cells_by_surface(&[1.5, 4.5], 2.0)?, [vec![0, 1], vec![3]]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn cells_by_surface(&self, surfaces: usize, height_mm: f64, cell_mm: f64) -> Result<Vec<Vec<u32>>, FieldError> {
-        let sound = |length: f64| length > 0.0 && length.is_finite();
-        if !(sound(height_mm) && sound(cell_mm)) {
-            return Err(FieldError::Thickness { layer_cells: height_mm / cell_mm });
+    pub fn cells_by_surface(&self, heights_mm: &[f64], cell_mm: f64) -> Result<Vec<Vec<u32>>, FieldError> {
+        let layer_mm = self.layer_cells * cell_mm;
+        if !(layer_mm > 0.0 && layer_mm.is_finite()) {
+            return Err(FieldError::Thickness { layer_cells: cell_mm });
         }
-        let mut layers = vec![Vec::new(); surfaces.max(1)];
-        let last = layers.len() - 1;
+        let between: Vec<f64> = heights_mm.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
+        let mut layers = vec![Vec::new(); heights_mm.len().max(1)];
         for (cell, value) in (0..).zip(&self.values).filter(|(_, value)| !value.is_nan()) {
-            let height = value * self.layer_cells * cell_mm;
-            layers[((height / height_mm) as usize).min(last)].push(cell);
+            layers[between.partition_point(|&border| border <= value * layer_mm)].push(cell);
         }
         Ok(layers)
     }

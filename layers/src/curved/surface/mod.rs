@@ -27,6 +27,7 @@ mod contour;
 mod extend;
 mod field;
 mod fit;
+mod half;
 mod lattice;
 mod nozzle;
 mod plain;

@@ -8,6 +8,7 @@
 //! cell_mm 0.8
 //! origin_mm -16 -12 0        the low corner of the grid
 //! layer_cells 1              how thick a layer is, in cells; then the steps of the order to a layer, if more than one
+//! half_layers 1.45           only with half layers: how many layer heights apart layers are that have one between them
 //! cells 2                    so many lines follow: a cell of the solid each, by rising number
 //! 17 0.5                     its value in layers
 //! 18 -                       or none: it is missed
@@ -277,6 +278,9 @@ impl SavedField {
             1 => writeln!(out)?,
             steps => writeln!(out, " {steps}")?,
         }
+        if let Some(thicker_than) = self.field.half_layers() {
+            writeln!(out, "half_layers {thicker_than}")?;
+        }
         writeln!(out, "cells {}", cells.count())?;
         for cell in cells.iter() {
             match self.field.value(cell) {
@@ -335,7 +339,13 @@ impl SavedField {
             let (layer_cells, steps) = text.split_once(' ').unwrap_or((text, "1"));
             Some((number(layer_cells)?, steps.parse::<u32>().ok().filter(|steps| (1..=MOST_STEPS).contains(steps))?))
         })?;
-        let count = lines.keyed("cells", "`cells` and their number", |text| text.parse::<usize>().ok())?;
+        lines.next()?;
+        let half_layers = lines.value_of("half_layers", |text| number(text).filter(|&heights| heights >= 1.0));
+        if half_layers.is_some() {
+            lines.next()?;
+        }
+        let count = lines.value_of("cells", |text| text.parse::<usize>().ok());
+        let count = count.ok_or_else(|| lines.unlike("`cells` and their number"))?;
         let mut read: Vec<(u32, f64)> = Vec::new();
         for _ in 0..count {
             lines.next()?;
@@ -369,7 +379,10 @@ impl SavedField {
             rows[row as usize * dims[0].div_ceil(64) as usize + x as usize / 64] |= 1 << (x % 64);
             values[cell as usize] = value;
         }
-        let field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?.in_steps(steps);
+        let mut field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?.in_steps(steps);
+        if let Some(thicker_than) = half_layers {
+            field = field.with_half_layers(thicker_than);
+        }
         Ok(SavedField { field, rows, cell_mm, origin: origin.into(), mesh, aids })
     }
 }
@@ -415,8 +428,12 @@ impl<R: BufRead> Lines<R> {
         value: impl FnOnce(&str) -> Option<T>,
     ) -> Result<T, ReadFieldError> {
         self.next()?;
-        let found = self.text.split_once(' ').filter(|(word, _)| *word == key).and_then(|(_, rest)| value(rest));
-        found.ok_or_else(|| self.unlike(expected))
+        self.value_of(key, value).ok_or_else(|| self.unlike(expected))
+    }
+
+    /// What `value` takes from this line, if it begins with `key`.
+    fn value_of<T>(&self, key: &str, value: impl FnOnce(&str) -> Option<T>) -> Option<T> {
+        self.text.split_once(' ').filter(|(word, _)| *word == key).and_then(|(_, rest)| value(rest))
     }
 
     /// The cells of a list that begins at this line, if it does; then goes on to the next line.
@@ -476,8 +493,7 @@ impl<R: BufRead> Lines<R> {
 
     /// The number behind the word at the start of the line.
     fn count(&self, key: &str, expected: &'static str) -> Result<usize, ReadFieldError> {
-        let found = self.text.split_once(' ').filter(|(word, _)| *word == key).and_then(|(_, rest)| rest.parse().ok());
-        found.ok_or_else(|| self.unlike(expected))
+        self.value_of(key, |text| text.parse().ok()).ok_or_else(|| self.unlike(expected))
     }
 
     /// Whether a cell has a value and comes after the one before.

@@ -56,6 +56,8 @@ pub enum UniformMethod {
     Coherent,
     /// By the distance from the plate ([`distance_layers`](crate::curved::distance_layers)).
     Distance,
+    /// A field that follows the distance and leans no more than the nozzle's cone allows ([`grow_directed`](crate::curved::grow_directed)).
+    Directed,
     /// The clock left cells over: it is the plain field of the order.
     Plain,
 }

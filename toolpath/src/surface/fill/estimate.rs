@@ -24,7 +24,7 @@ pub struct FillEstimate {
 /// ```
 /// use curvlay_toolpath::{nalgebra::Point3, surface::{LayerSurface, estimate_fill}};
 /// let vertices = [[0.0, 0.0], [16.0, 0.0], [16.0, 8.0], [0.0, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
-/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2] };
+/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
 /// let estimate = estimate_fill(&[surface], 0.5);
 /// assert_eq!((estimate.area_mm2, estimate.path_mm, estimate.points), (128.0, 256.0, 1024.0));
 /// ```

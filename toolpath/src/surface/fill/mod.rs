@@ -49,12 +49,22 @@ pub struct LayerSurface<'a> {
     pub triangles: &'a [[u32; 3]],
     /// Thickness of the layer at each triangle, in millimetres.
     pub thickness: &'a [f64],
+    /// Whether it lies half way between two layers, in places where those are too far apart. It is no layer of its own for skins, and for the way in which infill
+    /// turns from layer to layer.
+    pub is_half: bool,
 }
 
 impl<'a> From<(&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64])> for LayerSurface<'a> {
     /// Vertices, triangles, thickness.
     fn from((vertices, triangles, thickness): (&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64])) -> Self {
-        LayerSurface { vertices, triangles, thickness }
+        LayerSurface { vertices, triangles, thickness, is_half: false }
+    }
+}
+
+impl<'a> From<(&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64], bool)> for LayerSurface<'a> {
+    /// Vertices, triangles, thickness, and whether it is a half layer.
+    fn from((vertices, triangles, thickness, is_half): (&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64], bool)) -> Self {
+        LayerSurface { vertices, triangles, thickness, is_half }
     }
 }
 
@@ -141,7 +151,7 @@ struct Bead {
 /// use curvlay_toolpath::surface::{LayerSurface, PathOptions, fill_layer};
 /// use std::ops::ControlFlow;
 /// let vertices = [[0.0, 0.0], [16.0, 0.0], [16.0, 8.0], [0.0, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
-/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2] };
+/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
 /// let filled = fill_layer(&surface, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
 /// assert_eq!((filled.paths.paths.len(), filled.uniform), (1, false));
 /// assert!(filled.statistics.covered_fraction > 0.97);
@@ -255,7 +265,7 @@ fn fill_at(
 /// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
 /// let vertices = [level(0.4), level(1.2)];
 /// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
-///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2],
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false,
 /// });
 /// let silent = |_| ControlFlow::Continue(());
 /// let filled = fill_layers(&surfaces, &PathOptions::default(), &silent)?;
@@ -331,7 +341,7 @@ pub fn fill_range(
 /// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
 /// let vertices = [level(0.4), level(1.2), level(2.0)];
 /// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
-///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2],
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false,
 /// });
 /// let (options, silent) = (PathOptions::default(), |_| ControlFlow::Continue(()));
 /// // On one computer, and on another one.
@@ -422,7 +432,7 @@ impl FilledLayers {
         };
         let no_curves: &[LayerCurve] = &[];
         let layer = |(surface, beads): (&LayerSurface<'a>, &'a Vec<Bead>)| {
-            let LayerSurface { vertices, triangles, thickness } = *surface;
+            let LayerSurface { vertices, triangles, thickness, .. } = *surface;
             let built = BuiltLayer { vertices, triangles, spacing: thickness, curves: no_curves };
             (built, beads.iter().map(curve).collect())
         };

@@ -105,7 +105,7 @@ impl FilledLayers {
     /// let square = |x: f64, wide: f64| [[x, 0.0], [x + wide, 0.0], [x + wide, 8.0], [x, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
     /// let vertices = [square(0.0, 8.0), square(10.0, 0.3)].concat();
     /// let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4] }];
+    /// let surfaces = [LayerSurface { vertices: &vertices, triangles: &triangles, thickness: &[0.8; 4], is_half: false }];
     /// let filled = fill_layers(&surfaces, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
     /// let left_out = filled.left_out(&surfaces);
     /// assert_eq!(left_out.parts, 1);

@@ -104,7 +104,7 @@ impl FilledLayers {
     /// // Eight layers of a block: two at the bottom and two at the top are solid.
     /// let level = |k: usize| [[0.0, 0.0], [24.0, 0.0], [24.0, 24.0], [0.0, 24.0]].map(|[x, y]| Point3::new(x, y, 0.4 + 0.8 * k as f64));
     /// let vertices: Vec<_> = (0..8).map(level).collect();
-    /// let surface = |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2] };
+    /// let surface = |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
     /// let surfaces: Vec<_> = vertices.iter().map(|vertices| surface(&vertices[..])).collect();
     /// let infill = InfillOptions { density: 0.2, walls: 2, skin: 2, ..InfillOptions::default() };
     /// let filled = fill_layers(&surfaces, &PathOptions { infill, ..PathOptions::default() }, &|_| ControlFlow::Continue(()))?;

@@ -139,8 +139,8 @@ impl SparseFill {
 
 /// Where a layer is in the part.
 pub(super) struct Site {
-    /// Its number, from 0.
-    pub layer: usize,
+    /// Number of whole layers before it.
+    pub number: usize,
     /// For each vertex how far it is inside of a skin, in millimetres; below 0 outside.
     pub skin: Vec<f64>,
 }
@@ -149,7 +149,7 @@ impl Site {
     /// A layer with nothing above or below it: all of it is skin, if there are skins.
     pub fn alone(mesh: &SurfaceMesh, options: &InfillOptions) -> Site {
         let inside = if options.skin > 0 { mesh.diagonal() } else { -mesh.diagonal() };
-        Site { layer: 0, skin: vec![inside; mesh.vertices().len()] }
+        Site { number: 0, skin: vec![inside; mesh.vertices().len()] }
     }
 }
 
@@ -210,7 +210,7 @@ pub(super) fn filled(
         // Rows and curves reach a little into what is solid around them.
         let anchored = sheet(infill.overlap * bead)?;
         let region = paths.regions as u32;
-        let wanted = pattern::Wanted { bead, infill: &infill, layer: site.layer, area: sparse.area_mm2 };
+        let wanted = pattern::Wanted { bead, infill: &infill, number: site.number, area: sparse.area_mm2 };
         for (points, closed) in pattern::curves(mesh, &anchored, &wanted)? {
             let points = points.into_iter().map(|at| PathPoint { at, width: bead, kind: BeadKind::Infill }).collect();
             let path = SurfacePath { points, closed, region };

@@ -50,7 +50,8 @@ const MIN_FACING: f64 = 0.2;
 pub(super) struct Wanted<'a> {
     pub bead: f64,
     pub infill: &'a InfillOptions,
-    pub layer: usize,
+    /// Number of whole layers before it.
+    pub number: usize,
     /// Area that has to be filled, in square millimetres.
     pub area: f64,
 }
@@ -155,7 +156,7 @@ fn rows_of(
     let regions = core.regions();
     let mut has_any = vec![false; regions.count];
     (0..).zip(&regions.of_triangle).for_each(|(t, &region): (usize, _)| has_any[region as usize] |= kept[t]);
-    let angle = FRAC_PI_4 + wanted.layer as f64 * wanted.infill.turn;
+    let angle = FRAC_PI_4 + wanted.number as f64 * wanted.infill.turn;
     let cut = Cut::new(
         core,
         |t| has_any[regions.of_triangle[t as usize] as usize],

@@ -18,7 +18,7 @@ use crate::Progress;
 use nalgebra::{Point3, Vector3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 /// Columns reach this many thicknesses for each layer: layers are no more than that apart where they belong together.
 const COLUMN: f64 = 1.5;
@@ -51,27 +51,31 @@ pub(in crate::surface) fn sites<'a>(
 ) -> Result<Sites<'a>, FillLayersError> {
     let skin = options.infill.skin as usize;
     let stack = (skin > 0).then(|| LayerStack::with_curves(surfaces.iter().map(built).collect())).transpose()?;
+    let whole: Vec<u32> = (0..).zip(surfaces).filter(|(_, surface)| !surface.is_half).map(|(layer, _)| layer).collect();
     let work = |layer: usize, surface: &LayerSurface| {
         if !is_wanted(layer) {
             return None;
         }
+        let number = whole.partition_point(|&other| (other as usize) < layer);
+        let (below, above) = (&whole[..number], &whole[number + usize::from(!surface.is_half)..]);
         let counts = match &stack {
-            Some(stack) => covered(stack, surface, layer, skin),
+            Some(stack) => covered(stack, surface, [below, above], skin),
             None => vec![0.0; surface.vertices.len()],
         };
-        Some(Site { layer, skin: grown(surface, &counts, skin, GROWTH * options.bead) })
+        Some(Site { number, skin: grown(surface, &counts, skin, GROWTH * options.bead) })
     };
     let of_layer = parallel::map(surfaces, "skin", progress, work).ok_or(FillLayersError::Cancelled)?;
     Ok(Sites { of_layer, stack })
 }
 
 fn built<'a>(surface: &LayerSurface<'a>) -> (BuiltLayer<'a>, Vec<LayerCurve<'a>>) {
-    let LayerSurface { vertices, triangles, thickness } = *surface;
+    let LayerSurface { vertices, triangles, thickness, .. } = *surface;
     (BuiltLayer { vertices, triangles, spacing: thickness, curves: &[] }, Vec::new())
 }
 
-/// For each vertex how many of the next layers, and of the last ones, cross its column: the lesser number, at most `skin`.
-fn covered(stack: &LayerStack, surface: &LayerSurface, layer: usize, skin: usize) -> Vec<f64> {
+/// For each vertex how many of the next layers, and of the last ones, cross its column: the lesser number, at most `skin`. `below` and `above` are all whole
+/// layers before and after the surface.
+fn covered(stack: &LayerStack, surface: &LayerSurface, [below, above]: [&[u32]; 2], skin: usize) -> Vec<f64> {
     let (mut normals, mut heights) =
         (vec![Vector3::zeros(); surface.vertices.len()], vec![0.0_f64; surface.vertices.len()]);
     for (corners, &thickness) in surface.triangles.iter().zip(surface.thickness) {
@@ -83,23 +87,21 @@ fn covered(stack: &LayerStack, surface: &LayerSurface, layer: usize, skin: usize
         }
     }
     let mut walk = Vec::new();
-    let mut crossed = |from: Point3<f64>, way: Vector3<f64>, layers: Range<usize>| {
-        let layers = layers.start as u32..layers.end as u32;
-        let before = layers.end;
+    let mut crossed = |from: Point3<f64>, way: Vector3<f64>, layers: &[u32]| {
+        let before = layers.last().map_or(0, |last| last + 1);
         let mut column = Column { from, way, layers, crossed: Vec::new() };
         stack.tree.walk(&stack.keys, before, &mut column, &mut walk);
         column.crossed.len()
     };
-    let count = stack.layers.len();
     let of_vertex = |v: usize| {
         let Some(normal) = normals[v].try_normalize(0.0) else { return 0.0 };
         // Without so many layers before or after it there is no need to look.
-        if layer < skin || layer + skin >= count {
+        if below.len() < skin || above.len() < skin {
             return 0.0;
         }
         let (from, way) = (surface.vertices[v], normal * (COLUMN * heights[v] * skin as f64));
-        let below = crossed(from, -way, layer - skin..layer);
-        let above = if below < skin { 0 } else { crossed(from, way, layer + 1..layer + skin + 1) };
+        let below = crossed(from, -way, &below[below.len() - skin..]);
+        let above = if below < skin { 0 } else { crossed(from, way, &above[..skin]) };
         below.min(above) as f64
     };
     let counts: Vec<f64> = (0..surface.vertices.len()).map(of_vertex).collect();
@@ -127,14 +129,15 @@ fn past_rims(surface: &LayerSurface, counts: Vec<f64>) -> Vec<f64> {
 }
 
 /// A straight way and the layers that cross it.
-struct Column {
+struct Column<'a> {
     from: Point3<f64>,
     way: Vector3<f64>,
-    layers: Range<u32>,
+    /// Those that count, rising.
+    layers: &'a [u32],
     crossed: Vec<u32>,
 }
 
-impl Walk for Column {
+impl Walk for Column<'_> {
     /// Nothing if the way meets the box.
     fn bound(&self, node: &Node) -> f64 {
         let half = self.way * 0.5;
@@ -156,7 +159,7 @@ impl Walk for Column {
     }
 
     fn see(&mut self, triangle: &Triangle) -> bool {
-        let new = self.layers.contains(&triangle.layer) && !self.crossed.contains(&triangle.layer);
+        let new = self.layers.binary_search(&triangle.layer).is_ok() && !self.crossed.contains(&triangle.layer);
         if new && meets(&triangle.corners, self.from, self.way) {
             self.crossed.push(triangle.layer);
         }

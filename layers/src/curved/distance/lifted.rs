@@ -1,0 +1,74 @@
+//! Values raised so that each cell is held by a lower one.
+//!
+//! A field that is solved for may be nearly level somewhere, or fall where the part hangs down. Nothing would hold a cell there: so each is raised to
+//! [`MIN_RISE`] above the lowest of its face neighbours, and above its floor.
+
+use super::super::cells::Cells;
+use super::beside;
+use super::march::{MIN_RISE, ON_BASE};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The least values, by cell number, that are nowhere below `values` or their floor, and [`MIN_RISE`] above the lowest face neighbour's, but on the base, which
+/// has 1/2 or its floor. NaN where no way across faces leads to the base.
+pub(super) fn lifted(cells: &Cells, base: &[u32], values: &[f64], floor: &dyn Fn(u32) -> f64) -> Vec<f64> {
+    let mut lifted = vec![f64::NAN; values.len()];
+    // Values are positive, so their bits are in their order; of equal ones the cell with the lowest number comes first.
+    let mut queue: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
+    for &cell in base {
+        let value = floor(cell).max(ON_BASE);
+        lifted[cell as usize] = value;
+        queue.push(Reverse((value.to_bits(), cell)));
+    }
+    // Cells come in the order of their values, so the first one beside a cell is its lowest neighbour.
+    while let Some(Reverse((_, cell))) = queue.pop() {
+        let least = lifted[cell as usize] + MIN_RISE;
+        for next in beside(cells, cell).into_iter().flatten() {
+            if lifted[next as usize].is_nan() {
+                let value = least.max(values[next as usize]).max(floor(next));
+                lifted[next as usize] = value;
+                queue.push(Reverse((value.to_bits(), next)));
+            }
+        }
+    }
+    lifted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The same by going over all cells until nothing changes: the value of a cell follows from its neighbours'.
+    fn by_rounds(cells: &Cells, base: &[u32], values: &[f64], floor: &[f64]) -> Vec<f64> {
+        let mut lifted = vec![f64::INFINITY; values.len()];
+        base.iter().for_each(|&cell| lifted[cell as usize] = floor[cell as usize].max(ON_BASE));
+        loop {
+            let before = lifted.clone();
+            for cell in cells.iter().filter(|cell| !base.contains(cell)) {
+                let lowest = beside(cells, cell).into_iter().flatten().map(|other| lifted[other as usize]);
+                let lowest = lowest.fold(f64::INFINITY, f64::min);
+                lifted[cell as usize] = (lowest + MIN_RISE).max(values[cell as usize]).max(floor[cell as usize]);
+            }
+            if before == lifted {
+                return lifted.into_iter().map(|value| if value.is_finite() { value } else { f64::NAN }).collect();
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn values_are_the_least_that_are_held(
+            rows in prop::collection::vec(0u64..32, 20),
+            values in prop::collection::vec(0.0..9.0f64, 100),
+            floor in prop::collection::vec(prop::option::weighted(0.2, 0.0..12.0f64), 100),
+        ) {
+            let cells = Cells::new([5, 4, 5], &rows).unwrap();
+            let base: Vec<u32> = cells.iter().filter(|&cell| cell < 20).collect();
+            let floor: Vec<f64> = floor.into_iter().map(|floor| floor.unwrap_or(0.0)).collect();
+            let found = lifted(&cells, &base, &values, &|cell| floor[cell as usize]);
+            let expected = by_rounds(&cells, &base, &values, &floor);
+            prop_assert!(found.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
+        }
+    }
+}
