@@ -1052,6 +1052,35 @@ fn what_floats_stands_on_support() {
     assert_eq!((groups(&again), resumed["audit_ok"].as_bool()), (4, Some(true)));
 }
 
+/// Directions turn over the posts of a bridge: there half layers lie between the layers, and a saved field gives the same ones again.
+#[test]
+fn half_layers_are_made_again_from_a_field() {
+    let scratch = Scratch::new("half-layers");
+    let (mesh, out, again) = (scratch.path("bridge.stl"), scratch.path("out"), scratch.path("again"));
+    let parts = [
+        [[0.0; 3], [10.0, 12.0, 20.0]],
+        [[50.0, 0.0, 0.0], [60.0, 12.0, 20.0]],
+        [[0.0, 0.0, 20.0], [60.0, 12.0, 40.0]],
+    ];
+    fs::write(&mesh, boxes(&parts)).unwrap();
+    let args = ["--mesh", &mesh, "--quiet", "--stage", "surfaces", "--allow-missed", "0.01"];
+    let run = |more: &[&str]| {
+        let output = run(&[&args[..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    run(&["--cell", "2", "--support", "none", "--layers-by", "directed", "--out", &out]);
+    let field = fs::read_to_string(Path::new(&out).join("field.txt")).unwrap();
+    assert!(field.contains("\nhalf_layers 1.45\ncells "));
+    let without = scratch.path("without.txt");
+    fs::write(&without, field.replace("half_layers 1.45\n", "")).unwrap();
+    run(&["--resume", &Path::new(&out).join("field.txt").display().to_string(), "--out", &again]);
+    run(&["--resume", &without, "--out", &scratch.path("plain")]);
+    let surfaces = |folder: &str| fs::read(Path::new(folder).join("layers.obj")).unwrap();
+    assert!(surfaces(&out) == surfaces(&again));
+    let count = |folder: &str| summary(folder)["surfaces"].as_u64().unwrap();
+    assert!(count(&out) > count(&scratch.path("plain")), "{}", count(&out));
+}
+
 /// A block hangs from the end of an arm: its lower cells cannot be built, and the file holds the proof, which can be checked with
 /// nothing but the file.
 #[test]
@@ -1347,6 +1376,10 @@ fn what_is_said_of_an_order_is_what_was_found() {
 
     let (report, _, figures) = run("distance", &["--layers-by", "distance"]);
     assert_eq!((figures["nozzle_cells"].as_u64(), figures["missed_cells"].as_u64()), (Some(built), Some(0)));
+    assert!(!report.contains("any size") && report.contains(larger));
+
+    let (report, _, figures) = run("directed", &["--layers-by", "directed"]);
+    assert_eq!((figures["nozzle_cells"].as_u64(), &figures["layers_by"]), (Some(built), &"directed".into()));
     assert!(!report.contains("any size") && report.contains(larger));
 
     let (report, _, figures) = run("from-start", &["--nozzle-growth", "from-start"]);

@@ -112,6 +112,9 @@ pub struct LayerSurfaces {
     pub missed_mm3: f64,
 }
 
+/// Points, triangles and thickness of a surface, and whether it is a half layer.
+type SurfaceParts<'a> = (&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64], bool);
+
 /// Where the surfaces of a part end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayerBoundary {
@@ -523,7 +526,7 @@ impl LayerSurfaces {
     }
 
     /// Points, triangles and thickness of each surface, first to last, and whether it is a half layer: all that planning its tool paths takes.
-    pub fn iter(&self) -> impl Iterator<Item = (&[Point3<f64>], &[[u32; 3]], &[f64], bool)> {
+    pub fn iter(&self) -> impl Iterator<Item = SurfaceParts<'_>> {
         let each = self.sheets.iter().zip(&self.thickness_mm).zip(&self.is_half);
         each.map(|((sheet, thickness), &is_half)| (&sheet.vertices[..], &sheet.triangles[..], &thickness[..], is_half))
     }

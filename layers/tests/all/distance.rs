@@ -6,7 +6,7 @@ use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
 use curvlay_layers::curved::{
     Cells, CompleteOptions, DistanceOrder, GrowthError, JudgedByNozzle, LayerOrder, LayersBy, LayersError, NozzleRule,
     NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle, cell_mesh, distance_field,
-    distance_layers, grow_by_distance,
+    distance_layers, grow_by_distance, grow_directed,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;
@@ -32,6 +32,10 @@ fn field_of(part: &Part) -> LayerField {
 
 fn grown(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
     grow_by_distance(&part.cells(), 1.0, &part.platform, &Rules::default(), nozzle, &go).unwrap()
+}
+
+fn directed(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
+    grow_directed(&part.cells(), 1.0, &part.platform, &Rules::default(), nozzle, &go).unwrap()
 }
 
 /// Faults of an order by distance, in words; nothing if it passes.
@@ -112,11 +116,13 @@ proptest! {
         tip in 0.1f64..1.5,
     ) {
         let nozzle = NozzleRule { tip_flat_mm: tip, block_mm: 3.0 + tip, ..small() };
-        let made = grown(&part, &nozzle);
-        prop_assert_eq!(faults(&part, &nozzle, &made), None);
-        prop_assert_eq!(made.growth.order.cells().len() + made.growth.missed.len(), part.cells().count());
-        let field = distance_layers(&part.cells(), &made.field, &made.growth.order).unwrap();
-        prop_assert_eq!(field.order(), made.growth.order);
+        for made in [grown(&part, &nozzle), directed(&part, &nozzle)] {
+            prop_assert_eq!(faults(&part, &nozzle, &made), None);
+            prop_assert_eq!(made.growth.order.cells().len() + made.growth.missed.len(), part.cells().count());
+            let field = distance_layers(&part.cells(), &made.field, &made.growth.order).unwrap();
+            prop_assert_eq!(field.order(), made.growth.order);
+            prop_assert_eq!(field.half_layers(), made.field.half_layers());
+        }
     }
 }
 
@@ -162,6 +168,17 @@ fn a_dome_closes_from_its_inside_out() {
             assert!((a - b).abs() <= 1.0 + 1e-9, "{cell} {beside}: {a} {b}");
         }
     }
+}
+
+/// An arch of 20 cells: the distance closes a slot that the cone does not get into without delays, a directed field leaves a valley.
+#[test]
+fn an_arch_closes_as_a_valley() {
+    let arch = part([24, 5, 26], |[x, _, z]| !(4..20).contains(&x) || z >= 16);
+    let nozzle = NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() };
+    let [by_distance, directed] = [grown(&arch, &nozzle), directed(&arch, &nozzle)];
+    assert_eq!([&by_distance, &directed].map(|made| faults(&arch, &nozzle, made)), [None, None]);
+    let missed = [&by_distance, &directed].map(|made| made.growth.missed.len());
+    assert!(missed[1] == 0 && directed.rounds == 0 && (missed[0] > 0 || by_distance.rounds > 0), "{missed:?}");
 }
 
 /// The last cells of an arch have neighbours on both sides that are a layer lower, and in the way: they come a step early, and nothing is delayed.
@@ -224,6 +241,14 @@ fn a_part_is_complete_by_distance() {
         let options = |layers_by| CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
         let complete = |by| workpiece.complete_layers(None, 1.0, &options(by), &go).unwrap();
         let [by_hull, by_distance, best] = [LayersBy::Hull, LayersBy::Distance, LayersBy::Best].map(complete);
+        let directed = complete(LayersBy::Directed);
+        assert_eq!(
+            (directed.layers_by, directed.layered.uniform.method),
+            (LayersBy::Directed, UniformMethod::Directed)
+        );
+        assert!(directed.layered.audit.is_ok() && directed.layered.uniform.audit.is_ok());
+        let share = directed.layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
+        assert!((share - 1.0).abs() < 0.08, "{share}");
         let missed = [&by_hull, &by_distance, &best].map(|made| made.layered.growth.missed.len());
         assert!(missed[2] <= missed[0].min(missed[1]), "{missed:?}");
         assert_eq!([by_hull.layers_by, by_distance.layers_by], [LayersBy::Hull, LayersBy::Distance]);

@@ -59,14 +59,14 @@ fn they_lie_where_layers_are_too_thick() {
     assert!(whole.map(|(sheet, _)| &sheet.vertices).eq(plain.sheets.iter().map(|sheet| &sheet.vertices)));
     assert!(halved.heights_mm.is_sorted_by(|a, b| a < b));
     let halves: Vec<usize> = (0..halved.sheets.len()).filter(|&k| halved.is_half[k]).collect();
-    assert!(halves.len() > 8, "{}", halves.len());
+    assert!(halves.len() > 4, "{}", halves.len());
     for k in halves {
         // Half way between two whole ones.
         let [before, own, after] = [k - 1, k, k + 1].map(|k| halved.heights_mm[k]);
         assert!(!halved.is_half[k - 1] && !halved.is_half[k + 1] && (own - (before + after) / 2.0).abs() < 1e-9);
-        // Layers are 1.45 heights apart from x = 8.5 on, and their slope sideways moves that to 9.5 at most; triangles and a ring around them are two cells wide.
+        // Layers are 1.45 heights apart from x = 9 on, higher up farther out, where the field slopes sideways as well.
         let left = halved.sheets[k].vertices.iter().map(|point| point.x).fold(f64::INFINITY, f64::min);
-        assert!((6.5..10.0).contains(&left), "{left}");
+        assert!((6.5..11.0).contains(&left), "{left}");
         let right = halved.sheets[k].vertices.iter().map(|point| point.x).fold(0.0, f64::max);
         assert!((right - 12.0).abs() < 1e-9, "{right}");
     }

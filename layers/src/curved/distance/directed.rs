@@ -96,7 +96,7 @@ impl System<'_> {
         let wanted = |cell: usize| {
             let below = |face: usize, other: u32| {
                 let rise = (directions[cell][face / 2] + directions[other as usize][face / 2]) / 2.0;
-                if face % 2 == 0 { rise } else { -rise }
+                if face % 2 == 1 { -rise } else { rise }
             };
             (0..6).filter_map(|face| Some(below(face, self.faces[cell][face]?))).sum()
         };
