@@ -192,11 +192,11 @@ impl Workpiece<'_> {
     ) -> Result<CompleteOrder, LayersError> {
         self.check_volume()?;
         options.rule.check().map_err(GrowthError::from)?;
-        if options.layers_by == LayersBy::Hull {
-            return self.order_by_hulls(strategy, height_mm, options, progress);
-        }
-        let is_directed = options.layers_by == LayersBy::Directed;
-        let layers_by = if is_directed { LayersBy::Directed } else { LayersBy::Distance };
+        let layers_by = match options.layers_by {
+            LayersBy::Hull => return self.order_by_hulls(strategy, height_mm, options, progress),
+            LayersBy::Best => LayersBy::Distance,
+            layers_by => layers_by,
+        };
         let by_distance = self.order_by_distance(layers_by, options, progress)?;
         let is_complete = by_distance.audit.is_ok() && by_distance.taken().missed.is_empty();
         if options.layers_by == layers_by || is_complete {
@@ -341,7 +341,7 @@ impl Workpiece<'_> {
         let missed = growth.missed_cells();
         begin("uniform", progress)?;
         let uniform = match &order.field {
-            Some(field) => by_distance(&cells, self, field, &judged, growth, progress)?,
+            Some(field) => by_distance(&cells, self, order.layers_by, field, &judged, growth, progress)?,
             None => uniform_field_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &missed, progress)?,
         };
         let support = order.supported.as_ref().map(|supported| &supported.support[..]).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! A part by its distance from the plate, made complete.
 //!
-//! [`grow_by_distance`] or [`grow_directed`] orders what the nozzle that prints reaches that way. What is left is built after it by [`grow_with_nozzle`], in layers of its
-//! own; what is missed then gets support, and part and support are ordered together in the same way.
+//! [`grow_by_distance`] or [`grow_directed`] orders what the nozzle that prints reaches that way. What is left is built after it by
+//! [`grow_with_nozzle`], in layers of its own; what is missed then gets support, and part and support are ordered together in the same way.
 
 use super::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
 use super::cells::Cells;
@@ -75,10 +75,11 @@ impl Workpiece<'_> {
     }
 }
 
-/// The field of an order by distance, with its audit.
+/// The field of an order by distance, or of a directed one, with its audit.
 pub(super) fn by_distance(
     cells: &Cells,
     part: &Workpiece,
+    layers_by: LayersBy,
     field: &LayerField,
     judged: &JudgedByNozzle,
     growth: &Growth,
@@ -91,6 +92,7 @@ pub(super) fn by_distance(
     if !audit.is_ok() {
         return Err(UniformError::Order(Box::new(audit)));
     }
-    let method = if field.half_layers().is_some() { UniformMethod::Directed } else { UniformMethod::Distance };
+    let is_directed = layers_by == LayersBy::Directed;
+    let method = if is_directed { UniformMethod::Directed } else { UniformMethod::Distance };
     Ok(UniformField { field: field.clone(), method, audit, jumps: jumps(field) })
 }

@@ -43,7 +43,7 @@ proptest! {
         half_layers in prop::option::of(1.0..2.0f64),
     ) {
         let Some(before) = saved([70, 3, 2], &values, solid_as_well) else { return Ok(()) };
-        let field = before.field.clone().in_steps(steps).with_half_layers(half_layers.unwrap_or(0.0));
+        let field = before.field.clone().in_steps(steps).with_half_layers(half_layers);
         let before = SavedField { field, ..before };
         let after = SavedField::read(text_of(&before).as_bytes()).unwrap();
         let bits = |saved: &SavedField| saved.field.values().iter().map(|v| v.to_bits()).collect::<Vec<_>>();

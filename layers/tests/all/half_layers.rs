@@ -2,7 +2,7 @@
 
 use crate::common::go;
 use curvlay_layers::curved::surface::LayerField;
-use curvlay_layers::curved::{Cells, LayerSurfaces, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{Cells, LayerSurfaces, Platform, Rules, Workpiece, cell_mesh};
 use nalgebra::Point3;
 
 const DIMS: [u32; 3] = [12, 4, 20];
@@ -18,28 +18,12 @@ fn surfaces(half_layers: Option<f64>) -> LayerSurfaces {
     let cells = Cells::new(DIMS, &rows).unwrap();
     let value = |cell: u32| 0.5 + f64::from(cell / (DIMS[0] * DIMS[1])) * rise(cell % DIMS[0]);
     let field = LayerField::new(&cells, cells.iter().map(value).collect(), 1.0).unwrap();
-    let field = half_layers.map_or(field.clone(), |thicker_than| field.with_half_layers(thicker_than));
-    let corner =
-        |k: u32| Point3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { f64::from(DIMS[axis]) } else { 0.0 }));
-    let vertices: Vec<_> = (0..8).map(corner).collect();
-    let triangles = [
-        [0, 2, 3],
-        [0, 3, 1],
-        [4, 5, 7],
-        [4, 7, 6],
-        [0, 1, 5],
-        [0, 5, 4],
-        [2, 6, 7],
-        [2, 7, 3],
-        [0, 4, 6],
-        [0, 6, 2],
-        [1, 3, 7],
-        [1, 7, 5],
-    ];
+    let field = field.with_half_layers(half_layers);
+    let mesh = cell_mesh(&cells, &cells.iter().collect::<Vec<u32>>(), 1.0, Point3::origin());
     let platform = Platform::under(&cells, 20.0).unwrap();
     let part = Workpiece {
-        vertices: &vertices,
-        triangles: &triangles,
+        vertices: &mesh.vertices,
+        triangles: &mesh.triangles,
         cells,
         cell_mm: 1.0,
         origin: Point3::origin(),

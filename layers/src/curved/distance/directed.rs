@@ -17,8 +17,8 @@
 
 use super::super::cells::Cells;
 use super::super::nozzle::NozzleRule;
-use super::beside;
 use super::march::ON_BASE;
+use super::{beside, slope};
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -48,8 +48,8 @@ pub(super) fn directed(cells: &Cells, base: &[u32], distances: &[f64], max_tilt:
     let of_cell = |&cell: &u32| beside(cells, cell).map(|other| other.and_then(|other| number[other as usize]));
     let faces: Vec<[Option<u32>; 6]> = solid.iter().map(of_cell).collect();
     let distances_of: Vec<f64> = solid.iter().map(|&cell| distances[cell as usize]).collect();
-    let mut directions: Vec<Vector3<f64>> =
-        (0..solid.len()).map(|k| leaning(slope(&faces[k], &distances_of, k), max_tilt)).collect();
+    let slope_at = |k: usize| slope(distances_of[k], faces[k].map(|other| Some(distances_of[other? as usize])));
+    let mut directions: Vec<Vector3<f64>> = (0..solid.len()).map(|k| leaning(slope_at(k), max_tilt)).collect();
     for _ in 0..ROUNDS {
         let around =
             |k: usize| faces[k].iter().flatten().map(|&other| directions[other as usize]).sum::<Vector3<f64>>();
@@ -61,17 +61,6 @@ pub(super) fn directed(cells: &Cells, base: &[u32], distances: &[f64], max_tilt:
     let mut values = vec![f64::NAN; distances.len()];
     solid.iter().zip(fitted).for_each(|(&cell, value)| values[cell as usize] = value);
     values
-}
-
-/// The slope of some values at one of the cells; along an axis without neighbours it is 0.
-fn slope(faces: &[Option<u32>; 6], values: &[f64], at: usize) -> Vector3<f64> {
-    let value = |face: usize| faces[face].map(|other| values[other as usize]);
-    Vector3::from_fn(|axis, _| match (value(2 * axis), value(2 * axis + 1)) {
-        (Some(low), Some(high)) => (high - low) / 2.0,
-        (Some(low), None) => values[at] - low,
-        (None, Some(high)) => high - values[at],
-        (None, None) => 0.0,
-    })
 }
 
 /// The direction of a vector, turned upright where it leans by more than `max_tilt`. What points straight down, or nowhere, has no side to lean to: upright.
@@ -220,7 +209,7 @@ mod tests {
             let all: Vec<[Option<u32>; 6]> =
                 (0..known.len()).map(|k| faces(k).map(|other| other.map(|other| other as u32))).collect();
             let of: Vec<f64> = known.iter().map(|&cell| distances[cell as usize]).collect();
-            let mut g: Vec<Vector3<f64>> = (0..known.len()).map(|k| leaning(slope(&all[k], &of, k), 0.7)).collect();
+            let mut g: Vec<Vector3<f64>> = (0..known.len()).map(|k| leaning(slope(of[k], all[k].map(|o| Some(of[o? as usize]))), 0.7)).collect();
             for _ in 0..ROUNDS {
                 g = (0..known.len()).map(|k| {
                     leaning(g[k] + faces(k).iter().flatten().map(|&o| g[o]).sum::<Vector3<f64>>(), 0.7)

@@ -29,6 +29,7 @@ use super::platform::Platform;
 use super::rules::Rules;
 use super::standing::standing;
 use super::surface::{FieldError, LayerField};
+use nalgebra::Vector3;
 pub use reach::{DistanceOrder, grow_by_distance, grow_directed};
 
 /// The order of a distance field is cut this often in a layer. Every cell that is not on the base has one beside a face of it whose
@@ -87,14 +88,25 @@ fn beside(cells: &Cells, cell: u32) -> [Option<u32>; 6] {
     })
 }
 
+/// How fast some values rise at a cell: over both neighbours along an axis, or the one that there is; 0 without any. `beside` gives the values beside its
+/// faces.
+fn slope(own: f64, beside: [Option<f64>; 6]) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| match (beside[2 * axis], beside[2 * axis + 1]) {
+        (Some(low), Some(high)) => (high - low) / 2.0,
+        (Some(low), None) => own - low,
+        (None, Some(high)) => high - own,
+        (None, None) => 0.0,
+    })
+}
+
 /// The field of these values, a cell a layer.
 fn in_cells(cells: &Cells, values: Vec<f64>) -> LayerField {
     let field = LayerField::new(cells, values, 1.0).unwrap_or_else(|error| unreachable!("{error}"));
     field.in_steps(STEPS_PER_LAYER)
 }
 
-/// The field of an order that [`grow_by_distance`] or [`grow_directed`] began and others went on with: that of the distances as far as the order follows it, then
-/// a layer for each layer of the order.
+/// The field of an order that [`grow_by_distance`] or [`grow_directed`] began and others went on with: theirs as far as the order follows it, then a layer for
+/// each layer of the order.
 ///
 /// # Arguments
 /// * `cells`: those of the order.
@@ -135,7 +147,7 @@ pub fn distance_layers(cells: &Cells, distances: &LayerField, order: &LayerOrder
         of_layer.iter().for_each(|&cell| values[cell as usize] = first + layer as f64 + 0.5);
     }
     let field = LayerField::new(cells, values, 1.0)?.in_steps(STEPS_PER_LAYER);
-    Ok(field.with_half_layers(distances.half_layers().unwrap_or(0.0)))
+    Ok(field.with_half_layers(distances.half_layers()))
 }
 
 /// How many layers an order follows the field from its beginning on: whole layers lie in one step each, and the steps rise.

@@ -21,7 +21,7 @@ use super::delayed::{Floors, delay};
 use super::directed::{directed, max_tilt};
 use super::lifted::lifted;
 use super::march::distances;
-use super::{HALF_LAYERS, STEPS_PER_LAYER, in_cells, solved};
+use super::{HALF_LAYERS, STEPS_PER_LAYER, beside, in_cells, slope, solved};
 use crate::Progress;
 use nalgebra::{UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -92,13 +92,8 @@ pub fn grow_by_distance(
     nozzle: &NozzleRule,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
-    check_growth(cells, cell_mm, platform, rules, nozzle)?;
-    let base = standing(cells, platform, rules)?;
-    if base.is_empty() {
-        return Err(GrowthError::NothingOnPlatform);
-    }
-    let job = Job { cells, cell_mm, platform, rules, nozzle, base: &base, progress };
-    job.ordered(|floors| solved(cells, &base, &|cell| floors.of(cell)))
+    let job = Job::new(cells, cell_mm, platform, rules, nozzle, progress)?;
+    job.ordered(|floors| solved(cells, &job.base, &|cell| floors.of(cell)))
 }
 
 /// Orders the cells as [`grow_by_distance`] does, by a field that follows the distance but leans from upright no more than the nozzle's cone leaves of a
@@ -135,15 +130,11 @@ pub fn grow_directed(
     nozzle: &NozzleRule,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
-    check_growth(cells, cell_mm, platform, rules, nozzle)?;
-    let base = standing(cells, platform, rules)?;
-    if base.is_empty() {
-        return Err(GrowthError::NothingOnPlatform);
-    }
-    let job = Job { cells, cell_mm, platform, rules, nozzle, base: &base, progress };
-    let directed = directed(cells, &base, &distances(cells, &base, &|_| 0.0), max_tilt(nozzle));
+    let job = Job::new(cells, cell_mm, platform, rules, nozzle, progress)?;
+    let base = &job.base;
+    let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), max_tilt(nozzle));
     job.ordered(|floors| {
-        in_cells(cells, lifted(cells, &base, &directed, &|cell| floors.of(cell))).with_half_layers(HALF_LAYERS)
+        in_cells(cells, lifted(cells, base, &directed, &|cell| floors.of(cell))).with_half_layers(Some(HALF_LAYERS))
     })
 }
 
@@ -154,7 +145,7 @@ struct Job<'a> {
     rules: &'a Rules,
     nozzle: &'a NozzleRule,
     /// The cells that stand on the platform, by rising number.
-    base: &'a [u32],
+    base: Vec<u32>,
     progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
 
@@ -172,10 +163,25 @@ struct Grown {
     obstacles: Obstacles,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    fn new(
+        cells: &'a Cells<'a>,
+        cell_mm: f64,
+        platform: &'a Platform,
+        rules: &'a Rules,
+        nozzle: &'a NozzleRule,
+        progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, GrowthError> {
+        check_growth(cells, cell_mm, platform, rules, nozzle)?;
+        match standing(cells, platform, rules)? {
+            base if base.is_empty() => Err(GrowthError::NothingOnPlatform),
+            base => Ok(Job { cells, cell_mm, platform, rules, nozzle, base, progress }),
+        }
+    }
+
     /// The order of a field with these floors; what is in the way of cells that it does not reach gets floors, as long as that leaves fewer cells out.
     fn ordered(&self, field: impl Fn(&Floors) -> LayerField) -> Result<DistanceOrder, GrowthError> {
-        let Job { cells, cell_mm, rules, nozzle, .. } = *self;
+        let &Job { cells, cell_mm, rules, nozzle, .. } = self;
         let mut best = self.grown(field(&Floors::none(cells)))?;
         let (mut rounds, mut last, mut floors) = (0, best.clone(), Floors::none(cells));
         for round in 1..=ROUNDS {
@@ -198,7 +204,7 @@ impl Job<'_> {
 
     /// Builds what the nozzle reaches in the order of a field. Its values of cells that came a step early are changed to that step.
     fn grown(&self, field: LayerField) -> Result<Grown, GrowthError> {
-        let Job { cells, cell_mm, platform, rules, nozzle, base, progress } = *self;
+        let &Job { cells, cell_mm, platform, rules, nozzle, ref base, progress } = self;
         let mut built = CellSet::none(cells);
         platform.mould().iter().flat_map(Cells::iter).for_each(|cell| _ = built.insert(cell));
         let obstacles = Obstacles::new(nozzle, cell_mm, f64::from(platform.top()) / 2.0, built.clone());
@@ -225,14 +231,14 @@ impl Job<'_> {
         order.cells().iter().for_each(|&cell| obstacles.insert(cell));
         unreached.sort_unstable();
         let left = cells.count() - order.cells().len();
-        let field = in_cells(cells, values).with_half_layers(field.half_layers().unwrap_or(0.0));
+        let field = in_cells(cells, values).with_half_layers(field.half_layers());
         Ok(Grown { order, printed, field, left, unreached, obstacles })
     }
 
     /// The cells in no layer, with the reasons.
     fn missed(&self, order: &LayerOrder) -> Vec<MissedCell> {
         let solid = CellSet::of(self.cells);
-        let joined = joined(&solid, self.base, self.rules.neighbours);
+        let joined = joined(&solid, &self.base, self.rules.neighbours);
         let mut missed = solid;
         missed.remove_all(order.cells().iter().copied());
         let reason = |cell: u32| match joined.contains(cell) {
@@ -345,20 +351,9 @@ impl Growing<'_> {
 
     /// The way in which the field rises at a cell; upward where it is level.
     fn rise(&self, cell: u32) -> UnitVector3<f64> {
-        let place = self.cells.position(cell);
         let own = self.field.value(cell).unwrap_or(0.0);
-        let beside = |axis: usize, step: i32| {
-            let mut at = place;
-            at[axis] = at[axis].wrapping_add_signed(step);
-            self.cells.contains(at).then(|| self.field.value(self.cells.id(at))).flatten()
-        };
-        let slope = |axis: usize| match (beside(axis, -1), beside(axis, 1)) {
-            (Some(low), Some(high)) => (high - low) / 2.0,
-            (Some(low), None) => own - low,
-            (None, Some(high)) => high - own,
-            (None, None) => 0.0,
-        };
-        UnitVector3::try_new(Vector3::from_fn(|axis, _| slope(axis)), 1e-9).unwrap_or_else(Vector3::z_axis)
+        let around = beside(self.cells, cell).map(|other| self.field.value(other?));
+        UnitVector3::try_new(slope(own, around), 1e-9).unwrap_or_else(Vector3::z_axis)
     }
 }
 

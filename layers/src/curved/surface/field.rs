@@ -16,6 +16,7 @@ pub struct LayerField {
     layer_cells: f64,
     /// Steps of the order to a layer.
     steps: u32,
+    /// How many layer heights apart surfaces are at least that have a half layer between them.
     half_layers: Option<f64>,
 }
 
@@ -116,9 +117,9 @@ impl LayerField {
     }
 
     /// The same field, whose surfaces have half layers: between two that are more than `thicker_than` layer heights apart there is one more, as far as they
-    /// are ([`Workpiece::surfaces`](super::super::Workpiece::surfaces)). None unless `thicker_than` is at least 1: what is thinner needs no other.
-    pub fn with_half_layers(self, thicker_than: f64) -> Self {
-        LayerField { half_layers: (thicker_than >= 1.0).then_some(thicker_than), ..self }
+    /// are ([`Workpiece::surfaces`](super::super::Workpiece::surfaces)). None of them for `None`, or for less than 1: what is thinner needs no other.
+    pub fn with_half_layers(self, thicker_than: Option<f64>) -> Self {
+        LayerField { half_layers: thicker_than.filter(|&heights| heights >= 1.0), ..self }
     }
 
     /// How many layer heights two surfaces are apart at least where a half layer lies between them; `None` if there are no half layers.

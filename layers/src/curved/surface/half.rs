@@ -1,7 +1,7 @@
 //! Half layers: one more surface between two layers, as far as they are too far apart.
 //!
-//! Where two fronts meet at an angle, a smooth field rises slowly and its layers are thick: with `|grad v|` layers of the field a layer thickness, they are
-//! `1 / |grad v|` heights apart. A bead is laid on what is below it, so half way between two such layers there is one more, in the places where it is needed.
+//! Where two fronts meet at an angle, a smooth field rises slowly: where it rises by `s` layers over the thickness of one, surfaces are `1 / s` layer heights apart.
+//! A bead is laid on what is below it, so half way between two such layers there is one more, in the places where it is needed.
 //!
 //! A half layer is made of whole triangles of the level between: those in cells where layers are too thick, and one ring around them, so that each of its
 //! pieces is a few cells wide.

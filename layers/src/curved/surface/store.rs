@@ -379,10 +379,8 @@ impl SavedField {
             rows[row as usize * dims[0].div_ceil(64) as usize + x as usize / 64] |= 1 << (x % 64);
             values[cell as usize] = value;
         }
-        let mut field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?.in_steps(steps);
-        if let Some(thicker_than) = half_layers {
-            field = field.with_half_layers(thicker_than);
-        }
+        let field = LayerField::new(&Cells::new(dims, &rows)?, values, layer_cells)?;
+        let field = field.in_steps(steps).with_half_layers(half_layers);
         Ok(SavedField { field, rows, cell_mm, origin: origin.into(), mesh, aids })
     }
 }
