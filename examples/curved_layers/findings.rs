@@ -330,7 +330,7 @@ fn grouped(number: usize) -> String {
 }
 
 /// `1 piece`, `2 pieces`.
-fn counted(number: usize, what: &str) -> String {
+pub fn counted(number: usize, what: &str) -> String {
     format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
 }
 

@@ -128,6 +128,11 @@ impl SurfacesRun {
         self.support.as_ref().map_or(0.0, |support| support.surfaces.spacing.volume_mm3)
     }
 
+    /// How many of the surfaces lie half way between two layers.
+    pub fn half_layers(&self) -> usize {
+        self.is_half.iter().filter(|is_half| **is_half).count()
+    }
+
     pub fn triangles(&self) -> usize {
         self.sheets.iter().map(|sheet| sheet.triangles.len()).sum()
     }

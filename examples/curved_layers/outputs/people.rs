@@ -1,6 +1,7 @@
 //! Summary for the operator: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
+use crate::findings::counted;
 use crate::motion::of_run;
 use crate::{Job, Results, Stage};
 use curvlay_examples::findings::{Severity, percent};
@@ -19,13 +20,16 @@ pub fn table(job: &Job, results: &Results) -> Table {
     if let Some(name) = &args.settings.name {
         row("profile", name.clone());
     }
-    match (surfaces, paths) {
-        (Some(surfaces), Some(paths)) => {
-            let (count, height) = (surfaces.sheets.len(), surfaces.height_mm);
-            row("layers", format!("{count} of {height:.3} mm, beads of {:.3} mm", paths.bead_mm));
+    if let Some(surfaces) = surfaces {
+        let halves = surfaces.half_layers();
+        let mut layers = format!("{} of {:.3} mm", surfaces.sheets.len() - halves, surfaces.height_mm);
+        if halves > 0 {
+            layers += &format!(" and {}", counted(halves, "half layer"));
         }
-        (Some(surfaces), None) => row("layers", format!("{} of {:.3} mm", surfaces.sheets.len(), surfaces.height_mm)),
-        _ => {}
+        if let Some(paths) = paths {
+            layers += &format!(", beads of {:.3} mm", paths.bead_mm);
+        }
+        row("layers", layers);
     }
     let infill = args.settings.infill();
     if paths.is_some() && !infill.is_solid() {

@@ -67,6 +67,7 @@ pub fn summary(run: &SurfacesRun, summary: &mut Summary) -> Result<(), Failure> 
         .set_seconds("trim_s", times.trim)?
         .set_seconds("spacing_s", times.spacing)?
         .set("surfaces", run.sheets.len())?
+        .set("half_layers", run.half_layers())?
         .set("surface_triangles", run.triangles())?
         .set("boundary_error_mm", boundary.error_mm)?
         .set("boundary_at_missed_mm", boundary.at_missed_mm)?

@@ -1074,8 +1074,11 @@ fn half_layers_are_made_again_from_a_field() {
     run(&["--resume", &without, "--out", &scratch.path("plain")]);
     let surfaces = |folder: &str| fs::read(Path::new(folder).join("layers.obj")).unwrap();
     assert!(surfaces(&out) == surfaces(&again));
-    let count = |folder: &str| summary(folder)["surfaces"].as_u64().unwrap();
-    assert!(count(&out) > count(&scratch.path("plain")), "{}", count(&out));
+    let count = |folder: &str, key: &str| summary(folder)[key].as_u64().unwrap();
+    let halves = count(&out, "half_layers");
+    assert!(halves > 0 && count(&out, "surfaces") == count(&scratch.path("plain"), "surfaces") + halves, "{halves}");
+    let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    assert!(report.contains(&format!(" and {halves} half layer")));
 }
 
 /// A block hangs from the end of an arm: its lower cells cannot be built, and the file holds the proof, which can be checked with
