@@ -9,9 +9,9 @@ use curvlay_toolpath::surface::Nozzle;
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cells that the hull rule does not let build")]
 pub struct CompleteArgs {
-    /// By what the order of the cells is found
-    #[arg(long, value_enum, default_value = "hull", conflicts_with = "resume")]
-    pub layers_by: LayersBy,
+    /// By what the order of the cells is found [default: best; hull with a --strategy other than best, --nozzle-growth or --coherent]
+    #[arg(long, value_enum, conflicts_with = "resume")]
+    pub layers_by: Option<LayersBy>,
     /// When cells are judged by the nozzle that prints in place of the hull rule, which holds for nozzles of any size [default: after;
     /// off with a --strategy other than best]
     #[arg(long, value_enum, conflicts_with = "resume")]
@@ -48,8 +48,31 @@ pub enum LayersBy {
     Distance,
     /// By the distance, leaning from upright no more than the cone of the nozzle allows; half layers where layers are thick.
     Directed,
-    /// By the distance, unless that misses cells and hulls miss fewer.
+    /// Directed, then by the distance, then by hulls: the first whose print passes all checks, else the one that is nearest to it. With --stage field,
+    /// --stage surfaces, --layers or --merge nothing is printed to choose by: the first that misses no cell, else the one that misses the fewest.
     Best,
+}
+
+impl From<LayersBy> for curved::LayersBy {
+    fn from(layers_by: LayersBy) -> Self {
+        match layers_by {
+            LayersBy::Hull => curved::LayersBy::Hull,
+            LayersBy::Distance => curved::LayersBy::Distance,
+            LayersBy::Directed => curved::LayersBy::Directed,
+            LayersBy::Best => curved::LayersBy::Best,
+        }
+    }
+}
+
+impl From<curved::LayersBy> for LayersBy {
+    fn from(layers_by: curved::LayersBy) -> Self {
+        match layers_by {
+            curved::LayersBy::Hull => LayersBy::Hull,
+            curved::LayersBy::Distance => LayersBy::Distance,
+            curved::LayersBy::Directed => LayersBy::Directed,
+            curved::LayersBy::Best => LayersBy::Best,
+        }
+    }
 }
 
 /// When cells are judged by the nozzle that prints.
@@ -81,7 +104,7 @@ impl CompleteArgs {
     }
 
     /// As layering takes them.
-    pub fn options(self, is_best: bool, nozzle: &Nozzle) -> CompleteOptions {
+    pub fn options(self, layers_by: LayersBy, is_best: bool, nozzle: &Nozzle) -> CompleteOptions {
         let (growth, support) = self.with_strategy(is_best);
         let rule = NozzleRule {
             tip_flat_mm: 2.0 * nozzle.tip_radius(),
@@ -97,12 +120,7 @@ impl CompleteArgs {
             NozzleGrowth::After => NozzleUse::After,
             NozzleGrowth::FromStart => NozzleUse::FromStart,
         };
-        let layers_by = match self.layers_by {
-            LayersBy::Hull => curved::LayersBy::Hull,
-            LayersBy::Distance => curved::LayersBy::Distance,
-            LayersBy::Directed => curved::LayersBy::Directed,
-            LayersBy::Best => curved::LayersBy::Best,
-        };
+        let layers_by = layers_by.into();
         let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);
         let columns = SupportOptions { width, contact, gap, ..SupportOptions::default() };
         CompleteOptions { layers_by, nozzle, rule, support: (support == Support::Auto).then_some(columns) }

@@ -70,7 +70,9 @@ pub struct FieldRun {
     pub solid: Voxelisation,
     pub platform: Platform,
     pub growth: Growth,
-    /// The strategy that the order is by.
+    /// By what the order was found; none for a saved one.
+    pub layers_by: Option<LayersBy>,
+    /// The strategy that it is by.
     pub strategy: &'static str,
     pub audit: AuditReport,
     /// Cells that the order by the hull rule alone missed, by rising number.
@@ -218,7 +220,7 @@ pub fn run(
     let complete = &options.complete;
     let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
     clock.note("grow", 0);
-    let (mut support, mut straight_cells, mut no_support) = (Vec::new(), 0, None);
+    let (mut support, mut straight_cells, mut no_support, mut layers_by) = (Vec::new(), 0, None, None);
     let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
         support.clone_from(&saved.aids.support);
@@ -242,7 +244,7 @@ pub fn run(
     } else {
         let order =
             workpiece.complete_order(options.strategy, height_mm, complete, &progress).map_err(layers_failed)?;
-        no_support = order.no_support;
+        (no_support, layers_by) = (order.no_support, Some(order.layers_by));
         if let Some(supported) = &order.supported {
             (support, straight_cells) = (supported.support.clone(), supported.straight_cells);
         }
@@ -252,7 +254,8 @@ pub fn run(
             _ => order.strategy.name(),
         };
         let (audit, missed) = (order.audit.clone(), order.missed_by_hull.clone());
-        let (growth, made) = match surfaces {
+        // There are no layers of an order that fails its audit.
+        let (growth, made) = match surfaces.filter(|_| order.audit.is_ok()) {
             Some(surfaces) => {
                 let made = if surfaces.coherent {
                     workpiece.coherent_layers_of_complete(order, height_mm, complete, &progress)
@@ -306,6 +309,7 @@ pub fn run(
         solid,
         platform,
         growth,
+        layers_by,
         strategy,
         audit,
         missed_by_hull,

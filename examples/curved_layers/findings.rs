@@ -2,7 +2,7 @@
 
 use crate::complete::{LayersBy, NozzleGrowth, Support};
 use crate::field::FieldRun;
-use crate::machine::MachineRun;
+use crate::machine::{MachineRun, to_lay_mm3};
 use crate::motion::check::Checked;
 use crate::motion::{MotionRun, of_run};
 use crate::paths::PathsRun;
@@ -231,7 +231,7 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     let allow = &args.allow;
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
-        let share = left as f64 / waypoints as f64;
+        let share = run.gouging_share();
         let amount = format!("at {} of {} waypoints, {}", grouped(left), grouped(waypoints), percent(share));
         let severity = Severity::above(share, allow.allow_gouging);
         let finding =
@@ -254,7 +254,7 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     }
     let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
     if pieces > 0 {
-        let share = left_out / (laid + left_out);
+        let share = run.left_out_share();
         let amount = format!("{left_out:.1} of {:.1} mm, {}", laid + left_out, percent(share));
         let severity = Severity::above(share, allow.allow_left_out);
         let what = format!("{} skipped: out of the nozzle's reach", counted(pieces, "path segment"));
@@ -283,11 +283,10 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     }
     // With its support, which is laid as well; what sparse infill leaves empty is not to be laid.
     let (laid, missed) = (run.deposition.extruded_mm3, field.missed_mm3);
-    let part = field.part_mm3 + field.support_mm3() - paths.hollow_mm3();
-    let (filled, rest) = (laid / part, laid / (part - missed));
-    let off = |share: f64| (share - 1.0).abs();
-    if off(filled).max(off(rest)) > NOTABLE_VOLUME {
-        let severity = Severity::above(off(filled).max(off(rest)), allow.allow_volume);
+    let (part, off) = (to_lay_mm3(field, paths), run.volume_off(field, paths));
+    let [filled, rest] = run.filled_shares(field, paths);
+    if off > NOTABLE_VOLUME {
+        let severity = Severity::above(off, allow.allow_volume);
         // These cells follow one by one, so their layers are torn into pieces that take no bead.
         let by_nozzle = field.growth.nozzle.len() as f64 / field.growth.order.cells().len() as f64;
         let (_, support) = args.complete.with_strategy(args.grow.strategy().is_none());
@@ -305,17 +304,15 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
             (true, true) => format!("{missed:.1} mm3 are cells that are not built"),
             _ => String::new(),
         };
-        let rest_share = rest;
         let rest = if missed > 0.0 { format!("; {} of what is not missed", percent(rest)) } else { String::new() };
         let what = format!("deposited volume is {} of the part's", percent(filled));
         let slimmer = if cause.starts_with("no bead") { "a smaller --bead" } else { "" };
-        let share = off(filled).max(off(rest_share));
         findings
             .explain(severity, what, format!("{laid:.1} of {part:.1} mm3{rest}"), "")
             .cause(cause)
             .try_to(advice)
             .try_to(slimmer)
-            .allow(accept("--allow-volume", share));
+            .allow(accept("--allow-volume", off));
     }
 }
 
@@ -373,8 +370,7 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
     let AllowArgs { allow_unsupported, allow_unsupported_beads, .. } = args.allow;
     let limits = [(share, allow_unsupported), (longest / bead_mm, allow_unsupported_beads)];
     let (_, grown) = args.complete.with_strategy(args.grow.strategy().is_none());
-    let is_by_hulls =
-        args.complete.layers_by == LayersBy::Hull && args.grow.strategy().is_none() && args.resume.is_none();
+    let is_by_hulls = args.layers_by() == LayersBy::Hull && args.resume.is_none();
     let has_failed = limits.into_iter().any(|(value, limit)| value > limit);
     let severity = if has_failed { Failed } else { Told };
     findings
@@ -384,7 +380,7 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
         } else {
             String::new()
         })
-        .try_to(if is_by_hulls { "--layers-by distance or directed" } else { "" })
+        .try_to(if is_by_hulls { "--layers-by best" } else { "" })
         .try_to(if grown == Support::None { "--support auto" } else { "" })
         .try_to(if args.orient == Lying::Best { "" } else { "--orient best" })
         .allow(format!(

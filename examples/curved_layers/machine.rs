@@ -1,6 +1,7 @@
 //! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
 
 use crate::Args;
+use crate::field::FieldRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
@@ -62,10 +63,43 @@ impl MachineRun {
         [self.deposition.bead_mm, left_out.fold(0.0, |sum, length| sum + length)] // a sum of nothing is -0.0
     }
 
+    /// Share of the waypoints at which the nozzle collides.
+    pub fn gouging_share(&self) -> f64 {
+        share(self.resolved.left.len() as f64, self.waypoints() as f64)
+    }
+
+    /// Share of the length of the paths that is left out.
+    pub fn left_out_share(&self) -> f64 {
+        let [laid, left_out] = self.lengths_mm();
+        share(left_out, laid + left_out)
+    }
+
+    /// What is laid as a share of what there is to lay: the part and its support, without what sparse infill leaves empty; and of that without missed
+    /// cells.
+    pub fn filled_shares(&self, field: &FieldRun, paths: &PathsRun) -> [f64; 2] {
+        let to_lay = to_lay_mm3(field, paths);
+        [to_lay, to_lay - field.missed_mm3].map(|mm3| self.deposition.extruded_mm3 / mm3)
+    }
+
+    /// How far what is laid is off what there is to lay, as a share: the larger of both.
+    pub fn volume_off(&self, field: &FieldRun, paths: &PathsRun) -> f64 {
+        self.filled_shares(field, paths).into_iter().map(|share| (share - 1.0).abs()).fold(0.0, f64::max)
+    }
+
     /// The path with the most waypoints.
     pub fn longest(&self) -> Option<&ToolPath> {
         self.resolved.paths.iter().max_by_key(|path| path.waypoints.len())
     }
+}
+
+/// Volume of the part and its support, without what sparse infill leaves empty.
+pub fn to_lay_mm3(field: &FieldRun, paths: &PathsRun) -> f64 {
+    field.part_mm3 + field.support_mm3() - paths.hollow_mm3()
+}
+
+/// A share of nothing is nothing.
+fn share(of: f64, all: f64) -> f64 {
+    if of > 0.0 { of / all } else { 0.0 }
 }
 
 /// Orients, frees and deposits; to compare with, the directions of the longest path without any filter.

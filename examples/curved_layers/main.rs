@@ -9,6 +9,7 @@
 //! Without a mesh it takes a jug made in code. `--help` lists the options, the README the files that it writes.
 
 mod arguments;
+mod choice;
 mod complete;
 mod estimate;
 mod field;
@@ -21,8 +22,9 @@ mod ranges;
 mod surfaces;
 
 use arguments::check_arguments;
+use choice::{Choice, Tried};
 use clap::{Parser, ValueEnum};
-use complete::CompleteArgs;
+use complete::{CompleteArgs, LayersBy};
 use curvlay_examples::args::{
     AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, VoxelArgs, above_zero, from_zero,
     run_with_checked_args,
@@ -233,11 +235,23 @@ impl Args {
         self.also.contains(&extra) || (self.has_cells() && extra.stage() <= Stage::Surfaces)
     }
 
-    fn field_options(&self, nozzle: &Nozzle) -> FieldOptions {
+    /// By what the order of the cells is found: by what prints best, unless the user asks for something that only orders by hulls have.
+    fn layers_by(&self) -> LayersBy {
+        let is_by_hulls = self.grow.strategy().is_some() || self.complete.nozzle_growth.is_some() || self.coherent;
+        self.complete.layers_by.unwrap_or(if is_by_hulls { LayersBy::Hull } else { LayersBy::Best })
+    }
+
+    /// Whether orders are printed to choose among them. Ranges of layers, and the run that puts them together, have to agree on the order before.
+    fn chooses_by_print(&self) -> bool {
+        let is_in_ranges = self.layers.is_some() || !self.merge.is_empty();
+        self.layers_by() == LayersBy::Best && self.stage >= Stage::Gcode && self.resume.is_none() && !is_in_ranges
+    }
+
+    fn field_options(&self, layers_by: LayersBy, nozzle: &Nozzle) -> FieldOptions {
         let GrowArgs { eps, beyond_eps, .. } = self.grow;
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
-        let complete = self.complete.options(strategy.is_none(), nozzle);
+        let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
         FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
     }
 
@@ -450,12 +464,27 @@ struct Results {
     motion: Option<Motion>,
     files: Files,
     findings: Findings,
+    /// Why this order, where several were tried.
+    choice: Option<Choice>,
+}
+
+impl Results {
+    /// Whether a stage has been run.
+    fn has(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::Field => true,
+            Stage::Surfaces => self.surfaces.is_some(),
+            Stage::Paths => self.paths.is_some(),
+            Stage::Gcode => self.machine.is_some(),
+            Stage::Motion => self.motion.is_some(),
+        }
+    }
 }
 
 impl Job<'_> {
     /// Runs the stages.
     fn work(&self, saved: Option<SavedField>) -> Result<Outcome, Failure> {
-        let Job { args, part, bars, .. } = *self;
+        let Job { args, part, .. } = *self;
         let mut findings = Findings::default();
         part.find(&mut findings);
         findings.say();
@@ -463,16 +492,10 @@ impl Job<'_> {
         if let Some(bead) = args.settings.bead_mm.filter(|bead| *bead > longest) {
             return Err(failure(format!("--bead {bead}: wider than the part is long, {longest:.3} mm")));
         }
-        let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
-        let (field, surfaces) =
-            field::run(&args.field_options(&self.setup.nozzle), surfaces.as_ref(), args.memory(), part, saved, bars)?;
-        // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
-        if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
-            args.path_options(surfaces.height_mm)?;
-        }
-        part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
-        let files = Files::default();
-        let mut results = Results { field, surfaces, paths: None, machine: None, motion: None, files, findings };
+        let mut results = match args.chooses_by_print() {
+            true => self.best(&findings)?,
+            false => self.begin(args.layers_by(), saved, findings)?,
+        };
         if let Some(pick) = args.layers {
             return self.range(pick, results);
         }
@@ -484,10 +507,75 @@ impl Job<'_> {
         Ok(results.findings.outcome())
     }
 
+    /// Field and surfaces of an order.
+    fn begin(
+        &self,
+        layers_by: LayersBy,
+        saved: Option<SavedField>,
+        mut findings: Findings,
+    ) -> Result<Results, Failure> {
+        let Job { args, part, bars, .. } = *self;
+        let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
+        let options = args.field_options(layers_by, &self.setup.nozzle);
+        let (field, surfaces) = field::run(&options, surfaces.as_ref(), args.memory(), part, saved, bars)?;
+        // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
+        if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
+            args.path_options(surfaces.height_mm)?;
+        }
+        part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
+        let files = Files::default();
+        let mut results =
+            Results { field, surfaces, paths: None, machine: None, motion: None, files, findings, choice: None };
+        findings::of_stage(Stage::Surfaces.min(args.stage), args, &mut results);
+        Ok(results)
+    }
+
+    /// The order that prints best: one after the other is printed, until one passes all checks.
+    fn best(&self, findings: &Findings) -> Result<Results, Failure> {
+        let [first, others @ ..] = choice::orders();
+        let (mut best, taken) = self.tried(first, findings)?;
+        let mut choice = Choice { taken, others: Vec::new() };
+        for layers_by in others {
+            if choice.taken.passed {
+                break;
+            }
+            let (results, mut tried) = self.tried(layers_by, findings)?;
+            if tried.is_better_than(&choice.taken) {
+                best = results;
+                std::mem::swap(&mut choice.taken, &mut tried);
+            }
+            choice.others.push(tried);
+        }
+        if !best.has(Stage::Gcode) {
+            let start = Instant::now();
+            self.print(&mut best)?;
+            let time = choice.taken.time + start.elapsed();
+            choice.taken = Tried::of(choice.taken.layers_by, &best, self.args, time);
+        }
+        best.choice = Some(choice);
+        Ok(best)
+    }
+
+    /// Tries an order. One that fails before it is printed is not printed: it misses too much, or its audit failed.
+    fn tried(&self, layers_by: LayersBy, findings: &Findings) -> Result<(Results, Tried), Failure> {
+        let start = Instant::now();
+        let mut results = self.begin(layers_by, None, findings.clone())?;
+        if !results.findings.has_failed() {
+            self.print(&mut results)?;
+        }
+        let tried = Tried::of(layers_by, &results, self.args, start.elapsed());
+        Ok((results, tried))
+    }
+
+    /// Runs the stages from the surfaces to the machine file.
+    fn print(&self, results: &mut Results) -> Result<(), Failure> {
+        self.run(Stage::Paths, results)?;
+        self.run(Stage::Gcode, results)
+    }
+
     /// Fills a range of the layers and ends.
     fn range(&self, pick: Pick, mut results: Results) -> Result<Outcome, Failure> {
         let Job { args, bars, .. } = self;
-        findings::of_stage(Stage::Surfaces, args, &mut results);
         results.findings.say();
         let Results { field, surfaces: Some(surfaces), .. } = &results else { return Ok(Outcome::Done) };
         let range = pick.layers(surfaces.sheets.len()).map_err(failure)?;
@@ -501,8 +589,17 @@ impl Job<'_> {
         Ok(results.findings.outcome())
     }
 
-    /// Runs a stage that comes after the surfaces.
+    /// Runs a stage that comes after the surfaces, unless it has been run, and finds what is wrong with it.
     fn run(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
+        if !results.has(stage) {
+            self.make(stage, results)?;
+            findings::of_stage(stage, self.args, results);
+        }
+        Ok(())
+    }
+
+    /// Makes what a stage makes.
+    fn make(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
         let Job { args, setup, bars, .. } = self;
         let (memory, nozzle) = (args.memory(), &setup.nozzle);
         let Results { field, surfaces: Some(surfaces), .. } = &*results else { return Ok(()) };
@@ -552,7 +649,6 @@ impl Job<'_> {
 
     /// Ends a stage: what is wrong is told, and what it has made is written.
     fn end(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
-        findings::of_stage(stage, self.args, results);
         self.bars.finish();
         results.findings.say();
         outputs::write(stage, self, results)

@@ -1,6 +1,7 @@
 //! Of the field: `field.csv`, figures, pictures of the cells, and the paper's figures to compare with.
 
 use super::seconds;
+use crate::complete::LayersBy;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Extra, failure};
@@ -132,7 +133,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("coherent", args.coherent)?
         .set("eps_cells", args.grow.eps)?
         .set("beyond_eps", args.grow.beyond_eps)?
-        .set("layers_by", typed_name(args.complete.layers_by))?
+        .set("layers_by", typed_name(args.layers_by()))?
         .set("nozzle_growth", nozzle_growth)?
         .set("nozzle_max_tilt_deg", args.complete.max_tilt)?
         .set("nozzle_margin_cells", args.complete.nozzle_margin)?
@@ -143,6 +144,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("strategy", typed_name(args.grow.strategy))?
         .set("strategy_used", run.strategy)?
+        .set("layers_by_used", run.layers_by.map_or("saved".to_owned(), |by| typed_name(LayersBy::from(by))))?
         .set("prevention", typed_name(args.grow.prevention))?
         .set("threads", args.common.threads)?
         .set("max_memory_gb", args.max_memory)?

@@ -2,7 +2,7 @@
 
 use super::{borrowed, pictures, seconds};
 use crate::field::FieldRun;
-use crate::machine::MachineRun;
+use crate::machine::{MachineRun, to_lay_mm3};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use crate::{Args, Extra, Job, failure};
@@ -126,7 +126,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
 /// The share of the part that is laid, and of how much, in words.
 pub fn filled(field: &FieldRun, paths: &PathsRun, run: &MachineRun) -> String {
     let (laid, hollow) = (run.deposition.extruded_mm3, paths.hollow_mm3());
-    let part = field.part_mm3 + field.support_mm3() - hollow;
+    let part = to_lay_mm3(field, paths);
     let but = if hollow > 0.0 { format!(", {hollow:.1} mm3 stay hollow") } else { String::new() };
     format!("{:.1} %, {laid:.1} of {part:.1} mm3{but}", 100.0 * laid / part)
 }
@@ -146,7 +146,7 @@ pub fn summary(
     let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
-        .set("filled_share", deposition.extruded_mm3 / (field.part_mm3 + field.support_mm3() - paths.hollow_mm3()))?
+        .set("filled_share", run.filled_shares(field, paths)[0])?
         .set("nozzle", nozzle.map(|number| number.to_string()).join(","))?
         .set("waypoints", run.waypoints())?
         .set_seconds("orientation_s", times.orientation)?

@@ -145,7 +145,7 @@ pub fn write_range(
 
 /// The files of a stage. Programs that would be wrong are left out; that is a finding.
 fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failure> {
-    let Results { field, surfaces, paths, machine, motion, files, findings } = results;
+    let Results { field, surfaces, paths, machine, motion, files, findings, .. } = results;
     let Job { args, setup, folder, part, .. } = job;
     match stage {
         Stage::Field | Stage::Surfaces => {
@@ -192,7 +192,7 @@ fn tables(job: &Job, results: &Results) -> [Table; 5] {
 
 /// All figures that there are when a stage ends.
 fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failure> {
-    let Results { field, surfaces, paths, machine, motion, files, findings } = results;
+    let Results { field, surfaces, paths, machine, motion, files, findings, choice } = results;
     let mut summary = Summary::new();
     let figures = &mut summary;
     field::summary(job.args, job.part, field, figures)?;
@@ -208,6 +208,9 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
             .set("orient_given_missed_cells", search.given().map_or(0, |given| given.missed_cells))?
             .set_seconds("orient_s", *time)?;
     }
+    if let Some(choice) = choice {
+        figures.set("orders_tried", choice.names().join(","))?.set("of_limits", choice.taken.excess)?;
+    }
     findings.summary(figures)?;
     surfaces.iter().try_for_each(|run| surfaces::summary(run, figures))?;
     paths.iter().try_for_each(|run| paths::summary(job.args, run, figures))?;
@@ -222,13 +225,16 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
 
 /// The build comes first, what is wrong with it beside it.
 fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> Result<Report, Failure> {
-    let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
+    let Results { field, surfaces, paths, machine, motion, findings, choice, .. } = results;
     let mut report = Report::new(&format!("Curved layers: {}", job.part.name));
     let said = |beside: &mut Report| {
         findings.report(beside);
         beside.table("", &people::table(job, results));
     };
     report.beside(|first| _ = first.viewer(build), said);
+    if let Some(choice) = choice {
+        report.heading("The order of the cells").paragraph(&choice.reason()).table("", &choice.table());
+    }
     field::report(job.args, field, &mut report)?;
     if let Some(surfaces) = surfaces {
         surfaces::report(field, surfaces, &mut report);

@@ -10,7 +10,7 @@ use curvlay_examples::table::Table;
 /// Size, layers, time, material, starts, what is wrong, and where the files are.
 pub fn table(job: &Job, results: &Results) -> Table {
     let Job { args, part, folder, setup, .. } = job;
-    let Results { field, surfaces, paths, machine, motion, .. } = results;
+    let Results { field, surfaces, paths, machine, motion, choice, .. } = results;
     let mut table = Table::new([part.name.as_str(), ""]);
     let mut row = |name: &str, text: String| _ = table.row([name.to_owned(), text]);
     if let Some([low, high]) = part.mesh.bounds() {
@@ -30,6 +30,9 @@ pub fn table(job: &Job, results: &Results) -> Table {
             layers += &format!(", beads of {:.3} mm", paths.bead_mm);
         }
         row("layers", layers);
+    }
+    if let Some(choice) = choice {
+        row("order", choice.reason());
     }
     let infill = args.settings.infill();
     if paths.is_some() && !infill.is_solid() {

@@ -44,11 +44,14 @@ pub enum LayersBy {
     Distance,
     /// By a field that follows the distance, but leans no more than the nozzle's cone allows ([`grow_directed`](super::grow_directed)).
     Directed,
-    /// By the distance, unless that misses cells and hulls miss fewer.
+    /// The first of [`LayersBy::TRIED`] that misses no cell and passes its audit; if there is none, the one that misses the fewest.
     Best,
 }
 
 impl LayersBy {
+    /// The orders that [`LayersBy::Best`] tries, one after the other.
+    pub const TRIED: [LayersBy; 3] = [LayersBy::Directed, LayersBy::Distance, LayersBy::Hull];
+
     /// Steps of the order to a layer.
     fn steps(self) -> u32 {
         if matches!(self, LayersBy::Distance | LayersBy::Directed) { STEPS_PER_LAYER } else { 1 }
@@ -192,19 +195,37 @@ impl Workpiece<'_> {
     ) -> Result<CompleteOrder, LayersError> {
         self.check_volume()?;
         options.rule.check().map_err(GrowthError::from)?;
-        let layers_by = match options.layers_by {
-            LayersBy::Hull => return self.order_by_hulls(strategy, height_mm, options, progress),
-            LayersBy::Best => LayersBy::Distance,
-            layers_by => layers_by,
-        };
-        let by_distance = self.order_by_distance(layers_by, options, progress)?;
-        let is_complete = by_distance.audit.is_ok() && by_distance.taken().missed.is_empty();
-        if options.layers_by == layers_by || is_complete {
-            return Ok(by_distance);
+        if options.layers_by != LayersBy::Best {
+            return self.order_by(options.layers_by, strategy, height_mm, options, progress);
         }
-        let by_hulls = self.order_by_hulls(strategy, height_mm, options, progress)?;
-        let is_fewer = by_distance.taken().missed.len() <= by_hulls.taken().missed.len();
-        Ok(if by_distance.audit.is_ok() && is_fewer { by_distance } else { by_hulls })
+        let faults = |order: &CompleteOrder| (!order.audit.is_ok(), order.taken().missed.len());
+        let [first, others @ ..] = LayersBy::TRIED;
+        let mut best = self.order_by(first, strategy, height_mm, options, progress)?;
+        for layers_by in others {
+            if faults(&best) == (false, 0) {
+                break;
+            }
+            let order = self.order_by(layers_by, strategy, height_mm, options, progress)?;
+            if faults(&order) < faults(&best) {
+                best = order;
+            }
+        }
+        Ok(best)
+    }
+
+    /// The complete order of one kind.
+    fn order_by(
+        &self,
+        layers_by: LayersBy,
+        strategy: Option<Strategy>,
+        height_mm: f64,
+        options: &CompleteOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<CompleteOrder, LayersError> {
+        match layers_by {
+            LayersBy::Hull => self.order_by_hulls(strategy, height_mm, options, progress),
+            layers_by => self.order_by_distance(layers_by, options, progress),
+        }
     }
 
     /// The order by the hull rule, made complete.

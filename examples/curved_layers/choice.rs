@@ -1,0 +1,156 @@
+//! Which order of the cells prints best: one after the other is printed, until one passes all checks.
+
+use crate::complete::LayersBy;
+use crate::{Args, Results};
+use curvlay_examples::args::typed_name;
+use curvlay_examples::findings::percent;
+use curvlay_examples::table::Table;
+use curvlay_layers::curved;
+use std::time::Duration;
+
+/// The orders that are tried, one after the other: most parts need no other than the first.
+pub fn orders() -> [LayersBy; 3] {
+    curved::LayersBy::TRIED.map(LayersBy::from)
+}
+
+/// The order that was taken, and the others that were tried.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    pub taken: Tried,
+    pub others: Vec<Tried>,
+}
+
+/// An order that was tried, and what it would print.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    pub layers_by: LayersBy,
+    /// Whether all checks passed.
+    pub passed: bool,
+    /// The figure that is farthest above its limit, as a multiple of it: 1 at most where all are within. Infinite where nothing is allowed.
+    pub excess: f64,
+    pub missed_share: f64,
+    /// None if it misses so much, or fails its audit, that it was not printed.
+    pub printed: Option<Printed>,
+    /// What trying it took.
+    pub time: Duration,
+}
+
+/// What an order prints.
+#[derive(Clone, Copy, Debug)]
+pub struct Printed {
+    pub paths: usize,
+    pub unsupported_share: f64,
+    pub unsupported_longest_mm: f64,
+    pub gouging_share: f64,
+    pub left_out_share: f64,
+    pub sharp_turns: usize,
+    pub filled_share: f64,
+    pub print_s: f64,
+}
+
+impl Tried {
+    /// An order with what came of it, printed or not.
+    pub fn of(layers_by: LayersBy, results: &Results, args: &Args, time: Duration) -> Self {
+        let Results { field, paths, machine, findings, .. } = results;
+        let (allow, missed_share) = (&args.allow, field.missed_share());
+        let mut figures = vec![(missed_share, allow.allow_missed)];
+        let printed = paths.as_ref().zip(machine.as_ref()).map(|(paths, run)| {
+            let printed = Printed {
+                paths: run.resolved.paths.len(),
+                unsupported_share: run.support.unsupported_share(),
+                unsupported_longest_mm: run.support.longest_mm(),
+                gouging_share: run.gouging_share(),
+                left_out_share: run.left_out_share(),
+                sharp_turns: run.resolved.sharp.len(),
+                filled_share: run.filled_shares(field, paths)[0],
+                print_s: run.deposition.total_s,
+            };
+            figures.extend([
+                (printed.unsupported_share, allow.allow_unsupported),
+                (printed.unsupported_longest_mm / paths.bead_mm, allow.allow_unsupported_beads),
+                (printed.gouging_share, allow.allow_gouging),
+                (printed.left_out_share, allow.allow_left_out),
+                (run.volume_off(field, paths), allow.allow_volume),
+            ]);
+            printed
+        });
+        let of_limit = |(figure, limit): (f64, f64)| if figure > 0.0 { figure / limit } else { 0.0 };
+        let excess = figures.into_iter().map(of_limit).fold(0.0, f64::max);
+        let passed = printed.is_some() && !findings.has_failed();
+        Tried { layers_by, passed, excess, missed_share, printed, time }
+    }
+
+    /// Whether its print is nearer to passing all checks than that of another.
+    pub fn is_better_than(&self, other: &Tried) -> bool {
+        let faults = |tried: &Tried| (!tried.passed, tried.printed.is_none(), tried.excess);
+        faults(self) < faults(other)
+    }
+}
+
+impl Choice {
+    /// What was taken, and why.
+    pub fn reason(&self) -> String {
+        let name = typed_name(self.taken.layers_by);
+        match (self.taken.passed, self.others.len()) {
+            (true, 0) => format!("{name}: the print passes all checks, no other order was tried"),
+            (true, _) => format!("{name}: the first order whose print passes all checks"),
+            (false, _) => format!("{name}: no print passes all checks, this one is nearest to it"),
+        }
+    }
+
+    /// The names of what was tried, the taken one first.
+    pub fn names(&self) -> Vec<String> {
+        self.all().map(|tried| typed_name(tried.layers_by)).collect()
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Tried> {
+        std::iter::once(&self.taken).chain(&self.others)
+    }
+
+    /// A row for each order, in the order in which they are tried.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new([
+            "--layers-by",
+            "checks",
+            "missed",
+            "beads on nothing",
+            "longest",
+            "nozzle collides",
+            "left out",
+            "paths",
+            "sharp turns",
+            "laid",
+            "print time",
+            "computed in",
+        ]);
+        for layers_by in orders() {
+            let name = typed_name(layers_by);
+            let Some(tried) = self.all().find(|tried| tried.layers_by == layers_by) else {
+                table.row([name, "not tried".to_owned()]);
+                continue;
+            };
+            let checks = match (tried.passed, tried.printed) {
+                (true, _) => "passed",
+                (false, Some(_)) => "failed",
+                (false, None) => "failed before printing",
+            };
+            let taken = if layers_by == self.taken.layers_by { ", taken" } else { "" };
+            let of_print = |text: &dyn Fn(&Printed) -> String| tried.printed.as_ref().map_or_else(String::new, text);
+            table.row([
+                name,
+                format!("{checks}{taken}"),
+                percent(tried.missed_share),
+                of_print(&|print| percent(print.unsupported_share)),
+                of_print(&|print| format!("{:.1} mm", print.unsupported_longest_mm)),
+                of_print(&|print| percent(print.gouging_share)),
+                of_print(&|print| percent(print.left_out_share)),
+                of_print(&|print| print.paths.to_string()),
+                of_print(&|print| print.sharp_turns.to_string()),
+                of_print(&|print| percent(print.filled_share)),
+                of_print(&|print| format!("{:.1} min", print.print_s / 60.0)),
+                format!("{:.1} s", tried.time.as_secs_f64()),
+            ]);
+        }
+        table
+    }
+}
