@@ -9,7 +9,8 @@ use curvlay_toolpath::surface::Nozzle;
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cells that the hull rule does not let build")]
 pub struct CompleteArgs {
-    /// By what the order of the cells is found [default: best; hull with a --strategy other than best, --nozzle-growth or --coherent]
+    /// By what the order of the cells is found [default: best; hull where layers are as high as cells, with a --strategy other than best,
+    /// --nozzle-growth or --coherent]
     #[arg(long, value_enum, conflicts_with = "resume")]
     pub layers_by: Option<LayersBy>,
     /// When cells are judged by the nozzle that prints in place of the hull rule, which holds for nozzles of any size [default: after;

@@ -12,7 +12,7 @@ use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_kinematics::workcell::Workcell;
-use curvlay_layers::curved::{MissedReason, NoSupport};
+use curvlay_layers::curved::{self, MissedReason, NoSupport};
 use curvlay_toolpath::surface::NozzlePart;
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
@@ -102,7 +102,9 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if !run.growth.nozzle.is_empty() {
         let amount = format!("{} of {} cells", run.growth.nozzle.len(), run.growth.order.cells().len());
         let what = "cells were checked for this nozzle, not by the hull rule: a larger one may not reach them";
-        findings.add(Told, what, amount, "--nozzle");
+        // An order by distance is meant for the nozzle that prints.
+        let is_by_hulls = run.layers_by.is_none_or(|layers_by| layers_by == curved::LayersBy::Hull);
+        findings.add(if is_by_hulls { Told } else { Noted }, what, amount, "--nozzle");
     }
     if !run.audit.is_ok() {
         findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");

@@ -213,9 +213,10 @@ impl Args {
         if settings.bead_mm.is_none() && has_cells && settings.layer_height_mm.is_none() {
             return Ok(height_mm);
         }
-        let bead_mm = settings.bead_mm.unwrap_or(if has_cells { height_mm } else { BEAD_MM });
-        // Layers are stretched a little so that they fill the part: what counts is what was asked for.
-        let height_mm = self.height().or(self.voxel.cell).unwrap_or(height_mm);
+        // Layers are stretched a little, up or down, so that they fill the part: what counts is what was asked for.
+        let asked_mm = self.height().or(self.voxel.cell).unwrap_or(height_mm);
+        let bead_mm = settings.bead_mm.unwrap_or(if has_cells { height_mm.max(asked_mm) } else { BEAD_MM });
+        let height_mm = asked_mm;
         if height_mm <= bead_mm {
             return Ok(bead_mm);
         }
@@ -235,10 +236,12 @@ impl Args {
         self.also.contains(&extra) || (self.has_cells() && extra.stage() <= Stage::Surfaces)
     }
 
-    /// By what the order of the cells is found: by what prints best, unless the user asks for something that only orders by hulls have.
+    /// By what the order of the cells is found: by what prints best, unless the run is for research, or the user asks for something that only orders by hulls
+    /// have.
     fn layers_by(&self) -> LayersBy {
         let is_by_hulls = self.grow.strategy().is_some() || self.complete.nozzle_growth.is_some() || self.coherent;
-        self.complete.layers_by.unwrap_or(if is_by_hulls { LayersBy::Hull } else { LayersBy::Best })
+        let default = if is_by_hulls || self.height().is_none() { LayersBy::Hull } else { LayersBy::Best };
+        self.complete.layers_by.unwrap_or(default)
     }
 
     /// Whether orders are printed to choose among them. Ranges of layers, and the run that puts them together, have to agree on the order before.

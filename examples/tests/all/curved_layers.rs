@@ -1321,9 +1321,9 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
         let of = text.lines().skip_while(|line| !line.contains(words)).take_while(|line| !line.contains("accept:"));
         of.collect::<Vec<_>>().join("\n")
     };
-    assert!(advice(&stderr).ends_with("try: --layers-by distance or directed; --orient best"), "{stderr}");
+    assert!(advice(&stderr).ends_with("try: --layers-by best; --orient best"), "{stderr}");
     let (_, without, ..) = printed("none", &["--support", "none"]);
-    assert!(advice(&without).contains("distance or directed; --support auto; --orient best"), "{without}");
+    assert!(advice(&without).contains("try: --layers-by best; --support auto; --orient best"), "{without}");
     let (_, by_distance, ..) = printed("distance", &["--layers-by", "distance"]);
     assert!(advice(&by_distance).ends_with("try: --orient best"), "{by_distance}");
     documented(&out);

@@ -16,7 +16,8 @@ const ALLOWED: [&str; 6] = ["--allow-volume", "1", "--allow-left-out", "1", "--a
 
 /// A feature, and the options that ask for it. `FIELD` and `RANGES` stand for files of a run before.
 const FEATURES: [(&str, &[&str]); 6] = [
-    ("support", &["--support", "auto"]),
+    // By hulls the tip is never reached without it.
+    ("support", &["--support", "auto", "--layers-by", "hull"]),
     ("infill", &["--density", "40", "--walls", "1", "--skin", "1"]),
     ("resume", &["--resume", "FIELD"]),
     ("ranges", &["--resume", "FIELD", "--merge", "RANGES"]),
@@ -58,12 +59,14 @@ impl Place {
         let out = ["--out".to_owned(), self.path(name)];
         // A saved field has its cells and its support.
         let resumes = more.iter().any(|option| option == "--resume");
-        let grown = |option: &[String]| resumes && ["--cell", "--support"].contains(&&option[0][..]);
+        let grown = |option: &[String]| resumes && option[0] == "--cell";
         let shared = self.shared.chunks(2).filter(|option| !grown(option)).flatten();
-        let more: Vec<String> = match more.iter().position(|option| option == "--support") {
-            Some(at) if resumes => [&more[..at], &more[at + 2..]].concat(),
-            _ => more.to_vec(),
-        };
+        let mut more = more.to_vec();
+        for of_growth in ["--support", "--layers-by"] {
+            if let Some(at) = more.iter().position(|option| resumes && option == of_growth) {
+                more.drain(at..at + 2);
+            }
+        }
         let all: Vec<String> = shared.chain(&out).chain(&more).cloned().collect();
         let output = run(&all);
         let lines = String::from_utf8_lossy(&output.stderr);

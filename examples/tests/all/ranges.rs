@@ -67,6 +67,7 @@ fn ranges_of_layers_put_together_are_one_run() {
         // A field that was saved knows no more of how it was grown.
         let of_growth = [
             "strategy_used",
+            "layers_by_used",
             "cell_layers",
             "small_patch_share",
             "patches_per_layer",

@@ -224,7 +224,7 @@ impl Workpiece<'_> {
     ) -> Result<CompleteOrder, LayersError> {
         match layers_by {
             LayersBy::Hull => self.order_by_hulls(strategy, height_mm, options, progress),
-            layers_by => self.order_by_distance(layers_by, options, progress),
+            layers_by => self.order_by_distance(layers_by, height_mm, options, progress),
         }
     }
 

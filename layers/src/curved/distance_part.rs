@@ -9,6 +9,7 @@ use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
 use super::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_directed};
 use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
+use super::standing::standing;
 use super::strategy::Strategy;
 use super::support::{NoSupport, SupportOptions, add_support};
 use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
@@ -24,13 +25,23 @@ impl Workpiece<'_> {
     pub(super) fn order_by_distance(
         &self,
         layers_by: LayersBy,
+        height_mm: f64,
         options: &CompleteOptions,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<CompleteOrder, LayersError> {
         let Workpiece { platform, rules, cell_mm, .. } = *self;
-        let ordered = |cells: &Cells| match layers_by {
-            LayersBy::Directed => grow_directed(cells, cell_mm, platform, &rules, &options.rule, progress),
-            _ => grow_by_distance(cells, cell_mm, platform, &rules, &options.rule, progress),
+        let touching = self.touching(height_mm, progress)?;
+        let ordered = |cells: &Cells| {
+            // Support stands wherever it stands.
+            let is_part = |&cell: &u32| self.cells.contains(cells.position(cell));
+            let is_base = |cell: &u32| !is_part(cell) || touching.binary_search(cell).is_ok();
+            let base: Vec<u32> = standing(cells, platform, &rules)?.into_iter().filter(is_base).collect();
+            match layers_by {
+                LayersBy::Directed => {
+                    grow_directed(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress)
+                }
+                _ => grow_by_distance(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress),
+            }
         };
         let grow_in = |cells: &Cells| -> Result<(Growth, LayerField), GrowthError> {
             let DistanceOrder { growth, field, .. } = ordered(cells)?;

@@ -24,6 +24,7 @@ mod boxes;
 mod cells;
 mod coherent_part;
 mod complete;
+mod contact;
 mod distance;
 mod distance_part;
 mod growth;

@@ -467,16 +467,21 @@ impl Workpiece<'_> {
         let mut area = 0.0;
         for level in cells.chunk_by(|a, b| a[2] == b[2]) {
             for cut in 0..CUTS {
-                let z = f64::from(level[0][2]) + (f64::from(cut) + 0.5) / f64::from(CUTS);
-                let corner = |x: u32, y: u32| self.origin + Vector3::new(f64::from(x), f64::from(y), z) * self.cell_mm;
-                let square = |&[x, y, _]: &[u32; 3]| [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
-                let points: Vec<Point3<f64>> = level.iter().flat_map(square).map(|[x, y]| corner(x, y)).collect();
-                let two = |k: u32| [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|corner| 4 * k + corner));
-                let triangles: Vec<[u32; 3]> = (0..level.len() as u32).flat_map(two).collect();
+                let (points, triangles) = self.squares(level, (f64::from(cut) + 0.5) / f64::from(CUTS));
                 area += trimmer.trim(&points, &triangles, progress)?.area();
             }
         }
         Ok(area * self.cell_mm / f64::from(CUTS))
+    }
+
+    /// Level squares through cells, at a share of their height: points and two triangles for each.
+    pub(super) fn squares(&self, cells: &[[u32; 3]], share: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+        let square = |&[x, y, z]: &[u32; 3]| [[x, y, z], [x + 1, y, z], [x + 1, y + 1, z], [x, y + 1, z]];
+        let point = |[x, y, z]: [u32; 3]| {
+            self.origin + Vector3::new(f64::from(x), f64::from(y), f64::from(z) + share) * self.cell_mm
+        };
+        let two = |k: u32| [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|corner| 4 * k + corner));
+        (cells.iter().flat_map(square).map(point).collect(), (0..cells.len() as u32).flat_map(two).collect())
     }
 
     /// Adds up where sheets end.

@@ -31,11 +31,11 @@ fn field_of(part: &Part) -> LayerField {
 }
 
 fn grown(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
-    grow_by_distance(&part.cells(), 1.0, &part.platform, &Rules::default(), nozzle, &go).unwrap()
+    grow_by_distance(&part.cells(), 1.0, &part.platform, &Rules::default(), None, nozzle, &go).unwrap()
 }
 
 fn directed(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
-    grow_directed(&part.cells(), 1.0, &part.platform, &Rules::default(), nozzle, &go).unwrap()
+    grow_directed(&part.cells(), 1.0, &part.platform, &Rules::default(), None, nozzle, &go).unwrap()
 }
 
 /// Faults of an order by distance, in words; nothing if it passes.
@@ -264,7 +264,7 @@ fn bad_input_is_refused() {
     let tower = part([2, 2, 3], |_| true);
     let (cells, rules, nozzle) = (tower.cells(), Rules::default(), NozzleRule::default());
     let grow = |cell_mm: f64, rules: &Rules, nozzle: &NozzleRule| {
-        grow_by_distance(&cells, cell_mm, &tower.platform, rules, nozzle, &go).unwrap_err()
+        grow_by_distance(&cells, cell_mm, &tower.platform, rules, None, nozzle, &go).unwrap_err()
     };
     for cell_mm in [0.0, -1.0, f64::INFINITY] {
         assert_eq!(grow(cell_mm, &rules, &nozzle), NozzleRuleError::Cell { cell_mm }.into());
@@ -274,13 +274,13 @@ fn bad_input_is_refused() {
     assert!(matches!(grow(1.0, &rules, &narrow), GrowthError::Nozzle(NozzleRuleError::Block { .. })));
     assert!(matches!(grow(1.0, &Rules { eps: f64::NAN, ..rules }, &nozzle), GrowthError::Rules(_)));
     let stop = |_: Progress| ControlFlow::Break(());
-    let cancelled = grow_by_distance(&cells, 1.0, &tower.platform, &rules, &nozzle, &stop);
+    let cancelled = grow_by_distance(&cells, 1.0, &tower.platform, &rules, None, &nozzle, &stop);
     assert_eq!(cancelled.unwrap_err(), GrowthError::Cancelled);
 
     let hanging = part([2, 2, 3], |[_, _, z]| z > 0);
     let nothing = distance_field(&hanging.cells(), &hanging.platform, &rules);
     assert_eq!(nothing.unwrap_err(), GrowthError::NothingOnPlatform);
-    let nothing = grow_by_distance(&hanging.cells(), 1.0, &hanging.platform, &rules, &nozzle, &go);
+    let nothing = grow_by_distance(&hanging.cells(), 1.0, &hanging.platform, &rules, None, &nozzle, &go);
     assert_eq!(nothing.unwrap_err(), GrowthError::NothingOnPlatform);
 
     let mut order = LayerOrder::new();

@@ -55,6 +55,7 @@ pub struct DistanceOrder {
 ///
 /// # Arguments
 /// * `cell_mm`: edge of a cell in millimetres.
+/// * `base`: the cells that the order begins with, by rising number, of those that stand on the platform or its mould; `None` for all of these.
 /// * `nozzle`: the nozzle that prints.
 /// * `progress`: called with the stage `distance`, the cells decided in a round and all there are; may cancel.
 ///
@@ -78,7 +79,7 @@ pub struct DistanceOrder {
 /// rows[11] = 0b11_1111;
 /// let cells = Cells::new([6, 1, 12], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
-/// let growth = grow_by_distance(&cells, 5.0, &platform, &rules, &NozzleRule::default(), &|_| Continue(()))?.growth;
+/// let growth = grow_by_distance(&cells, 5.0, &platform, &rules, None, &NozzleRule::default(), &|_| Continue(()))?.growth;
 /// assert!(growth.missed.is_empty());
 /// assert_eq!(growth.order.len(), 17);
 /// assert!(growth.nozzle.last().is_some_and(|end| end.direction.x > 0.5));
@@ -89,10 +90,11 @@ pub fn grow_by_distance(
     cell_mm: f64,
     platform: &Platform,
     rules: &Rules,
+    base: Option<&[u32]>,
     nozzle: &NozzleRule,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
-    let job = Job::new(cells, cell_mm, platform, rules, nozzle, progress)?;
+    let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     job.ordered(|floors| solved(cells, &job.base, &|cell| floors.of(cell)))
 }
 
@@ -118,7 +120,7 @@ pub fn grow_by_distance(
 /// rows[11] = 0b11_1111;
 /// let cells = Cells::new([6, 1, 12], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
-/// let order = grow_directed(&cells, 5.0, &platform, &rules, &NozzleRule::default(), &|_| Continue(()))?;
+/// let order = grow_directed(&cells, 5.0, &platform, &rules, None, &NozzleRule::default(), &|_| Continue(()))?;
 /// assert!(order.growth.missed.is_empty() && order.field.half_layers().is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -127,10 +129,11 @@ pub fn grow_directed(
     cell_mm: f64,
     platform: &Platform,
     rules: &Rules,
+    base: Option<&[u32]>,
     nozzle: &NozzleRule,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
-    let job = Job::new(cells, cell_mm, platform, rules, nozzle, progress)?;
+    let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let base = &job.base;
     let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), max_tilt(nozzle));
     job.ordered(|floors| {
@@ -144,7 +147,7 @@ struct Job<'a> {
     platform: &'a Platform,
     rules: &'a Rules,
     nozzle: &'a NozzleRule,
-    /// The cells that stand on the platform, by rising number.
+    /// The cells that the order begins with, by rising number.
     base: Vec<u32>,
     progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
@@ -169,11 +172,14 @@ impl<'a> Job<'a> {
         cell_mm: f64,
         platform: &'a Platform,
         rules: &'a Rules,
+        base: Option<&[u32]>,
         nozzle: &'a NozzleRule,
         progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Self, GrowthError> {
         check_growth(cells, cell_mm, platform, rules, nozzle)?;
-        match standing(cells, platform, rules)? {
+        let standing = standing(cells, platform, rules)?;
+        let is_base = |cell: &u32| base.is_none_or(|base| base.binary_search(cell).is_ok());
+        match standing.into_iter().filter(is_base).collect::<Vec<u32>>() {
             base if base.is_empty() => Err(GrowthError::NothingOnPlatform),
             base => Ok(Job { cells, cell_mm, platform, rules, nozzle, base, progress }),
         }
@@ -254,7 +260,7 @@ struct Growing<'a> {
     cells: &'a Cells<'a>,
     rules: &'a Rules,
     field: &'a LayerField,
-    /// The cells that stand on the platform, by rising number.
+    /// The cells that the order begins with, by rising number.
     base: &'a [u32],
     directions: Vec<UnitVector3<f64>>,
     /// Cosine of the tilt limit.
