@@ -26,8 +26,8 @@ use choice::{Choice, Tried};
 use clap::{Parser, ValueEnum};
 use complete::{CompleteArgs, LayersBy};
 use curvlay_examples::args::{
-    AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, VoxelArgs, above_zero, from_zero,
-    run_with_checked_args,
+    AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, VoxelArgs, above_zero, from_zero, note,
+    run_with_checked_args, typed_name,
 };
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
@@ -541,6 +541,14 @@ impl Job<'_> {
         for layers_by in others {
             if choice.taken.passed {
                 break;
+            }
+            if !self.args.common.quiet {
+                self.bars.finish();
+                let names = choice.names().join(" and ");
+                note(format!(
+                    "layers of --layers-by {names} do not pass all checks, {} is tried",
+                    typed_name(layers_by)
+                ));
             }
             let (results, mut tried) = self.tried(layers_by, findings)?;
             if tried.is_better_than(&choice.taken) {

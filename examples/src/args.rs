@@ -490,6 +490,11 @@ pub fn one_line(error: &clap::Error) -> String {
     told.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
+/// Writes to stderr what was done, or comes next.
+pub fn note(message: impl Display) {
+    say(&format!("note: {message}"));
+}
+
 /// Writes a warning to stderr.
 pub fn warn(message: impl Display) {
     say(&format!("warning: {message}"));

@@ -1346,6 +1346,57 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
     }
 }
 
+/// A block is printed by the first order that is tried. A ball that hangs below a beam passes by none of them without support, as cells are missed by all; the
+/// one that is nearest to passing is printed, and the report lists what was tried.
+#[test]
+fn the_order_that_prints_best_is_taken() {
+    let scratch = Scratch::new("best");
+    let prints = |name: &str, parts: &[[[f32; 3]; 2]], more: &[&str]| {
+        let (mesh, out) = (scratch.path(&format!("{name}.stl")), scratch.path(name));
+        fs::write(&mesh, boxes(parts)).unwrap();
+        let args = ["--mesh", &mesh, "--cell", "2", "--layer-height", "1", "--bead", "1.5", "--out", &out];
+        let output = run(&[&args[..], more].concat());
+        let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned(), report, summary(&out))
+    };
+    let block = [[[0.0; 3], [10.0, 10.0, 8.0]]];
+    let (status, stderr, report, figures) = prints("block", &block, &["--quiet"]);
+    assert_eq!(
+        (status, &figures["orders_tried"], &figures["layers_by_used"]),
+        (Some(0), &"directed".into(), &"directed".into()),
+        "{stderr}"
+    );
+    assert!(figures["of_limits"].as_f64().unwrap() <= 1.0 && report.contains("no other order was tried"));
+    let not_tried = |report: &str| report.matches(">not tried<").count();
+    assert_eq!(not_tried(&report), 2);
+
+    let hanging = [
+        [[0.0; 3], [4.0, 8.0, 28.0]],
+        [[20.0, 0.0, 0.0], [24.0, 8.0, 28.0]],
+        [[0.0, 0.0, 28.0], [24.0, 8.0, 32.0]],
+        [[8.0, 0.0, 10.0], [16.0, 8.0, 28.0]],
+    ];
+    let (status, stderr, report, figures) = prints("hanging", &hanging, &["--support", "none"]);
+    assert_eq!((status, not_tried(&report)), (Some(3), 0), "{stderr}");
+    let tried: Vec<&str> = figures["orders_tried"].as_str().unwrap().split(',').collect();
+    assert_eq!((tried.len(), tried[0]), (3, figures["layers_by_used"].as_str().unwrap()));
+    assert!(figures["of_limits"].as_f64().unwrap() > 1.0);
+    assert!(
+        stderr.contains("note: layers of --layers-by directed do not pass all checks, distance is tried"),
+        "{stderr}"
+    );
+    assert!(report.contains("no print passes all checks, this one is nearest to it"));
+    // Each finding is of the order that was taken, once.
+    assert_eq!(figures["findings"].as_str().unwrap().matches("a part of the solid is not built").count(), 1);
+    documented(&scratch.path("hanging"));
+
+    // What only orders by hulls have, and runs for research, take hulls.
+    for more in [&["--strategy", "greedy"][..], &["--nozzle-growth", "off"], &["--coherent"]] {
+        let (_, _, _, figures) = prints("block", &block, &[&["--quiet"], more].concat());
+        assert_eq!((&figures["layers_by"], figures.get("orders_tried")), (&"hull".into(), None), "{more:?}");
+    }
+}
+
 /// Bug: the report said that a nozzle of any size reaches all cells, and stdout that all checks passed, whatever had been found.
 #[test]
 fn what_is_said_of_an_order_is_what_was_found() {

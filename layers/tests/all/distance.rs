@@ -8,7 +8,7 @@ use curvlay_layers::curved::{
     NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle, cell_mesh, distance_field,
     distance_layers, grow_by_distance, grow_directed,
 };
-use curvlay_layers::nalgebra::Point3;
+use curvlay_layers::nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
@@ -199,6 +199,68 @@ fn the_last_cells_of_an_arch_come_a_step_early() {
     }
 }
 
+/// A plate of 12 x 4 mm that rises from the edge it stands on, 3 mm thick, and a block whose underside is half a millimetre above the plate. Only where the first layer
+/// touches the plate the order begins: in the column of cells at the edge, and in all of the block.
+#[test]
+fn the_order_begins_where_the_first_layer_touches_the_plate() {
+    let rise = |x: f64| 0.3 * x;
+    let mut vertices =
+        [(0.0, 0.0), (12.0, 0.0), (0.0, 4.0), (12.0, 4.0)].map(|(x, y)| Point3::new(x, y, rise(x))).to_vec();
+    (0..4).for_each(|k| vertices.push(vertices[k] + Vector3::z() * 3.0));
+    for z in [0.5, 5.0] {
+        for (x, y) in [(14.0, 0.0), (18.0, 0.0), (14.0, 4.0), (18.0, 4.0)] {
+            vertices.push(Point3::new(x, y, z));
+        }
+    }
+    let faces = [
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 5, 7],
+        [4, 7, 6],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+        [1, 7, 5],
+    ];
+    let triangles: Vec<[u32; 3]> =
+        [0, 8].iter().flat_map(|first| faces.map(|corners| corners.map(|corner| corner + first))).collect();
+    // The cells of a millimetre that they touch.
+    let solid = part([18, 4, 7], |[x, _, z]| {
+        let [low, high] = [f64::from(x), f64::from(x) + 1.0].map(rise);
+        let bar = x < 12 && f64::from(z) < high + 3.0 && f64::from(z) + 1.0 > low;
+        bar || x >= 14 && z < 5
+    });
+    let cells = solid.cells();
+    let workpiece = Workpiece {
+        vertices: &vertices,
+        triangles: &triangles,
+        cells,
+        cell_mm: 1.0,
+        origin: Point3::origin(),
+        platform: &solid.platform,
+        rules: Rules::default(),
+        volume_mm3: 144.0 + 72.0,
+    };
+    for layers_by in [LayersBy::Distance, LayersBy::Directed] {
+        let options = CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
+        let first = |height_mm: f64| {
+            let order = workpiece.complete_order(None, height_mm, &options, &go).unwrap();
+            assert!(order.audit.is_ok() && order.growth.missed.is_empty());
+            let mut columns: Vec<u32> =
+                order.growth.order.layer(0).iter().map(|&cell| cells.position(cell)[0]).collect();
+            columns.sort_unstable();
+            columns.dedup();
+            columns
+        };
+        assert_eq!(first(0.4), [0, 14, 15, 16, 17]); // 0.2 mm above the plate the plate is 0.67 mm wide
+        assert_eq!(first(0.8), [0, 1, 14, 15, 16, 17]); // and 1.33 mm at 0.4 mm
+    }
+}
+
 #[cfg(feature = "rayon")]
 #[test]
 fn any_number_of_threads_gives_the_same_order() {
@@ -249,8 +311,11 @@ fn a_part_is_complete_by_distance() {
         assert!(directed.layered.audit.is_ok() && directed.layered.uniform.audit.is_ok());
         let share = directed.layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
         assert!((share - 1.0).abs() < 0.08, "{share}");
-        let missed = [&by_hull, &by_distance, &best].map(|made| made.layered.growth.missed.len());
-        assert!(missed[2] <= missed[0].min(missed[1]), "{missed:?}");
+        let missed = [&by_hull, &by_distance, &directed, &best].map(|made| made.layered.growth.missed.len());
+        assert!(missed[3] <= missed[0].min(missed[1]).min(missed[2]), "{missed:?}");
+        if missed[2] == 0 {
+            assert_eq!(best.layers_by, LayersBy::Directed); // it is tried first
+        }
         assert_eq!([by_hull.layers_by, by_distance.layers_by], [LayersBy::Hull, LayersBy::Distance]);
         assert_eq!(by_distance.layered.uniform.method, UniformMethod::Distance);
         assert!(by_distance.layered.audit.is_ok() && by_distance.layered.uniform.audit.is_ok());

@@ -25,8 +25,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 /// A valley is so much wider open than the cone, in radians, that the nozzle does not touch its sides: 2 degrees on each.
 const SLACK: f64 = 0.035;
 
-/// Rounds in which directions are evened out: they then reach about a cell and a half. Without any, `fertility` has 7 gouging waypoints of 20,000 cells, with
-/// one 2, with three none.
+/// Rounds in which directions are evened out: they then reach about a cell and a half. Of `fertility` with 20,000 cells 5 mm of path are out of the nozzle's reach
+/// without any, 2 mm with one, none with three.
 const ROUNDS: u32 = 3;
 
 /// Equations are solved until what is left of them, weighted by the preconditioner, is so much of what it was at first.

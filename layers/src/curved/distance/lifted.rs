@@ -1,7 +1,7 @@
 //! Values raised so that each cell is held by a lower one.
 //!
 //! A field that is solved for may be nearly level somewhere, or fall where the part hangs down. Nothing would hold a cell there: so each is raised to
-//! [`MIN_RISE`] above the lowest of its face neighbours, and above its floor.
+//! [`MIN_RISE`] above the lowest of its face neighbours.
 
 use super::super::cells::Cells;
 use super::beside;
@@ -9,23 +9,22 @@ use super::march::{MIN_RISE, ON_BASE};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The least values, by cell number, that are nowhere below `values` or their floor, and [`MIN_RISE`] above the lowest face neighbour's, but on the base, which
-/// has 1/2 or its floor. NaN where no way across faces leads to the base.
-pub(super) fn lifted(cells: &Cells, base: &[u32], values: &[f64], floor: &dyn Fn(u32) -> f64) -> Vec<f64> {
+/// The least values, by cell number, that are nowhere below `values`, and [`MIN_RISE`] above the lowest face neighbour's, but on the base, which has 1/2.
+/// NaN where no way across faces leads to the base.
+pub(super) fn lifted(cells: &Cells, base: &[u32], values: &[f64]) -> Vec<f64> {
     let mut lifted = vec![f64::NAN; values.len()];
     // Values are positive, so their bits are in their order; of equal ones the cell with the lowest number comes first.
     let mut queue: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
     for &cell in base {
-        let value = floor(cell).max(ON_BASE);
-        lifted[cell as usize] = value;
-        queue.push(Reverse((value.to_bits(), cell)));
+        lifted[cell as usize] = ON_BASE;
+        queue.push(Reverse((ON_BASE.to_bits(), cell)));
     }
     // Cells come in the order of their values, so the first one beside a cell is its lowest neighbour.
     while let Some(Reverse((_, cell))) = queue.pop() {
         let least = lifted[cell as usize] + MIN_RISE;
         for next in beside(cells, cell).into_iter().flatten() {
             if lifted[next as usize].is_nan() {
-                let value = least.max(values[next as usize]).max(floor(next));
+                let value = least.max(values[next as usize]);
                 lifted[next as usize] = value;
                 queue.push(Reverse((value.to_bits(), next)));
             }
@@ -40,15 +39,15 @@ mod tests {
     use proptest::prelude::*;
 
     /// The same by going over all cells until nothing changes: the value of a cell follows from its neighbours'.
-    fn by_rounds(cells: &Cells, base: &[u32], values: &[f64], floor: &[f64]) -> Vec<f64> {
+    fn by_rounds(cells: &Cells, base: &[u32], values: &[f64]) -> Vec<f64> {
         let mut lifted = vec![f64::INFINITY; values.len()];
-        base.iter().for_each(|&cell| lifted[cell as usize] = floor[cell as usize].max(ON_BASE));
+        base.iter().for_each(|&cell| lifted[cell as usize] = ON_BASE);
         loop {
             let before = lifted.clone();
             for cell in cells.iter().filter(|cell| !base.contains(cell)) {
                 let lowest = beside(cells, cell).into_iter().flatten().map(|other| lifted[other as usize]);
                 let lowest = lowest.fold(f64::INFINITY, f64::min);
-                lifted[cell as usize] = (lowest + MIN_RISE).max(values[cell as usize]).max(floor[cell as usize]);
+                lifted[cell as usize] = (lowest + MIN_RISE).max(values[cell as usize]);
             }
             if before == lifted {
                 return lifted.into_iter().map(|value| if value.is_finite() { value } else { f64::NAN }).collect();
@@ -61,13 +60,11 @@ mod tests {
         fn values_are_the_least_that_are_held(
             rows in prop::collection::vec(0u64..32, 20),
             values in prop::collection::vec(0.0..9.0f64, 100),
-            floor in prop::collection::vec(prop::option::weighted(0.2, 0.0..12.0f64), 100),
         ) {
             let cells = Cells::new([5, 4, 5], &rows).unwrap();
             let base: Vec<u32> = cells.iter().filter(|&cell| cell < 20).collect();
-            let floor: Vec<f64> = floor.into_iter().map(|floor| floor.unwrap_or(0.0)).collect();
-            let found = lifted(&cells, &base, &values, &|cell| floor[cell as usize]);
-            let expected = by_rounds(&cells, &base, &values, &floor);
+            let found = lifted(&cells, &base, &values);
+            let expected = by_rounds(&cells, &base, &values);
             prop_assert!(found.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
         }
     }

@@ -4,7 +4,7 @@
 //! tear, and some of them hang out sideways. The distance from what the part stands on, along paths inside the part, has none of this: it is
 //! continuous, a step from cell to cell is at most one layer, and every cell has one under it ([`STEPS_PER_LAYER`]). What it does not give is reach: so
 //! each cell is held against the nozzle that is there ([`NozzleRule`](super::NozzleRule)), as it stands on everything of earlier layers. Where
-//! fronts meet in a pit that is too narrow for it, what is in its way is [delayed], and the field is solved again. What is not reached then
+//! fronts meet in a pit that is too narrow for it, what is in its way is [delayed], and the field is solved again, unless it is a directed one. What is not reached then
 //! is left to [`grow_with_nozzle`](super::grow_with_nozzle) and to support.
 //!
 //! The idea of a scalar field whose level sets are the layers is that of Zhang et al., "S3-Slicer: a general slicing framework for multi-axis 3D

@@ -95,12 +95,16 @@ pub fn grow_by_distance(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
-    job.ordered(|floors| solved(cells, &job.base, &|cell| floors.of(cell)))
+    let (grown, rounds) = job.delayed(|floors| solved(cells, &job.base, &|cell| floors.of(cell)))?;
+    Ok(job.order(grown, rounds))
 }
 
 /// Orders the cells as [`grow_by_distance`] does, by a field that follows the distance but leans from upright no more than the nozzle's cone leaves of a
 /// right angle: so fronts that meet leave a valley that it fits into. Its layers are thicker where directions turn, and the field has
 /// [half layers](LayerField::with_half_layers) there.
+///
+/// What it does not reach is not delayed: floors fall off in all directions, so they would make the field lean as the limit forbids, and close other valleys. It is
+/// missed, and support carries it.
 ///
 /// # Arguments
 /// * as for [`grow_by_distance`].
@@ -109,7 +113,7 @@ pub fn grow_by_distance(
 /// As for [`grow_by_distance`].
 ///
 /// # Cost
-/// That of [`grow_by_distance`], and of a linear system: `n` times the length of the part in cells, some 0.2 s for 60,000 cells, one thread.
+/// That of a round of [`grow_by_distance`], and of a linear system: `n` times the length of the part in cells, some 0.2 s for 60,000 cells, one thread.
 ///
 /// # Example
 /// ```
@@ -136,9 +140,8 @@ pub fn grow_directed(
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let base = &job.base;
     let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), max_tilt(nozzle));
-    job.ordered(|floors| {
-        in_cells(cells, lifted(cells, base, &directed, &|cell| floors.of(cell))).with_half_layers(Some(HALF_LAYERS))
-    })
+    let grown = job.grown(in_cells(cells, lifted(cells, base, &directed)).with_half_layers(Some(HALF_LAYERS)))?;
+    Ok(job.order(grown, 0))
 }
 
 struct Job<'a> {
@@ -185,8 +188,9 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// The order of a field with these floors; what is in the way of cells that it does not reach gets floors, as long as that leaves fewer cells out.
-    fn ordered(&self, field: impl Fn(&Floors) -> LayerField) -> Result<DistanceOrder, GrowthError> {
+    /// What is built of a field with these floors; what is in the way of cells that it does not reach gets floors, as long as that leaves fewer cells out. With
+    /// the rounds that this took.
+    fn delayed(&self, field: impl Fn(&Floors) -> LayerField) -> Result<(Grown, usize), GrowthError> {
         let &Job { cells, cell_mm, rules, nozzle, .. } = self;
         let mut best = self.grown(field(&Floors::none(cells)))?;
         let (mut rounds, mut last, mut floors) = (0, best.clone(), Floors::none(cells));
@@ -201,11 +205,16 @@ impl<'a> Job<'a> {
                 (best, rounds) = (last.clone(), round);
             }
         }
-        let Grown { order, mut printed, field, .. } = best;
+        Ok((best, rounds))
+    }
+
+    /// The order of what is built.
+    fn order(&self, grown: Grown, rounds: usize) -> DistanceOrder {
+        let Grown { order, mut printed, field, .. } = grown;
         printed.sort_unstable_by_key(|printed| printed.cell);
         let growth =
             Growth { missed: self.missed(&order), order, statistics: GrowthStatistics::default(), nozzle: printed };
-        Ok(DistanceOrder { growth, field, rounds })
+        DistanceOrder { growth, field, rounds }
     }
 
     /// Builds what the nozzle reaches in the order of a field. Its values of cells that came a step early are changed to that step.
