@@ -339,7 +339,7 @@ fn of_part(parts: &[VolumePart], k: usize, options: &VolumeOptions, audit: &Audi
     let highest = part.layers.iter().map(|layer| layer.high_mm - layer.low_mm).fold(0.0, f64::max);
     let [low, high] = part.solid.bounds();
     let margin = (highest / options.angle.tan() + options.tolerance_mm).min((high - low).amax());
-    // What carries may be narrower than a step of the grid: what is found to hang is looked at again on finer ones.
+    // What carries may be narrower than a step of the grid: what is found to hang is looked at again on finer ones, unless that is known.
     for finer in [1.0, 2.0, 4.0] {
         let lines = Lines::new(part.direction, &part.solid, margin, |side| step(side) / finer);
         let before: Vec<Vec<Vec<f64>>> = parts[..k].iter().map(|earlier| lines.crossings(&earlier.solid)).collect();
@@ -349,7 +349,7 @@ fn of_part(parts: &[VolumePart], k: usize, options: &VolumeOptions, audit: &Audi
             compare(part, (&lines, &lines.crossings(&part.solid), &sections), options, &mut found);
         }
         found.unsupported_mm2 = unsupported(part, &lines, (&before, &sections), options);
-        if found.unsupported_mm2 <= 0.0 {
+        if found.unsupported_mm2 <= 0.0 || part.overhang_mm3 > 0.0 {
             break;
         }
     }
