@@ -135,7 +135,7 @@ struct Open {
 ///
 /// # Cost
 /// For each separation the layers of one part are sliced, `O(layers * triangles)`, and their polygons offset; where the torch would be blocked
-/// or overhang is left, up to some ten walls are tried, and all is done three times. The result does not depend on threads: there is one.
+/// or overhang is left, up to some ten walls are tried, and all is done four times. The result does not depend on threads: there is one.
 ///
 /// # Example
 /// ```
@@ -181,12 +181,16 @@ pub fn decompose_volume(
     best.map_or_else(|| unreachable!("there is a strategy"), |(_, result)| Ok(result))
 }
 
-/// The paper's walls; of these the ones beside which the torch is free; leaning ones as well.
-const STRATEGIES: [Strategy; 3] = [
-    Strategy { judges_torch: false, leans: false, most: usize::MAX },
-    Strategy { judges_torch: true, leans: false, most: usize::MAX },
-    Strategy { judges_torch: true, leans: true, most: usize::MAX },
+/// The paper's walls; one wall where overhang lies on one side; of these the ones beside which the torch is free; leaning ones as well.
+const STRATEGIES: [Strategy; 4] = [
+    Strategy { one_sided: false, ..FIRST_WALLS },
+    FIRST_WALLS,
+    Strategy { judges_torch: true, ..FIRST_WALLS },
+    Strategy { judges_torch: true, leans: true, ..FIRST_WALLS },
 ];
+
+/// The first walls that divide a part.
+const FIRST_WALLS: Strategy = Strategy { judges_torch: false, one_sided: true, leans: false, most: usize::MAX };
 
 /// A result of which the torch is blocked at less than this share is taken at once.
 const FREE: f64 = 0.001;

@@ -28,6 +28,8 @@ const MOVES: usize = 3;
 pub(super) struct Strategy {
     /// Whether the torch is held against what stands; else the first walls that divide the part are taken.
     pub judges_torch: bool,
+    /// Whether one wall is tried where overhang has no intersection points but lies on one side; else four walls are, as in the paper.
+    pub one_sided: bool,
     /// Whether walls that lean back are tried as well.
     pub leans: bool,
     /// The most parts that one separation may take off.
@@ -74,7 +76,7 @@ impl Work<'_> {
         let mut best: Option<(f64, Trial)> = None;
         let mut first = true;
         for lean in leans(options).into_iter().take(if strategy.leans { usize::MAX } else { 1 }) {
-            for walls in self.choices(lean, options) {
+            for walls in self.choices(lean, strategy, options) {
                 let trials = self.trials(partition, walls, options);
                 for trial in trials.into_iter().filter(|trial| trial.taken.len() <= strategy.most) {
                     if !strategy.judges_torch {
@@ -98,8 +100,13 @@ impl Work<'_> {
     }
 
     /// Walls that lean back by an angle, in the order in which they are tried.
-    fn choices(&self, lean: f64, options: &VolumeOptions) -> Vec<Walls> {
-        let single = walls_before(self.layered, self.region, lean, options);
+    fn choices(&self, lean: f64, strategy: Strategy, options: &VolumeOptions) -> Vec<Walls> {
+        let crosses = self.region.points.iter().any(|(layer, _)| *layer == self.region.first);
+        let single = if crosses || strategy.one_sided {
+            walls_before(self.layered, self.region, lean, options)
+        } else {
+            Vec::new()
+        };
         let single = single.into_iter().map(|wall| Walls { walls: vec![wall], rectangle: None });
         // Four walls that lean would meet over what they leave, and cut it to pieces.
         let around = if lean > 0.0 { None } else { walls_around(self.layered, self.region, options) };
