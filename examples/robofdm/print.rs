@@ -10,6 +10,7 @@ use curvlay_examples::motion::{FlatPrint, Printed, UR3_CELL, nozzle_of, plate_mm
 use curvlay_examples::nalgebra::Isometry3;
 use curvlay_kinematics::workcell::{AnyWorkcell, Held, WorkcellModel};
 use curvlay_kinematics::{ReachOptions, fullest_box, reachable_points};
+use curvlay_layers::planar::flat_layers;
 use curvlay_layers::planar::robofdm::Head;
 use curvlay_toolpath::surface::{DepositionOptions, Pattern};
 
@@ -18,11 +19,12 @@ const FRONT_MM: f64 = 150.0;
 
 /// Everything behind the parts.
 pub fn print(args: &Args, divided: &Divided, bars: &Bars) -> Result<Printed, Failure> {
-    let parts: Vec<_> = divided.parts.parts.iter().map(|part| (&part.solid, part.direction)).collect();
+    let parts = divided.parts.parts.iter();
+    let layers: Vec<_> =
+        parts.map(|part| flat_layers(&part.solid, &part.direction, args.layer_height)).collect::<Result<_, _>>()?;
     let print = FlatPrint {
         mesh: &divided.mesh,
-        parts: &parts,
-        layer_mm: args.layer_height,
+        layers: &layers,
         bead_mm: args.bead_mm(),
         pattern: match args.pattern {
             PatternName::Spiral => Pattern::Spirals,

@@ -56,14 +56,19 @@ pub fn step(step: &Separation) -> Vec<u8> {
 /// between them.
 fn draw_wall(scene: &mut Scene, wall: &SeparationWall, step: &Separation, thin: f64) {
     let (d, n) = (step.direction, wall.upright.normal());
-    let t = d.cross(&n);
+    let t = d.cross(&n).normalize();
     let [low, high] = step.solid.extent(&t);
     let [_, top] = step.solid.extent(&d);
-    let edge = |along: f64| Point3::from(n * wall.upright.offset() + d * step.height_mm + t * along);
-    let down = (n - d * (n.dot(&wall.tilted.normal()) / d.dot(&wall.tilted.normal()))) * (0.12 * size(&step.solid));
+    // Along the wall, which may lean, to the height of its lower edge.
+    let rise = (d - n * n.dot(&d)).normalize();
+    let foot = n * wall.upright.offset();
+    let lower = foot + rise * ((step.height_mm - foot.dot(&d)) / rise.dot(&d));
+    let edge = |along: f64| Point3::from(lower + t * (along - lower.dot(&t)));
+    let down = t.cross(&wall.tilted.normal());
+    let down = down * (0.12 * size(&step.solid) * if down.dot(&d) > 0.0 { -1.0 } else { 1.0 });
     let margin = 0.04 * (high - low);
     let ends = [edge(low - margin), edge(high + margin)];
-    let up = d * (top - step.height_mm).max(0.0) * 1.05;
+    let up = rise * ((top - step.height_mm).max(0.0) * 1.05 / rise.dot(&d));
     let mut frame = |shift: Vector3<f64>, colour: Rgb| {
         for end in ends {
             scene.bar(end, end + shift, 1.5 * thin, colour);
@@ -88,6 +93,24 @@ pub fn parts(divided: &Divided, count: usize) -> Vec<u8> {
         let [_, top] = part.solid.extent(&part.direction);
         let from = middle + part.direction * (top - middle.coords.dot(&part.direction));
         arrow(&mut scene, from, part.direction * length);
+    }
+    let [width, height] = PICTURE;
+    scene.draw(width, height).to_png()
+}
+
+/// The outlines of all layers, in the colours of their parts.
+pub fn layers(divided: &Divided) -> Vec<u8> {
+    let mut scene = Scene::new(camera());
+    let all = &divided.result.parts;
+    let thin = 0.0012 * size(&divided.solid);
+    for (k, part) in all.iter().enumerate() {
+        let colour = ramp(0.15 + 0.75 * k as f64 / (all.len().max(2) - 1) as f64);
+        for layer in &part.layers {
+            let up = part.direction * ((layer.low_mm + layer.high_mm) / 2.0 - part.base_mm);
+            for [a, b] in layer.section.edges() {
+                scene.bar(part.frame.place(&a) + up, part.frame.place(&b) + up, thin, colour);
+            }
+        }
     }
     let [width, height] = PICTURE;
     scene.draw(width, height).to_png()

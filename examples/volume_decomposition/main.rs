@@ -15,11 +15,13 @@ mod torch;
 mod volumes;
 
 use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args};
+use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::Findings;
+use curvlay_examples::motion::Printed;
 use curvlay_examples::output::OutputFolder;
 use curvlay_layers::planar::{BaseChoice, VolumeOptions};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 use volumes::Divided;
@@ -54,9 +56,16 @@ pub struct Args {
     /// Which way the part is printed first
     #[arg(long, value_name = "NAME", default_value = "up")]
     base: Base,
-    /// Plans tool paths and motion of the torch on an IRB 1200 over a table that tilts and turns, and writes RAPID: of the mesh, or of --shape
+    /// Share of the layer area that the torch may not reach for what is printed before, or for the plate: with more the exit status is 3
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
+    allow_blocked: f64,
+    /// Plans tool paths and motion of the torch in the audited layers, and writes RAPID, or URScript for an arm that takes it: of the mesh, or
+    /// of --shape
     #[arg(long)]
     rapid: bool,
+    /// Workcell of the motion, a JSON file; its nozzle becomes the torch [default: an IRB 1200 over a table that tilts and turns]
+    #[arg(long, value_name = "FILE", requires = "rapid")]
+    workcell: Option<PathBuf>,
     /// Width of a bead of the torch in millimetres [default: twice the height of a layer]
     #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     bead_mm: Option<f64>,
@@ -120,28 +129,37 @@ impl Args {
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let folder = args.common.folder("volume_decomposition", [args.mesh.path()], outputs::is_ours)?;
-        let (divided, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        let folder = args.common.folder(
+            "volume_decomposition",
+            [args.mesh.path(), args.workcell.as_deref()],
+            outputs::is_ours,
+        )?;
+        let ((divided, _), outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
         outputs::table(&divided).print()?;
         Ok(outcome)
     })
 }
 
+/// What a run makes: the volumes, and their print with --rapid.
+type Made = (Vec<Divided>, Option<Printed>);
+
 /// Divides the part, or all shapes, audits the result and writes the files.
-pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Divided>, Outcome), Failure> {
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Outcome), Failure> {
     let start = Instant::now();
+    // Read before the work: a workcell that is not there is no news for the end of it.
+    let model = args.rapid.then(|| torch::model(args)).transpose()?;
     let divided = volumes::divide(args, bars)?;
     bars.finish();
-    let printed = if args.rapid { Some(torch::print(args, &divided, bars)?) } else { None };
+    let printed = model.map(|model| torch::print(args, &divided, model, bars)).transpose()?;
     bars.finish();
     let mut findings = Findings::default();
     let of_meshes = divided.iter().flat_map(|divided| divided.of_mesh.iter());
     of_meshes.for_each(|finding| findings.push(finding.clone()));
-    divided.iter().for_each(|divided| divided.find(&mut findings));
+    divided.iter().for_each(|divided| divided.find(args, &mut findings));
     if let Some(printed) = &printed {
         printed.find(&mut findings);
     }
     outputs::write(args, (&divided, printed.as_ref()), &findings, folder, start)?;
     findings.say();
-    Ok((divided, findings.outcome()))
+    Ok(((divided, printed), findings.outcome()))
 }

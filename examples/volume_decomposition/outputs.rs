@@ -5,7 +5,7 @@ use super::volumes::{Divided, PART};
 use super::{Args, Shape, drawing};
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, typed_name};
-use curvlay_examples::findings::Findings;
+use curvlay_examples::findings::{Findings, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{Printed, is_program};
 use curvlay_examples::output::{OutputFolder, is_numbered};
@@ -32,6 +32,7 @@ pub fn write(
         }
     }
     folder.write_with("parts.csv", |out| write_parts(divided, out))?;
+    folder.write_with("layers.csv", |out| write_layers(divided, out))?;
     folder.write_with("separations.csv", |out| write_separations(divided, out))?;
     let has_features = divided.iter().any(|of| !of.result.features.is_empty());
     folder.write_list("features.csv", has_features, |out| write_features(divided, out))?;
@@ -52,7 +53,7 @@ pub fn is_ours(name: &str) -> bool {
     let mut stems = shapes.chain([PART.to_owned()]);
     stems.any(|stem| is_numbered(name, &format!("{stem}_part_"), 2, ".stl"))
         || is_program(name)
-        || ["parts.csv", "separations.csv", "features.csv", "report.html"].contains(&name)
+        || ["parts.csv", "layers.csv", "separations.csv", "features.csv", "report.html"].contains(&name)
 }
 
 fn mesh_of(solid: &Solid) -> Mesh {
@@ -60,12 +61,17 @@ fn mesh_of(solid: &Solid) -> Mesh {
 }
 
 fn write_parts(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "shape,part,dx,dy,dz,base_mm,volume_mm3,layers,separation,overhang_mm3,unsupported_mm2")?;
+    writeln!(
+        out,
+        "shape,part,dx,dy,dz,base_mm,volume_mm3,layers,separation,overhang_mm3,unsupported_mm2,layered_mm3,unlayered_mm3,\
+         sections_mm3,thin_mm3,left_out_mm3,added_mm3,layers_mm2,blocked_mm2"
+    )?;
     for of in divided {
         for (k, part) in of.result.parts.iter().enumerate() {
             let d = part.direction;
             let separation = part.separation.map_or_else(String::new, |k| (k + 1).to_string());
-            writeln!(
+            let found = &of.audit.parts[k];
+            write!(
                 out,
                 "{},{},{:.9},{:.9},{:.9},{:.6},{:.6},{},{separation},{:.6},{:.6}",
                 of.name,
@@ -75,10 +81,30 @@ fn write_parts(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
                 d.z,
                 part.base_mm,
                 part.solid.volume(),
-                part.layer_tops_mm.len(),
+                part.layers.len(),
                 part.overhang_mm3,
-                of.audit.unsupported_mm2[k]
+                found.unsupported_mm2
             )?;
+            let volumes = [found.layered_mm3, found.unlayered_mm3, found.sections_mm3, found.thin_mm3];
+            let features = [found.left_out_mm3, found.added_mm3];
+            for figure in volumes.into_iter().chain(features).chain([found.layers_mm2, found.blocked_mm2]) {
+                write!(out, ",{figure:.6}")?;
+            }
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+/// The layers that are audited and printed.
+fn write_layers(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "shape,part,layer,low_mm,high_mm,area_mm2")?;
+    for of in divided {
+        for (k, part) in of.result.parts.iter().enumerate() {
+            for (number, layer) in part.layers.iter().enumerate() {
+                let (low, high, area) = (layer.low_mm, layer.high_mm, layer.section.area());
+                writeln!(out, "{},{},{},{low:.6},{high:.6},{area:.6}", of.name, k + 1, number + 1)?;
+            }
         }
     }
     Ok(())
@@ -118,8 +144,18 @@ fn write_features(divided: &[Divided], out: &mut dyn Write) -> io::Result<()> {
 
 /// A line for each part of each shape.
 pub fn table(divided: &[Divided]) -> Table {
-    let heads =
-        ["shape", "part", "direction", "volume mm3", "layers", "overhang before mm3", "after mm3", "audit", "time s"];
+    let heads = [
+        "shape",
+        "part",
+        "direction",
+        "volume mm3",
+        "layers",
+        "overhang before mm3",
+        "after mm3",
+        "torch blocked",
+        "audit",
+        "time s",
+    ];
     let mut table = Table::new(heads);
     for of in divided {
         for (k, part) in of.result.parts.iter().enumerate() {
@@ -129,9 +165,10 @@ pub fn table(divided: &[Divided]) -> Table {
                 (k + 1).to_string(),
                 direction(&part.direction),
                 format!("{:.0}", part.solid.volume()),
-                part.layer_tops_mm.len().to_string(),
+                part.layers.len().to_string(),
                 first(format!("{:.0}", of.result.overhang_before_mm3)),
                 format!("{:.0}", part.overhang_mm3),
+                percent(of.audit.parts[k].blocked_mm2 / of.audit.parts[k].layers_mm2.max(f64::MIN_POSITIVE)),
                 first(if of.audit.is_ok { "ok".to_owned() } else { "failed".to_owned() }),
                 first(format!("{:.3}", of.decompose_time.as_secs_f64())),
             ]);
@@ -158,6 +195,7 @@ fn summary(
         .set("stand_off_mm", args.stand_off_mm)?
         .set("feature_mm", args.feature_mm)?
         .set("base", typed_name(args.base))?
+        .set("allow_blocked", args.allow_blocked)?
         .set("threads", args.common.threads)?;
     let plain = typed_name(args.shape);
     for of in divided {
@@ -185,6 +223,11 @@ fn summary(
                 .set(&key("missing_share"), of.audit.missing_share)?
                 .set(&key("doubled_share"), of.audit.doubled_share)?
                 .set(&key("unsupported_mm2"), of.unsupported_mm2())?
+                .set(&key("unlayered_mm3"), of.audit.sum(|part| part.unlayered_mm3))?
+                .set(&key("thin_mm3"), of.audit.sum(|part| part.thin_mm3))?
+                .set(&key("left_out_mm3"), of.audit.sum(|part| part.left_out_mm3))?
+                .set(&key("added_mm3"), of.audit.sum(|part| part.added_mm3))?
+                .set(&key("blocked_share"), of.blocked_share())?
                 .set_seconds(&key("decompose_s"), of.decompose_time)?
                 .set_seconds(&key("audit_s"), of.audit_time)?;
         }
@@ -213,11 +256,11 @@ const SHOWN: usize = 12;
 fn report(args: &Args, divided: &[Divided], findings: &Findings) -> Report {
     let mut report = Report::new("Volumes along several directions");
     findings.report(&mut report);
-    let passes = if args.rapid { "" } else { " Whether the torch passes everywhere is not checked without --rapid." };
     report.paragraph(&format!(
         "Layers of {} mm; a side that slopes less than {} degrees over the level needs support. What a layer carries is green, what \
-         hangs over is red, intersection points are black. Walls are blue where they are upright and grey where they are tilted for a \
-         torch of {} mm at a stand-off of {} mm.{passes} Arrows are the printing directions.",
+         hangs over is red, intersection points are black. Walls are blue, and grey where they are tilted for a \
+         torch of {} mm at a stand-off of {} mm: a cone to its mouth and a cylinder behind it, checked at every layer against the parts \
+         that are printed before and the plate. Arrows are the printing directions.",
         args.layer_mm, args.angle_deg, args.torch_mm, args.stand_off_mm
     ));
     report.table("All parts", &table(divided));
@@ -234,7 +277,8 @@ fn report(args: &Args, divided: &[Divided], findings: &Findings) -> Report {
         let counts = (1..=all).filter(|&count| count == all || count < SHOWN);
         let built: Vec<(String, Vec<u8>)> =
             counts.map(|count| (format!("{count} of {all} parts printed"), drawing::parts(of, count))).collect();
-        for pictures in [drawn, built] {
+        let printed = vec![(format!("{} layers, as audited and printed", of.layers()), drawing::layers(of))];
+        for pictures in [drawn, built, printed] {
             let pairs: Vec<(&str, &[u8])> =
                 pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();
             if !pairs.is_empty() {

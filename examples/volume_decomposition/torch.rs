@@ -1,41 +1,35 @@
-//! The volumes printed by a torch: an IRB 1200 holds it over a table that tilts and turns.
+//! The volumes printed by a torch, in the layers that were audited: an IRB 1200 holds it over a table that tilts and turns, or the arm of
+//! `--workcell` holds the torch or the part.
 
 use super::Args;
 use super::volumes::Divided;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::input;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{FlatPrint, Printed, TABLE_CELL, print_parts};
-use curvlay_examples::nalgebra::Vector3;
+use curvlay_examples::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use curvlay_kinematics::workcell::{AnyWorkcell, WorkcellModel};
-use curvlay_layers::planar::Solid;
+use curvlay_layers::planar::VolumePart;
 use curvlay_toolpath::surface::Pattern;
+use std::f64::consts::PI;
 
 /// How far the torch goes on above its mouth before its holder, in millimetres.
 const NECK_MM: f64 = 40.0;
 
-/// Layers, tool paths, motion and RAPID of the mesh, or of `--shape`.
-pub fn print(args: &Args, divided: &[Divided], bars: &Bars) -> Result<Printed, Failure> {
+/// Tool paths, motion and programs of the mesh, or of `--shape`.
+pub fn print(args: &Args, divided: &[Divided], model: WorkcellModel, bars: &Bars) -> Result<Printed, Failure> {
     let plain = typed_name(args.shape);
     let of = divided.iter().find(|of| of.name == plain).or(divided.first());
     let Some(of) = of else { return Err(Failure::new("there is no part")) };
-    if of.result.parts.first().is_none_or(|first| first.direction.dot(&Vector3::z()) < 1.0 - 1e-9) {
-        return Err(Failure::new("--rapid prints a part as it stands: leave out --base best, or turn it with --up"));
-    }
-    // Onto the plate.
-    let [low, _] = of.solid.bounds();
-    let moved = |solid: &Solid| {
-        let vertices: Vec<_> = solid.vertices().iter().map(|p| p - Vector3::z() * low.z).collect();
-        Solid::new(&vertices, solid.triangles())
-    };
-    let solids: Vec<Solid> = of.result.parts.iter().map(|part| moved(&part.solid)).collect::<Result<_, _>>()?;
-    let parts: Vec<_> = solids.iter().zip(&of.result.parts).map(|(solid, part)| (solid, part.direction)).collect();
-    let whole = moved(&of.solid)?;
-    let mesh = Mesh { vertices: whole.vertices().to_vec(), triangles: whole.triangles().to_vec() };
+    let Some(first) = of.result.parts.first() else { return Err(Failure::new("there is no part")) };
+    let onto_plate = onto_plate(first);
+    let layers: Vec<_> = of.result.parts.iter().map(|part| part.flat_layers().moved(&onto_plate)).collect();
+    let vertices = of.solid.vertices().iter().map(|p| onto_plate * p).collect();
+    let mesh = Mesh { vertices, triangles: of.solid.triangles().to_vec() };
     let print = FlatPrint {
         mesh: &mesh,
-        parts: &parts,
-        layer_mm: args.layer_mm,
+        layers: &layers,
         bead_mm: args.bead_mm.unwrap_or(2.0 * args.layer_mm),
         pattern: Pattern::Spirals,
         cell_mm: None,
@@ -43,12 +37,27 @@ pub fn print(args: &Args, divided: &[Divided], bars: &Bars) -> Result<Printed, F
         filaments: 1,
         moves: true,
     };
-    print_parts(&print, &cell(args)?, bars)
+    print_parts(&print, &cell(args, model)?, bars)
+}
+
+/// The motion that puts the base plane of the first part on the plate, its direction upwards.
+fn onto_plate(first: &VolumePart) -> Isometry3<f64> {
+    let over = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    let turn = UnitQuaternion::rotation_between(&first.direction, &Vector3::z()).unwrap_or(over);
+    Isometry3::from_parts(Translation3::new(0.0, 0.0, -first.base_mm), turn)
+}
+
+/// The workcell as its file has it.
+pub fn model(args: &Args) -> Result<WorkcellModel, Failure> {
+    let text = match &args.workcell {
+        Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
+        None => TABLE_CELL.to_owned(),
+    };
+    Ok(WorkcellModel::from_json(text.as_bytes())?)
 }
 
 /// The cell with the torch in place of its nozzle: a wire that reaches out of the mouth by the stand-off.
-fn cell(args: &Args) -> Result<AnyWorkcell, Failure> {
-    let mut model = WorkcellModel::from_json(TABLE_CELL.as_bytes())?;
+fn cell(args: &Args, mut model: WorkcellModel) -> Result<AnyWorkcell, Failure> {
     let shape = &mut model.nozzle;
     shape.tip_flat_mm = args.wire_mm;
     shape.cone_height_mm = args.stand_off_mm;

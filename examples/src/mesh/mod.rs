@@ -9,6 +9,7 @@ mod formats;
 mod obj;
 mod placement;
 mod ply;
+mod single;
 mod stl;
 mod threemf;
 mod weld;

@@ -1,6 +1,8 @@
 //! Meshes written: OBJ with all digits, binary STL.
 
 use super::Mesh;
+use super::single::rounded;
+use nalgebra::Vector3;
 use std::io::{self, Write};
 
 impl Mesh {
@@ -17,18 +19,21 @@ impl Mesh {
         })
     }
 
-    /// Writes binary STL: single precision, as most programs take it.
+    /// Writes binary STL: single precision, as most programs take it. Corners that rounding makes equal are one, and no triangle loses its
+    /// area to it.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write_stl(&self, out: &mut dyn Write) -> io::Result<()> {
+        let single = rounded(&self.vertices, &self.triangles);
         out.write_all(&[b' '; 80])?;
-        out.write_all(&(self.triangles.len() as u32).to_le_bytes())?;
-        for corners in &self.triangles {
-            let [a, b, c] = corners.map(|corner| self.vertices[corner as usize]);
+        out.write_all(&(single.triangles.len() as u32).to_le_bytes())?;
+        for corners in &single.triangles {
+            let places = corners.map(|corner| single.vertices[corner as usize]);
+            let [a, b, c] = places.map(|place| Vector3::from(place.map(f64::from)));
             let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
-            for vector in [normal, a.coords, b.coords, c.coords] {
-                vector.iter().try_for_each(|&at| out.write_all(&(at as f32).to_le_bytes()))?;
+            for vector in [normal.map(|c| c as f32).into(), places[0], places[1], places[2]] {
+                vector.iter().try_for_each(|at| out.write_all(&at.to_le_bytes()))?;
             }
             out.write_all(&[0; 2])?;
         }

@@ -9,7 +9,7 @@ use crate::output::is_numbered;
 use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
-use curvlay_layers::planar::{FlatLayers, Solid, cells_by_flat_layer, flat_layers};
+use curvlay_layers::planar::{FlatLayers, cells_by_flat_layer};
 use curvlay_toolpath::surface::{
     self, Contacts, FilledLayers, GougingOptions, LayerSurface, PathOptions, Pattern, PrintPlan, fill_layers,
 };
@@ -61,10 +61,8 @@ pub fn is_program(name: &str) -> bool {
 pub struct FlatPrint<'a> {
     /// All parts in one, standing on the plane z = 0.
     pub mesh: &'a Mesh,
-    /// The parts in their order, each with its direction.
-    pub parts: &'a [(&'a Solid, Vector3<f64>)],
-    /// Height of a layer, in mm.
-    pub layer_mm: f64,
+    /// The layers of the parts, in their order.
+    pub layers: &'a [FlatLayers],
     /// Width of a bead, in mm.
     pub bead_mm: f64,
     /// How layers are filled.
@@ -178,14 +176,18 @@ fn part_of(parts: &[FlatLayers], layer: usize) -> usize {
     parts.iter().position(within).unwrap_or(0)
 }
 
-/// Everything behind the parts.
+/// Height of the lowest layer of all parts, in mm.
+fn least_height_mm(parts: &[FlatLayers]) -> f64 {
+    let layers = parts.iter().flat_map(|part| &part.layers);
+    layers.map(|layer| layer.high_mm - layer.low_mm).fold(f64::INFINITY, f64::min)
+}
+
+/// Everything behind the layers of the parts.
 ///
 /// # Errors
 /// Of the first step that fails; what cannot be printed or reached is no error, but listed.
 pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result<Printed, Failure> {
-    let parts = print.parts.iter();
-    let layers: Vec<FlatLayers> =
-        parts.map(|(solid, direction)| flat_layers(solid, direction, print.layer_mm)).collect::<Result<_, _>>()?;
+    let layers = print.layers;
     let all = || layers.iter().flat_map(|part| part.layers.iter().map(|layer| (layer, part.direction)));
     let surfaces: Vec<LayerSurface> =
         all().map(|(layer, _)| (&layer.vertices[..], &layer.triangles[..], &layer.thickness[..]).into()).collect();
@@ -201,7 +203,7 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
     let moved = if print.moves {
         let options = GougingOptions { allowed_depth: DEPTH, ..GougingOptions::in_workcell() };
         let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &progress)?;
-        let work = Work { print, layers: &layers, plan: &plan, contacts: &contacts, bars };
+        let work = Work { print, layers, plan: &plan, contacts: &contacts, bars };
         Some(match cell {
             AnyWorkcell::Six(cell) => work.motion(cell, &PrintOptions::default())?,
             AnyWorkcell::Eight(cell) => work.motion(cell, &table_options())?,
@@ -210,7 +212,7 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
         None
     };
     drop(stack);
-    Ok(Printed { layers, filled, plan, moved })
+    Ok(Printed { layers: layers.to_vec(), filled, plan, moved })
 }
 
 /// Diameter of a plate for a part, where the workcell leaves it open, in mm.
@@ -267,7 +269,7 @@ impl Work<'_> {
         let paths = PlacedPaths::new(&plan.resolved.paths, &plan.deposition, &frame_part);
         let filament_mm2 = PI * print.filament_mm.powi(2) / 4.0;
         let limits = PrintLimits {
-            tolerance_mm: TOLERANCE * print.layer_mm.min(print.bead_mm),
+            tolerance_mm: TOLERANCE * least_height_mm(self.layers).min(print.bead_mm),
             filament_mm2,
             ..PrintLimits::of(bounds_of(cell.limits()))
         };

@@ -27,5 +27,6 @@ mod render;
 mod robofdm;
 mod shapes;
 mod stewart_table;
+mod stl_written;
 mod viewer;
 mod volume_decomposition;

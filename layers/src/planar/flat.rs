@@ -5,7 +5,7 @@
 
 use super::region::Region;
 use super::solid::{CutPlane, PlaneFrame, Solid, slice, triangulate};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 /// The layers of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct FlatLayers {
     pub direction: Vector3<f64>,
     /// Height of the lowest point of the part along the direction, in mm.
     pub low_mm: f64,
-    /// Height of each layer, in mm.
+    /// Height of each layer, in mm; of the highest one if they vary.
     pub height_mm: f64,
     /// From the bottom up.
     pub layers: Vec<FlatLayer>,
@@ -24,11 +24,15 @@ pub struct FlatLayers {
 /// A layer as a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatLayer {
+    /// Where it begins, along the direction, in mm.
+    pub low_mm: f64,
+    /// Where it ends, in mm.
+    pub high_mm: f64,
     /// Points of the section through the middle of the layer, in mm.
     pub vertices: Vec<Point3<f64>>,
     /// Triangles between them, counter-clockwise seen against the direction. None where a section is narrower than a thousandth of the height.
     pub triangles: Vec<[u32; 3]>,
-    /// Thickness at each triangle, in mm: the height of the layers.
+    /// Thickness at each triangle, in mm: the height of the layer.
     pub thickness: Vec<f64>,
     /// The section in the plane's coordinates.
     region: Region,
@@ -103,45 +107,92 @@ pub fn flat_layers(part: &Solid, direction: &Vector3<f64>, height_mm: f64) -> Re
     let height = part_mm / count as f64;
     let lowest = CutPlane::through(&Point3::from(direction * low), &direction).map_err(|_| FlatError::Direction)?;
     let frame = PlaneFrame::of(&lowest);
-    let layer = |k: usize| {
-        let up = (k as f64 + 0.5) * height;
-        let within = SIMPLIFIED * height;
-        let region = Region::of(&slice(part, &lowest.moved(up), &frame)).simplified(within);
-        let region = region.grown(-APART * within).simplified(APART * within);
-        let region = region.without_specks((1e-3 * height).powi(2));
-        let mut flat = FlatLayer { vertices: Vec::new(), triangles: Vec::new(), thickness: Vec::new(), region };
-        for polygon in flat.region.polygons() {
-            let contours: Vec<_> = std::iter::once(polygon.outer).chain(polygon.holes).collect();
-            let mut loops = Vec::new();
-            for contour in &contours {
-                let first = flat.vertices.len() as u32;
-                flat.vertices.extend(contour.iter().map(|p| frame.place(p) + direction * up));
-                loops.push((first..flat.vertices.len() as u32).collect());
-            }
-            flat.triangles.extend(triangulate(&loops, &contours));
-        }
-        let vertices = &flat.vertices;
-        flat.triangles.retain(|corners| {
-            let [a, b, c] = corners.map(|v| vertices[v as usize]);
-            let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-            (b - a).cross(&(c - a)).norm() > FLAT * longest
-        });
-        flat.thickness = vec![height; flat.triangles.len()];
-        flat
+    let section = |k: usize| {
+        let [bottom, middle, top] = [0.0, 0.5, 1.0].map(|share| (k as f64 + share) * height);
+        ([low + bottom, low + top], Region::of(&slice(part, &lowest.moved(middle), &frame)))
     };
-    let layers = (0..count).map(layer).collect();
-    Ok(FlatLayers { direction, low_mm: low, height_mm: height, layers, frame })
+    Ok(FlatLayers { low_mm: low, height_mm: height, ..of_sections(direction, frame, (0..count).map(section)) })
+}
+
+/// Layers as surfaces, from the bottom up: where each begins and ends, and its section in a frame across the direction.
+pub(super) fn of_sections(
+    direction: Vector3<f64>,
+    frame: PlaneFrame,
+    sections: impl Iterator<Item = ([f64; 2], Region)>,
+) -> FlatLayers {
+    let base = frame.origin.coords.dot(&direction);
+    let layers: Vec<FlatLayer> = sections
+        .map(|([low_mm, high_mm], region)| {
+            let height = high_mm - low_mm;
+            let within = SIMPLIFIED * height;
+            let region = region.simplified(within);
+            let region = region.grown(-APART * within).simplified(APART * within);
+            let region = region.without_specks((1e-3 * height).powi(2));
+            surface(region, direction * ((low_mm + high_mm) / 2.0 - base), [low_mm, high_mm], &frame)
+        })
+        .collect();
+    FlatLayers {
+        direction,
+        low_mm: layers.first().map_or(base, |layer| layer.low_mm),
+        height_mm: layers.iter().map(|layer| layer.high_mm - layer.low_mm).fold(0.0, f64::max),
+        layers,
+        frame,
+    }
+}
+
+/// A section, raised from the plane of its frame, as a triangulated surface.
+fn surface(region: Region, raised: Vector3<f64>, [low_mm, high_mm]: [f64; 2], frame: &PlaneFrame) -> FlatLayer {
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for polygon in region.polygons() {
+        let contours: Vec<_> = std::iter::once(polygon.outer).chain(polygon.holes).collect();
+        let mut loops = Vec::new();
+        for contour in &contours {
+            let first = vertices.len() as u32;
+            vertices.extend(contour.iter().map(|p| frame.place(p) + raised));
+            loops.push((first..vertices.len() as u32).collect());
+        }
+        triangles.extend(triangulate(&loops, &contours));
+    }
+    triangles.retain(|corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|v| vertices[v as usize]);
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        (b - a).cross(&(c - a)).norm() > FLAT * longest
+    });
+    let thickness = vec![high_mm - low_mm; triangles.len()];
+    FlatLayer { low_mm, high_mm, vertices, triangles, thickness, region }
 }
 
 impl FlatLayers {
     /// The layer that a point lies in; none outside of the part.
     pub fn layer_at(&self, p: &Point3<f64>) -> Option<usize> {
-        let layer = (p.coords.dot(&self.direction) - self.low_mm) / self.height_mm;
-        if !(0.0..=self.layers.len() as f64).contains(&layer) {
-            return None;
+        let height = p.coords.dot(&self.direction);
+        let layer = self.layers.partition_point(|layer| layer.high_mm <= height);
+        // The top of the part is of its last layer.
+        let layer = layer.min(self.layers.len().checked_sub(1)?);
+        let FlatLayer { low_mm, high_mm, region, .. } = &self.layers[layer];
+        let is_within = (*low_mm..=*high_mm).contains(&height);
+        (is_within && region.contains(&self.frame.flat(p))).then_some(layer)
+    }
+
+    /// The same layers, moved and turned as a whole.
+    pub fn moved(&self, by: &Isometry3<f64>) -> FlatLayers {
+        let direction = by.rotation * self.direction;
+        let shift = by.translation.vector.dot(&direction);
+        let layer = |layer: &FlatLayer| FlatLayer {
+            low_mm: layer.low_mm + shift,
+            high_mm: layer.high_mm + shift,
+            vertices: layer.vertices.iter().map(|p| by * p).collect(),
+            ..layer.clone()
+        };
+        let PlaneFrame { origin, u, v } = self.frame;
+        FlatLayers {
+            direction,
+            low_mm: self.low_mm + shift,
+            height_mm: self.height_mm,
+            layers: self.layers.iter().map(layer).collect(),
+            frame: PlaneFrame { origin: by * origin, u: by.rotation * u, v: by.rotation * v },
         }
-        let layer = (layer as usize).min(self.layers.len() - 1);
-        self.layers[layer].region.contains(&self.frame.flat(p)).then_some(layer)
     }
 }
 

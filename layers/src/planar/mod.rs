@@ -16,9 +16,9 @@ mod uniform;
 
 pub use flat::{FlatError, FlatLayer, FlatLayers, MAX_LAYERS, cells_by_flat_layer, flat_layers};
 pub use lettori::{
-    AuditOptions, BaseChoice, Feature, FeatureKind, Scenario, Separation, SeparationWall, Stuck, StuckReason,
-    VolumeAudit, VolumeDecomposition, VolumeError, VolumeOptions, VolumePart, audit_volumes, decompose_volume,
-    largest_rectangle,
+    AuditOptions, BaseChoice, Feature, FeatureKind, PartAudit, Scenario, Separation, SeparationWall, Stuck,
+    StuckReason, VolumeAudit, VolumeDecomposition, VolumeError, VolumeLayer, VolumeOptions, VolumePart, audit_volumes,
+    decompose_volume, largest_rectangle,
 };
 pub use region::{MAX_LENGTH_MM, Region, RegionError};
 pub use solid::{

@@ -15,48 +15,39 @@
 //! * Where the interpolant plane has no direction across the layers (points of one layer), the line through the points has it.
 //! * The four walls of Fig. 4 are tilted below the first layer with overhang as that of Fig. 3 is.
 //! * Parts printed before carry those printed later; so the base of a part need not be flat.
+//! * What loses its hold behind a wall is in front of the wall's other side: the wall is moved back behind it, or it is a part of its own
+//!   that is printed the other way.
+//! * The torch is held against what stands and the plate, and of several walls the one is taken beside which less of it is blocked; walls
+//!   that lean back are tried as well.
 
 mod audit;
 mod base;
 mod features;
 mod layers;
 mod options;
+mod part;
 mod rectangle;
 mod regions;
 mod separate;
+mod take;
+mod torch;
 mod wall;
 
-use super::{Partition, Region, Solid};
+use super::{Partition, Solid};
 use crate::Progress;
-use layers::{Layered, Stand, analyse};
+use layers::{Stand, analyse};
 use nalgebra::{Point3, Vector3};
-use regions::{OverhangRegion, first_region};
-use separate::separate;
+use regions::first_region;
 use std::ops::ControlFlow;
-use wall::{interpolant, wall_of, walls_around};
+use take::{Strategy, Work};
+use torch::{Plate, blocked_mm3};
 
-pub use audit::{AuditOptions, VolumeAudit, audit_volumes};
+pub use audit::{AuditOptions, PartAudit, VolumeAudit, audit_volumes};
 pub use features::{Feature, FeatureKind};
 pub use options::{BaseChoice, VolumeError, VolumeOptions};
+pub use part::{VolumeLayer, VolumePart};
 pub use rectangle::largest_rectangle;
 pub use wall::SeparationWall;
-
-/// A part that is printed in flat layers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VolumePart {
-    /// Its mesh, in the place where it belongs.
-    pub solid: Solid,
-    /// The direction in which its layers are stacked, of length 1.
-    pub direction: Vector3<f64>,
-    /// Its base plane: the distance from the origin along the direction.
-    pub base_mm: f64,
-    /// The separation that made it, by number in [`VolumeDecomposition::separations`]; `None` for the part on the plate.
-    pub separation: Option<usize>,
-    /// Where its layers end, along the direction.
-    pub layer_tops_mm: Vec<f64>,
-    /// Volume of its layers that nothing carries: 0 unless the decomposition is [`Stuck`].
-    pub overhang_mm3: f64,
-}
 
 /// How overhang was taken off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,9 +127,6 @@ struct Open {
     separation: Option<usize>,
 }
 
-/// How much of a part's volume must go and must stay in a separation: less is rounding.
-const SHARE: f64 = 1e-9;
-
 /// Divides a solid into parts without overhang.
 ///
 /// # Errors
@@ -146,8 +134,8 @@ const SHARE: f64 = 1e-9;
 /// no error: see [`VolumeDecomposition::stuck`].
 ///
 /// # Cost
-/// For each separation the layers of one part are sliced, `O(layers * triangles)`, and their polygons offset. The result does not depend
-/// on threads: there is one.
+/// For each separation the layers of one part are sliced, `O(layers * triangles)`, and their polygons offset; where the torch would be blocked
+/// or overhang is left, up to some ten walls are tried, and all is done four times. The result does not depend on threads: there is one.
 ///
 /// # Example
 /// ```
@@ -180,7 +168,72 @@ pub fn decompose_volume(
     let [low, high] = solid.bounds();
     options.check((high - low).amax())?;
     let direction = base::direction(solid, options)?;
+    let mut best: Option<(Score, VolumeDecomposition)> = None;
+    for strategy in STRATEGIES {
+        let (score, result) = divide(solid, direction, strategy, options, progress)?;
+        if score.overhang_mm3 <= 0.0 && score.blocked_mm3 <= FREE * solid.volume() {
+            return Ok(result);
+        }
+        if best.as_ref().is_none_or(|(least, _)| score.is_better_than(least, solid.volume())) {
+            best = Some((score, result));
+        }
+    }
+    best.map_or_else(|| unreachable!("there is a strategy"), |(_, result)| Ok(result))
+}
+
+/// The paper's walls; one wall where overhang lies on one side; of these the ones beside which the torch is free; leaning ones as well.
+const STRATEGIES: [Strategy; 4] = [
+    Strategy { one_sided: false, ..FIRST_WALLS },
+    FIRST_WALLS,
+    Strategy { judges_torch: true, ..FIRST_WALLS },
+    Strategy { judges_torch: true, leans: true, ..FIRST_WALLS },
+];
+
+/// The first walls that divide a part.
+const FIRST_WALLS: Strategy = Strategy { judges_torch: false, one_sided: true, leans: false, most: usize::MAX };
+
+/// A result of which the torch is blocked at less than this share is taken at once.
+const FREE: f64 = 0.001;
+
+/// Share of the solid that a part may cost: fewer parts are better, but not if the torch is blocked at more than this for each.
+const PART: f64 = 0.002;
+
+/// Parts that a separation may take: four walls, and as many pieces from their other sides. Where fewer are allowed, the number of parts is why none
+/// is made.
+const MOST_AT_ONCE: usize = 8;
+
+/// How good a decomposition is.
+#[derive(Clone, Copy, Debug)]
+struct Score {
+    /// Volume that nothing carries.
+    overhang_mm3: f64,
+    /// Volume that the torch cannot lay.
+    blocked_mm3: f64,
+    parts: usize,
+}
+
+impl Score {
+    /// No overhang is better than any; else what is wrong is compared by volume.
+    fn is_better_than(&self, other: &Score, whole_mm3: f64) -> bool {
+        let cost = |of: &Score| of.overhang_mm3 + of.blocked_mm3 + PART * of.parts as f64 * whole_mm3;
+        match (self.overhang_mm3 <= 0.0, other.overhang_mm3 <= 0.0) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => cost(self) < cost(other),
+        }
+    }
+}
+
+/// Divides a solid by one strategy.
+fn divide(
+    solid: &Solid,
+    direction: Vector3<f64>,
+    strategy: Strategy,
+    options: &VolumeOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<(Score, VolumeDecomposition), VolumeError> {
     let base = solid.extent(&direction)[0];
+    let mut score = Score { overhang_mm3: 0.0, blocked_mm3: 0.0, parts: 0 };
     let mut result = VolumeDecomposition {
         parts: Vec::new(),
         separations: Vec::new(),
@@ -189,9 +242,10 @@ pub fn decompose_volume(
         stuck: Vec::new(),
     };
     let mut partition = Partition::new(solid);
+    let plate = Plate { normal: direction, offset: base };
     let stand = Stand { direction, base, on_plate: true };
     let mut open = vec![Open { cell: 0, stand, separation: None }];
-    while let Some(mut part) = open.pop() {
+    while let Some(part) = open.pop() {
         let done = result.parts.len() as u64;
         if progress(Progress { stage: "decompose", done, total: done + 1 + open.len() as u64 }).is_break() {
             return Err(VolumeError::Stopped);
@@ -210,94 +264,29 @@ pub fn decompose_volume(
         let region = first_region(&layered, options);
         let mut stuck = None;
         if let Some(region) = region {
-            if result.parts.len() + open.len() + 1 >= options.max_parts {
-                stuck = Some(StuckReason::TooManyParts);
-            } else if let Some((step, rest, taken)) = take_off(&mut partition, &part, &own, &layered, &region, options)
-            {
-                part.cell = rest;
+            let work = Work { cell: part.cell, stand: part.stand, own: &own, layered: &layered, region: &region };
+            let most = options.max_parts.saturating_sub(result.parts.len() + open.len() + 1);
+            let strategy = Strategy { most, ..strategy };
+            if let Some((step, rest, taken)) = work.take_off(&mut partition, &earlier, &plate, strategy, options) {
                 let number = result.separations.len();
                 result.separations.push(step);
-                let (cell, stand, separation) = (part.cell, part.stand, part.separation);
                 // What was taken off last is printed first: what was cut off before leans on it.
                 open.extend(taken.into_iter().map(|(cell, stand)| Open { cell, stand, separation: Some(number) }));
-                open.push(Open { cell, stand, separation });
+                open.push(Open { cell: rest, ..part });
                 continue;
             } else {
-                stuck = Some(StuckReason::NoWall);
+                let may_be_more = most >= MOST_AT_ONCE;
+                stuck = Some(if may_be_more { StuckReason::NoWall } else { StuckReason::TooManyParts });
             }
         }
         if let Some(reason) = stuck {
             result.stuck.push(Stuck { part: result.parts.len(), reason });
         }
+        score.overhang_mm3 += overhang_mm3;
+        score.blocked_mm3 += blocked_mm3(&own, &part.stand, &earlier, &plate, options);
+        score.parts += 1;
         result.features.extend(&layered.features);
-        result.parts.push(VolumePart {
-            solid: own,
-            direction: part.stand.direction,
-            base_mm: part.stand.base,
-            separation: part.separation,
-            layer_tops_mm: layered.layers.iter().map(|layer| layer.high).collect(),
-            overhang_mm3,
-        });
+        result.parts.push(VolumePart::of(own, layered, part.stand, part.separation));
     }
-    Ok(result)
-}
-
-type Taken = Vec<(u32, Stand)>;
-
-/// Takes the region off: by one wall, or by four if it has no intersection points or no single wall will do.
-fn take_off(
-    partition: &mut Partition,
-    part: &Open,
-    own: &Solid,
-    layered: &Layered,
-    region: &OverhangRegion,
-    options: &VolumeOptions,
-) -> Option<(Separation, u32, Taken)> {
-    let crosses = region.points.iter().any(|(layer, _)| *layer == region.first);
-    let single =
-        crosses.then(|| wall_of(layered, region, options)).flatten().map(|wall| (vec![wall], None, Scenario::Crossing));
-    let four = || {
-        walls_around(layered, region, options)
-            .map(|(walls, corners)| (walls.to_vec(), Some(corners), Scenario::Enclosing))
-    };
-    let mut choices = vec![single];
-    choices.push(four());
-    for (walls, rectangle, scenario) in choices.into_iter().flatten() {
-        let mut trial = partition.clone();
-        let (mut rest, mut taken) = (part.cell, Taken::new());
-        for wall in &walls {
-            if let Some(separated) = separate(&mut trial, rest, wall, layered, region, part.stand.base) {
-                rest = separated.rest;
-                let stand = Stand { direction: wall.upright.normal(), base: wall.upright.offset(), on_plate: false };
-                taken.extend(separated.taken.into_iter().map(|cell| (cell, stand)));
-            }
-        }
-        let whole = partition.volume(part.cell);
-        let taken_mm3: f64 = taken.iter().map(|&(cell, _)| trial.volume(cell)).sum();
-        if taken_mm3 < SHARE * whole || whole - taken_mm3 < SHARE * whole {
-            continue;
-        }
-        *partition = trial;
-        let outlines = |of: &Region, height: f64| -> Vec<Vec<Point3<f64>>> {
-            let contours =
-                of.polygons().into_iter().flat_map(|polygon| std::iter::once(polygon.outer).chain(polygon.holes));
-            contours.map(|contour| contour.iter().map(|p| layered.place(p, height)).collect()).collect()
-        };
-        let step = Separation {
-            solid: own.clone(),
-            direction: layered.direction,
-            scenario,
-            height_mm: layered.layers[region.first].low,
-            carried: layered.layers.iter().flat_map(|layer| outlines(&layer.supported, layer.middle())).collect(),
-            overhang: layered.layers.iter().flat_map(|layer| outlines(&layer.overhang, layer.middle())).collect(),
-            points: region.points.iter().map(|&(_, p)| p).collect(),
-            interpolant: interpolant(region),
-            rectangle,
-            walls,
-            overhang_mm3: layered.overhang_mm3(),
-            taken_mm3,
-        };
-        return Some((step, rest, taken));
-    }
-    None
+    Ok((score, result))
 }

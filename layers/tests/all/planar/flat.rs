@@ -1,4 +1,5 @@
-use curvlay_layers::nalgebra::{Point3, Vector3};
+use super::shapes::bend;
+use curvlay_layers::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_layers::planar::{FlatError, MAX_LAYERS, Solid, cells_by_flat_layer, flat_layers};
 
 /// A ring of squares: outer and inner half edges, from z = 0 to `height`; solid if `inner` is 0.
@@ -40,7 +41,8 @@ fn layers_fill_a_part_with_a_hole_along_any_direction() {
         for (k, layer) in layers.layers.iter().enumerate() {
             let height = low + (k as f64 + 0.5) * layers.height_mm;
             assert!(layer.vertices.iter().all(|p| (p.coords.dot(&up) - height).abs() < 1e-9));
-            assert_eq!((layer.thickness.len(), layer.thickness[0]), (layer.triangles.len(), layers.height_mm));
+            assert_eq!(layer.thickness.len(), layer.triangles.len());
+            assert!(layer.thickness.iter().all(|thickness| (thickness - layers.height_mm).abs() < 1e-12));
             let of = |corners: &[u32; 3]| area(&layer.vertices, &[*corners], &up);
             assert!(layer.triangles.iter().all(|corners| of(corners) > 0.0));
             volume += area(&layer.vertices, &layer.triangles, &up) * layers.height_mm;
@@ -97,4 +99,27 @@ fn bad_input_is_named() {
     assert_eq!(flat_layers(&part, &Vector3::repeat(f64::NAN), 1.0), Err(FlatError::Direction));
     // One that is lower than half a layer still has one.
     assert_eq!(flat_layers(&part, &Vector3::z(), 100.0).unwrap().layers.len(), 1);
+}
+
+#[test]
+fn moved_layers_are_those_of_the_moved_part() {
+    let part = bend(8.0, 12);
+    let direction = Vector3::new(0.3, 0.2, 1.0).normalize();
+    let layers = flat_layers(&part, &direction, 2.0).unwrap();
+    let by = Isometry3::new(Vector3::new(5.0, -7.0, 11.0), Vector3::new(0.4, -0.9, 0.3));
+    let moved = layers.moved(&by);
+    assert!((moved.direction - by.rotation * direction).norm() < 1e-12);
+    for (layer, of) in layers.layers.iter().zip(&moved.layers) {
+        assert_eq!(layer.triangles, of.triangles);
+        for (p, q) in layer.vertices.iter().zip(&of.vertices) {
+            assert!((by * p - q).norm() < 1e-9);
+            // In the middle of its layer.
+            let height = q.coords.dot(&moved.direction);
+            assert!((height - (of.low_mm + of.high_mm) / 2.0).abs() < 1e-9);
+        }
+    }
+    for k in 0..2000 {
+        let p = Point3::new(f64::from(k % 10) * 10.0, f64::from(k / 10 % 10) * 2.0 - 9.0, f64::from(k / 100) * 6.0);
+        assert_eq!(layers.layer_at(&p), moved.layer_at(&(by * p)), "{p}");
+    }
 }

@@ -228,3 +228,57 @@ pub fn ell() -> Solid {
 pub fn mushroom() -> Solid {
     turned(&[[0.0, 0.0], [20.0, 0.0], [20.0, 60.0], [60.0, 60.0], [50.0, 80.0], [25.0, 95.0], [0.0, 100.0]], 48)
 }
+
+/// A closed tube about a curve; `at` takes turns from 0 to 1.
+pub fn ring(at: impl Fn(f64) -> Point3<f64>, radius: f64, [around, sides]: [usize; 2]) -> Solid {
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    let corner = |i: usize, k: usize| ((i % around) * sides + k % sides) as u32;
+    for i in 0..around {
+        let turn = i as f64 / around as f64;
+        let along = (at(turn + 1e-4) - at(turn - 1e-4)).normalize();
+        // Frames that look up come around to themselves.
+        let across = (Vector3::z() - along * along.z).normalize();
+        let other = along.cross(&across);
+        for k in 0..sides {
+            let angle = TAU * k as f64 / sides as f64;
+            vertices.push(at(turn) + (across * angle.cos() + other * angle.sin()) * radius);
+            let [a, b, c, d] = [corner(i, k), corner(i + 1, k), corner(i + 1, k + 1), corner(i, k + 1)];
+            triangles.extend([[a, c, b], [a, d, c]]);
+        }
+    }
+    Solid::new(&vertices, &triangles).unwrap()
+}
+
+/// A trefoil knot that lies, 130 mm across and 50 mm high.
+pub fn knot() -> Solid {
+    let at = |turn: f64| {
+        let t = TAU * turn;
+        let [x, y] = [t.sin() + 2.0 * (2.0 * t).sin(), t.cos() - 2.0 * (2.0 * t).cos()];
+        Point3::new(20.0 * x, 20.0 * y, -17.0 * (3.0 * t).sin())
+    };
+    ring(at, 8.0, [96, 16])
+}
+
+/// A crank: a journal, a pin beside its axis, and a journal again, with webs between them.
+pub fn crank() -> Solid {
+    let mut all = cells([0, 0, 0], [2, 2, 3]);
+    all.extend(cells([0, 0, 3], [6, 2, 4]));
+    all.extend(cells([4, 0, 4], [6, 2, 7]));
+    all.extend(cells([0, 0, 7], [6, 2, 8]));
+    all.extend(cells([0, 0, 8], [2, 2, 11]));
+    blocks(&all, 10.0)
+}
+
+/// A hook: up, over to the side, down, and back under itself towards the post.
+pub fn hook() -> Solid {
+    let (up, curve, steps) = (70.0, 30.0, 40);
+    let mut path = vec![(Point3::origin(), Vector3::z())];
+    for k in 0..=steps {
+        let angle = 5.0 * f64::from(k) / f64::from(steps);
+        let curve = curve - 1.6 * angle;
+        let at = Point3::new(30.0 - curve * angle.cos(), 0.0, up + curve * angle.sin());
+        path.push((at, Vector3::new(angle.sin(), 0.0, angle.cos())));
+    }
+    swept(&path, Vector3::y(), 8.0, 20)
+}
