@@ -11,7 +11,7 @@ use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
 use super::standing::standing;
 use super::strategy::Strategy;
-use super::support::{NoSupport, SupportOptions, add_support};
+use super::support::{NoSupport, SupportError, SupportOptions, add_support};
 use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
 use super::workpiece::{LayersError, Workpiece, begin};
 use crate::Progress;
@@ -65,6 +65,19 @@ impl Workpiece<'_> {
                 }
             }
         }
+        if let Some(found) = &mut supported {
+            // Support that was missed is gone. That changes the field, so part and support are grown again, until none is missed.
+            let (of_part, mut is_final) = (growth.missed.len(), false);
+            while !is_final {
+                (found.growth, distances) =
+                    grow_in(&Cells::new(self.cells.dims(), &found.rows).map_err(SupportError::from)?)?;
+                is_final = !found.remove_missed(&self.cells);
+            }
+            if found.growth.missed.len() >= of_part {
+                (supported, no_support) = (None, Some(NoSupport::NoHelp));
+                (_, distances) = grow_in(&self.cells)?;
+            }
+        }
         let mut order = CompleteOrder {
             layers_by,
             strategy: Strategy::Unbuild,
@@ -76,9 +89,6 @@ impl Workpiece<'_> {
             field: None,
         };
         let united = order.united(&self.cells)?;
-        if order.supported.is_some() {
-            distances = ordered(&united)?.field;
-        }
         let field = distance_layers(&united, &distances, &order.taken().order).map_err(UniformError::from)?;
         order.field = Some(field);
         order.audit = self.audited(&order, options, progress)?;

@@ -226,6 +226,21 @@ pub fn add_support(
     Ok(best.ok_or(why_not))
 }
 
+impl Supported {
+    /// Takes the support out that its growth misses; whether there was any. Missed cells are then those of the part.
+    pub(super) fn remove_missed(&mut self, cells: &Cells) -> bool {
+        let Supported { rows, growth, support, gap, .. } = self;
+        let before = support.len() + gap.len();
+        support.retain(|&cell| is_built(growth, cell));
+        gap.retain(|&cell| is_built(growth, cell));
+        growth.missed.retain(|missed| cells.contains(cells.position(missed.cell)));
+        let mut united = CellSet::of(cells);
+        support.iter().chain(&*gap).for_each(|&cell| _ = united.insert(cell));
+        *rows = united.rows().flatten().copied().collect();
+        support.len() + gap.len() < before
+    }
+}
+
 fn is_built(growth: &Growth, cell: u32) -> bool {
     growth.missed.binary_search_by_key(&cell, |missed| missed.cell).is_err()
 }
