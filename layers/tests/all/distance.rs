@@ -304,11 +304,12 @@ fn a_part_is_complete_by_distance() {
         let complete = |by| workpiece.complete_layers(None, 1.0, &options(by), &go).unwrap();
         let [by_hull, by_distance, best] = [LayersBy::Hull, LayersBy::Distance, LayersBy::Best].map(complete);
         let directed = complete(LayersBy::Directed);
-        // Bug: of support some of whose cells are missed the field was another than that of the order, and had a layer for each step.
+        // Bug: of support some of whose cells are missed the field was another than that of the order, and had a layer for each step. It has one for each two
+        // steps, and one for each of the few that the nozzle adds afterwards.
         for made in [&by_distance, &directed] {
             let (field, order) = (&made.layered.uniform.field, &made.layered.growth.order);
             let highest = order.cells().iter().filter_map(|&cell| field.value(cell)).fold(0.0, f64::max);
-            assert!(highest <= (order.len() / 2 + 2) as f64, "{highest}: {} steps", order.len());
+            assert!(highest < 0.75 * order.len() as f64, "{highest}: {} steps", order.len());
         }
         assert_eq!(
             (directed.layers_by, directed.layered.uniform.method),
