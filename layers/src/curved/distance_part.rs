@@ -11,7 +11,7 @@ use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
 use super::standing::standing;
 use super::strategy::Strategy;
-use super::support::{NoSupport, SupportError, SupportOptions, add_support};
+use super::support::{NoSupport, SupportError, SupportOptions, Supported, add_support};
 use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
 use super::workpiece::{LayersError, Workpiece, begin};
 use crate::Progress;
@@ -65,17 +65,12 @@ impl Workpiece<'_> {
                 }
             }
         }
-        if let Some(found) = &mut supported {
-            // Support that was missed is gone. That changes the field, so part and support are grown again, until none is missed.
-            let (of_part, mut is_final) = (growth.missed.len(), false);
-            while !is_final {
-                (found.growth, distances) =
-                    grow_in(&Cells::new(self.cells.dims(), &found.rows).map_err(SupportError::from)?)?;
-                is_final = !found.remove_missed(&self.cells);
-            }
-            if found.growth.missed.len() >= of_part {
-                (supported, no_support) = (None, Some(NoSupport::NoHelp));
-                (_, distances) = grow_in(&self.cells)?;
+        if let Some(mut found) = supported.take() {
+            let field = regrown(&mut found, &self.cells, &grow_in)?;
+            if found.growth.missed.len() < growth.missed.len() {
+                (supported, distances) = (Some(found), field);
+            } else {
+                no_support = Some(NoSupport::NoHelp);
             }
         }
         let mut order = CompleteOrder {
@@ -93,6 +88,20 @@ impl Workpiece<'_> {
         order.field = Some(field);
         order.audit = self.audited(&order, options, progress)?;
         Ok(order)
+    }
+}
+
+/// Grows cells, and gives the field of the order.
+type GrowIn<'a> = dyn Fn(&Cells) -> Result<(Growth, LayerField), GrowthError> + 'a;
+
+/// Grows part and support again without support that is missed, which changes the field, until none is. Returns the field of that order.
+fn regrown(found: &mut Supported, cells: &Cells, grow_in: &GrowIn) -> Result<LayerField, SupportError> {
+    loop {
+        let (growth, field) = grow_in(&Cells::new(cells.dims(), &found.rows)?)?;
+        found.growth = growth;
+        if !found.remove_missed(cells) {
+            return Ok(field);
+        }
     }
 }
 

@@ -246,17 +246,14 @@ fn is_built(growth: &Growth, cell: u32) -> bool {
 }
 
 /// Part and support, less the support that was missed: without it the order is the same.
-fn of_part(cells: &Cells, mut growth: Growth, columns: &Columns, straight_cells: usize, rounds: u32) -> Supported {
-    let built = columns.support.iter().filter(|&cell| is_built(&growth, cell));
-    let (mut gap, mut support): (Vec<u32>, Vec<u32>) = built.partition(|&cell| columns.gap.contains(cell));
-    if support.is_empty() {
-        std::mem::swap(&mut gap, &mut support);
+fn of_part(cells: &Cells, growth: Growth, columns: &Columns, straight_cells: usize, rounds: u32) -> Supported {
+    let (gap, support) = columns.support.iter().partition(|&cell| columns.gap.contains(cell));
+    let mut supported = Supported { rows: Vec::new(), growth, support, gap, straight_cells, rounds };
+    supported.remove_missed(cells);
+    if supported.support.is_empty() {
+        std::mem::swap(&mut supported.gap, &mut supported.support);
     }
-    growth.missed.retain(|missed| cells.contains(cells.position(missed.cell)));
-    let mut united = CellSet::of(cells);
-    support.iter().chain(&gap).for_each(|&cell| _ = united.insert(cell));
-    let rows = united.rows().flatten().copied().collect();
-    Supported { rows, growth, support, gap, straight_cells, rounds }
+    supported
 }
 
 /// Grows the part with its support.
