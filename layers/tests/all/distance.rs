@@ -1,6 +1,6 @@
 //! Orders by distance: the field against closed forms and slow distances, reach by the audit, pits that close.
 
-use crate::common::{Part, go, parts};
+use crate::common::{BOX, Part, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
 use curvlay_layers::curved::{
@@ -212,22 +212,8 @@ fn the_order_begins_where_the_first_layer_touches_the_plate() {
             vertices.push(Point3::new(x, y, z));
         }
     }
-    let faces = [
-        [0, 2, 3],
-        [0, 3, 1],
-        [4, 5, 7],
-        [4, 7, 6],
-        [0, 1, 5],
-        [0, 5, 4],
-        [2, 6, 7],
-        [2, 7, 3],
-        [0, 4, 6],
-        [0, 6, 2],
-        [1, 3, 7],
-        [1, 7, 5],
-    ];
     let triangles: Vec<[u32; 3]> =
-        [0, 8].iter().flat_map(|first| faces.map(|corners| corners.map(|corner| corner + first))).collect();
+        [0, 8].iter().flat_map(|first| BOX.map(|corners| corners.map(|corner| corner + first))).collect();
     // The cells of a millimetre that they touch.
     let solid = part([18, 4, 7], |[x, _, z]| {
         let [low, high] = [f64::from(x), f64::from(x) + 1.0].map(rise);

@@ -1,6 +1,6 @@
 //! Plates and parts that end between two layers of cells: their layers fit, and hold their volume.
 
-use crate::common::go;
+use crate::common::{BOX, go};
 use curvlay_layers::curved::surface::{extend, plain_field};
 use curvlay_layers::curved::{Cells, LayerOrder, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
 use nalgebra::Point3;
@@ -12,26 +12,12 @@ struct Boxes(Vec<([f64; 2], [f64; 2], f64)>);
 
 impl Boxes {
     fn mesh(&self) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
-        let faces: [[u32; 3]; 12] = [
-            [0, 2, 3],
-            [0, 3, 1],
-            [4, 5, 7],
-            [4, 7, 6],
-            [0, 1, 5],
-            [0, 5, 4],
-            [2, 6, 7],
-            [2, 7, 3],
-            [0, 4, 6],
-            [0, 6, 2],
-            [1, 3, 7],
-            [1, 7, 5],
-        ];
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for (low, high, top) in &self.0 {
             let first = points.len() as u32;
             let at = |k: u32, axis: usize| if k >> axis & 1 == 1 { high[axis] } else { low[axis] };
             points.extend((0..8).map(|k| Point3::new(at(k, 0), at(k, 1), if k >> 2 == 1 { *top } else { 0.0 })));
-            triangles.extend(faces.map(|face| face.map(|corner| corner + first)));
+            triangles.extend(BOX.map(|face| face.map(|corner| corner + first)));
         }
         (points, triangles)
     }

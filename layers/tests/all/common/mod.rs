@@ -6,6 +6,22 @@ use curvlay_layers::curved::{Cells, Neighbours, Platform, Rules};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 
+/// The triangles of a box: corner `k` lies high along the axes of the bits of `k`.
+pub const BOX: [[u32; 3]; 12] = [
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+];
+
 /// Never cancels.
 pub fn go(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())

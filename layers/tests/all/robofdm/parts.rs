@@ -1,4 +1,5 @@
 use super::shapes::{Shape, cells, tee, to_segment};
+use crate::common::BOX;
 use curvlay_layers::Progress;
 use curvlay_layers::nalgebra::{Point3, Vector3};
 use curvlay_layers::planar::robofdm::{
@@ -114,21 +115,7 @@ fn without_cuts_there_is_one_part_whose_risk_is_that_of_the_solid() {
 pub fn block(x: f64, y: f64, z: f64) -> Solid {
     let points: Vec<_> =
         (0..8).map(|i| Point3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z)).collect();
-    let faces = [
-        [0, 2, 3],
-        [0, 3, 1],
-        [4, 5, 7],
-        [4, 7, 6],
-        [0, 1, 5],
-        [0, 5, 4],
-        [2, 6, 7],
-        [2, 7, 3],
-        [0, 4, 6],
-        [0, 6, 2],
-        [1, 3, 7],
-        [1, 7, 5],
-    ];
-    Solid::new(&points, &faces).unwrap()
+    Solid::new(&points, &BOX).unwrap()
 }
 
 #[test]
