@@ -499,6 +499,9 @@ impl Job<'_> {
             true => self.best(&findings)?,
             false => self.begin(args.layers_by(), saved, findings)?,
         };
+        if args.stage >= Stage::Surfaces && results.surfaces.is_none() {
+            return Err(failure(format!("the audit of the layers failed: {}", results.field.audit)));
+        }
         if let Some(pick) = args.layers {
             return self.range(pick, results);
         }
