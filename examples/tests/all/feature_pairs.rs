@@ -8,8 +8,8 @@ use std::process::Output;
 /// A hook of 192 cells: a post, an arm, and a tip that hangs down from its end and needs support.
 const HOOK: [[[i32; 3]; 2]; 3] = [[[0, 0, 0], [8, 8, 12]], [[8, 0, 8], [24, 8, 12]], [[16, 0, 4], [24, 8, 8]]];
 
-/// What every run shares.
-const COMMON: [&str; 4] = ["--cell", "2", "--layer-height", "2"];
+/// What every run shares, unless a feature says otherwise. One order: that the best one is taken is tested elsewhere.
+const COMMON: [&str; 6] = ["--cell", "2", "--layer-height", "2", "--layers-by", "directed"];
 
 /// What may be wrong: layers of such a part are torn at the support.
 const ALLOWED: [&str; 6] = ["--allow-volume", "1", "--allow-left-out", "1", "--allow-missed", "1"];
@@ -57,16 +57,19 @@ impl Place {
     /// A run into a folder of its own; its status must be 0, or 3 for findings.
     fn run(&self, name: &str, more: &[String]) {
         let out = ["--out".to_owned(), self.path(name)];
-        // A saved field has its cells and its support.
-        let resumes = more.iter().any(|option| option == "--resume");
-        let grown = |option: &[String]| resumes && option[0] == "--cell";
-        let shared = self.shared.chunks(2).filter(|option| !grown(option)).flatten();
+        // A saved field has its cells, their order and its support; what a feature says holds.
+        let of_field: &[&str] = match more.iter().any(|option| option == "--resume") {
+            true => &["--cell", "--layers-by", "--support"],
+            false => &[],
+        };
         let mut more = more.to_vec();
-        for of_growth in ["--support", "--layers-by"] {
-            if let Some(at) = more.iter().position(|option| resumes && option == of_growth) {
+        for option in of_field {
+            if let Some(at) = more.iter().position(|known| known == option) {
                 more.drain(at..at + 2);
             }
         }
+        let is_left = |option: &&[String]| !of_field.contains(&&option[0][..]) && !more.contains(&option[0]);
+        let shared = self.shared.chunks(2).filter(is_left).flatten();
         let all: Vec<String> = shared.chain(&out).chain(&more).cloned().collect();
         let output = run(&all);
         let lines = String::from_utf8_lossy(&output.stderr);

@@ -182,7 +182,7 @@ fn the_audited_layers_are_printed() {
     }
     // On the plate: the first layer is laid half its height above it.
     assert!((lowest - (audited[0].high_mm - audited[0].low_mm) / 2.0).abs() < 1e-6, "{lowest}");
-    // The hole is filled, and told.
+    // The hole is filled, and a finding says so.
     assert!(!divided.result.features.is_empty() && divided.audit.sum(|part| part.added_mm3) > 500.0);
     let on_file = layers(&place("audited"));
     assert_eq!(on_file.len(), audited.len());
