@@ -8,16 +8,15 @@ use std::process::Output;
 /// A hook of 192 cells: a post, an arm, and a tip that hangs down from its end and needs support.
 const HOOK: [[[i32; 3]; 2]; 3] = [[[0, 0, 0], [8, 8, 12]], [[8, 0, 8], [24, 8, 12]], [[16, 0, 4], [24, 8, 8]]];
 
-/// What every run shares, unless a feature says otherwise. One order: that the best one is taken is tested elsewhere.
-const COMMON: [&str; 6] = ["--cell", "2", "--layer-height", "2", "--layers-by", "directed"];
+/// What every run shares. By hulls the tip of the hook needs support; that the best order is taken is tested elsewhere.
+const COMMON: [&str; 6] = ["--cell", "2", "--layer-height", "2", "--layers-by", "hull"];
 
 /// What may be wrong: layers of such a part are torn at the support.
 const ALLOWED: [&str; 6] = ["--allow-volume", "1", "--allow-left-out", "1", "--allow-missed", "1"];
 
 /// A feature, and the options that ask for it. `FIELD` and `RANGES` stand for files of a run before.
 const FEATURES: [(&str, &[&str]); 6] = [
-    // By hulls the tip is never reached without it.
-    ("support", &["--support", "auto", "--layers-by", "hull"]),
+    ("support", &["--support", "auto"]),
     ("infill", &["--density", "40", "--walls", "1", "--skin", "1"]),
     ("resume", &["--resume", "FIELD"]),
     ("ranges", &["--resume", "FIELD", "--merge", "RANGES"]),
@@ -57,19 +56,14 @@ impl Place {
     /// A run into a folder of its own; its status must be 0, or 3 for findings.
     fn run(&self, name: &str, more: &[String]) {
         let out = ["--out".to_owned(), self.path(name)];
-        // A saved field has its cells, their order and its support; what a feature says holds.
-        let of_field: &[&str] = match more.iter().any(|option| option == "--resume") {
-            true => &["--cell", "--layers-by", "--support"],
-            false => &[],
+        // A saved field has its cells, their order and its support.
+        let resumes = more.iter().any(|option| option == "--resume");
+        let grown = |option: &[String]| resumes && ["--cell", "--layers-by", "--support"].contains(&&option[0][..]);
+        let shared = self.shared.chunks(2).filter(|option| !grown(option)).flatten();
+        let more: Vec<String> = match more.iter().position(|option| option == "--support") {
+            Some(at) if resumes => [&more[..at], &more[at + 2..]].concat(),
+            _ => more.to_vec(),
         };
-        let mut more = more.to_vec();
-        for option in of_field {
-            if let Some(at) = more.iter().position(|known| known == option) {
-                more.drain(at..at + 2);
-            }
-        }
-        let is_left = |option: &&[String]| !of_field.contains(&&option[0][..]) && !more.contains(&option[0]);
-        let shared = self.shared.chunks(2).filter(is_left).flatten();
         let all: Vec<String> = shared.chain(&out).chain(&more).cloned().collect();
         let output = run(&all);
         let lines = String::from_utf8_lossy(&output.stderr);
