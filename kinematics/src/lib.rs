@@ -12,7 +12,8 @@
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
 //! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
-//! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
+//! * [`calibrate_tip`], [`calibrate_tool`]: where a tip is, from poses that touch one point. [`fit_arm`]: what an arm is really like, from
+//!   measured poses; [`ArmDeviation`] and [`Arm::calibrated`]: such an arm. [`Measurements`]: the files.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
 //! * [`stewart`]: Stewart platforms, both ways.
 
@@ -33,10 +34,14 @@ pub mod workcell;
 
 pub use arm::robots;
 pub use arm::{
-    ANGLE_TOLERANCE, Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths, POSITION_TOLERANCE,
-    Rates, SAME, Shoulder, Solutions, Wrist,
+    ANGLE_TOLERANCE, Arm, ArmDeviation, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths,
+    POSITION_TOLERANCE, Rates, SAME, Shoulder, Solutions, Wrist,
 };
-pub use calibration::{Calibration, CalibrationError, Undetermined, calibrate_tip};
+pub use calibration::{
+    ArmFit, ArmParameter, Calibration, CalibrationError, FitError, FitOptions, FitResiduals, FitScope, FittedParameter,
+    MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, calibrate_tip,
+    calibrate_tool, fit_arm, fit_residuals,
+};
 pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, nozzle_frame};
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;

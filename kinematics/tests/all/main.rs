@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod arm;
+mod arm_calibrated;
 mod arm_singular;
+mod calibration;
 mod cell;
 mod common;
 mod dome_print;
