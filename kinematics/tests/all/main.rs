@@ -25,6 +25,7 @@ mod program_urscript;
 mod rows;
 mod scene;
 mod scene_cubic;
+mod stand;
 mod stewart;
 mod workcell;
 mod workcell_json;
