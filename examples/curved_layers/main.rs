@@ -322,7 +322,8 @@ impl Args {
     fn print_options(&self) -> PrintOptions {
         let is_for_robot = self.stage >= Stage::Motion;
         let options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
-        PrintOptions { travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
+        let gouging = self.settings.gouging(options.gouging);
+        PrintOptions { gouging, travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
     }
 }
 
