@@ -274,6 +274,12 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
         let what = "paths are cut, since the nozzle would turn more sharply than --max-turn allows";
         findings.add(Told, what, amount, "turns.csv");
     }
+    let turns = run.resolved.sharp.iter().map(|turn| turn.angle.to_degrees());
+    if let Some(largest) = turns.reduce(f64::max) {
+        let amount = format!("{}, {largest:.0} degrees at most", counted(run.resolved.sharp.len(), "time"));
+        let what = "the nozzle turns more sharply than --max-turn allows, and goes slowly: a cut would leave a gap in the bead";
+        findings.add(Told, what, amount, "turns.csv");
+    }
     if !run.travels.blocked.is_empty() {
         let amount = run.travels.blocked.len().to_string();
         findings.add(Failed, "travels collide with printed material", amount, "blocked_travels.csv");

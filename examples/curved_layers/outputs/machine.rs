@@ -43,7 +43,9 @@ pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder
     }
     folder.write_list("gouging.csv", !run.resolved.left.is_empty(), |out| gouging(run, out))?;
     folder.write_list("left_out.csv", !run.resolved.left_out.is_empty(), |out| left_out(run, out))?;
-    folder.write_list("turns.csv", !run.resolved.cut_turns.is_empty(), |out| turns(run, out))?;
+    folder.write_list("turns.csv", !(run.resolved.cut_turns.is_empty() && run.resolved.sharp.is_empty()), |out| {
+        turns(run, out)
+    })?;
     folder.write_list("blocked_travels.csv", !run.travels.blocked.is_empty(), |out| blocked_travels(run, out))?;
     for (name, list) in [("unsupported.csv", &run.support.unsupported), ("spans.csv", &run.support.spans)] {
         folder.write_list(name, !list.is_empty(), |out| pieces(run, list, out))?;
@@ -99,13 +101,13 @@ fn left_out(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     })
 }
 
-/// Where paths are cut, since the nozzle would turn too far for its way.
+/// Where the nozzle turns too far for its way: paths are cut there, or it turns slowly.
 fn turns(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
-    writeln!(out, "layer,path,waypoint,x,y,z,turn_deg")?;
-    run.resolved
-        .cut_turns
-        .iter()
-        .try_for_each(|turn| writeln!(out, "{},{:.2}", place(run, turn.path, turn.waypoint), turn.angle.to_degrees()))
+    writeln!(out, "layer,path,waypoint,x,y,z,turn_deg,how")?;
+    let cut = run.resolved.cut_turns.iter().map(|turn| (turn, "cut"));
+    cut.chain(run.resolved.sharp.iter().map(|turn| (turn, "slow"))).try_for_each(|(turn, how)| {
+        writeln!(out, "{},{:.2},{how}", place(run, turn.path, turn.waypoint), turn.angle.to_degrees())
+    })
 }
 
 fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFolder) -> Result<Written, Failure> {
@@ -154,6 +156,7 @@ pub fn summary(
         .set("max_turn_deg", resolved.turns.largest.to_degrees())?
         .set("sharpest_turn_deg_mm", resolved.turns.max_per_mm.to_degrees())?
         .set("cut_turns", resolved.cut_turns.len())?
+        .set("slow_turns", resolved.sharp.len())?
         .set("turn_gaps_mm", resolved.gaps)?
         .set("gouging_before", resolved.gouging_before)?
         .set("gouging_waypoints", resolved.left.len())?

@@ -43,11 +43,19 @@ fn earlier_layers() -> GougingOptions {
 
 /// The largest turn on a millimetre, or between neighbours that are farther apart by their distance.
 fn sharpest(path: &ToolPath) -> f64 {
+    sharpest_but(path, &[])
+}
+
+/// The same where no step from one of the waypoints `sharp` is in between.
+fn sharpest_but(path: &ToolPath, sharp: &[usize]) -> f64 {
     let ways: Vec<f64> = path.waypoints.windows(2).map(|pair| (pair[1].tip - pair[0].tip).norm()).collect();
     let mut sharpest = 0.0_f64;
     for from in 0..ways.len() {
         let mut way = 0.0;
         for to in from + 1..=ways.len() {
+            if sharp.contains(&(to - 1)) {
+                break;
+            }
             way += ways[to - 1];
             if to == from + 1 || way <= 1.0 {
                 let turn = path.waypoints[from].direction.angle(&path.waypoints[to].direction);
@@ -96,9 +104,13 @@ fn slim() -> Nozzle {
     Nozzle::new(1.0, 20_f64.to_radians(), 20.0, 16.0).unwrap()
 }
 
+/// Width of a bead whose ends fill the way from one side of the groove to the other, and of one that leaves a gap.
+const WIDE: f64 = 1.7;
+const NARROW: f64 = 0.4;
+
 /// A groove with a right angle at its bottom, and a path from one of its sides to the other, on what is built. The flat of the tip may lean
 /// by `asin(0.25 H / 0.5)`, 24 degrees, from the normal of a side, so on the 1.7 mm between the sides the nozzle would have to turn by 42.
-fn across_a_groove() -> (Vec<Layer>, ToolPath) {
+fn across_a_groove(width: f64) -> (Vec<Layer>, ToolPath) {
     let groove = groove_of(FRAC_PI_4, 4.0, 80);
     let on = |side: f64, from_bottom: f64| {
         let up = Vector3::new(side, 0.0, 1.0).normalize();
@@ -107,12 +119,14 @@ fn across_a_groove() -> (Vec<Layer>, ToolPath) {
     };
     let along: Vec<f64> = (0..24).map(|k| 1.2 + 0.5 * f64::from(k)).collect();
     let down = along.iter().rev().map(|&s| on(-1.0, s));
-    (vec![groove, nowhere()], path(1, &down.chain(along.iter().map(|&s| on(1.0, s))).collect::<Vec<_>>()))
+    let mut across = path(1, &down.chain(along.iter().map(|&s| on(1.0, s))).collect::<Vec<_>>());
+    across.waypoints.iter_mut().for_each(|waypoint| waypoint.width = width);
+    (vec![groove, nowhere()], across)
 }
 
 #[test]
 fn a_path_is_cut_where_free_directions_turn_too_sharply() {
-    let (layers, given) = across_a_groove();
+    let (layers, given) = across_a_groove(WIDE);
     let resolved = resolved_by(&slim(), &layers, std::slice::from_ref(&given), &earlier_layers());
     assert!(resolved.left.is_empty() && resolved.left_out.is_empty());
     let [cut] = resolved.cut_turns[..] else { panic!("{:?}", resolved.cut_turns) };
@@ -120,9 +134,8 @@ fn a_path_is_cut_where_free_directions_turn_too_sharply() {
     let [end, start] =
         [resolved.paths[0].waypoints[resolved.paths[0].waypoints.len() - 1], resolved.paths[1].waypoints[0]];
     assert!(cut.angle > TEN && (end.direction.angle(&start.direction) - cut.angle).abs() < 1e-9);
-    // What is not printed between them counts if the ends of the beads do not fill it.
-    let gap = (end.tip - start.tip).norm();
-    assert!(gap < 1.7 && (resolved.gaps - if gap > end.width { gap } else { 0.0 }).abs() < 1e-9, "{gap}");
+    // The ends of the beads fill what is not printed between them.
+    assert!((end.tip - start.tip).norm() < WIDE && resolved.gaps == 0.0 && resolved.sharp.is_empty());
     let raster: Vec<_> = sheets(&layers[..1], 0.1).into_iter().filter(|p| p.y.abs() < 12.0 && p.z < 15.0).collect();
     for path in &resolved.paths {
         assert!(sharpest(path) <= TEN + 1e-8, "{}", sharpest(path).to_degrees());
@@ -136,8 +149,18 @@ fn a_path_is_cut_where_free_directions_turn_too_sharply() {
 }
 
 #[test]
+fn a_path_is_not_cut_where_the_bead_would_have_a_gap() {
+    let (layers, given) = across_a_groove(NARROW);
+    let resolved = resolved_by(&slim(), &layers, std::slice::from_ref(&given), &earlier_layers());
+    assert!(resolved.cut_turns.is_empty() && resolved.gaps == 0.0 && resolved.paths.len() == 1);
+    let [slow] = resolved.sharp[..] else { panic!("{:?}", resolved.sharp) };
+    assert!(slow.angle > 2.0 * TEN && sharpest(&resolved.paths[0]) > TEN);
+    assert!(sharpest_but(&resolved.paths[0], &[slow.waypoint]) <= TEN + 1e-8);
+}
+
+#[test]
 fn the_nozzle_leaves_the_part_at_a_cut() {
-    let (layers, given) = across_a_groove();
+    let (layers, given) = across_a_groove(WIDE);
     let resolved = resolved_by(&slim(), &layers, &[given], &earlier_layers());
     let travels = with_stack(&layers, |stack| {
         let options = TravelOptions { plate: false, ..TravelOptions::default() };
@@ -162,11 +185,17 @@ proptest! {
         let options = GougingOptions { max_turn_per_mm: limit, plate: false, ..GougingOptions::default() };
         let resolved = resolved_with(std::slice::from_ref(&layer), &given, &options);
         let mut sharpest_of_all = 0.0_f64;
-        for path in &resolved.paths {
+        for (number, path) in resolved.paths.iter().enumerate() {
             prop_assert!(path.waypoints.len() > 1);
             sharpest_of_all = sharpest_of_all.max(sharpest(path));
+            let sharp = resolved.sharp.iter().filter(|turn| turn.path == number).map(|turn| turn.waypoint);
+            prop_assert!(sharpest_but(path, &sharp.collect::<Vec<_>>()) <= limit + 1e-7);
         }
-        prop_assert!(sharpest_of_all <= limit + 1e-7, "{}", sharpest_of_all.to_degrees());
+        for turn in &resolved.sharp {
+            let [from, to] = [0, 1].map(|k| resolved.paths[turn.path].waypoints[turn.waypoint + k]);
+            prop_assert!((from.direction.angle(&to.direction) - turn.angle).abs() < 1e-9);
+            prop_assert!((to.tip - from.tip).norm() > to.width);
+        }
         prop_assert!((Turns::of(&resolved.paths).max_per_mm - sharpest_of_all).abs() < 1e-9);
         for cut in &resolved.cut_turns {
             prop_assert!(cut.path > 0 && cut.waypoint == 0 && cut.angle > 0.0);

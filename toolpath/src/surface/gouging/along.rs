@@ -15,7 +15,8 @@
 //! 7. Where the nozzle would still turn by more on one millimetre than the limit allows, the two neighbours that turn most are turned to
 //!    the nearest pair of directions that are free, one at each of them (alternating projections), if the path then has fewer such places.
 //! 8. At those that are left the path is cut: the nozzle leaves the part, turns, and comes back. The first piece ends where the second
-//!    begins, or as near to that as both are free.
+//!    begins, or as near to that as both are free. If more than the width of the bead would be missing in between and the way is free, it turns
+//!    there all the same, and slowly, which is listed.
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
@@ -84,6 +85,8 @@ pub(super) struct FreedPath {
     pub reversed: bool,
     /// Where the path is cut at a turn: the first waypoint of each further piece, and the turn that it saves, in radians.
     pub cuts: Vec<(usize, f64)>,
+    /// Where it turns more sharply than it should and is not cut: the second waypoint, and the turn.
+    pub sharp: Vec<(usize, f64)>,
 }
 
 /// A waypoint on its way.
@@ -103,6 +106,8 @@ struct Step {
     looked: Option<[UnitVector3<f64>; 2]>,
     /// The path is cut before it, since it would turn by so much from the step before.
     cut: Option<f64>,
+    /// It turns from the step before by so much, which is too far, and the path is not cut.
+    sharp: Option<f64>,
 }
 
 struct Walker<'a> {
@@ -205,6 +210,7 @@ impl Step {
             given,
             looked: None,
             cut: None,
+            sharp: None,
         }
     }
 
@@ -627,6 +633,12 @@ impl Walker<'_> {
             let last = self.steps[self.steps.len() - 1];
             let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
             let [end, start] = self.ends_between(&last, &step);
+            let tip = |between: Option<Step>, other: &Step| between.unwrap_or(*other).waypoint.tip;
+            let gap = (tip(start, &step) - tip(end, &last)).norm();
+            if gap > step.waypoint.width && self.is_way_free(&last, &step) {
+                self.steps.push(Step { sharp: Some(turn), ..step });
+                continue;
+            }
             let pieces = [end, start.map(|start| Step { cut: Some(turn), ..start })];
             self.steps.extend(pieces.into_iter().flatten());
             self.steps.push(Step { cut: start.is_none().then_some(turn), ..step });
@@ -702,8 +714,9 @@ impl Walker<'_> {
         let left = stuck.into_iter().filter_map(|(k, given)| Some((given, self.gouge(k, layer)?))).collect();
         let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.direction)).collect();
         let cuts = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.cut?))).collect();
+        let sharp = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.sharp?))).collect();
         let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
-        FreedPath { waypoints, tilts, left, cuts, ..FreedPath::default() }
+        FreedPath { waypoints, tilts, left, cuts, sharp, ..FreedPath::default() }
     }
 
     /// How a waypoint that no tilt frees gouges.

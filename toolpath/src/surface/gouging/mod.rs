@@ -197,6 +197,9 @@ pub struct ResolvedPaths {
     /// Where paths are cut, since the nozzle would turn too far from one waypoint to the next: the piece that begins there, its first
     /// waypoint, and the turn that it begins with.
     pub cut_turns: Vec<SharpTurn>,
+    /// Neighbours between which the nozzle turns more sharply than it should: cut there, more than the width of the bead would be missing, and
+    /// the way is free.
+    pub sharp: Vec<SharpTurn>,
     /// Length of the paths that is not printed at these cuts, in millimetres: the nozzle is free nowhere between the pieces as it stands in
     /// both. Gaps no longer than the bead is wide do not count: the round ends of the beads fill them.
     pub gaps: f64,
@@ -220,6 +223,7 @@ impl ResolvedPaths {
             left_out: Vec::new(),
             turns: Turns::default(),
             cut_turns: Vec::new(),
+            sharp: Vec::new(),
             gaps: 0.0,
         }
     }
@@ -249,6 +253,8 @@ impl ResolvedPaths {
             }
             let path = self.paths.len();
             self.cut_turns.extend(start.map(|_| SharpTurn { path, waypoint: 0, angle: turn }));
+            let sharp = freed.sharp.iter().filter(|(second, _)| (from..end).contains(second));
+            self.sharp.extend(sharp.map(|&(second, angle)| SharpTurn { path, waypoint: second - 1 - from, angle }));
             self.reversed.extend(freed.reversed.then_some(path));
             self.laid_first.extend(first.then_some(path));
             let within = |(_, gouge): &(usize, Gouge)| (from..end).contains(&gouge.waypoint);
