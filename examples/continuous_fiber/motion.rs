@@ -244,7 +244,8 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
         let name = format!("{}_tapes_{:03}", planned.specimen.name, number + 1);
         let options = UrScriptOptions { name: name.clone(), ..UrScriptOptions::of_workcell(cell.equipment()) };
         let mut file = Vec::new();
-        write_urscript(stream(&plan, piece, &placed, head), &options, &mut file)?;
+        let steps = stream(&plan, piece, &placed, head, StreamOptions::of_workcell(cell.equipment()));
+        write_urscript(steps, &options, &mut file)?;
         moved.files.insert(format!("{name}.script"), file);
     }
     Ok(moved)
@@ -277,12 +278,13 @@ fn cut_at(run: &Run<6, 1>, tape: &Placed, blade: f64) -> Option<f64> {
     Some(t0 + (t1 - t0) * ((at - a0) / (a1 - a0)).clamp(0.0, 1.0))
 }
 
-/// The motion at every tick, with the signals of the head.
+/// The motion at every tick, with the signals of the head, as late as `options` say that the arm is behind its stream.
 fn stream<'a>(
     plan: &'a PrintPlan<6, 1>,
     runs: Range<usize>,
     placed: &'a [Placed],
     head: &'a TapeHead,
+    options: StreamOptions,
 ) -> impl Iterator<Item = curvlay_kinematics::program::Step> + 'a {
     let at = |time_s: f64, signal: HeadSignal, on: bool| TimedSignal { time_s, signal, on };
     let feed_s = head.blade / FEED_MM_S;
@@ -318,5 +320,5 @@ fn stream<'a>(
         };
         before.into_iter().chain([motion])
     });
-    print_stream([start, stop], legs, StreamOptions::default())
+    print_stream([start, stop], legs, options)
 }

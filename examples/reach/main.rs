@@ -1,7 +1,8 @@
-//! Where a fixed nozzle should stand: what each arm reaches with the part in its hand, and the box with the most of
-//! it.
+//! Where a nozzle should stand: what each arm reaches with the part in its hand, where it brings a part to the nozzle without touching
+//! anything, and how far the workcells that we ship are from their best.
 //!
-//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.3.1.
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.3.1, puts it into the middle of the box with the most
+//! frames. That is beside the place that a search with collisions finds.
 //! ```sh
 //! cargo run --release --example reach -- --arm ur5 --box 250
 //! ```
@@ -10,12 +11,14 @@
 mod drawing;
 mod outputs;
 mod reaching;
+mod standing;
 
 use clap::Parser;
 use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
-use reaching::{ArmName, Reached};
+use curvlay_examples::table::Table;
+use reaching::{ArmName, Found};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -35,9 +38,15 @@ pub struct Args {
     /// Height of the platform, on which the part stands, over the flange in millimetres
     #[arg(long = "platform", value_name = "MM", default_value_t = 45.0, value_parser = above_zero, allow_negative_numbers = true)]
     platform_mm: f64,
-    /// Frames must lie this far in front of axis 1 in millimetres, so that the nozzle does not stand on the arm
+    /// For the dissertation's box: frames must lie this far in front of axis 1 in millimetres, since counting frames knows no collisions
     #[arg(long = "front", value_name = "MM", default_value_t = 150.0, value_parser = above_zero, allow_negative_numbers = true)]
     front_mm: f64,
+    /// Places that the search begins with are no farther apart than this in millimetres
+    #[arg(long = "coarse", value_name = "MM", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
+    coarse_mm: f64,
+    /// Last steps of the search in millimetres
+    #[arg(long = "fine", value_name = "MM", default_value_t = 12.5, value_parser = above_zero, allow_negative_numbers = true)]
+    fine_mm: f64,
     #[command(flatten)]
     common: Common,
 }
@@ -45,18 +54,19 @@ pub struct Args {
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
         let folder = args.common.folder("reach", [], |_| false)?;
-        let (reached, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
-        outputs::table(&reached).print()?;
+        let (found, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        Table::print_all(&[outputs::table(&found.arms), outputs::cells(&found.cells)])?;
         Ok(outcome)
     })
 }
 
 /// Places the nozzle for every arm and writes the files.
-pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Reached>, Outcome), Failure> {
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Found, Outcome), Failure> {
     let start = Instant::now();
-    let reached = reaching::run(args, bars)?;
+    let mut found = reaching::run(args, bars)?;
     bars.finish();
-    outputs::write(args, &reached, folder, start.elapsed())?;
-    let outcome = Outcome::of(reaching::failed_checks(&reached));
-    Ok((reached, outcome))
+    outputs::write(args, &found, folder, start.elapsed())?;
+    found.findings.say();
+    let outcome = found.findings.outcome();
+    Ok((found, outcome))
 }

@@ -1,13 +1,16 @@
 //! Sampling, placing, and what the placed nozzle is worth.
 
 use super::Args;
+use super::standing::{self, CELLS, Stood, Worth};
 use clap::ValueEnum;
-use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::findings::{Findings, Severity};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
+use curvlay_kinematics::workcell::WorkcellModel;
 use curvlay_kinematics::{
-    Arm, ArmModel, Cell, POSITION_TOLERANCE, Placement, ReachOptions, Waypoint, fullest_box, nozzle_frame,
-    reachable_points, robots,
+    Arm, ArmModel, POSITION_TOLERANCE, Placement, ReachOptions, Waypoint, fullest_box, nozzle_frame, reachable_points,
+    robots,
 };
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -37,6 +40,18 @@ impl ArmName {
         }
     }
 
+    /// As workcells call it.
+    fn in_files(self) -> &'static str {
+        match self {
+            ArmName::Ur3 => "UR3",
+            ArmName::Ur3e => "UR3e",
+            ArmName::Ur5 => "UR5",
+            ArmName::Ur5e => "UR5e",
+            ArmName::Irb120 => "IRB120",
+            ArmName::Irb1200 => "IRB1200",
+        }
+    }
+
     /// As its maker writes it.
     pub fn title(self) -> &'static str {
         match self {
@@ -51,17 +66,21 @@ impl ArmName {
 }
 
 /// Tool angles tried at each waypoint: the dissertation's number (section 3.5.3).
-pub const TOOL_ANGLES: usize = 30;
+pub const TOOL_ANGLES: u32 = 30;
 
 /// Waypoints along an edge of the part that is tried out: it fills half the box.
-const ALONG: usize = 5;
+pub const ALONG: usize = 5;
 
 /// What an arm reaches, and its nozzle.
 pub struct Reached {
     pub name: ArmName,
     pub points: Vec<Point3<f64>>,
+    /// The dissertation's: the box with the most frames, and what its middle is worth.
     pub placement: Placement,
-    /// Waypoints of an upright part, and how many of them the arm brings under the nozzle.
+    pub box_worth: Worth,
+    /// Where the nozzle stands by the search.
+    pub stood: Stood,
+    /// Waypoints of an upright part, and how many of them the arm brings under that nozzle, free or not.
     pub waypoints: usize,
     pub waypoints_reached: usize,
     /// The arm at the first of them that it reaches.
@@ -81,9 +100,53 @@ impl Reached {
     }
 }
 
-/// The arms for which they do not.
-pub fn failed_checks(reached: &[Reached]) -> Vec<String> {
-    reached.iter().filter(|arm| !arm.is_ok()).map(|arm| typed_name(arm.name)).collect()
+/// A workcell that we ship.
+pub struct Cell {
+    /// As keys of the summary begin.
+    pub key: &'static str,
+    pub name: String,
+    pub stood: Stood,
+}
+
+/// All arms and all cells.
+pub struct Found {
+    pub arms: Vec<Reached>,
+    pub cells: Vec<Cell>,
+    pub findings: Findings,
+}
+
+/// What of it is wrong.
+fn findings(arms: &[Reached], cells: &[Cell]) -> Findings {
+    let mut findings = Findings::default();
+    for arm in arms.iter().filter(|arm| !arm.is_ok()) {
+        let amount = format!("{} frames in the box of {}, {:e} mm", arm.recounted, arm.placement.frames, arm.worst_mm);
+        findings.add(
+            Severity::Failed,
+            format!("{}: a second count differs, or a nozzle missed its waypoint", arm.name.title()),
+            amount,
+            "",
+        );
+    }
+    for arm in arms.iter().filter(|arm| arm.stood.best.free < arm.waypoints) {
+        let amount = format!("{} of {} at the best place", arm.waypoints - arm.stood.best.free, arm.waypoints);
+        findings
+            .explain(
+                Severity::Told,
+                format!("{}: waypoints of the part have no free posture", arm.name.title()),
+                amount,
+                "",
+            )
+            .cause("part, plate and links are in the way of each other, or the part is too large for the arm")
+            .try_to("a smaller --box")
+            .try_to("another --platform");
+    }
+    for cell in cells {
+        // On stdout and in the report a line each: what it would gain, and why it stays.
+        let is_best = cell.stood.now.is_none_or(|now| now.free >= cell.stood.best.free);
+        let severity = if is_best { Severity::Noted } else { Severity::Told };
+        findings.add(severity, cell.name.clone(), cell.stood.verdict().unwrap_or_default(), "");
+    }
+    findings
 }
 
 /// Whether a point lies in the box around the nozzle; the box was moved to its middle, so its faces are blurred by
@@ -92,26 +155,52 @@ pub fn is_in_box(point: &Point3<f64>, placement: &Placement, edge: f64) -> bool 
     (0..3).all(|axis| (point[axis] - placement.centre[axis]).abs() <= 0.5 * edge + 1e-9)
 }
 
-/// All arms, on the threads that are asked for.
-pub fn run(args: &Args, bars: &Bars) -> Result<Vec<Reached>, Failure> {
+/// All arms and cells, on the threads that are asked for.
+pub fn run(args: &Args, bars: &Bars) -> Result<Found, Failure> {
     let names = ArmName::value_variants();
+    let total = names.len() + CELLS.len();
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let total = names.len() as u64;
     let work = || {
         let mut own = Vec::new();
-        while let Some(&name) = names.get(next.fetch_add(1, Ordering::Relaxed)) {
-            own.push((name as usize, reach(name, args)));
-            bars.update("arms", done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
+        loop {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            let result = match names.get(job) {
+                Some(&name) => reach(name, args).map(Job::Arm),
+                None => match CELLS.get(job - names.len()) {
+                    Some((key, text)) => shipped(key, text, args).map(Job::Cell),
+                    None => return own,
+                },
+            };
+            own.push((job, result));
+            bars.update("arms and cells", done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total as u64);
         }
-        own
     };
-    bars.update("arms", 0, total);
-    let mut all: Vec<(usize, Result<Reached, Failure>)> = thread::scope(|scope| {
-        let threads: Vec<_> = (0..args.common.threads.min(names.len())).map(|_| scope.spawn(work)).collect();
+    bars.update("arms and cells", 0, total as u64);
+    let mut all: Vec<(usize, Result<Job, Failure>)> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..args.common.threads.min(total)).map(|_| scope.spawn(work)).collect();
         threads.into_iter().flat_map(|thread| thread.join().expect("no arm panics")).collect()
     });
     all.sort_by_key(|&(place, _)| place);
-    all.into_iter().map(|(_, reached)| reached).collect()
+    let (mut arms, mut cells) = (vec![], vec![]);
+    for (_, job) in all {
+        match job? {
+            Job::Arm(arm) => arms.push(arm),
+            Job::Cell(cell) => cells.push(cell),
+        }
+    }
+    let findings = findings(&arms, &cells);
+    Ok(Found { arms, cells, findings })
+}
+
+enum Job {
+    Arm(Reached),
+    Cell(Cell),
+}
+
+fn shipped(key: &'static str, text: &str, args: &Args) -> Result<Cell, Failure> {
+    let model = WorkcellModel::from_json(text.as_bytes())?;
+    let stood = standing::search(&model, true, args)?;
+    Ok(Cell { key, name: model.name, stood })
 }
 
 fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
@@ -126,16 +215,19 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
     };
     let points = reachable_points(&arm, &flange_part, &options, usable)?;
     let placement = fullest_box(&points, [args.box_mm; 3], &|_| ControlFlow::Continue(()))?;
+    let bare = standing::bare_cell(name.in_files(), args.platform_mm);
+    let stood = standing::search(&bare, false, args)?;
+    let box_worth = standing::worth(&bare, placement.centre, args)?;
     let time = start.elapsed();
 
-    let nozzle = nozzle_frame(&placement.centre, &-Vector3::z_axis());
-    let cell = Cell::part_in_hand(arm, flange_part, nozzle)?;
+    let nozzle = nozzle_frame(&stood.best.place, &-Vector3::z_axis());
+    let cell = curvlay_kinematics::Cell::part_in_hand(arm, flange_part, nozzle)?;
     let (mut waypoints_reached, mut configurations, mut worst_mm) = (0, 0, 0.0f64);
     let mut posture = None;
-    let waypoints = part(0.5 * args.box_mm);
+    let waypoints = part(0.5 * args.box_mm, ALONG);
     for waypoint in &waypoints {
         let before = configurations;
-        for found in cell.configurations(waypoint, TOOL_ANGLES) {
+        for found in cell.configurations(waypoint, TOOL_ANGLES as usize) {
             let frames = cell.frames(&found.joints, waypoint, found.tool_angle);
             let apart = frames.deposition.translation.vector - frames.nozzle.translation.vector;
             worst_mm = worst_mm.max(apart.norm());
@@ -150,6 +242,8 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
         name,
         points,
         placement,
+        box_worth,
+        stood,
         waypoints,
         waypoints_reached,
         posture,
@@ -160,13 +254,13 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
     })
 }
 
-/// A cube that stands on the platform and grows upwards.
-fn part(edge: f64) -> Vec<Waypoint> {
-    let step = |k: usize| edge * k as f64 / (ALONG - 1) as f64;
-    let mut waypoints = Vec::with_capacity(ALONG.pow(3));
-    for z in 0..ALONG {
-        for y in 0..ALONG {
-            for x in 0..ALONG {
+/// A cube that stands on the platform and grows upwards, with so many waypoints along an edge: layer by layer.
+pub fn part(edge: f64, along: usize) -> Vec<Waypoint> {
+    let step = |k: usize| edge * k as f64 / (along - 1) as f64;
+    let mut waypoints = Vec::with_capacity(along.pow(3));
+    for z in 0..along {
+        for y in 0..along {
+            for x in 0..along {
                 let position = Point3::new(step(x) - 0.5 * edge, step(y) - 0.5 * edge, step(z));
                 waypoints.push(Waypoint { position, axis: Vector3::z_axis() });
             }

@@ -11,8 +11,10 @@
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
+//! * [`best_stand`]: where nozzle, plate or table should stand, with collisions.
 //! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
-//! * [`calibrate_tip`]: where a tip is, from poses that touch one point.
+//! * [`calibrate_tip`], [`calibrate_tool`]: where a tip is, from poses that touch one point. [`fit_arm`]: what an arm is really like, from
+//!   measured poses; [`ArmDeviation`] and [`Arm::calibrated`]: such an arm. [`Measurements`]: the files.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
 //! * [`stewart`]: Stewart platforms, both ways.
 
@@ -33,17 +35,21 @@ pub mod workcell;
 
 pub use arm::robots;
 pub use arm::{
-    ANGLE_TOLERANCE, Arm, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths, POSITION_TOLERANCE,
-    Rates, SAME, Shoulder, Solutions, Wrist,
+    ANGLE_TOLERANCE, Arm, ArmDeviation, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths,
+    POSITION_TOLERANCE, Rates, SAME, Shoulder, Solutions, Wrist,
 };
-pub use calibration::{Calibration, CalibrationError, Undetermined, calibrate_tip};
+pub use calibration::{
+    ArmFit, ArmParameter, Calibration, CalibrationError, FitError, FitOptions, FitResiduals, FitScope, FittedParameter,
+    MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, calibrate_tip,
+    calibrate_tool, fit_arm, fit_residuals,
+};
 pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, nozzle_frame};
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
 pub use placement::{
-    Assessment, BestPlace, BestPosture, PartPlace, PlaceError, Placement, PlacementError, PlateError, PlateOptions,
-    ReachOptions, Representatives, best_place, centred_on_plate, fullest_box, place_grid, place_on_plate,
-    reachable_points, representative_waypoints,
+    Assessment, BestPlace, BestPosture, BestStand, PartPlace, PlaceError, Placement, PlacementError, PlateError,
+    PlateOptions, ReachOptions, Representatives, StandRegion, best_place, best_stand, centred_on_plate, fullest_box,
+    place_grid, place_on_plate, reachable_points, representative_waypoints,
 };
 pub use pose::{InvalidPose, PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};

@@ -117,6 +117,11 @@ fn the_specimens_have_their_tapes() {
         let count = |on| steps.iter().filter(|step| **step == Step::Signal { signal, on }).count();
         assert_eq!((count(true), count(false)), (6, 6), "{signal:?}");
     }
+    // The roller turns from the first moment of the motion on, and the arm is behind its stream by what `servoj` looks ahead: 0.03 s are
+    // four ticks of 8 ms.
+    let roller = steps.iter().position(|step| *step == Step::Signal { signal: HeadSignal::Roller, on: true }).unwrap();
+    let ticks = steps[..roller].iter().filter(|step| matches!(step, Step::Servo { .. })).count();
+    assert_eq!(ticks, 4);
     let csv = fs::read_to_string(path.join("tapes.csv")).unwrap();
     assert!(csv.starts_with("part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm\ndumbbell,1,1,"));
     let report = fs::read_to_string(path.join("report.html")).unwrap();

@@ -4,6 +4,7 @@
 mod args;
 mod best_orientation;
 mod boge;
+mod calibrate;
 mod clock;
 mod common;
 mod continuous_fiber;

@@ -27,17 +27,20 @@ fn run(name: &str, words: &[&str]) -> (PathBuf, Outcome) {
 
 const ARMS: [&str; 6] = ["ur3", "ur3e", "ur5", "ur5e", "irb120", "irb1200"];
 
+/// A search of a few places.
+const COARSE: [&str; 4] = ["--coarse", "200", "--fine", "60"];
+
 #[test]
 fn the_nozzle_stands_where_the_frames_are() {
-    let (path, outcome) = run("figures", &["--samples", "3000", "--arm", "ur5"]);
+    let (path, outcome) = run("figures", &[&["--samples", "3000", "--arm", "ur5"], &COARSE[..]].concat());
     assert_eq!(outcome, Outcome::Done);
     let summary = summary(&path);
-    assert_eq!((&summary["samples"], &summary["check_ok"]), (&3000.into(), &true.into()));
+    assert_eq!((&summary["samples"], &summary["findings_failed"]), (&3000.into(), &0.into()));
     let csv = fs::read_to_string(path.join("reach.csv")).unwrap();
     for arm in ARMS {
         // Counted once more in what was written.
         let figure = |key: &str| summary[&format!("{arm}_{key}")].as_f64().unwrap();
-        let centre = ["best_x_mm", "best_y_mm", "best_z_mm"].map(figure);
+        let centre = ["box_x_mm", "box_y_mm", "box_z_mm"].map(figure);
         let frames: Vec<[f64; 3]> = csv
             .lines()
             .filter(|line| line.split(',').next() == Some(arm))
@@ -49,20 +52,35 @@ fn the_nozzle_stands_where_the_frames_are() {
         assert_eq!((frames.len() as f64, in_box as f64), (figure("frames"), figure("frames_in_box")), "{arm}");
         assert!(in_box > 10 && frames.iter().all(|frame| frame[0] >= 150.0 && frame[2] >= 0.0), "{arm}");
         assert!(figure("waypoints_reached") > 100.0 && figure("worst_mm") < 1e-6, "{arm}");
+        // The search does not give back an option, and finds at least what the box has.
+        let best = ["best_x_mm", "best_y_mm", "best_z_mm"].map(figure);
+        assert!((best[0] - 250.0).abs() > 20.0, "{arm}: {best:?}");
+        assert!(figure("waypoints_free") >= figure("box_waypoints_free") && figure("waypoints_free") > 100.0, "{arm}");
+        assert!(figure("waypoints_free") <= figure("waypoints_reached"), "{arm}");
+    }
+    for cell in ["ur3", "ur10", "irb1200_table"] {
+        let figure = |key: &str| summary[&format!("cell_{cell}_{key}")].as_f64().unwrap();
+        assert!(figure("best_free") >= figure("free") && figure("free") > 100.0, "{cell}");
+        assert!(figure("away_mm") >= figure("away_but_for_turn_mm"), "{cell}");
+        let verdict = summary[&format!("cell_{cell}_verdict")].as_str().unwrap();
+        assert!(verdict.contains("stays: "), "{verdict}");
     }
     for key in ["best_x_mm", "best_y_mm", "best_z_mm", "frames_in_box"] {
         assert_eq!(summary[key], summary[&format!("ur5_{key}")], "{key}");
     }
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 12);
-    assert!(!report.contains("class=\"notice\""));
-    assert!(report.contains("one by one, agrees for 6 of 6 arms.") && report.contains("125 points"));
+    assert!(!report.contains("class=\"notice failed\""));
+    assert!(
+        report.contains("one by one, agrees for 6 of 6 arms.")
+            && report.contains("of 125 waypoints, those with a posture")
+    );
 }
 
 #[test]
 fn threads_change_nothing() {
-    let (one, _) = run("one", &["--samples", "1500", "--threads", "1"]);
-    let (four, _) = run("four", &["--samples", "1500", "--threads", "4"]);
+    let (one, _) = run("one", &[&["--samples", "1500", "--threads", "1"], &COARSE[..]].concat());
+    let (four, _) = run("four", &[&["--samples", "1500", "--threads", "4"], &COARSE[..]].concat());
     assert_eq!(fs::read(one.join("reach.csv")).unwrap(), fs::read(four.join("reach.csv")).unwrap());
     let (one, four) = (summary(&one), summary(&four));
     for (key, value) in one.iter().filter(|(key, _)| !key.ends_with("_s") && *key != "threads") {
@@ -72,7 +90,15 @@ fn threads_change_nothing() {
 
 #[test]
 fn arguments_out_of_range_are_refused() {
-    for words in [["--samples", "0"], ["--box", "-1"], ["--box", "nan"], ["--arm", "r2d2"], ["--front", "0"]] {
+    for words in [
+        ["--samples", "0"],
+        ["--box", "-1"],
+        ["--box", "nan"],
+        ["--arm", "r2d2"],
+        ["--front", "0"],
+        ["--coarse", "0"],
+        ["--fine", "-1"],
+    ] {
         assert!(arguments(&words).is_err(), "{words:?}");
     }
 }
@@ -81,7 +107,7 @@ fn arguments_out_of_range_are_refused() {
 #[test]
 fn no_frame_at_all_is_told() {
     let (path, folder) = (common::place("reach", "nothing"), common::folder("reach", "nothing"));
-    let args = arguments(&["--samples", "1", "--front", "5000"]).unwrap();
+    let args = arguments(&[&["--samples", "1", "--front", "5000"], &COARSE[..]].concat()).unwrap();
     let failure = example::work(&args, &Bars::new(true), &folder).map(|_| ()).unwrap_err();
     assert_eq!(failure.message(), "there are no frames: none of the samples meets the options");
     drop(folder);

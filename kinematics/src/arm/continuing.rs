@@ -11,7 +11,7 @@
 //!
 //! Hardly off a singularity the pose says little about the free joint: joints that still meet the pose are kept.
 
-use super::follow::NO_STOPS;
+use super::follow::{NO_STOPS, SMALL};
 use super::planar::Free;
 use super::{Arm, Branch, FARTHEST_ANGLE, HELD, NEAR_WRIST, Solutions, WRIST, meets};
 use crate::angle::nearest_image;
@@ -81,7 +81,7 @@ impl Arm {
             return kept;
         }
         let followed = [self.stops(), NO_STOPS].iter().find_map(|stops| {
-            let inner = self.follow(&r, &p, &was, stops)?;
+            let inner = self.follow(&r, &p, &was, stops, SMALL)?;
             let joints = self.limits.nearest_image(&self.outer(&inner), previous)?;
             meets(&self.flange(&self.inner(&joints)), &r, &p, HELD).then_some(joints)
         });

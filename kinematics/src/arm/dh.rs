@@ -1,6 +1,6 @@
 //! Denavit-Hartenberg tables in the standard (distal) convention: `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
 
-use super::{ArmError, Frames, within_reach};
+use super::{ArmError, Frames, MovedAxes, within_reach};
 use crate::trig::sin_cos;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -62,8 +62,8 @@ impl DhTable {
         Ok(())
     }
 
-    /// Base and the frames after each joint.
-    pub(super) fn frames(&self, q: &[f64; 6]) -> Frames {
+    /// Base and the frames after each joint; those of a calibrated arm with axes 2 to 6 moved.
+    pub(super) fn frames(&self, q: &[f64; 6], moved: Option<&MovedAxes>) -> Frames {
         let mut frames = [(Matrix3::identity(), Vector3::zeros()); 7];
         for k in 0..6 {
             let (r, p) = frames[k];
@@ -73,10 +73,14 @@ impl DhTable {
             let (cos, sin) = TWIST[k];
             let turned = [along, side * cos + z * sin, z * cos - side * sin];
             frames[k + 1] = (Matrix3::from_columns(&turned), p + z * self.d[k] + along * self.a[k]);
+            if let Some((turn, shift)) = moved.and_then(|axes| axes.get(k)) {
+                let (r, p) = frames[k + 1];
+                frames[k + 1] = (r * turn, p + r * shift);
+            }
         }
         frames
     }
 }
 
 /// Cosines and sines of the twists, exactly.
-const TWIST: [(f64, f64); 6] = [(0.0, 1.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 0.0)];
+pub(super) const TWIST: [(f64, f64); 6] = [(0.0, 1.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 0.0)];

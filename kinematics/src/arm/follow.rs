@@ -23,7 +23,11 @@ const STEPS: usize = 40;
 const MET: f64 = 5e-11;
 
 /// An error above this is no small step: farther away the nearest posture is a matter of branches.
-const SMALL: f64 = 0.1;
+pub(super) const SMALL: f64 = 0.1;
+
+/// The same where a branch is known: the guesses of a calibrated arm are off by its deviation, and around a singularity by a few
+/// times that.
+pub(super) const FAR: f64 = 1.0;
 
 /// Least damping, for the same reason; it also keeps the normal equations solvable in double precision.
 const FLOOR: f64 = 1e-12;
@@ -43,14 +47,24 @@ impl Arm {
 
     /// From joints of the geometry to some near by, between the stops, that meet the pose, as well as they do after
     /// some steps.
-    pub(super) fn follow(&self, r: &Matrix3<f64>, p: &Vector3<f64>, was: &[f64; 6], stops: &Stops) -> Option<[f64; 6]> {
+    ///
+    /// # Arguments
+    /// * `farthest`: an error above it is given up.
+    pub(super) fn follow(
+        &self,
+        r: &Matrix3<f64>,
+        p: &Vector3<f64>,
+        was: &[f64; 6],
+        stops: &Stops,
+        farthest: f64,
+    ) -> Option<[f64; 6]> {
         let unit = 1.0 / self.longest_link();
         let mut q: [f64; 6] = std::array::from_fn(|k| between(was[k], stops[k]));
         for _ in 0..STEPS {
             let flange = self.flange(&q);
             let error = self.short_of(r, p, &flange);
             let square = error.norm_squared();
-            if square.is_nan() || square > SMALL * SMALL {
+            if square.is_nan() || square > farthest * farthest {
                 return None;
             }
             if square <= MET * MET {

@@ -10,7 +10,7 @@
 
 use super::branches::{Branch, Solutions, slot};
 use super::planar::{Free, REACH, Turn, aim, bend, shoulder};
-use super::{ArmError, Frames, HELD, ROUNDING, SHORTEST, meets, within_reach};
+use super::{ArmError, Frames, HELD, MovedAxes, ROUNDING, SHORTEST, meets, within_reach};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
@@ -118,8 +118,9 @@ impl OrthoArm {
         self.lengths.c2.abs().max(self.forearm)
     }
 
-    /// Base; shoulder, where joint 2 turns; upper arm, at joint 2; forearm, at joint 3; wrist centre twice; flange.
-    pub fn frames(&self, q: &[f64; 6]) -> Frames {
+    /// Base; shoulder, where joint 2 turns; upper arm, at joint 2; forearm, at joint 3; wrist centre twice; flange. Those of a
+    /// calibrated arm with axes 2 to 6 moved.
+    pub fn frames(&self, q: &[f64; 6], moved: Option<&MovedAxes>) -> Frames {
         let OrthoLengths { a1, a2, b, c1, c2, c3, c4 } = self.lengths;
         let mut frames = [(Matrix3::identity(), Vector3::zeros()); 7];
         let steps = [
@@ -131,7 +132,10 @@ impl OrthoArm {
             (false, Vector3::new(0.0, 0.0, c4)),
         ];
         for (k, (about_y, offset)) in steps.into_iter().enumerate() {
-            let (r, p) = frames[k];
+            let (mut r, mut p) = (frames[k].0, frames[k].1 + frames[k].0 * offset);
+            if let Some((turn, shift)) = moved.zip(k.checked_sub(1)).map(|(axes, axis)| axes[axis]) {
+                (r, p) = (r * turn, p + r * shift);
+            }
             let (sin, cos) = sin_cos(q[k]);
             let (x, y, z) = (r.column(0), r.column(1), r.column(2));
             let turned = if about_y {
@@ -139,14 +143,14 @@ impl OrthoArm {
             } else {
                 Matrix3::from_columns(&[x * cos + y * sin, y * cos - x * sin, z.into_owned()])
             };
-            frames[k + 1] = (turned, p + r * offset);
+            frames[k + 1] = (turned, p);
         }
         frames
     }
 
     /// Axis of each joint: a point on it, and its direction.
-    pub fn axes(&self, q: &[f64; 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {
-        let frames = self.frames(q);
+    pub fn axes(&self, q: &[f64; 6], moved: Option<&MovedAxes>) -> [(Vector3<f64>, Vector3<f64>); 6] {
+        let frames = self.frames(q, moved);
         let columns = [2, 1, 1, 2, 1, 2];
         [0, 1, 2, 3, 4, 5].map(|k| (frames[k + 1].1, frames[k + 1].0.column(columns[k]).into_owned()))
     }

@@ -13,7 +13,7 @@
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
 use super::planar::{Free, aim, bend, lift, shoulder, swing};
-use super::{ANGLE_TOLERANCE, Frames, HELD, POSITION_TOLERANCE, ROUNDING};
+use super::{ANGLE_TOLERANCE, Frames, HELD, MovedAxes, POSITION_TOLERANCE, ROUNDING};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -94,13 +94,13 @@ impl UrArm {
         self.table.a[1].abs().max(self.table.a[2].abs())
     }
 
-    pub fn frames(&self, q: &[f64; 6]) -> Frames {
-        self.table.frames(q)
+    pub fn frames(&self, q: &[f64; 6], moved: Option<&MovedAxes>) -> Frames {
+        self.table.frames(q, moved)
     }
 
     /// Axis of each joint: a point on it, and its direction.
-    pub fn axes(&self, q: &[f64; 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {
-        let frames = self.frames(q);
+    pub fn axes(&self, q: &[f64; 6], moved: Option<&MovedAxes>) -> [(Vector3<f64>, Vector3<f64>); 6] {
+        let frames = self.frames(q, moved);
         [0, 1, 2, 3, 4, 5].map(|k| (frames[k].1, frames[k].0.column(2).into_owned()))
     }
 

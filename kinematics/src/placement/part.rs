@@ -239,10 +239,10 @@ pub(super) fn is_place(waypoint: &Waypoint) -> bool {
 
 /// What is known of a place. Each part of it only gets worse.
 #[derive(Clone, Debug)]
-struct Score {
-    unreachable: Vec<usize>,
-    tight: Vec<usize>,
-    min_quality: f64,
+pub(super) struct Score {
+    pub unreachable: Vec<usize>,
+    pub tight: Vec<usize>,
+    pub min_quality: f64,
 }
 
 impl Default for Score {
@@ -252,7 +252,7 @@ impl Default for Score {
 }
 
 impl Score {
-    fn add(&mut self, waypoint: usize, found: Option<Assessment>, min_clearance: f64) {
+    pub fn add(&mut self, waypoint: usize, found: Option<Assessment>, min_clearance: f64) {
         let Some(Assessment { clearance, quality }) = found else {
             self.unreachable.push(waypoint);
             return;
@@ -264,7 +264,7 @@ impl Score {
     }
 
     /// The smaller, the better.
-    fn compare(&self, other: &Self) -> Ordering {
+    pub fn compare(&self, other: &Self) -> Ordering {
         let unreachable = self.unreachable.len().cmp(&other.unreachable.len());
         let tight = self.tight.len().cmp(&other.tight.len());
         unreachable.then(tight).then(other.min_quality.total_cmp(&self.min_quality))

@@ -1,11 +1,11 @@
 //! From the numbers of a file to what they describe, each checked under the name that it has in the file.
 
 use super::model::{
-    ArmGeometry, ArmPart, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel, PositionerGeometry,
-    PositionerPart, VERSION,
+    ArmGeometry, ArmPart, CalibrationModel, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel,
+    PositionerGeometry, PositionerPart, VERSION,
 };
 use crate::arm::robots::{ARMS, POSITIONERS};
-use crate::arm::{Arm, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
+use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
 use crate::cell::{CellError, nozzle_frame};
 use crate::limits::JointLimits;
 use crate::positioner::{Positioner, PositionerError, PositionerModel};
@@ -289,8 +289,26 @@ pub(super) fn arm(part: &ArmPart) -> Result<(Arm, ArmModel), WorkcellError> {
     };
     let limits = limits("arm.limits", model.limits, &part.limits)?;
     let model = ArmModel { limits, ..model };
-    let arm = Arm::new(&model).map_err(|source| WorkcellError::Arm { path, source })?;
+    let nominal = Arm::new(&model).map_err(|source| WorkcellError::Arm { path, source })?;
+    let arm = match &part.calibration {
+        None => nominal,
+        Some(calibration) => {
+            let source = |source| WorkcellError::Arm { path: "arm.calibration", source };
+            Arm::calibrated(&model, &deviation(calibration)?).map_err(source)?
+        }
+    };
     Ok((arm, model))
+}
+
+/// How the arm as built differs.
+pub(super) fn deviation(calibration: &CalibrationModel) -> Result<ArmDeviation, WorkcellError> {
+    let path = "arm.calibration";
+    let offsets = each(&format!("{path}.offsets_deg"), &calibration.offsets_deg)?.map(f64::to_radians);
+    let mut axes = [Isometry3::identity(); 5];
+    for (k, axis) in axes.iter_mut().enumerate() {
+        *axis = frame(&format!("{path}.axes[{k}]"), &calibration.axes[k])?;
+    }
+    Ok(ArmDeviation { offsets, axes })
 }
 
 /// A table in a cell.

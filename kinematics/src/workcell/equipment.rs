@@ -3,7 +3,7 @@
 use super::check::{self, Table, WorkcellError, each, finite, positive};
 use super::links::{self, LinkBodies, LinkMeshReader};
 use super::model::{Held, MountModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
-use crate::arm::Arm;
+use crate::arm::{Arm, ArmModel};
 use crate::positioner::Positioner;
 use crate::scene::{Body, Mount, Scene, SceneModel, Shape};
 use nalgebra::{Isometry3, Point3, UnitVector3};
@@ -38,6 +38,7 @@ pub struct PlateContact {
 pub struct Equipment {
     model: WorkcellModel,
     arm: Arm,
+    arm_model: ArmModel,
     positioner: Option<Positioner>,
     links: Vec<Body>,
     link_bodies: Option<LinkBodies>,
@@ -77,7 +78,7 @@ impl Equipment {
         for (index, solid) in model.solids.iter().enumerate() {
             bodies.push(body(&format!("solids[{index}]"), solid, positioner.is_some(), &part, &nozzle)?);
         }
-        let equipment = Equipment { arm, positioner, links, link_bodies, bodies, part, nozzle, model };
+        let equipment = Equipment { arm, arm_model, positioner, links, link_bodies, bodies, part, nozzle, model };
         equipment.check_names()?;
         Scene::new(equipment.scene(SOME_PLATE_MM))?;
         Ok((equipment, table))
@@ -121,6 +122,11 @@ impl Equipment {
     /// What a report calls the cell.
     pub fn name(&self) -> &str {
         &self.model.name
+    }
+
+    /// The numbers of the arm without its calibration, with the limits of the cell.
+    pub fn arm_model(&self) -> &ArmModel {
+        &self.arm_model
     }
 
     /// The arm, within the limits of the cell.

@@ -44,15 +44,27 @@ pub(super) fn of(
     if !(0.0..=FARTHEST).contains(&part.allowance_mm) {
         return Err(wrong("arm.allowance_mm", part.allowance_mm, "from 0 to 1e6"));
     }
+    // Bodies go with the frames of the arm as built; each is off by what its own two axes are.
+    let moved_mm = match &part.calibration {
+        None => 0.0,
+        Some(calibration) => check::deviation(calibration)?.greatest_mm(longest_link(&arm.geometry)),
+    };
     match &part.bodies {
-        None => Ok((scene::links(arm), scene::link_source(arm).map(|source| LinkBodies::of(source, 0.0)))),
-        Some(BodiesModel::Named(name)) => named(name, arm),
+        None => Ok((scene::links(arm), scene::link_source(arm).map(|source| LinkBodies::of(source, moved_mm)))),
+        Some(BodiesModel::Named(name)) => named(name, arm, moved_mm),
         Some(BodiesModel::Meshes(meshes)) => meshed(meshes, read),
     }
 }
 
+fn longest_link(geometry: &Geometry) -> f64 {
+    match geometry {
+        Geometry::Ur(table) => table.a[1].abs().max(table.a[2].abs()),
+        Geometry::Ortho(lengths) => lengths.c2.abs().max(lengths.a2.hypot(lengths.c3)),
+    }
+}
+
 /// The bodies of an arm by its name, on one of almost the same lengths.
-fn named(name: &str, arm: &ArmModel) -> Result<(Vec<Body>, Option<LinkBodies>), WorkcellError> {
+fn named(name: &str, arm: &ArmModel, moved_mm: f64) -> Result<(Vec<Body>, Option<LinkBodies>), WorkcellError> {
     let path = "arm.bodies.named";
     let like = check::named(path, name, &ARMS)?;
     let difference = difference(&like.geometry, &arm.geometry);
@@ -60,7 +72,7 @@ fn named(name: &str, arm: &ArmModel) -> Result<(Vec<Body>, Option<LinkBodies>), 
         let must = format!("of an arm whose lengths differ from those of `{name}` by at most {MAX_DIFFERENCE_MM} mm");
         return Err(wrong(path, difference, must));
     }
-    Ok((scene::links(&like), scene::link_source(&like).map(|source| LinkBodies::of(source, difference))))
+    Ok((scene::links(&like), scene::link_source(&like).map(|source| LinkBodies::of(source, difference + moved_mm))))
 }
 
 /// The greatest difference of two lengths; infinite between arms of other kinds.

@@ -73,9 +73,9 @@ pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
-    ArmGeometry, ArmPart, BodiesModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel, MountModel,
-    NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ShapeModel, SolidModel, StandModel, VERSION,
-    WorkcellModel,
+    ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
+    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ShapeModel, SolidModel, StandModel,
+    VERSION, WorkcellModel,
 };
 pub use six::SixAxisCell;
 

@@ -85,6 +85,9 @@ pub enum Held {
 pub struct ArmPart {
     /// Its lengths.
     pub geometry: ArmGeometry,
+    /// How the arm that stands there differs from these, by its calibration; absent: not at all.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub calibration: Option<CalibrationModel>,
     /// What its joints may do in this cell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: LimitsModel<6>,
@@ -115,7 +118,34 @@ impl ArmPart {
     /// assert_eq!((arm.bodies, arm.allowance_mm), (None, 10.0));
     /// ```
     pub fn new(geometry: ArmGeometry) -> Self {
-        ArmPart { geometry, limits: LimitsModel::default(), bodies: None, allowance_mm: Self::ALLOWANCE_MM }
+        ArmPart {
+            geometry,
+            calibration: None,
+            limits: LimitsModel::default(),
+            bodies: None,
+            allowance_mm: Self::ALLOWANCE_MM,
+        }
+    }
+}
+
+/// How an arm as built differs from its numbers: [`ArmDeviation`](crate::ArmDeviation).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct CalibrationModel {
+    /// By how much the joints are more than the arm says: see [`ArmDeviation::offsets`](crate::ArmDeviation::offsets).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub offsets_deg: [f64; 6],
+    /// Where axes 2 to 6 are, seen from where they should be: see [`ArmDeviation::axes`](crate::ArmDeviation::axes).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub axes: [FrameModel; 5],
+}
+
+impl From<&crate::arm::ArmDeviation> for CalibrationModel {
+    fn from(deviation: &crate::arm::ArmDeviation) -> Self {
+        CalibrationModel {
+            offsets_deg: deviation.offsets.map(f64::to_degrees),
+            axes: deviation.axes.map(|axis| FrameModel::from(&axis)),
+        }
     }
 }
 
@@ -254,6 +284,13 @@ pub struct FrameModel {
     /// Roll, pitch and yaw: turns about the fixed x, then y, then z axis of what carries it, as in URDF.
     #[cfg_attr(feature = "serde", serde(default))]
     pub rpy_deg: [f64; 3],
+}
+
+impl From<&nalgebra::Isometry3<f64>> for FrameModel {
+    fn from(frame: &nalgebra::Isometry3<f64>) -> Self {
+        let (roll, pitch, yaw) = frame.rotation.euler_angles();
+        FrameModel { position_mm: frame.translation.vector.into(), rpy_deg: [roll, pitch, yaw].map(f64::to_degrees) }
+    }
 }
 
 /// A round nozzle: where it is, and its shape: a flat tip, a cone, a cylindrical block on top of it.

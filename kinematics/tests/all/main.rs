@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod arm;
+mod arm_calibrated;
 mod arm_singular;
+mod calibration;
 mod cell;
 mod common;
 mod dome_print;
@@ -23,6 +25,7 @@ mod program_urscript;
 mod rows;
 mod scene;
 mod scene_cubic;
+mod stand;
 mod stewart;
 mod workcell;
 mod workcell_json;

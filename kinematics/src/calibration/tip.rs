@@ -42,7 +42,7 @@ pub struct Undetermined {
 }
 
 /// Why a tip cannot be calibrated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
     /// One pose says nothing.
@@ -57,7 +57,27 @@ pub enum CalibrationError {
         /// Its place in the input.
         index: usize,
     },
+    /// Fewer touches than a tool is calibrated by.
+    #[error("{count} touches are given, at least {MIN_TOUCHES} are needed: touch the mark in more postures")]
+    TooFewTouches {
+        /// How many were given.
+        count: usize,
+    },
+    /// The touches do not turn the flange about enough axes.
+    #[error(
+        "the touches leave {directions} of 3 directions of the tip open (they amplify errors {amplification:.0} times): touch in postures \
+         that are turned about other axes"
+    )]
+    Open {
+        /// How many independent directions are open.
+        directions: usize,
+        /// As [`Calibration::amplification`].
+        amplification: f64,
+    },
 }
+
+/// Touches that a tool is calibrated by at least: three determine a tip, and the fourth says whether they agree.
+pub const MIN_TOUCHES: usize = 4;
 
 /// The amplification from which a direction counts as open: an error of 0.1 mm in touching would be 10 mm in the tip.
 const OPEN: f64 = 100.0;
@@ -134,4 +154,32 @@ pub fn calibrate_tip(base_flange: &[Isometry3<f64>]) -> Result<Calibration, Cali
         amplification: 1.0 / eigen.eigenvalues[least].max(0.0).sqrt(),
         warning: (!open.is_empty()).then_some(Undetermined { direction, directions: open.len() }),
     })
+}
+
+/// As [`calibrate_tip`], for a tool that is used: from four touches on, and only if they determine the tip.
+///
+/// # Errors
+/// [`CalibrationError`]; also [`CalibrationError::TooFewTouches`], and [`CalibrationError::Open`] for touches in one orientation or turned about
+/// one axis only.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::nalgebra::Isometry3;
+/// use curvlay_kinematics::{CalibrationError, calibrate_tool};
+/// let one_orientation = [Isometry3::translation(400.0, 0.0, 200.0); 4];
+/// assert!(matches!(calibrate_tool(&one_orientation), Err(CalibrationError::Open { directions: 3, .. })));
+/// assert_eq!(calibrate_tool(&one_orientation[..3]), Err(CalibrationError::TooFewTouches { count: 3 }));
+/// ```
+pub fn calibrate_tool(base_flange: &[Isometry3<f64>]) -> Result<Calibration, CalibrationError> {
+    let count = base_flange.len();
+    if count < MIN_TOUCHES {
+        return Err(CalibrationError::TooFewTouches { count });
+    }
+    let found = calibrate_tip(base_flange)?;
+    match found.warning {
+        Some(Undetermined { directions, .. }) => {
+            Err(CalibrationError::Open { directions, amplification: found.amplification })
+        }
+        None => Ok(found),
+    }
 }
