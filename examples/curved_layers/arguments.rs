@@ -15,7 +15,7 @@ const NEEDS: [(Stage, &str); 4] = [
     (
         Stage::Gcode,
         "nozzle clearance_mm min_lift_mm material filament_diameter_mm material_density_g_cm3 price_per_kg nozzle_celsius bed_celsius fan_share \
-         flow_mm3_s min_feed_mm_s max_feed_mm_s max_turn_rate_deg_s travel_feed_mm_s retraction_mm retract_feed_mm_s prime_feed_mm_s \
+         flow_mm3_s min_feed_mm_s max_feed_mm_s max_turn_rate_deg_s max_turn_deg_mm travel_feed_mm_s retraction_mm retract_feed_mm_s prime_feed_mm_s \
          dialect extrusion tags line_numbers rotary workcell support_distance allow_volume allow_gouging allow_left_out allow_unsupported \
          allow_unsupported_beads",
     ),

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use curvlay_examples::args::{from_zero, typed_name};
-use curvlay_layers::curved::{self, CompleteOptions, NozzleRule, NozzleUse, SupportOptions};
+use curvlay_layers::curved::{self, CompleteOptions, DirectedOptions, NozzleRule, NozzleUse, SupportOptions};
 use curvlay_toolpath::surface::Nozzle;
 
 /// Cells that no order builds by the hull rule.
@@ -20,6 +20,10 @@ pub struct CompleteArgs {
     /// How far that nozzle may lean, in degrees: above 0, up to 90
     #[arg(long, value_name = "DEGREES", default_value_t = 90.0, value_parser = tilt, allow_negative_numbers = true)]
     pub max_tilt: f64,
+    /// How far directed layers lean from level at most, in degrees: 0 up to less than 90 [default: 6 degrees less than the cone of the nozzle leaves
+    /// of a right angle, 39 at least]
+    #[arg(long = "max-layer-tilt", value_name = "DEGREES", value_parser = layer_tilt, allow_negative_numbers = true, conflicts_with = "resume")]
+    pub max_layer_tilt_deg: Option<f64>,
     /// Radius of the balls that stand for cells that are built, in cells: 0.5 is a bead as wide as a cell
     #[arg(long, value_name = "CELLS", default_value_t = 0.5, value_parser = margin, allow_negative_numbers = true)]
     pub nozzle_margin: f64,
@@ -124,7 +128,8 @@ impl CompleteArgs {
         let layers_by = layers_by.into();
         let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);
         let columns = SupportOptions { width, contact, gap, ..SupportOptions::default() };
-        CompleteOptions { layers_by, nozzle, rule, support: (support == Support::Auto).then_some(columns) }
+        let directed = DirectedOptions { max_tilt: self.max_layer_tilt_deg.map(f64::to_radians) };
+        CompleteOptions { layers_by, nozzle, rule, directed, support: (support == Support::Auto).then_some(columns) }
     }
 
     /// Says what does not go together.
@@ -150,6 +155,10 @@ fn tilt(text: &str) -> Result<f64, String> {
     } else {
         Err("must be above 0 and at most 90; to print upright alone use --nozzle-growth off".to_owned())
     }
+}
+
+fn layer_tilt(text: &str) -> Result<f64, String> {
+    from_zero(text).ok().filter(|degrees| *degrees < 90.0).ok_or_else(|| "must be from 0 to less than 90".to_owned())
 }
 
 fn percent(text: &str) -> Result<f64, String> {

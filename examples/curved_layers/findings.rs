@@ -266,18 +266,19 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
             .try_to("--orient best")
             .allow(accept("--allow-left-out", share));
     }
-    if !run.resolved.sharp.is_empty() {
-        let amount = format!(
-            "{} times, by {:.0} degrees at most",
-            run.resolved.sharp.len(),
-            run.resolved.turns.largest.to_degrees()
-        );
-        findings.add(
-            Told,
-            "the nozzle turns by more than 10 degrees from one waypoint to the next",
-            amount,
-            "turns.csv",
-        );
+    let turns = run.resolved.cut_turns.iter().map(|turn| turn.angle.to_degrees());
+    if let Some(largest) = turns.reduce(f64::max) {
+        let gaps = run.resolved.gaps;
+        let gaps = if gaps > 0.0 { format!(", {gaps:.1} mm are not printed there") } else { String::new() };
+        let amount = format!("{}, {largest:.0} degrees at most{gaps}", counted(run.resolved.cut_turns.len(), "time"));
+        let what = "paths are cut, since the nozzle would turn more sharply than --max-turn allows";
+        findings.add(Told, what, amount, "turns.csv");
+    }
+    let turns = run.resolved.sharp.iter().map(|turn| turn.angle.to_degrees());
+    if let Some(largest) = turns.reduce(f64::max) {
+        let amount = format!("{}, {largest:.0} degrees at most", counted(run.resolved.sharp.len(), "time"));
+        let what = "the nozzle turns more sharply than --max-turn allows, and goes slowly: a cut would leave a gap in the bead";
+        findings.add(Told, what, amount, "turns.csv");
     }
     if !run.travels.blocked.is_empty() {
         let amount = run.travels.blocked.len().to_string();

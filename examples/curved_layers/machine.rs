@@ -57,10 +57,10 @@ impl MachineRun {
         marked_moves(&self.deposition.moves, &self.resolved.paths)
     }
 
-    /// Length of the paths, and of the pieces that are left out because the nozzle would run into what is built.
+    /// Length of the paths, and of what is left out because the nozzle would run into what is built, or turn too sharply.
     pub fn lengths_mm(&self) -> [f64; 2] {
         let left_out = self.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]);
-        [self.deposition.bead_mm, left_out.fold(0.0, |sum, length| sum + length)] // a sum of nothing is -0.0
+        [self.deposition.bead_mm, left_out.fold(self.resolved.gaps, |sum, length| sum + length)]
     }
 
     /// Share of the waypoints at which the nozzle collides.

@@ -162,6 +162,12 @@ impl Args {
             return Err(Failure::of_arguments(format!("--min-feed {min_feed} is above --max-feed {max_feed}")));
         }
         self.complete.check().map_err(Failure::of_arguments)?;
+        if self.complete.max_layer_tilt_deg.is_some() && matches!(self.layers_by(), LayersBy::Hull | LayersBy::Distance)
+        {
+            let name = typed_name(self.layers_by());
+            let why = format!("--max-layer-tilt does nothing with --layers-by {name}: it needs directed or best");
+            return Err(Failure::of_arguments(why));
+        }
         if self.settings.price_per_kg.is_some() && self.settings.material_density_g_cm3.is_none() {
             return Err(Failure::of_arguments("--price-per-kg needs --material-density: filament is sold by mass"));
         }
@@ -322,7 +328,8 @@ impl Args {
     fn print_options(&self) -> PrintOptions {
         let is_for_robot = self.stage >= Stage::Motion;
         let options = if is_for_robot { PrintOptions::for_robot() } else { PrintOptions::default() };
-        PrintOptions { travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
+        let gouging = self.settings.gouging(options.gouging);
+        PrintOptions { gouging, travel: self.settings.travel(), deposition: self.settings.deposition(), ..options }
     }
 }
 

@@ -7,7 +7,9 @@ use crate::args::{Failure, above_zero, celsius, from_zero, share};
 use crate::input;
 use clap::{Args, ValueEnum};
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{DepositionOptions, InfillOptions, InfillPattern, Nozzle, TravelOptions};
+use curvlay_toolpath::surface::{
+    DepositionOptions, GougingOptions, InfillOptions, InfillPattern, Nozzle, TravelOptions,
+};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -103,6 +105,10 @@ pub struct Settings {
     /// The nozzle does not turn faster than this, in degrees a second [default: 180]
     #[arg(long = "max-turn-rate", value_name = "DEG_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub max_turn_rate_deg_s: Option<f64>,
+    /// How far the nozzle may turn for each millimetre of its way, in degrees; where no free directions turn as gently, the path is cut
+    /// and the nozzle turns away from the part [default: 10]
+    #[arg(long = "max-turn", value_name = "DEG_MM", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
+    pub max_turn_deg_mm: Option<f64>,
     /// Speed of travels in mm/s [default: 80]
     #[arg(long = "travel-feed", value_name = "MM_S", value_parser = rate, allow_negative_numbers = true, help_heading = SPEEDS)]
     pub travel_feed_mm_s: Option<f64>,
@@ -228,7 +234,7 @@ impl Settings {
     /// What is not as the command line would take it.
     fn check(&self) -> Result<(), String> {
         type Rule = fn(&str) -> Result<f64, String>;
-        let numbers: [(&str, Option<f64>, Rule); 22] = [
+        let numbers: [(&str, Option<f64>, Rule); 23] = [
             ("layer_height_mm", self.layer_height_mm, length),
             ("bead_mm", self.bead_mm, length),
             ("density_percent", self.density_percent, percent),
@@ -246,6 +252,7 @@ impl Settings {
             ("min_feed_mm_s", self.min_feed_mm_s, rate),
             ("max_feed_mm_s", self.max_feed_mm_s, rate),
             ("max_turn_rate_deg_s", self.max_turn_rate_deg_s, rate),
+            ("max_turn_deg_mm", self.max_turn_deg_mm, rate),
             ("travel_feed_mm_s", self.travel_feed_mm_s, rate),
             ("retraction_mm", self.retraction_mm, distance),
             ("retract_feed_mm_s", self.retract_feed_mm_s, rate),
@@ -301,6 +308,7 @@ impl Settings {
     /// The settings as a run takes them: what has a default has its value. Layers and beads follow the cells, so they do not.
     pub fn filled_in(&self) -> Settings {
         let (deposition, travel, infill) = (self.deposition(), self.travel(), self.infill());
+        let gouging = GougingOptions::default();
         Settings {
             density_percent: Some(self.density_percent.unwrap_or(100.0)),
             walls: Some(infill.walls),
@@ -315,6 +323,7 @@ impl Settings {
             min_feed_mm_s: Some(deposition.min_feed),
             max_feed_mm_s: Some(deposition.max_feed),
             max_turn_rate_deg_s: Some(self.max_turn_rate_deg_s.unwrap_or(deposition.max_turn_rate.to_degrees())),
+            max_turn_deg_mm: Some(self.max_turn_deg_mm.unwrap_or(gouging.max_turn_per_mm.to_degrees())),
             travel_feed_mm_s: Some(deposition.travel_feed),
             retraction_mm: Some(deposition.retraction),
             retract_feed_mm_s: Some(deposition.retract_feed),
@@ -358,6 +367,12 @@ impl Settings {
             prime_feed: self.prime_feed_mm_s.unwrap_or(default.prime_feed),
             ..default
         }
+    }
+
+    /// How the nozzle is kept from gouging, where `default` holds for what is not set.
+    pub fn gouging(&self, default: GougingOptions) -> GougingOptions {
+        let max_turn_per_mm = self.max_turn_deg_mm.map_or(default.max_turn_per_mm, f64::to_radians);
+        GougingOptions { max_turn_per_mm, ..default }
     }
 
     /// How the nozzle travels.

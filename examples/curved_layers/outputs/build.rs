@@ -93,7 +93,12 @@ fn found(run: &MachineRun) -> [Marks; 5] {
     let left_out = run.resolved.left_out.iter().map(|piece| Mark { at: piece.tip, path: None });
     let unsupported = run.support.unsupported.iter().map(|piece| at(piece.path, piece.tip));
     let blocked = run.travels.blocked.iter().map(|travel| at(travel.path, travel.tip));
-    let sharp = run.resolved.sharp.iter().map(|turn| at(turn.path, tip(turn.path, turn.waypoint)));
+    let sharp = run
+        .resolved
+        .cut_turns
+        .iter()
+        .chain(&run.resolved.sharp)
+        .map(|turn| at(turn.path, tip(turn.path, turn.waypoint)));
     [
         marks("nozzle collides", RED, gouging.collect()),
         marks("travels collide", MAROON, blocked.collect()),

@@ -136,6 +136,10 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("layers_by", typed_name(args.layers_by()))?
         .set("nozzle_growth", nozzle_growth)?
         .set("nozzle_max_tilt_deg", args.complete.max_tilt)?
+        .set(
+            "max_layer_tilt_deg",
+            args.complete.max_layer_tilt_deg.map_or("nozzle".to_owned(), |tilt| tilt.to_string()),
+        )?
         .set("nozzle_margin_cells", args.complete.nozzle_margin)?
         .set("support", support)?
         .set("support_width_cells", args.complete.support_width)?

@@ -18,7 +18,6 @@ use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
 use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, UnsupportedPiece, write_paths_vtp};
 use serde_json::Value;
-use std::collections::HashSet;
 use std::io;
 
 /// Writes the tool paths and the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
@@ -44,7 +43,9 @@ pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder
     }
     folder.write_list("gouging.csv", !run.resolved.left.is_empty(), |out| gouging(run, out))?;
     folder.write_list("left_out.csv", !run.resolved.left_out.is_empty(), |out| left_out(run, out))?;
-    folder.write_list("turns.csv", !run.resolved.sharp.is_empty(), |out| turns(run, out))?;
+    folder.write_list("turns.csv", !(run.resolved.cut_turns.is_empty() && run.resolved.sharp.is_empty()), |out| {
+        turns(run, out)
+    })?;
     folder.write_list("blocked_travels.csv", !run.travels.blocked.is_empty(), |out| blocked_travels(run, out))?;
     for (name, list) in [("unsupported.csv", &run.support.unsupported), ("spans.csv", &run.support.spans)] {
         folder.write_list(name, !list.is_empty(), |out| pieces(run, list, out))?;
@@ -100,14 +101,12 @@ fn left_out(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
     })
 }
 
-/// Neighbours that turn by more than they should.
+/// Where the nozzle turns too far for its way: paths are cut there, or it turns slowly.
 fn turns(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> {
-    writeln!(out, "layer,path,waypoint,x,y,z,turn_deg,why")?;
-    let gouging: HashSet<(usize, usize)> = run.resolved.left.iter().map(|gouge| (gouge.path, gouge.waypoint)).collect();
-    run.resolved.sharp.iter().try_for_each(|turn| {
-        let gouges = [0, 1].iter().any(|next| gouging.contains(&(turn.path, turn.waypoint + next)));
-        let why = if gouges { "beside a waypoint that gouges" } else { "no directions in between are free" };
-        writeln!(out, "{},{:.2},{why}", place(run, turn.path, turn.waypoint), turn.angle.to_degrees())
+    writeln!(out, "layer,path,waypoint,x,y,z,turn_deg,how")?;
+    let cut = run.resolved.cut_turns.iter().map(|turn| (turn, "cut"));
+    cut.chain(run.resolved.sharp.iter().map(|turn| (turn, "slow"))).try_for_each(|(turn, how)| {
+        writeln!(out, "{},{:.2},{how}", place(run, turn.path, turn.waypoint), turn.angle.to_degrees())
     })
 }
 
@@ -155,7 +154,10 @@ pub fn summary(
         .set("raw_max_turn_deg", run.before.largest.to_degrees())?
         .set("mean_turn_deg", resolved.turns.mean.to_degrees())?
         .set("max_turn_deg", resolved.turns.largest.to_degrees())?
-        .set("sharp_orientation_turns", resolved.sharp.len())?
+        .set("sharpest_turn_deg_mm", resolved.turns.max_per_mm.to_degrees())?
+        .set("cut_turns", resolved.cut_turns.len())?
+        .set("slow_turns", resolved.sharp.len())?
+        .set("turn_gaps_mm", resolved.gaps)?
         .set("gouging_before", resolved.gouging_before)?
         .set("gouging_waypoints", resolved.left.len())?
         .set("gouging_of_own_layer", resolved.left.iter().filter(|gouge| gouge.own_layer).count())?

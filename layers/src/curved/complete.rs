@@ -8,7 +8,7 @@
 
 use super::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
 use super::cells::Cells;
-use super::distance::STEPS_PER_LAYER;
+use super::distance::{DirectedOptions, STEPS_PER_LAYER};
 use super::distance_part::by_distance;
 use super::growth::{Growth, GrowthError};
 use super::nozzle::{NozzleRule, grow_with_nozzle};
@@ -68,6 +68,8 @@ pub struct CompleteOptions {
     pub nozzle: NozzleUse,
     /// The nozzle.
     pub rule: NozzleRule,
+    /// What a directed field is to be like.
+    pub directed: DirectedOptions,
     /// Support for what is missed; `None` for no support. Default: columns as [`SupportOptions`] has them.
     pub support: Option<SupportOptions>,
 }
@@ -76,7 +78,8 @@ impl Default for CompleteOptions {
     fn default() -> Self {
         let support = Some(SupportOptions::default());
         let layers_by = LayersBy::default();
-        CompleteOptions { layers_by, nozzle: NozzleUse::default(), rule: NozzleRule::default(), support }
+        let (nozzle, rule, directed) = (NozzleUse::default(), NozzleRule::default(), DirectedOptions::default());
+        CompleteOptions { layers_by, nozzle, rule, directed, support }
     }
 }
 

@@ -38,7 +38,8 @@ impl Workpiece<'_> {
             let base: Vec<u32> = standing(cells, platform, &rules)?.into_iter().filter(is_base).collect();
             match layers_by {
                 LayersBy::Directed => {
-                    grow_directed(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress)
+                    let CompleteOptions { rule, directed, .. } = options;
+                    grow_directed(cells, cell_mm, platform, &rules, Some(&base), rule, directed, progress)
                 }
                 _ => grow_by_distance(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress),
             }

@@ -55,7 +55,9 @@ pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
 pub use complete::{CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet};
-pub use distance::{DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance, grow_directed};
+pub use distance::{
+    DirectedOptions, DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance, grow_directed,
+};
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,

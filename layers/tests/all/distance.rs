@@ -4,9 +4,9 @@ use crate::common::{BOX, Part, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, DistanceOrder, GrowthError, JudgedByNozzle, LayerOrder, LayersBy, LayersError, NozzleRule,
-    NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle, cell_mesh, distance_field,
-    distance_layers, grow_by_distance, grow_directed,
+    Cells, CompleteOptions, DirectedOptions, DistanceOrder, GrowthError, JudgedByNozzle, LayerOrder, LayersBy,
+    LayersError, NozzleRule, NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle,
+    cell_mesh, distance_field, distance_layers, grow_by_distance, grow_directed,
 };
 use curvlay_layers::nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
@@ -35,7 +35,8 @@ fn grown(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
 }
 
 fn directed(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
-    grow_directed(&part.cells(), 1.0, &part.platform, &Rules::default(), None, nozzle, &go).unwrap()
+    grow_directed(&part.cells(), 1.0, &part.platform, &Rules::default(), None, nozzle, &DirectedOptions::default(), &go)
+        .unwrap()
 }
 
 /// Faults of an order by distance, in words; nothing if it passes.
@@ -175,6 +176,25 @@ fn a_dome_closes_from_its_inside_out() {
 fn an_arch_closes_as_a_valley() {
     let arch = part([24, 5, 26], |[x, _, z]| !(4..20).contains(&x) || z >= 16);
     let nozzle = NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() };
+    // How far its layers lean is an option.
+    let leaning = |tilt: f64| {
+        let (cells, rules, options) = (arch.cells(), Rules::default(), DirectedOptions { max_tilt: Some(tilt) });
+        grow_directed(&cells, 1.0, &arch.platform, &rules, None, &nozzle, &options, &go)
+    };
+    for tilt in [-0.1, 1.6, f64::NAN] {
+        assert!(
+            matches!(leaning(tilt), Err(GrowthError::LayerTilt { tilt: told }) if told.to_bits() == tilt.to_bits())
+        );
+    }
+    let level = leaning(0.0).unwrap();
+    let cells = arch.cells();
+    for cell in cells.iter() {
+        let [x, y, z] = cells.position(cell);
+        let (height, value) = (f64::from(z) + 0.5, level.field.value(cell).unwrap());
+        // Only what hangs over nothing comes later than its height.
+        let stands = (0..z).all(|z| cells.contains([x, y, z]));
+        assert!(if stands { (value - height).abs() < 1e-3 } else { value > height - 1e-3 }, "{cell}: {value} {height}");
+    }
     let [by_distance, directed] = [grown(&arch, &nozzle), directed(&arch, &nozzle)];
     assert_eq!([&by_distance, &directed].map(|made| faults(&arch, &nozzle, made)), [None, None]);
     let missed = [&by_distance, &directed].map(|made| made.growth.missed.len());

@@ -15,7 +15,7 @@
 //! [`LayerStack::travels`]: super::LayerStack::travels
 
 use super::kind::BeadKind;
-use super::orientation::{JOINED, ToolPath, Waypoint, angle};
+use super::orientation::{ToolPath, Waypoint, angle};
 use super::pose::Pose;
 use crate::gcode;
 use nalgebra::{Point3, UnitVector3};
@@ -384,7 +384,7 @@ impl Planner<'_> {
         };
         let arrival = above(to.tip, to.direction);
         if let (Some((tip, direction)), Some(before)) = (self.at, path.checked_sub(1)) {
-            if (tip - to.tip).norm() <= JOINED {
+            if (Pose { tip, direction }).joins(&Pose { tip: to.tip, direction: to.direction }) {
                 if direction != to.direction {
                     self.go(MoveKind::Travel, path, 0, to.tip, to.direction);
                 }

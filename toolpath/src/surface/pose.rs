@@ -3,6 +3,11 @@
 use super::orientation::{along, angle};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
+/// Paths join, without a travel in between, where their ends are no farther apart than this, in millimetres, and the nozzle turns by no
+/// more than that, in radians: what it turns on a tenth of a millimetre of a path. Farther, it would turn while it stands in the bead.
+const JOINED_MM: f64 = 1e-6;
+const JOINED_TURN: f64 = 1_f64.to_radians();
+
 /// Where the tip is and how the nozzle stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
@@ -17,6 +22,11 @@ impl Pose {
     pub(super) fn toward(&self, to: &Pose, share: f64) -> Option<Pose> {
         let direction = along(&self.direction, &to.direction, share)?;
         Some(Pose { tip: self.tip + (to.tip - self.tip) * share, direction })
+    }
+
+    /// Whether a path that ends here and one that begins at another pose join.
+    pub(super) fn joins(&self, to: &Pose) -> bool {
+        (self.tip - to.tip).norm() <= JOINED_MM && angle(&self.direction, &to.direction) <= JOINED_TURN
     }
 }
 

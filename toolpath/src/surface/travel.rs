@@ -24,7 +24,7 @@
 //! the lowest straight one.
 
 use super::gouging::{GougingError, Nozzle, Obstacle, Scene, Stand};
-use super::orientation::{JOINED, ToolPath, Waypoint, along, angle};
+use super::orientation::{ToolPath, Waypoint, along, angle};
 use super::parallel;
 use super::pose::{Pose, farthest, lean};
 use super::stack::{Built, LayerStack};
@@ -173,7 +173,7 @@ impl LayerStack<'_> {
         let lifts = options.lifts();
         let work = |k: usize, to: &ToolPath| {
             let (from, to_start) = (paths[k.checked_sub(1)?].waypoints.last()?, to.waypoints.first()?);
-            if (from.tip - to_start.tip).norm() <= JOINED {
+            if lifted(from, 0.0).joins(&lifted(to_start, 0.0)) {
                 return None;
             }
             let built = boxes[to.layer as usize];

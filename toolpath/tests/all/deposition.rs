@@ -92,10 +92,14 @@ fn between_paths_it_retracts_hops_and_primes() {
     on.waypoints.iter_mut().for_each(|w| w.arc -= 2.0);
     assert_eq!(kinds(&deposit(&[one.clone(), on.clone()], &options).unwrap()), [Travel, Travel, Print, Print]);
     // Where only the direction changes it turns on the spot, which takes its time but has no speed of its own.
-    on.waypoints.iter_mut().for_each(|w| w.direction = Vector3::x_axis());
-    let plan = deposit(&[one.clone(), on], &options).unwrap();
+    let lean = |degrees: f64| Unit::new_normalize(Vector3::new(degrees.to_radians().tan(), 0.0, 1.0));
+    on.waypoints.iter_mut().for_each(|w| w.direction = lean(0.9));
+    let plan = deposit(&[one.clone(), on.clone()], &options).unwrap();
     assert_eq!(kinds(&plan), [Travel, Travel, Print, Travel, Print]);
-    assert!((plan.moves[3].seconds - 0.5).abs() < 1e-9 && plan.moves[3].feed >= options.travel_feed);
+    assert!((plan.moves[3].seconds - 0.005).abs() < 1e-9 && plan.moves[3].feed >= options.travel_feed);
+    // Where it changes by more the nozzle would turn in the bead: it leaves and comes back.
+    on.waypoints.iter_mut().for_each(|w| w.direction = lean(1.1));
+    assert_eq!(kinds(&deposit(&[one.clone(), on], &options).unwrap()), expected);
     // The same within a path, with a bead around the tip and without any.
     for (arc, feed) in [(2.3, 0.3 * 0.64 / (PI / 4.0 * 1.75 * 1.75) / 0.5), (2.0, options.max_feed)] {
         let mut turning = one.clone();

@@ -28,7 +28,7 @@ fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions)
 fn alone() -> GougingOptions {
     let default = GougingOptions::default();
     let never = GougingOptions { max_lift: 0.0, max_depth: f64::INFINITY, ..default };
-    GougingOptions { max_turn: PI, own_layer: false, plate: false, ..never }
+    GougingOptions { max_turn: PI, max_turn_per_mm: f64::INFINITY, own_layer: false, plate: false, ..never }
 }
 
 #[test]
@@ -421,7 +421,7 @@ fn along_the_wall(options: &GougingOptions) -> (Vec<ToolPath>, ResolvedPaths) {
 #[test]
 fn tilts_are_ramped_along_the_path() {
     let (before, resolved) = along_the_wall(&GougingOptions::default());
-    assert!(resolved.gouging_before > 20 && resolved.left.is_empty() && resolved.sharp.is_empty(), "{resolved:?}");
+    assert!(resolved.gouging_before > 20 && resolved.left.is_empty() && resolved.cut_turns.is_empty(), "{resolved:?}");
     assert!(resolved.tilted > resolved.gouging_before);
     assert!(resolved.turns.largest <= 10_f64.to_radians() + 1e-8);
     // Tips stay, far from the wall directions too, and everything is still free.
@@ -492,6 +492,8 @@ fn paths_and_options_that_cannot_be_used_are_named() {
         ("max_depth", GougingOptions { max_depth: f64::NAN, ..default }),
         ("max_tilt", GougingOptions { max_tilt: 4.0, ..default }),
         ("max_turn", GougingOptions { max_turn: 0.0, ..default }),
+        ("max_turn_per_mm", GougingOptions { max_turn_per_mm: 0.0, ..default }),
+        ("max_turn_per_mm", GougingOptions { max_turn_per_mm: f64::NAN, ..default }),
         ("plate_clearance", GougingOptions { plate_clearance: -0.1, ..default }),
         ("plate_clearance", GougingOptions { plate_clearance: f64::INFINITY, ..default }),
     ] {

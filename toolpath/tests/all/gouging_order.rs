@@ -22,7 +22,8 @@ fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions)
 
 /// No smoothing, nothing left out, nothing raised.
 fn rough_turns() -> GougingOptions {
-    GougingOptions { max_turn: PI, plate: false, max_lift: 0.0, max_depth: f64::INFINITY, ..GougingOptions::default() }
+    let never = GougingOptions { max_lift: 0.0, max_depth: f64::INFINITY, ..GougingOptions::default() };
+    GougingOptions { max_turn: PI, max_turn_per_mm: f64::INFINITY, plate: false, ..never }
 }
 
 /// A narrow groove of one layer. Along its front half both sides are laid before the bottom, along its back half after it; so

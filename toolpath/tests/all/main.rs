@@ -49,6 +49,7 @@ mod stiffness;
 mod strips;
 mod support;
 mod travel;
+mod turns;
 mod vtp;
 mod with_support;
 mod zigzag;

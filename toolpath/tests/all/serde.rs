@@ -55,5 +55,5 @@ fn reports_come_back() {
     let filled = fill_layers(&[surface], &options, &|_| ControlFlow::Continue(())).unwrap();
     comes_back(&filled.totals());
     comes_back(&filled.layers[0].as_ref().unwrap().statistics);
-    comes_back(&Turns { steps: 3, largest: 0.1 + 0.2, mean: 1.0 / 3.0 });
+    comes_back(&Turns { steps: 3, largest: 0.1 + 0.2, mean: 1.0 / 3.0, max_per_mm: 2.0 / 3.0 });
 }

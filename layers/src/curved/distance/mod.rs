@@ -29,6 +29,7 @@ use super::platform::Platform;
 use super::rules::Rules;
 use super::standing::standing;
 use super::surface::{FieldError, LayerField};
+pub use directed::DirectedOptions;
 use nalgebra::Vector3;
 pub use reach::{DistanceOrder, grow_by_distance, grow_directed};
 

@@ -18,7 +18,7 @@ use super::super::rules::Rules;
 use super::super::standing::{joined, standing};
 use super::super::surface::{LayerField, in_parallel};
 use super::delayed::{Floors, delay};
-use super::directed::{directed, max_tilt};
+use super::directed::{DirectedOptions, directed};
 use super::lifted::lifted;
 use super::march::distances;
 use super::{HALF_LAYERS, STEPS_PER_LAYER, beside, in_cells, slope, solved};
@@ -107,27 +107,30 @@ pub fn grow_by_distance(
 /// missed, and support carries it.
 ///
 /// # Arguments
-/// * as for [`grow_by_distance`].
+/// * `options`: how far its layers lean.
+/// * all others as for [`grow_by_distance`].
 ///
 /// # Errors
-/// As for [`grow_by_distance`].
+/// As for [`grow_by_distance`]; [`GrowthError::LayerTilt`].
 ///
 /// # Cost
 /// That of a round of [`grow_by_distance`], and of a linear system: `n` times the length of the part in cells, some 0.2 s for 60,000 cells, one thread.
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, NozzleRule, Platform, Rules, grow_directed};
+/// use curvlay_layers::curved::{Cells, DirectedOptions, NozzleRule, Platform, Rules, grow_directed};
 /// use std::ops::ControlFlow::Continue;
-/// // A mast of 12 cells of 5 mm with an arm at its top: its layers lean by 43 degrees.
+/// // A mast of 12 cells of 5 mm with an arm at its top: its layers lean by 39 degrees.
 /// let mut rows = vec![0b00_0001; 12];
 /// rows[11] = 0b11_1111;
 /// let cells = Cells::new([6, 1, 12], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
-/// let order = grow_directed(&cells, 5.0, &platform, &rules, None, &NozzleRule::default(), &|_| Continue(()))?;
+/// let (nozzle, options) = (NozzleRule::default(), DirectedOptions::default());
+/// let order = grow_directed(&cells, 5.0, &platform, &rules, None, &nozzle, &options, &|_| Continue(()))?;
 /// assert!(order.growth.missed.is_empty() && order.field.half_layers().is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[expect(clippy::too_many_arguments, reason = "as grow_by_distance, and its options")]
 pub fn grow_directed(
     cells: &Cells,
     cell_mm: f64,
@@ -135,11 +138,13 @@ pub fn grow_directed(
     rules: &Rules,
     base: Option<&[u32]>,
     nozzle: &NozzleRule,
+    options: &DirectedOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
+    let tilt = options.tilt_for(nozzle)?;
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let base = &job.base;
-    let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), max_tilt(nozzle));
+    let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), tilt);
     let grown = job.grown(in_cells(cells, lifted(cells, base, &directed)).with_half_layers(Some(HALF_LAYERS)))?;
     Ok(job.order(grown, 0))
 }

@@ -182,6 +182,12 @@ pub enum GrowthError {
         /// The cell.
         cell: u32,
     },
+    /// Layers cannot lean so far.
+    #[error("layers may lean by 0 to less than 90 degrees, not by {}", tilt.to_degrees())]
+    LayerTilt {
+        /// The angle from level, in radians.
+        tilt: f64,
+    },
     /// The nozzle cannot be judged by.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),

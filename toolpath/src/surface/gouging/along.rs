@@ -3,13 +3,20 @@
 //! 1. Each waypoint that gouges gets its least tilt; where the limit leaves none, the least one from a direction that is known there. What decides whether a path is printed from its start or its end is known after this
 //!    step; all others are done once. The tip of a waypoint that no tilt frees is raised along the direction wanted, as little as frees it; it turns
 //!    no more. Where the limit leaves no such height, it gets the direction that is least deep.
-//! 2. Where neighbours then differ by more than the limit, one is turned toward the other, on along the path until the
-//!    difference is used up: forward, then backward. So a tilt is ramped up before the place that needs it, and down behind.
-//! 3. Where that does not do, points are put between, each freed on its own, and step 2 is repeated around them.
+//! 2. Where neighbours then differ by more than the limit (degrees a millimetre of the way, and degrees in all), one is turned toward the
+//!    other, on along the path until the difference is used up: forward, then backward. So a tilt is ramped up before the place that needs
+//!    it, and down behind.
+//! 3. Where a step is so long that the way allows more than the limit of a turn, points are put between, each freed on its own, and step 2
+//!    is repeated around them.
 //! 4. Around tilted waypoints directions become the means of their neighbours, round by round.
-//! 5. Waypoints that were only put between and that no tilt frees are taken out again: a sharp turn that is listed is better.
+//! 5. Waypoints that were only put between and that no tilt frees are taken out again.
 //! 6. Between neighbours that are free the nozzle may still gouge; it is looked at every eighth of the way, and where it does a
 //!    point is put between and freed, so that the straight way of a machine goes round. That is repeated with the parts.
+//! 7. Where the nozzle would still turn by more on one millimetre than the limit allows, the two neighbours that turn most are turned to
+//!    the nearest pair of directions that are free, one at each of them (alternating projections), if the path then has fewer such places.
+//! 8. At those that are left the path is cut: the nozzle leaves the part, turns, and comes back. The first piece ends where the second
+//!    begins, or as near to that as both are free. If more than the width of the bead would be missing in between and the way is free, it turns
+//!    there all the same, and slowly, which is listed.
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
@@ -43,6 +50,19 @@ const NEAR_ROUNDING: f64 = 1e-9;
 const MEANS: usize = 6;
 const AROUND: usize = 8;
 
+/// Rounds of step 7 for a pair. Most pairs that meet at all do so in the first two.
+const MEETINGS: usize = 4;
+
+/// Turns are limited on each millimetre of a path: neighbours may be so near to each other that hardly any turn is gentle, and slower is
+/// then enough.
+const WINDOW_MM: f64 = 1.0;
+
+/// A cut leaves out no more than is not free, to one of so many parts of the step.
+const ENDS: u8 = 8;
+
+/// Length of the path of a waypoint between two cuts: far below what any machine can tell, so the nozzle is as free.
+const DOT_MM: f64 = 1e-3;
+
 /// Turns of a direction by less than this in step 4, in radians, are not worth a check.
 const SMALL: f64 = 0.004;
 
@@ -63,6 +83,10 @@ pub(super) struct FreedPath {
     pub left: Vec<(usize, Gouge)>,
     /// Whether they go from the end of the path given to its start.
     pub reversed: bool,
+    /// Where the path is cut at a turn: the first waypoint of each further piece, and the turn that it saves, in radians.
+    pub cuts: Vec<(usize, f64)>,
+    /// Where it turns more sharply than it should and is not cut: the second waypoint, and the turn.
+    pub sharp: Vec<(usize, f64)>,
 }
 
 /// A waypoint on its way.
@@ -80,6 +104,10 @@ struct Step {
     given: Option<usize>,
     /// The directions of the step before and of this one when the way between them was looked at and found free.
     looked: Option<[UnitVector3<f64>; 2]>,
+    /// The path is cut before it, since it would turn by so much from the step before.
+    cut: Option<f64>,
+    /// It turns from the step before by so much, which is too far, and the path is not cut.
+    sharp: Option<f64>,
 }
 
 struct Walker<'a> {
@@ -139,12 +167,12 @@ impl<'a> Tilted<'a> {
         let Tilted(mut walker) = self;
         let given = walker.steps.len();
         let gouging_before = walker.steps.iter().filter(|step| step.gouged).count();
-        if gouging_before > 0 {
-            for k in 0..given {
-                if walker.steps[k].stuck && !walker.raise(k) {
-                    walker.sink(k);
-                }
+        for k in 0..given {
+            if walker.steps[k].stuck && !walker.raise(k) {
+                walker.sink(k);
             }
+        }
+        if gouging_before > 0 || walker.sharp().next().is_some() {
             for _ in 0..INSERTIONS {
                 walker.ramp();
                 if !walker.insert() {
@@ -153,15 +181,18 @@ impl<'a> Tilted<'a> {
             }
             walker.ramp();
             walker.means();
-            // A turn that is listed is better than waypoints in it that gouge.
             walker.steps.retain(|step| !(step.stuck && step.waypoint.added));
         }
         for _ in 0..DIVISIONS {
-            if !walker.divide() {
+            let divided = walker.divide();
+            if divided {
+                walker.ramp();
+            }
+            if !walker.meet() && !divided {
                 break;
             }
-            walker.ramp();
         }
+        walker.cut();
         let (kept, all) = (walker.steps.iter().filter(|step| step.given.is_some()).count(), walker.steps.len());
         let (added, taken_out) = (all - kept, given - kept);
         FreedPath { gouging_before, added, taken_out, ..walker.finish(layer) }
@@ -170,7 +201,17 @@ impl<'a> Tilted<'a> {
 
 impl Step {
     fn new(waypoint: Waypoint, before: u32, given: Option<usize>) -> Self {
-        Step { waypoint, wanted: waypoint.direction, before, stuck: false, gouged: false, given, looked: None }
+        Step {
+            waypoint,
+            wanted: waypoint.direction,
+            before,
+            stuck: false,
+            gouged: false,
+            given,
+            looked: None,
+            cut: None,
+            sharp: None,
+        }
     }
 
     /// Whether no tilt frees it, and it is not taken out.
@@ -201,8 +242,11 @@ impl<'a> Walker<'a> {
 
 impl Walker<'_> {
     fn stand(&self, k: usize) -> Stand {
-        let Step { waypoint, before, .. } = self.steps[k];
-        Stand { tip: waypoint.tip, before, allowed: self.options.allowed_depth }
+        self.stand_of(&self.steps[k])
+    }
+
+    fn stand_of(&self, step: &Step) -> Stand {
+        Stand { tip: step.waypoint.tip, before: step.before, allowed: self.options.allowed_depth }
     }
 
     fn is_free(&mut self, k: usize, direction: &UnitVector3<f64>) -> bool {
@@ -319,6 +363,17 @@ impl Walker<'_> {
         angle(&self.steps[k].waypoint.direction, &self.steps[other].waypoint.direction)
     }
 
+    /// The largest turn that may be between two neighbours.
+    fn limit(&self, k: usize, other: usize) -> f64 {
+        let way = (self.steps[k].waypoint.tip - self.steps[other].waypoint.tip).norm();
+        self.options.max_turn.min(self.options.max_turn_per_mm * way)
+    }
+
+    /// Waypoints that turn too far from the one before.
+    fn sharp(&self) -> impl Iterator<Item = usize> {
+        (1..self.steps.len()).filter(|&k| self.turn(k - 1, k) > self.limit(k - 1, k) + ROUNDING)
+    }
+
     /// Step 2.
     fn ramp(&mut self) {
         for k in 1..self.steps.len() {
@@ -331,7 +386,7 @@ impl Walker<'_> {
 
     /// Turns waypoint `k` toward `leader` until they differ by no more than the limit, if that is free.
     fn follow(&mut self, leader: usize, k: usize) {
-        let (limit, turn) = (self.options.max_turn, self.turn(leader, k));
+        let (limit, turn) = (self.limit(leader, k), self.turn(leader, k));
         if turn <= limit + ROUNDING || self.steps[k].is_fixed() {
             return;
         }
@@ -350,12 +405,19 @@ impl Walker<'_> {
     /// Step 3; whether there was anything to do.
     fn insert(&mut self) -> bool {
         let limit = self.options.max_turn;
-        if (1..self.steps.len()).all(|k| self.turn(k - 1, k) <= limit + ROUNDING) {
+        // More points do not make a turn gentler that the way is too short for.
+        let helps = |last: &Step, step: &Step| {
+            let way = (step.waypoint.tip - last.waypoint.tip).norm();
+            let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
+            turn > limit + ROUNDING && turn <= self.options.max_turn_per_mm * way + ROUNDING
+        };
+        let long: Vec<bool> = self.steps.windows(2).map(|pair| helps(&pair[0], &pair[1])).collect();
+        if !long.contains(&true) {
             return false;
         }
         let old = std::mem::take(&mut self.steps);
-        for step in old {
-            if let Some(last) = self.steps.last().copied() {
+        for (k, step) in old.into_iter().enumerate() {
+            if let Some(last) = self.steps.last().filter(|_| long[k - 1]).copied() {
                 for waypoint in between(&last.waypoint, &step.waypoint, limit) {
                     self.steps.push(Step::new(waypoint, last.before, None));
                     self.free(self.steps.len() - 1);
@@ -375,7 +437,6 @@ impl Walker<'_> {
                 around[k.saturating_sub(AROUND)..(k + AROUND + 1).min(count)].fill(true);
             }
         }
-        let limit = self.options.max_turn;
         for _ in 0..MEANS {
             for k in (1..count.saturating_sub(1)).filter(|&k| around[k]) {
                 if self.steps[k].is_fixed() {
@@ -386,8 +447,10 @@ impl Walker<'_> {
                 let Some(mean) = Unit::try_new(sum, 0.0) else {
                     continue;
                 };
-                let sound = |other: &UnitVector3<f64>| angle(other, &mean) <= limit.max(angle(other, &here));
-                if angle(&mean, &here) > SMALL && sound(&last) && sound(&next) && self.is_free(k, &mean) {
+                let sound =
+                    |other: &UnitVector3<f64>, limit: f64| angle(other, &mean) <= limit.max(angle(other, &here));
+                let are_sound = sound(&last, self.limit(k - 1, k)) && sound(&next, self.limit(k, k + 1));
+                if angle(&mean, &here) > SMALL && are_sound && self.is_free(k, &mean) {
                     self.steps[k].waypoint.direction = mean;
                 }
             }
@@ -464,16 +527,196 @@ impl Walker<'_> {
         tilted.is_some()
     }
 
+    /// Step 7; whether any two came nearer.
+    fn meet(&mut self) -> bool {
+        let mut any = false;
+        let mut cuts = self.cuts();
+        for k in cuts.clone() {
+            let before = self.steps.clone();
+            if self.meet_at(k) {
+                self.follow_around(k);
+            }
+            let now = self.cuts();
+            if now.len() < cuts.len() {
+                (any, cuts) = (true, now);
+            } else {
+                self.steps = before;
+            }
+        }
+        any
+    }
+
+    /// Where the path is to be cut, so that on no millimetre of a piece the nozzle turns by more than the limit: the first waypoints of the
+    /// pieces behind. Of the steps of such a millimetre it is the one that turns most for its length.
+    fn cuts(&self) -> Vec<usize> {
+        let GougingOptions { max_turn, max_turn_per_mm: per_mm, .. } = *self.options;
+        let way = |k: usize| (self.steps[k].waypoint.tip - self.steps[k - 1].waypoint.tip).norm();
+        let excess = |k: usize| self.turn(k - 1, k) - per_mm * way(k);
+        let (mut cuts, mut piece) = (Vec::new(), 0);
+        let mut k = 1;
+        while k < self.steps.len() {
+            let (mut from, mut length) = (k, 0.0);
+            let is_sharp = loop {
+                from -= 1;
+                length += way(from + 1);
+                let limit = per_mm * f64::max(length, WINDOW_MM);
+                let limit = if from + 1 == k { limit.min(max_turn) } else { limit };
+                if self.turn(from, k) > limit + ROUNDING {
+                    break true;
+                }
+                if from == piece || length >= WINDOW_MM {
+                    break false;
+                }
+            };
+            if is_sharp {
+                let sharpest = (from + 1..=k).max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
+                piece = sharpest.unwrap_or(k);
+                cuts.push(piece);
+                k = piece;
+            }
+            k += 1;
+        }
+        cuts
+    }
+
+    /// Turns a waypoint and the one before to the nearest pair of free directions that is found; whether they are near enough.
+    fn meet_at(&mut self, k: usize) -> bool {
+        for _ in 0..MEETINGS {
+            for (leader, other) in [(k, k - 1), (k - 1, k)] {
+                if self.turn(k - 1, k) <= self.limit(k - 1, k) + ROUNDING {
+                    return true;
+                }
+                if self.steps[other].is_fixed() {
+                    continue;
+                }
+                let wanted = self.steps[leader].waypoint.direction;
+                self.points.clear();
+                if let Some(direction) = self.least_tilt(other, wanted, self.turn(k - 1, k)) {
+                    self.steps[other].waypoint.direction = direction;
+                }
+            }
+        }
+        self.turn(k - 1, k) <= self.limit(k - 1, k) + ROUNDING
+    }
+
+    /// Step 2 from a waypoint and the one before to both ends.
+    fn follow_around(&mut self, k: usize) {
+        for k in k + 1..self.steps.len() {
+            self.follow(k - 1, k);
+        }
+        for k in (1..k).rev() {
+            self.follow(k, k - 1);
+        }
+    }
+
+    /// Step 8.
+    fn cut(&mut self) {
+        let mut cuts = self.cuts().into_iter().peekable();
+        let old = std::mem::take(&mut self.steps);
+        // A point put between is looked at with what is there at the sample before. Where a piece begins with it, that one's bead lies there too.
+        let (mut is_cut, mut begun) = (false, None);
+        for (k, &step) in old.iter().enumerate() {
+            is_cut |= cuts.next_if_eq(&k).is_some();
+            if is_cut {
+                begun = old[k..].iter().find(|step| !step.waypoint.added).map(|sample| sample.before);
+            }
+            let step = Step { before: begun.filter(|_| step.waypoint.added).unwrap_or(step.before), ..step };
+            begun = begun.filter(|_| step.waypoint.added);
+            if begun.is_some() && !self.scene.is_free(self.stand_of(&step), &step.waypoint.direction, &mut self.stack) {
+                continue;
+            }
+            if !is_cut {
+                self.steps.push(step);
+                continue;
+            }
+            is_cut = false;
+            let last = self.steps[self.steps.len() - 1];
+            let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
+            let [end, start] = self.ends_between(&last, &step);
+            let tip = |between: Option<Step>, other: &Step| between.unwrap_or(*other).waypoint.tip;
+            let gap = (tip(start, &step) - tip(end, &last)).norm();
+            if gap > step.waypoint.width && self.is_way_free(&last, &step) {
+                self.steps.push(Step { sharp: Some(turn), ..step });
+                continue;
+            }
+            let pieces = [end, start.map(|start| Step { cut: Some(turn), ..start })];
+            self.steps.extend(pieces.into_iter().flatten());
+            self.steps.push(Step { cut: start.is_none().then_some(turn), ..step });
+        }
+        self.keep_lone();
+    }
+
+    /// A waypoint between two cuts is no path. It becomes one of [`DOT_MM`], so that what is built where does not change.
+    fn keep_lone(&mut self) {
+        let old = std::mem::take(&mut self.steps);
+        let begins = |k: usize| old.get(k).is_none_or(|step| k == 0 || step.cut.is_some());
+        for (k, &step) in old.iter().enumerate() {
+            if !(begins(k) && begins(k + 1)) {
+                self.steps.push(step);
+                continue;
+            }
+            let mut dot = step;
+            let onward = old.get(k + 1).map(|next| (next.waypoint.tip, 1.0));
+            let (toward, sign) =
+                onward.or_else(|| Some((old.get(k - 1)?.waypoint.tip, -1.0))).unwrap_or((step.waypoint.tip, 1.0));
+            let way = (toward - step.waypoint.tip).try_normalize(0.0).unwrap_or_default() * DOT_MM;
+            dot.waypoint = Waypoint {
+                tip: step.waypoint.tip + way,
+                arc: step.waypoint.arc + sign * DOT_MM,
+                added: true,
+                ..step.waypoint
+            };
+            (dot.given, dot.cut) = (None, None);
+            if sign > 0.0 {
+                self.steps.extend([step, dot]);
+            } else {
+                self.steps.extend([Step { cut: step.cut, ..dot }, Step { cut: None, ..step }]);
+            }
+        }
+    }
+
+    /// Where the piece before a cut may end, standing as it does, and the next one begin, nearer to each other than the two waypoints that they
+    /// end and begin with: at one place, if both are free there.
+    fn ends_between(&mut self, last: &Step, step: &Step) -> [Option<Step>; 2] {
+        // What the piece before has laid is there when the next one begins.
+        let at = |of: &Step, share: f64| {
+            let stand = |step: &Step| Waypoint { direction: of.waypoint.direction, ..step.waypoint };
+            let waypoint = part_way(&stand(last), &stand(step), share)?;
+            Some(Step::new(waypoint, of.before, None))
+        };
+        let shares = (0..=ENDS).map(|k| f64::from(k) / f64::from(ENDS));
+        let end = shares.clone().rev().find_map(|share| {
+            let end = at(last, share).filter(|end| share > 0.0 && self.is_way_free(last, end))?;
+            Some((share, end))
+        });
+        let from = end.map_or(0.0, |(share, _)| share);
+        let start = shares.filter(|&share| (from..1.0).contains(&share));
+        let start = start.filter_map(|share| at(step, share)).find(|start| self.is_way_free(start, step));
+        [end.map(|(_, end)| end), start]
+    }
+
+    /// Whether two waypoints and the way between them are free of what is there at either.
+    fn is_way_free(&mut self, last: &Step, step: &Step) -> bool {
+        let before = last.before.max(step.before);
+        self.gather(last, step, before);
+        let stand = |step: &Step| Stand { tip: step.waypoint.tip, before, allowed: self.options.allowed_depth };
+        let is_free = |step: &Step| self.scene.is_free_of(&self.near, stand(step), &step.waypoint.direction);
+        is_free(last) && is_free(step) && self.is_free_between(&Step { before, ..*last }, step)
+    }
+
     /// What came of it; `layer` is the number of the first waypoint of the layer.
     fn finish(mut self, layer: u32) -> FreedPath {
         let stuck = |k: &usize| self.steps[*k].stuck;
-        // What was put between and is not free has been taken out.
-        let given = |k: usize| Some((k, self.steps[k].given?));
+        // What was put between and is not free has been taken out, but for what makes a path of a waypoint given.
+        let beside = |k: usize| [Some(k), k.checked_sub(1), Some(k + 1)].into_iter().flatten();
+        let given = |k: usize| Some((k, beside(k).find_map(|k| self.steps.get(k)?.given)?));
         let stuck: Vec<_> = (0..self.steps.len()).filter(stuck).filter_map(given).collect();
         let left = stuck.into_iter().filter_map(|(k, given)| Some((given, self.gouge(k, layer)?))).collect();
         let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.direction)).collect();
+        let cuts = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.cut?))).collect();
+        let sharp = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.sharp?))).collect();
         let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
-        FreedPath { waypoints, tilts, left, ..FreedPath::default() }
+        FreedPath { waypoints, tilts, left, cuts, sharp, ..FreedPath::default() }
     }
 
     /// How a waypoint that no tilt frees gouges.

@@ -22,7 +22,7 @@ mod nozzle;
 mod order;
 mod tilt;
 
-use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns, sharp_turns};
+use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns};
 use super::stack::LayerStack;
 use crate::Progress;
 pub use contact::{ContactError, Contacts, Moment};
@@ -45,6 +45,10 @@ pub struct GougingOptions {
     pub max_tilt: f64,
     /// Directions of neighbours may differ by this: 10 degrees, in radians.
     pub max_turn: f64,
+    /// How far the nozzle may turn on each millimetre of its way: 10 degrees, in radians. Where no directions that are free turn as
+    /// gently as that, the path is cut, and the nozzle turns away from the part. Infinite for any turn.
+    #[cfg_attr(feature = "serde", serde(with = "crate::infinite"))]
+    pub max_turn_per_mm: f64,
     /// Whether beads of the same layer that are laid by then count, too: yes.
     pub own_layer: bool,
     /// Whether a path with waypoints that no tilt frees may be printed from its end to its start, if fewer are left that
@@ -73,6 +77,7 @@ impl Default for GougingOptions {
             allowed_depth: 0.25,
             max_tilt: PI / 2.0,
             max_turn,
+            max_turn_per_mm: max_turn,
             own_layer: true,
             reverse: true,
             cut: true,
@@ -189,11 +194,79 @@ pub struct ResolvedPaths {
     pub left_out: Vec<LeftOut>,
     /// Turns along the paths now.
     pub turns: Turns,
-    /// Neighbours that differ by more than the limit.
+    /// Where paths are cut, since the nozzle would turn too far from one waypoint to the next: the piece that begins there, its first
+    /// waypoint, and the turn that it begins with.
+    pub cut_turns: Vec<SharpTurn>,
+    /// Neighbours between which the nozzle turns more sharply than it should: cut there, more than the width of the bead would be missing, and
+    /// the way is free.
     pub sharp: Vec<SharpTurn>,
+    /// Length of the paths that is not printed at these cuts, in millimetres: the nozzle is free nowhere between the pieces as it stands in
+    /// both. Gaps no longer than the bead is wide do not count: the round ends of the beads fill them.
+    pub gaps: f64,
 }
 
 impl ResolvedPaths {
+    fn none(paths: usize) -> Self {
+        ResolvedPaths {
+            paths: Vec::with_capacity(paths),
+            gouging_before: 0,
+            tilted: 0,
+            max_tilt: 0.0,
+            mean_tilt: 0.0,
+            lifted: 0,
+            max_lift: 0.0,
+            added: 0,
+            taken_out: 0,
+            reversed: Vec::new(),
+            laid_first: Vec::new(),
+            left: Vec::new(),
+            left_out: Vec::new(),
+            turns: Turns::default(),
+            cut_turns: Vec::new(),
+            sharp: Vec::new(),
+            gaps: 0.0,
+        }
+    }
+
+    /// Takes in what came of a path. The mean tilt is their sum as yet.
+    fn take(&mut self, Place { laid, first, freed, .. }: Place) {
+        self.added += freed.added;
+        self.taken_out += freed.taken_out;
+        for &tilt in freed.tilts.iter().filter(|&&tilt| tilt > 0.0) {
+            self.tilted += 1;
+            self.max_tilt = self.max_tilt.max(tilt);
+            self.mean_tilt += tilt;
+        }
+        let lifts = freed.waypoints.iter().filter(|waypoint| !waypoint.added).map(|waypoint| waypoint.lift.norm());
+        for lift in lifts.filter(|&lift| lift > 0.0) {
+            self.lifted += 1;
+            self.max_lift = self.max_lift.max(lift);
+        }
+        let (end, closed) = (freed.waypoints.len(), laid.path.closed && freed.cuts.is_empty());
+        let starts = [None].into_iter().chain(freed.cuts.iter().copied().map(Some));
+        let ends = freed.cuts.iter().map(|&(cut, _)| cut).chain([end]);
+        for (start, end) in starts.zip(ends) {
+            let (from, turn) = start.unwrap_or((0, 0.0));
+            if from > 0 {
+                let gap = (freed.waypoints[from].tip - freed.waypoints[from - 1].tip).norm();
+                self.gaps += if gap > freed.waypoints[from].width { gap } else { 0.0 };
+            }
+            let path = self.paths.len();
+            self.cut_turns.extend(start.map(|_| SharpTurn { path, waypoint: 0, angle: turn }));
+            let sharp = freed.sharp.iter().filter(|(second, _)| (from..end).contains(second));
+            self.sharp.extend(sharp.map(|&(second, angle)| SharpTurn { path, waypoint: second - 1 - from, angle }));
+            self.reversed.extend(freed.reversed.then_some(path));
+            self.laid_first.extend(first.then_some(path));
+            let within = |(_, gouge): &(usize, Gouge)| (from..end).contains(&gouge.waypoint);
+            let left = freed.left.iter().filter(|left| within(left));
+            let mut left: Vec<Gouge> =
+                left.map(|(_, gouge)| Gouge { path, waypoint: gouge.waypoint - from, ..*gouge }).collect();
+            left.sort_by_key(|gouge| gouge.waypoint);
+            self.left.append(&mut left);
+            self.paths.push(ToolPath { waypoints: freed.waypoints[from..end].to_vec(), closed, ..laid.path });
+        }
+    }
+
     /// Where the tip is at each waypoint, path by path.
     pub fn tips(&self) -> impl Iterator<Item = &Point3<f64>> {
         self.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| &waypoint.tip)
@@ -260,6 +333,12 @@ impl GougingOptions {
             ("max_depth", self.max_depth, self.max_depth >= self.allowed_depth, "no less than allowed_depth"),
             ("max_lift", self.max_lift, (0.0..=1.0).contains(&self.max_lift), "0 to 1 layer heights"),
             ("max_turn", self.max_turn, turn, "0.1 to 180 degrees, in radians"),
+            (
+                "max_turn_per_mm",
+                self.max_turn_per_mm,
+                self.max_turn_per_mm >= LEAST_TURN,
+                "0.1 degrees or more, in radians",
+            ),
             ("plate_clearance", clearance, clearance >= 0.0 && clearance.is_finite(), "0 or more, and finite"),
         ];
         match sound.into_iter().find(|(.., sound, _)| !sound) {
@@ -323,46 +402,11 @@ impl LayerStack<'_> {
         self.check_paths(&paths)?;
         let order::Run { places, gouging_before, left_out } =
             order::Resolving { stack: self, nozzle, options, progress }.run(paths)?;
-        let mut resolved = ResolvedPaths {
-            paths: Vec::with_capacity(places.len()),
-            gouging_before,
-            tilted: 0,
-            max_tilt: 0.0,
-            mean_tilt: 0.0,
-            lifted: 0,
-            max_lift: 0.0,
-            added: 0,
-            taken_out: 0,
-            reversed: Vec::new(),
-            laid_first: Vec::new(),
-            left: Vec::new(),
-            left_out,
-            turns: Turns::default(),
-            sharp: Vec::new(),
-        };
-        for (k, Place { laid, first, freed: done, .. }) in places.into_iter().enumerate() {
-            resolved.reversed.extend(done.reversed.then_some(k));
-            resolved.laid_first.extend(first.then_some(k));
-            resolved.added += done.added;
-            resolved.taken_out += done.taken_out;
-            for &tilt in done.tilts.iter().filter(|&&tilt| tilt > 0.0) {
-                resolved.tilted += 1;
-                resolved.max_tilt = resolved.max_tilt.max(tilt);
-                resolved.mean_tilt += tilt;
-            }
-            let lifts = done.waypoints.iter().filter(|waypoint| !waypoint.added).map(|waypoint| waypoint.lift.norm());
-            for lift in lifts.filter(|&lift| lift > 0.0) {
-                resolved.lifted += 1;
-                resolved.max_lift = resolved.max_lift.max(lift);
-            }
-            let mut left: Vec<Gouge> = done.left.into_iter().map(|(_, gouge)| Gouge { path: k, ..gouge }).collect();
-            left.sort_by_key(|gouge| gouge.waypoint);
-            resolved.left.append(&mut left);
-            resolved.paths.push(ToolPath { waypoints: done.waypoints, ..laid.path });
-        }
+        let mut resolved = ResolvedPaths::none(places.len());
+        (resolved.gouging_before, resolved.left_out) = (gouging_before, left_out);
+        places.into_iter().for_each(|place| resolved.take(place));
         resolved.mean_tilt /= resolved.tilted.max(1) as f64;
         resolved.turns = Turns::of(&resolved.paths);
-        resolved.sharp = sharp_turns(&resolved.paths, options.max_turn);
         Ok(resolved)
     }
 

@@ -34,9 +34,6 @@ const MOST_SAMPLES: f64 = 1e8;
 /// Least turn that may be asked for, in radians: 0.1 degrees. Below it a crest would take thousands of points.
 pub(super) const LEAST_TURN: f64 = 0.1_f64.to_radians();
 
-/// Paths whose ends are nearer than this, in millimetres, join: no travel in between.
-pub(super) const JOINED: f64 = 1e-6;
-
 /// How paths are sampled and oriented.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
@@ -139,6 +136,8 @@ pub struct Turns {
     pub largest: f64,
     /// The mean turn, in radians.
     pub mean: f64,
+    /// The largest turn on a millimetre of the way of the tip, in radians; of neighbours that are farther apart their turn by their distance.
+    pub max_per_mm: f64,
 }
 
 impl Turns {
@@ -161,6 +160,19 @@ impl Turns {
             turns.steps += 1;
             turns.largest = turns.largest.max(turn);
             sum += turn;
+        }
+        for path in paths {
+            for (k, from) in path.waypoints.iter().enumerate() {
+                let mut way = 0.0;
+                for (next, pair) in path.waypoints[k..].windows(2).enumerate() {
+                    way += (pair[1].tip - pair[0].tip).norm();
+                    if way > 1.0 && next > 0 {
+                        break;
+                    }
+                    let turn = angle(&from.direction, &pair[1].direction);
+                    turns.max_per_mm = turns.max_per_mm.max(turn / f64::max(way, 1.0));
+                }
+            }
         }
         if turns.steps > 0 {
             turns.mean = sum / turns.steps as f64;
@@ -401,7 +413,7 @@ fn smoothed(path: &mut ToolPath, options: &OrientOptions) {
 }
 
 /// All neighbours that differ by more than `limit`.
-pub(super) fn sharp_turns(paths: &[ToolPath], limit: f64) -> Vec<SharpTurn> {
+fn sharp_turns(paths: &[ToolPath], limit: f64) -> Vec<SharpTurn> {
     let of_path = |(path, waypoints): (usize, &ToolPath)| -> Vec<SharpTurn> {
         let turn = |(waypoint, pair): (usize, &[Waypoint])| {
             let angle = angle(&pair[0].direction, &pair[1].direction);
