@@ -21,7 +21,7 @@ use curvlay_layers::curved::{
     AuditReport, Candidates, Cells, Growth, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions,
     Visit, audit, grow, peel, unbuild,
 };
-use curvlay_layers::planar::slice_uniformly;
+use curvlay_layers::planar::{UniformSlicing, slice_uniformly};
 use curvlay_voxel::TextGrid;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -64,7 +64,19 @@ pub struct Case {
     pub key: String,
     pub drawn: TextGrid,
     pub ways: Ways,
+    pub tuned: Tuned,
+    /// Its levels as layers.
+    pub sliced: UniformSlicing,
 }
+
+/// GCFA-ISP with the threshold that misses least: section 6.2.5.
+pub struct Tuned {
+    pub threshold: u32,
+    pub run: Run,
+}
+
+/// Thresholds that are tried where none is given.
+const THRESHOLDS: [u32; 17] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128, 192];
 
 /// An object on what a set of hardware makes of its small platform.
 pub struct OnHardware {
@@ -93,6 +105,8 @@ pub struct Results {
     pub cases: Vec<Case>,
     /// Cells that uniform slicing misses, for each object.
     pub uniform: Vec<usize>,
+    /// The threshold that was given, if one was.
+    pub threshold: Option<u32>,
     /// The 77 figures of the tables.
     pub entries: Vec<Entry>,
     /// Object after object, in each the sets of [`Hardware::ALL`].
@@ -119,6 +133,16 @@ impl Results {
         })
     }
 
+    /// Runs with tuned thresholds.
+    pub fn tuned_runs(&self) -> impl Iterator<Item = (String, &Run)> {
+        self.cases.iter().map(|case| (figure(&case.key, "gcfa_isp_tuned", ""), &case.tuned.run))
+    }
+
+    /// All runs; each has its audit.
+    pub fn audited(&self) -> impl Iterator<Item = (String, &Run)> {
+        self.runs().chain(self.runs_on_hardware()).chain(self.tuned_runs())
+    }
+
     /// Verdicts of Table 6.4 that are not those of the thesis, in words.
     pub fn other_ratings(&self) -> Vec<String> {
         let mut other = Vec::new();
@@ -137,7 +161,7 @@ impl Results {
 
     /// The names of the runs whose audit failed, with what is wrong.
     pub fn failed_audits(&self) -> Vec<String> {
-        let failed = self.runs().chain(self.runs_on_hardware()).filter(|(_, run)| !run.audit.is_ok());
+        let failed = self.audited().filter(|(_, run)| !run.audit.is_ok());
         failed.map(|(name, run)| format!("{name}: {}", run.audit)).collect()
     }
 
@@ -156,13 +180,13 @@ pub fn figure(case: &str, method: &str, what: &str) -> String {
 }
 
 /// Grows and compares everything.
-pub fn run(drawings: Vec<Drawing>, bars: &Bars) -> Result<Results, Failure> {
+pub fn run(drawings: Vec<Drawing>, threshold: Option<u32>, bars: &Bars) -> Result<Results, Failure> {
     let total = drawings.len() as u64;
     let (mut cases, mut entries, mut uniform) = (Vec::new(), Vec::new(), Vec::new());
     let mut hardware = Vec::new();
     for (done, drawing) in (0..).zip(drawings) {
         bars.update("grow", done, total);
-        let case = grow_case(drawing)?;
+        let case = grow_case(drawing, threshold)?;
         let (missed, layers) = (thesis::MISSED, thesis::LAYERS);
         for (method, run) in case.ways.theirs.iter().enumerate() {
             let entry = |what: &str, ours: usize, table: [[[usize; 2]; 3]; 6]| Entry {
@@ -175,7 +199,7 @@ pub fn run(drawings: Vec<Drawing>, bars: &Bars) -> Result<Results, Failure> {
         }
         // The platform makes no difference to it.
         if case.platform == 0 {
-            uniform.push(sliced(&case.drawn)?);
+            uniform.push(case.sliced.missed.len());
             for set in Hardware::ALL {
                 hardware.push(OnHardware { object: case.object, hardware: set, ways: grow_on(&case.drawn, set)? });
             }
@@ -189,12 +213,46 @@ pub fn run(drawings: Vec<Drawing>, bars: &Bars) -> Result<Results, Failure> {
             thesis,
         }));
     }
-    Ok(Results { cases, uniform, entries, hardware })
+    Ok(Results { cases, uniform, threshold, entries, hardware })
 }
 
-/// Cells that uniform slicing misses.
-pub fn sliced(drawn: &TextGrid) -> Result<usize, Failure> {
-    Ok(slice_uniformly(&cells(drawn)?).missed.len())
+/// The levels of a drawing as layers.
+pub fn sliced(drawn: &TextGrid) -> Result<UniformSlicing, Failure> {
+    Ok(slice_uniformly(&cells(drawn)?))
+}
+
+/// Grows by GCFA-ISP with a threshold, or with the one that misses least, then has the fewest layers, of those that are tried.
+pub fn tuned(drawn: &TextGrid, hardware: Hardware, threshold: Option<u32>) -> Result<Tuned, Failure> {
+    let thesis = Thesis::of(drawn, hardware)?;
+    let mut best: Option<Tuned> = None;
+    for &threshold in threshold.as_ref().map_or(&THRESHOLDS[..], std::slice::from_ref) {
+        let run = thesis.grown(drawn, Prevention::FewerThan(threshold))?;
+        let count = |run: &Run| (run.growth.missed.len(), run.growth.order.len());
+        if best.as_ref().is_none_or(|best| count(&run) < count(&best.run)) {
+            best = Some(Tuned { threshold, run });
+        }
+    }
+    best.ok_or_else(|| Failure::new("no threshold was tried"))
+}
+
+/// The rules of the thesis for a drawing.
+struct Thesis {
+    platform: Platform,
+    rules: Rules,
+    visit: Visit,
+}
+
+impl Thesis {
+    fn of(drawn: &TextGrid, hardware: Hardware) -> Result<Self, Failure> {
+        let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
+        let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
+        Ok(Thesis { platform: hardware.platform_of_thesis(drawn)?, rules, visit })
+    }
+
+    fn grown(&self, drawn: &TextGrid, prevention: Prevention) -> Result<Run, Failure> {
+        let options = GrowthOptions { prevention, candidates: Candidates::OfLastLayer, visit: self.visit };
+        grown(drawn, &self.platform, &self.rules, Way::Grow(options))
+    }
 }
 
 /// The cells of a drawing.
@@ -215,27 +273,23 @@ fn grown_with(prevention: Prevention) -> Way {
     Way::Grow(GrowthOptions { prevention, ..GrowthOptions::default() })
 }
 
-fn grow_case(drawing: Drawing) -> Result<Case, Failure> {
+fn grow_case(drawing: Drawing, threshold: Option<u32>) -> Result<Case, Failure> {
     let key = drawing.key();
     let Drawing { object, platform, drawn } = drawing;
     let ways = grow_on(&drawn, Hardware::InHand)?;
-    Ok(Case { object, platform, key, ways, drawn })
+    let (tuned, sliced) = (tuned(&drawn, Hardware::InHand, threshold)?, sliced(&drawn)?);
+    Ok(Case { object, platform, key, ways, tuned, sliced, drawn })
 }
 
 /// Grows an object in all ways, on what a set of hardware makes of its platform.
 pub fn grow_on(drawn: &TextGrid, hardware: Hardware) -> Result<Ways, Failure> {
-    let (hers, own) = (hardware.platform_of_thesis(drawn)?, hardware.platform_of_ours(drawn)?);
+    let (thesis, own) = (Thesis::of(drawn, hardware)?, hardware.platform_of_ours(drawn)?);
     // By the rules of the thesis, and by our default rules: a depth of one cell.
-    let by_thesis = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
     let by_default = Rules { flat: drawn.flat, ..Rules::default() };
-    let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
-    let as_in_the_thesis =
-        |prevention| Way::Grow(GrowthOptions { prevention, candidates: Candidates::OfLastLayer, visit });
-    let theirs = |way| grown(drawn, &hers, &by_thesis, way);
     let ours = |way| grown(drawn, &own, &by_default, way);
     Ok(Ways {
-        theirs: [theirs(as_in_the_thesis(Prevention::None))?, theirs(as_in_the_thesis(Prevention::FewerThanAll))?],
-        unbuilt: theirs(Way::Unbuild)?,
+        theirs: [thesis.grown(drawn, Prevention::None)?, thesis.grown(drawn, Prevention::FewerThanAll)?],
+        unbuilt: grown(drawn, &thesis.platform, &thesis.rules, Way::Unbuild)?,
         ours: [
             ours(grown_with(Prevention::None))?,
             ours(grown_with(Prevention::Incremental))?,

@@ -9,6 +9,7 @@
 //! order audited. With a file, a grid of your own is grown in the same ways, with the platform in the hand, on the floor or
 //! elevated. `--help` lists the options, the README the files that it writes.
 
+mod drawing;
 mod growing;
 mod hardware;
 mod objects;
@@ -45,6 +46,10 @@ struct Args {
     /// Share of missed cells of the best strategy above which the exit status is 3, for --grid [default: 0.001]
     #[arg(long, value_name = "SHARE", requires = "of_user", value_parser = share, allow_negative_numbers = true)]
     allow_missed: Option<f64>,
+    /// Voxel accumulation threshold of GCFA-ISP (section 6.2.5 of the thesis): a cell is kept when it leaves fewer cells shadowed than this [default:
+    /// the one of 1 to 192 that misses least]
+    #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    threshold: Option<u32>,
     #[command(flatten)]
     common: Common,
 }
@@ -65,7 +70,8 @@ impl Args {
     fn request(&self) -> Option<Request> {
         let file = self.grid()?.to_owned();
         let hardware = self.hardware.unwrap_or(Hardware::InHand);
-        Some(Request { file, hardware, allow_missed: self.allow_missed.unwrap_or(0.001), threads: self.common.threads })
+        let allow_missed = self.allow_missed.unwrap_or(0.001);
+        Some(Request { file, hardware, allow_missed, threshold: self.threshold, threads: self.common.threads })
     }
 }
 
@@ -77,16 +83,16 @@ fn main() -> ExitCode {
             answer.table().print()?;
             return Ok(answer.outcome());
         }
-        let results = work(&Bars::new(args.common.quiet), &folder, args.common.threads)?;
+        let results = work(args.threshold, &Bars::new(args.common.quiet), &folder, args.common.threads)?;
         outputs::print(&results)?;
         Ok(results.outcome())
     })
 }
 
 /// Grows everything and writes the files.
-pub fn work(bars: &Bars, folder: &OutputFolder, threads: usize) -> Result<Results, Failure> {
+pub fn work(threshold: Option<u32>, bars: &Bars, folder: &OutputFolder, threads: usize) -> Result<Results, Failure> {
     let start = Instant::now();
-    let results = growing::run(objects::read()?, bars)?;
+    let results = growing::run(objects::read()?, threshold, bars)?;
     bars.finish();
     outputs::write(&results, folder, threads, start.elapsed())?;
     Ok(results)

@@ -1,5 +1,6 @@
 //! What the example leaves behind: the tables on stdout, `summary.json` and `report.html`.
 
+use super::drawing::worked_example;
 use super::growing::{Case, Results, Run, STRATEGIES, UNBUILT, figure};
 use super::hardware::Hardware;
 use super::objects::PLATFORMS;
@@ -11,6 +12,7 @@ use curvlay_examples::render::{LayeredCells, Plane, draw_cut};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::{Summary, SummaryError};
 use curvlay_examples::table::Table;
+use curvlay_layers::curved::LayerOrder;
 use curvlay_voxel::TextGrid;
 use std::io::{self, Write};
 use std::time::Duration;
@@ -19,6 +21,7 @@ use std::time::Duration;
 const PICTURE: [u32; 2] = [728, 320];
 
 const BOTH: &str = "Tables 5.1 and 5.2: missed cells and layers, by the rules of the thesis, ours and Boge's";
+const TUNED: &str = "Section 6.2.5: GCFA-ISP as in the thesis, and with a voxel accumulation threshold";
 const SLICED: &str = "Table 6.6: missed cells of uniform slicing, ours and Boge's";
 const RATED: &str = "Table 6.4: how good each field is, ours and Boge's, and the same of our default rules";
 pub const BOUNDS: &str = "Good: nothing missed, and at most 1.5 layers for each level of cells; ok: at most 5.5 % missed, and as few layers; the \
@@ -29,19 +32,37 @@ const SETS_NOTE: &str = "Her marks as printed; by her sections 6.4.2 and 6.4.3 t
 const DEFAULT: &str = "The same objects by our default rules (eps 1 cell): missed cells / layers";
 
 pub fn write(results: &Results, folder: &OutputFolder, threads: usize, time: Duration) -> Result<(), Failure> {
-    // Of a run with a grid of the user's own.
-    folder.write_list(super::user::LAYERS_FILE, false, |_| Ok(()))?;
+    folder.write_with(super::user::LAYERS_FILE, |out| write_layers(results, out))?;
     folder.write("report.html", report(results)?.to_html())?;
     // The summary comes last: where it is, all is there.
     summary(results, threads, time)?.write(folder)?;
     Ok(())
 }
 
+/// A line for each cell of each object on each platform: its layers by the methods of the thesis, 0 for a missed cell.
+fn write_layers(results: &Results, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "object,platform,x,y,z,gcfa,gcfa_isp,gcfa_isp_tuned")?;
+    for case in &results.cases {
+        let grid = &case.drawn.grid;
+        let size = grid.dims().iter().map(|&side| side as usize).product();
+        let fields =
+            [&case.ways.theirs[0], &case.ways.theirs[1], &case.tuned.run].map(|run| run.growth.order.field(size));
+        let [object, platform] = place(case);
+        for cell in grid.iter() {
+            let [x, y, z] = grid.position(cell);
+            let [gcfa, isp, tuned] = fields.each_ref().map(|field| field[cell as usize]);
+            writeln!(out, "{object},{platform},{x},{y},{z},{gcfa},{isp},{tuned}")?;
+        }
+    }
+    Ok(())
+}
+
 /// Prints the tables; a reader that has gone away (`| head`) is not an error.
 pub fn print(results: &Results) -> Result<(), Failure> {
     let text = format!(
-        "{BOTH}\n{}\n{RATED}\n{}{BOUNDS}\n\n{SLICED}\n{}\n{SETS}\n{}{SETS_NOTE}\n\n{DEFAULT}\n{}\n{}",
+        "{BOTH}\n{}\n{TUNED}\n{}\n{RATED}\n{}{BOUNDS}\n\n{SLICED}\n{}\n{SETS}\n{}{SETS_NOTE}\n\n{DEFAULT}\n{}\n{}",
         thesis_table(results),
+        tuned_table(results),
         rating_table(results),
         uniform_table(results),
         hardware_table(results),
@@ -77,6 +98,18 @@ fn thesis_table(results: &Results) -> Table {
     table
 }
 
+/// A line for each object on each platform: what the threshold of section 6.2.5 gains.
+fn tuned_table(results: &Results) -> Table {
+    let mut table = Table::new(["object", "platform", "GCFA-ISP missed", "layers", "threshold", "missed", "layers"]);
+    for case in &results.cases {
+        let (isp, tuned) = (&case.ways.theirs[1].growth, &case.tuned.run.growth);
+        let figures =
+            [isp.missed.len(), isp.order.len(), case.tuned.threshold as usize, tuned.missed.len(), tuned.order.len()];
+        table.row(place(case).into_iter().chain(figures.map(|figure| figure.to_string())));
+    }
+    table
+}
+
 /// A line for each object on each platform: ratings by the rules of the thesis beside hers, and of our strategies.
 fn rating_table(results: &Results) -> Table {
     let heads = ["object", "platform", METHODS[0], "Boge", METHODS[1], "Boge"];
@@ -90,15 +123,17 @@ fn rating_table(results: &Results) -> Table {
     table
 }
 
-/// A line for each set of hardware: her marks, and missed cells of all objects together.
+/// A column for each set of hardware: her marks, and missed cells of all objects together.
 fn hardware_table(results: &Results) -> Table {
-    let marks = HARDWARE.iter().map(|(property, _)| *property);
-    let methods = results.hardware.first().into_iter().flat_map(|on| on.ways.runs()).map(|(method, _)| method);
-    let mut table = Table::new(["hardware"].into_iter().chain(marks).chain(methods));
-    for (at, set) in Hardware::ALL.into_iter().enumerate() {
-        let marks = HARDWARE.iter().map(|(_, has)| if has[at] { "yes" } else { "no" }.to_owned());
-        let missed = missed_on(results, set).into_iter().map(|missed| missed.to_string());
-        table.row([set.name().to_owned()].into_iter().chain(marks).chain(missed));
+    let mut table = Table::new([""].into_iter().chain(Hardware::ALL.iter().map(|set| set.name())));
+    for (property, has) in HARDWARE {
+        table.row([property].into_iter().chain(has.map(|has| if has { "yes" } else { "no" })));
+    }
+    let missed = Hardware::ALL.map(|set| missed_on(results, set));
+    let methods = results.hardware.first().into_iter().flat_map(|on| on.ways.runs());
+    for (at, (method, _)) in methods.enumerate() {
+        let of_sets = missed.each_ref().map(|of_set| of_set[at].to_string());
+        table.row([format!("missed cells, {method}")].into_iter().chain(of_sets));
     }
     table
 }
@@ -139,7 +174,7 @@ fn default_table(results: &Results) -> Table {
 
 /// How many checks passed, and which did not.
 fn verdict(results: &Results) -> Table {
-    let (entries, audits) = (results.entries.len(), results.runs().chain(results.runs_on_hardware()).count());
+    let (entries, audits) = (results.entries.len(), results.audited().count());
     let failed = results.failed_audits();
     let (ratings, other) = (ratings(results), results.other_ratings());
     let mut table = Table::new(["", ""]);
@@ -163,7 +198,7 @@ fn ratings(results: &Results) -> usize {
 fn summary(results: &Results, threads: usize, time: Duration) -> Result<Summary, SummaryError> {
     let disagreeing: Vec<&str> = results.disagreeing().map(|entry| entry.key.as_str()).collect();
     let failed = results.failed_audits();
-    let audits = results.runs().chain(results.runs_on_hardware()).count();
+    let audits = results.audited().count();
     let mut summary = Summary::new();
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
@@ -178,6 +213,16 @@ fn summary(results: &Results, threads: usize, time: Duration) -> Result<Summary,
         .set("audit_ok", failed.is_empty())?
         .set("audits_failed", failed.join("; "))?
         .set_seconds("total_s", time)?;
+    if let Some(threshold) = results.threshold {
+        summary.set("threshold", threshold)?;
+    }
+    for case in &results.cases {
+        let tuned = &case.tuned.run.growth;
+        summary
+            .set(&figure(&case.key, "gcfa_isp_tuned", "threshold"), case.tuned.threshold)?
+            .set(&figure(&case.key, "gcfa_isp_tuned", "missed"), tuned.missed.len())?
+            .set(&figure(&case.key, "gcfa_isp_tuned", "layers"), tuned.order.len())?;
+    }
     for (object, &missed) in results.uniform.iter().enumerate() {
         summary.set(&format!("object{}_uniform_missed", object + 1), missed)?;
     }
@@ -212,6 +257,8 @@ fn report(results: &Results) -> Result<Report, Failure> {
         .table("This run", &verdict(results))
         .heading("By the rules of the thesis")
         .table(BOTH, &thesis_table(results))
+        .table(TUNED, &tuned_table(results))
+        .paragraph(&tuned_note(results))
         .table(RATED, &rating_table(results))
         .paragraph(BOUNDS)
         .table(SLICED, &uniform_table(results))
@@ -223,10 +270,35 @@ fn report(results: &Results) -> Result<Report, Failure> {
              reaches down without end.",
         )
         .table(DEFAULT, &default_table(results))
-        .heading("On the large platform, by the rules of the thesis");
-    for case in on_large(results) {
-        let runs: Vec<_> = METHODS.iter().zip(&case.ways.theirs).map(|(method, run)| (case, *method, run)).collect();
-        pictures(&mut report, &runs)?;
+        .heading("The worked example of chapter 4 (Figs. 4.10 to 4.24)")
+        .paragraph(
+            "Object 1 on the medium platform, layer by layer: the hull of the centres of all that is built and of the platform, and a cross for each cell that is not built and lies in \
+             it: missed, since what lies in the hull is not built any more.",
+        );
+    if let Some(case) = results.cases.iter().find(|case| case.object == 0 && case.platform == 1) {
+        for (method, run) in METHODS.iter().zip(&case.ways.theirs) {
+            let (missed, layers) = (run.growth.missed.len(), run.growth.order.len());
+            report.drawing(&format!("{method}: {layers} layers, {missed} cells missed"), &worked_example(case, run)?);
+        }
+    }
+    report.heading("Curved layers and plane slicing (Figs. 6.2 to 6.6)");
+    for object in 0..UNIFORM.len() {
+        sliced_beside_worst(&mut report, results, object)?;
+    }
+    for (platform, name) in ["small", "medium", "large"].into_iter().enumerate() {
+        report.heading(&format!("On the {name} platform, by the rules of the thesis"));
+        for case in results.cases.iter().filter(|case| case.platform == platform) {
+            let runs: Vec<_> =
+                METHODS.iter().zip(&case.ways.theirs).map(|(method, run)| (case, *method, run)).collect();
+            pictures(&mut report, &runs)?;
+        }
+    }
+    report.heading("Object 6 in cuts from front to back (Figs. 5.28 to 5.38)");
+    for (platform, method) in [(1, 0), (2, 0), (2, 1)] {
+        let of_six = results.cases.iter().find(|case| case.object == 5 && case.platform == platform);
+        if let Some(case) = of_six {
+            cuts(&mut report, case, METHODS[method], &case.ways.theirs[method])?;
+        }
     }
     report.heading("On the large platform, by our default rules");
     let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[4], &case.ways.ours[4])).collect();
@@ -236,6 +308,67 @@ fn report(results: &Results) -> Result<Report, Failure> {
 
 fn on_large(results: &Results) -> impl Iterator<Item = &Case> {
     results.cases.iter().filter(|case| case.platform == PLATFORMS.len() - 1)
+}
+
+/// What the thresholds gain, over all cases.
+fn tuned_note(results: &Results) -> String {
+    let sum = |count: &dyn Fn(&Case) -> usize| results.cases.iter().map(count).sum::<usize>();
+    let (isp, tuned) =
+        (sum(&|case| case.ways.theirs[1].growth.missed.len()), sum(&|case| case.tuned.run.growth.missed.len()));
+    let which = match results.threshold {
+        Some(threshold) => format!("With a threshold of {threshold}"),
+        None => "With the best threshold of each".to_owned(),
+    };
+    format!(
+        "{which} GCFA-ISP misses {tuned} cells in all, {isp} as in the thesis. A cell is kept when it leaves fewer cells shadowed than the threshold; in the thesis, fewer than the whole \
+         greedy layer would (--threshold)."
+    )
+}
+
+/// The worst result of an object by the methods of the thesis, and its levels as layers.
+fn sliced_beside_worst(report: &mut Report, results: &Results, object: usize) -> Result<(), Failure> {
+    let of_object = || results.cases.iter().filter(|case| case.object == object);
+    let all = of_object()
+        .flat_map(|case| METHODS.iter().zip(&case.ways.theirs).map(move |(method, run)| (case, *method, run)));
+    // The first of those that miss most.
+    let Some((case, method, run)) = all.rev().max_by_key(|(_, _, run)| run.growth.missed.len()) else { return Ok(()) };
+    let curved = picture(&case.drawn, run)?;
+    let plane = layered_picture(&case.drawn, &case.sliced.order, case.sliced.missed.len())?;
+    let number = object + 1;
+    let missed = run.growth.missed.len();
+    report.pictures(&[
+        (
+            &format!("object {number}: {method} on {}, the worst result, {missed} missed", PLATFORMS[case.platform]),
+            &curved,
+        ),
+        (&format!("object {number}: plane slicing, {} missed", case.sliced.missed.len()), &plane),
+    ]);
+    Ok(())
+}
+
+/// Cuts through an object, one after the other.
+fn cuts(report: &mut Report, case: &Case, method: &str, run: &Run) -> Result<(), Failure> {
+    let grid = &case.drawn.grid;
+    let field = run.growth.order.field(grid.dims().iter().map(|&side| side as usize).product());
+    let layered = LayeredCells::new(grid.dims(), grid.rows(), &field)?;
+    let [width, height] = PICTURE;
+    let mut drawn = Vec::new();
+    let rows: Vec<u32> = grid.iter().map(|cell| grid.position(cell)[1]).collect();
+    let (Some(&first), Some(&last)) = (rows.iter().min(), rows.iter().max()) else { return Ok(()) };
+    for y in first..=last {
+        let cut = draw_cut(&layered, Plane::Y(y), width, height);
+        let png = cut.with_legend(run.growth.order.len() as u32, run.growth.missed.len()).to_png();
+        let caption = format!(
+            "object {} on {}, {method}: cut {} of {}",
+            case.object + 1,
+            PLATFORMS[case.platform],
+            y - first + 1,
+            last - first + 1
+        );
+        drawn.push((caption, png));
+    }
+    report.slider(&drawn.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect::<Vec<_>>());
+    Ok(())
 }
 
 /// Adds the growing fields side by side.
@@ -251,10 +384,15 @@ fn pictures(report: &mut Report, runs: &[(&Case, &str, &Run)]) -> Result<(), Fai
 
 /// The growing field as squares; of an object in space the cut through its middle.
 pub fn picture(drawn: &TextGrid, run: &Run) -> Result<Vec<u8>, Failure> {
+    layered_picture(drawn, &run.growth.order, run.growth.missed.len())
+}
+
+/// The layers of an order as squares; of an object in space the cut through its middle.
+fn layered_picture(drawn: &TextGrid, order: &LayerOrder, missed: usize) -> Result<Vec<u8>, Failure> {
     let grid = &drawn.grid;
-    let field = run.growth.order.field(grid.dims().iter().map(|&side| side as usize).product());
+    let field = order.field(grid.dims().iter().map(|&side| side as usize).product());
     let layered = LayeredCells::new(grid.dims(), grid.rows(), &field)?;
     let [width, height] = PICTURE;
     let cut = draw_cut(&layered, Plane::middle_y(grid.dims()), width, height);
-    Ok(cut.with_legend(run.growth.order.len() as u32, run.growth.missed.len()).to_png())
+    Ok(cut.with_legend(order.len() as u32, missed).to_png())
 }

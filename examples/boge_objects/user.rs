@@ -1,6 +1,6 @@
 //! A grid of the user's own: grown in all ways on what the hardware makes of its platform.
 
-use super::growing::{self, Run, STRATEGIES, Ways};
+use super::growing::{self, Run, STRATEGIES, Tuned, Ways};
 use super::hardware::Hardware;
 use super::outputs;
 use super::rating::Rating;
@@ -28,6 +28,8 @@ pub struct Request {
     pub hardware: Hardware,
     /// The share of missed cells up to which the run counts as well done.
     pub allow_missed: f64,
+    /// Voxel accumulation threshold of GCFA-ISP; none: the best.
+    pub threshold: Option<u32>,
     /// For the summary; the work takes milliseconds.
     pub threads: usize,
 }
@@ -36,6 +38,8 @@ pub struct Request {
 pub struct Answer {
     pub drawn: TextGrid,
     pub ways: Ways,
+    /// GCFA-ISP with a threshold.
+    pub tuned: Tuned,
     /// Cells that uniform slicing misses.
     pub sliced: usize,
     /// Which of [`STRATEGIES`] misses least; of those the one with the fewest layers.
@@ -56,11 +60,12 @@ pub fn work(request: &Request, bars: &Bars, folder: &OutputFolder) -> Result<Ans
     bars.update("grow", 0, 1);
     let named = |error: Failure| Failure::new(format!("{}: {}", request.file.display(), error.message()));
     let ways = growing::grow_on(&drawn, request.hardware).map_err(named)?;
-    let sliced = growing::sliced(&drawn)?;
+    let sliced = growing::sliced(&drawn)?.missed.len();
+    let tuned = growing::tuned(&drawn, request.hardware, request.threshold)?;
     bars.finish();
     let counts = |run: &Run| (run.growth.missed.len(), run.growth.order.len());
     let best = (0..STRATEGIES.len()).min_by_key(|&way| counts(&ways.ours[way])).unwrap_or(0);
-    let mut answer = Answer { drawn, ways, sliced, best, failed: vec![] };
+    let mut answer = Answer { drawn, ways, tuned, sliced, best, failed: vec![] };
     answer.failed = failed(&answer, request.allow_missed);
     answer.write(request, folder, start)?;
     Ok(answer)
@@ -81,7 +86,8 @@ fn read(path: &Path) -> Result<TextGrid, Failure> {
 
 /// Failed audits, and more missed cells than allowed.
 fn failed(answer: &Answer, allow_missed: f64) -> Vec<String> {
-    let runs = answer.ways.runs().filter(|(_, run)| !run.audit.is_ok());
+    let all = answer.ways.runs().chain([("GCFA-ISP with a threshold", &answer.tuned.run)]);
+    let runs = all.filter(|(_, run)| !run.audit.is_ok());
     let mut failed: Vec<String> = runs.map(|(method, run)| format!("audit of {method}: {}", run.audit)).collect();
     if answer.missed_share() > allow_missed {
         failed.push(format!("{}, more than --allow-missed {allow_missed}", answer.finding()));
@@ -116,24 +122,29 @@ impl Answer {
         let mut table = Table::new(["method", "missed", "share", "layers", "verdict", "audit"]);
         let cells = self.drawn.grid.count();
         let share = |missed: usize| format!("{:.2} %", 100.0 * missed as f64 / cells as f64);
-        for (method, run) in self.ways.runs() {
+        let tuned = format!("GCFA-ISP, threshold {}", self.tuned.threshold);
+        let runs = self.ways.runs().map(|(method, run)| (method.to_owned(), run)).chain([(tuned, &self.tuned.run)]);
+        for (method, run) in runs {
             let (missed, layers) = (run.growth.missed.len(), run.growth.order.len());
             let audit = if run.audit.is_ok() { "passed" } else { "FAILED" };
             let rating = Rating::of(run, &self.drawn).to_string();
-            table.row([method.to_owned(), missed.to_string(), share(missed), layers.to_string(), rating, audit.into()]);
+            table.row([method, missed.to_string(), share(missed), layers.to_string(), rating, audit.into()]);
         }
         table.row(["uniform slicing".to_owned(), self.sliced.to_string(), share(self.sliced)]);
         table
     }
 
     fn write(&self, request: &Request, folder: &OutputFolder, start: Instant) -> Result<(), Failure> {
-        let field = self.best_run().growth.order.field(self.drawn.grid.dims().map(|n| n as usize).iter().product());
+        let size = self.drawn.grid.dims().map(|n| n as usize).iter().product();
+        let fields = [self.best_run(), &self.ways.theirs[0], &self.ways.theirs[1], &self.tuned.run];
+        let fields = fields.map(|run| run.growth.order.field(size));
         folder.write_with(LAYERS_FILE, |out| {
-            writeln!(out, "x,y,z,layer")?;
+            writeln!(out, "x,y,z,layer,gcfa,gcfa_isp,gcfa_isp_tuned")?;
             for cell in self.drawn.grid.iter() {
                 let [x, y, z] = self.drawn.grid.position(cell);
                 // 0 is a missed cell.
-                writeln!(out, "{x},{y},{z},{}", field[cell as usize])?;
+                let [best, gcfa, isp, tuned] = fields.each_ref().map(|field| field[cell as usize]);
+                writeln!(out, "{x},{y},{z},{best},{gcfa},{isp},{tuned}")?;
             }
             Ok(())
         })?;
@@ -152,6 +163,9 @@ impl Answer {
             .set("allow_missed", request.allow_missed)?
             .set("layers", self.best_run().growth.order.len())?
             .set("uniform_missed", self.sliced)?
+            .set("isp_threshold", self.tuned.threshold)?
+            .set("isp_tuned_missed", self.tuned.run.growth.missed.len())?
+            .set("isp_tuned_layers", self.tuned.run.growth.order.len())?
             .set("audit_ok", self.ways.runs().all(|(_, run)| run.audit.is_ok()))?
             .set("failed", self.failed.join("; "))?
             .set_seconds("total_s", start.elapsed())?;

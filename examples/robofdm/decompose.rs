@@ -5,13 +5,14 @@ use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::mesh::Mesh;
-use curvlay_examples::nalgebra::{Rotation3, Vector3};
+use curvlay_examples::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use curvlay_examples::shapes;
 use curvlay_layers::Progress;
 use curvlay_layers::planar::Solid;
 use curvlay_layers::planar::robofdm::{
-    AuditOptions, AuditedPart, BeamOptions, Decomposition, Head, PartsAudit, Root, SegmentOptions, SequenceOptions,
-    TuningOptions, WorstLayer, audit_parts, beam_search, crossing_sections, plan_sequence, segment, tune,
+    AuditOptions, AuditedPart, BeamOptions, BuildSequence, Decomposition, Head, PartsAudit, RoboFdmError, Root,
+    SegmentOptions, Segmentation, SequenceOptions, TuningOptions, WorstLayer, audit_parts, beam_search,
+    crossing_sections, plan_sequence, segment, tune,
 };
 use std::time::{Duration, Instant};
 
@@ -21,7 +22,10 @@ pub struct Divided {
     /// Upright on the plate.
     pub mesh: Mesh,
     pub solid: Solid,
-    pub segments: usize,
+    pub segmentation: Segmentation,
+    /// What brought the file to where the part stands.
+    pub placed: Isometry3<f64>,
+    pub sequence: BuildSequence,
     /// What must meet nothing that stands, if that is what counts.
     pub head: Option<Head>,
     pub parts: Decomposition,
@@ -50,24 +54,35 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     let sequenced = SequenceOptions { max_angle, root, platform, ..SequenceOptions::default() };
     bars.update("segments", 0, 1);
     let segmentation = segment(&mesh.vertices, &mesh.triangles, &options)?;
+    let mut placed = Isometry3::identity();
     let mut upright = SequenceOptions { direction: Some(Vector3::z()), ..sequenced };
     if args.base == Base::Best {
-        let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &sequenced)?;
+        let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &sequenced).map_err(no_root)?;
         if let Some(first) = sequence.parts.first() {
             let turn = Rotation3::rotation_between(&first.direction, &Vector3::z())
                 .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
             mesh.vertices.iter_mut().for_each(|vertex| *vertex = turn * *vertex);
+            placed.rotation = UnitQuaternion::from_rotation_matrix(&turn);
             upright.root = Root::Part(first.part);
         }
     }
-    onto_plate(&mut mesh);
-    let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright)?;
+    placed.translation = onto_plate(&mut mesh).into();
+    let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright).map_err(no_root)?;
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
     let show = |at: Progress| bars.show(at.stage, at.done, at.total);
     let head = if args.avoid == Avoid::Head { Some(print::head(args, &mesh)?) } else { None };
     let tuning = TuningOptions {
         max_angle,
         platform,
+        perturbations: args.perturbations,
+        max_offset: args.max_offset,
+        max_turn: args.max_turn_deg.to_radians(),
+        max_section: args.max_section,
+        candidates: usize::from(args.candidates),
+        normals: usize::from(args.normals),
+        spacing: args.spacing_mm,
+        halvings: args.halvings,
+        keep_sections_apart: args.keep_sections_apart,
         max_parts: usize::from(args.max_parts),
         min_piece: args.min_part,
         head,
@@ -90,7 +105,9 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         name,
         mesh,
         solid,
-        segments: segmentation.parts,
+        segmentation,
+        placed,
+        sequence,
         head,
         crossing: crossing_sections(&parts.parts),
         parts,
@@ -101,13 +118,24 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     })
 }
 
-/// Moves a mesh to the plane z = 0, its box in the middle.
-fn onto_plate(mesh: &mut Mesh) {
-    if let Some([low, high]) = mesh.bounds() {
-        let middle = low + (high - low) / 2.0;
-        let shift = Vector3::new(-middle.x, -middle.y, -low.z);
-        mesh.vertices.iter_mut().for_each(|vertex| *vertex += shift);
+/// A root that is none is an argument of the user's.
+fn no_root(error: RoboFdmError) -> Failure {
+    match error {
+        RoboFdmError::Root { root, parts } => Failure::of_arguments(format!(
+            "--root {root}: there are {parts} segments, from 0 to {}; a run without --root draws them with their numbers (segments.png)",
+            parts.saturating_sub(1)
+        )),
+        other => other.into(),
     }
+}
+
+/// Moves a mesh to the plane z = 0, its box in the middle; the shift.
+fn onto_plate(mesh: &mut Mesh) -> Vector3<f64> {
+    let Some([low, high]) = mesh.bounds() else { return Vector3::zeros() };
+    let middle = low + (high - low) / 2.0;
+    let shift = Vector3::new(-middle.x, -middle.y, -low.z);
+    mesh.vertices.iter_mut().for_each(|vertex| *vertex += shift);
+    shift
 }
 
 impl Divided {

@@ -20,6 +20,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::Printed;
 use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::output::OutputFolder;
+use curvlay_layers::planar::robofdm::TuningOptions;
 use decompose::Divided;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -37,7 +38,7 @@ pub struct Args {
     /// Levels of thickness by which the part is segmented [default: chosen by a criterion]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     parts: Option<u32>,
-    /// The segment that is printed first, from 0 [default: the best]
+    /// The segment that is printed first, by its number in segments.png, from 0 [default: the best]
     #[arg(long, value_name = "N")]
     root: Option<u32>,
     /// Which way the part stands
@@ -67,6 +68,33 @@ pub struct Args {
     /// Share of a layer, or of a mean layer of its part if that is larger, that may lie on nothing: if one has more the exit status is 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     allow_unsupported: f64,
+    /// Places that are tried for each plane of the sequence
+    #[arg(long, value_name = "N", default_value_t = TuningOptions::default().perturbations, value_parser = clap::value_parser!(u32).range(..=1000), allow_negative_numbers = true, help_heading = TUNING)]
+    perturbations: u32,
+    /// How far a plane of the sequence is moved at most, as a share of the diagonal of the part's box
+    #[arg(long, value_name = "SHARE", default_value_t = TuningOptions::default().max_offset, value_parser = share, allow_negative_numbers = true, help_heading = TUNING)]
+    max_offset: f64,
+    /// How far it is turned at most, in degrees
+    #[arg(long = "max-turn", value_name = "DEG", default_value_t = 5.0, value_parser = acute, allow_negative_numbers = true, help_heading = TUNING)]
+    max_turn_deg: f64,
+    /// How many times as large its section may become
+    #[arg(long, value_name = "FACTOR", default_value_t = TuningOptions::default().max_section, value_parser = from_one, allow_negative_numbers = true, help_heading = TUNING)]
+    max_section: f64,
+    /// Of how many parts, the riskiest first, a cut is sought each time
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true, help_heading = TUNING)]
+    candidates: u16,
+    /// Normals of cuts that are tried, over the upper half of the sphere
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true, help_heading = TUNING)]
+    normals: u16,
+    /// Distance of the cuts that are tried, in millimetres
+    #[arg(long = "spacing", value_name = "MM", default_value_t = TuningOptions::default().spacing, value_parser = above_zero, allow_negative_numbers = true, help_heading = TUNING)]
+    spacing_mm: f64,
+    /// How often that distance is halved when no cut is worth it any more; 0 in the paper
+    #[arg(long, value_name = "N", default_value_t = TuningOptions::default().halvings, value_parser = clap::value_parser!(u32).range(..=8), allow_negative_numbers = true, help_heading = TUNING)]
+    halvings: u32,
+    /// No two base sections intersect: constraint I of the paper to the letter
+    #[arg(long, help_heading = TUNING)]
+    keep_sections_apart: bool,
     /// Height of a layer in millimetres
     #[arg(long, value_name = "MM", default_value_t = 0.8, value_parser = above_zero, allow_negative_numbers = true)]
     layer_height: f64,
@@ -97,6 +125,9 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 }
+
+/// Heading of `--help`; defaults are the paper's, but for `--halvings` and constraint I.
+const TUNING: &str = "Tuning of planes";
 
 /// How far a run goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
@@ -149,6 +180,10 @@ pub enum PatternName {
 
 fn acute(text: &str) -> Result<f64, String> {
     above_zero(text).and_then(|deg| if deg < 90.0 { Ok(deg) } else { Err("must be below 90".to_owned()) })
+}
+
+fn from_one(text: &str) -> Result<f64, String> {
+    above_zero(text).and_then(|factor| if factor >= 1.0 { Ok(factor) } else { Err("must be 1 or more".to_owned()) })
 }
 
 fn direction(text: &str) -> Result<Vector3<f64>, String> {

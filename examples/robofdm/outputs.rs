@@ -12,12 +12,17 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::{Table, direction};
 use curvlay_examples::viewer::{self, Mark, Marks, Model};
 use curvlay_layers::planar::{FlatLayer, Solid};
+use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
+use curvlay_toolpath::surface::marked_moves;
 use curvlay_trajectory::print::FaultKind;
 use std::io::{self, Write};
 use std::time::Instant;
 
 /// Red, green and blue of what is left out.
 const LEFT_OUT: [u8; 3] = [150, 60, 200];
+
+/// The parts as a machine file.
+const GCODE: &str = "parts.gcode";
 
 /// The most steps of which there is a picture.
 const SHOWN: usize = 24;
@@ -36,6 +41,16 @@ pub fn write(
     }
     folder.write_with("parts.csv", |out| write_parts(made, out))?;
     if let Some(printed) = &made.printed {
+        folder.write_with(GCODE, |out| {
+            // An error of the writer's own means a move of ours that no file can have.
+            write_gcode(
+                marked_moves(&printed.plan.deposition.moves, &printed.plan.resolved.paths),
+                &WriteOptions::default(),
+                out,
+            )
+            .map(|_| ())
+            .map_err(io::Error::other)
+        })?;
         let left_out = &printed.plan.resolved.left_out;
         folder.write_list("left_out.csv", !left_out.is_empty(), |out| write_left_out(printed, out))?;
         if let Some(moved) = &printed.moved {
@@ -47,12 +62,19 @@ pub fn write(
     }
     let parts = drawing::parts(divided);
     folder.write("parts.png", &parts)?;
+    let segments = drawing::segments(divided);
+    for (name, _, png) in &segments {
+        folder.write(name, png)?;
+    }
     let count = divided.parts.parts.len().min(SHOWN);
     let steps: Vec<Vec<u8>> = (0..count).map(|step| drawing::step(divided, step)).collect();
     for (k, png) in steps.iter().enumerate() {
         folder.write(&format!("step_{:02}.png", k + 1), png)?;
     }
-    folder.write("report.html", report(args, made, findings, &parts, &steps).to_html())?;
+    folder.write(
+        "report.html",
+        report(args, made, findings, &Pictures { parts: &parts, segments: &segments, steps: &steps }).to_html(),
+    )?;
     // The summary comes last: where it is, all is there.
     summary(args, made, findings, start)?.write(folder)?;
     Ok(())
@@ -63,7 +85,8 @@ pub fn is_ours(name: &str) -> bool {
     is_numbered(name, "part_", 2, ".stl")
         || is_numbered(name, "step_", 2, ".png")
         || is_program(name)
-        || ["parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"].contains(&name)
+        || drawing::SEGMENTS.iter().any(|(picture, _)| *picture == name)
+        || [GCODE, "parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"].contains(&name)
 }
 
 fn mesh_of(solid: &Solid) -> Mesh {
@@ -184,6 +207,15 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("base", typed_name(args.base))?
         .set("method", typed_name(args.method))?
         .set("avoid", typed_name(args.avoid))?
+        .set("perturbations", args.perturbations)?
+        .set("max_offset", args.max_offset)?
+        .set("max_turn_deg", args.max_turn_deg)?
+        .set("max_section", args.max_section)?
+        .set("candidates", args.candidates)?
+        .set("normals", args.normals)?
+        .set("spacing_mm", args.spacing_mm)?
+        .set("halvings", args.halvings)?
+        .set("keep_sections_apart", args.keep_sections_apart)?
         .set("angle_deg", args.angle_deg)?
         .set("layer_height_mm", args.layer_height)?
         .set("bead_mm", args.bead_mm())?
@@ -192,7 +224,7 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("threads", args.common.threads)?
         .set("facets", divided.solid.triangles().len())?
         .set("volume_mm3", divided.solid.volume())?
-        .set("segments", divided.segments)?
+        .set("segments", divided.segmentation.parts)?
         .set("parts", divided.parts.parts.len())?
         .set_seconds("decomposition_s", divided.decompose_time)?
         .set("risky_before_mm2", divided.parts.risky_before_mm2)?
@@ -253,18 +285,33 @@ fn build(made: &Made, printed: &Printed) -> Model {
     let left_out = printed.plan.resolved.left_out.iter().map(|piece| Mark { at: piece.tip, path: None });
     let marks = Marks { what: "paths left out".to_owned(), colour: LEFT_OUT, places: left_out.collect() };
     let mesh = &made.divided.mesh;
+    let moved = printed.moved.as_ref();
     Model {
         name: "RoboFDM".to_owned(),
         part: viewer::Mesh { vertices: mesh.vertices.clone(), triangles: mesh.triangles.clone() },
         layers: printed.layers.iter().flat_map(|part| part.layers.iter().map(sheet)).collect(),
         kinds: shown::kinds(),
-        steps: shown::steps(&printed.plan.resolved.paths, &printed.plan.deposition.moves),
+        // What the robot does, where its motion is planned.
+        steps: match moved {
+            Some(moved) => moved.steps.clone(),
+            None => shown::steps(&printed.plan.resolved.paths, &printed.plan.deposition.moves),
+        },
+        robot: moved.and_then(|moved| moved.robot.clone()),
+        nozzle: moved.and_then(|moved| moved.nozzle),
         marks: vec![marks].into_iter().filter(|marks| !marks.places.is_empty()).collect(),
         ..Model::default()
     }
 }
 
-fn report(args: &Args, made: &Made, findings: &Findings, parts: &[u8], steps: &[Vec<u8>]) -> Report {
+/// Pictures of the report.
+struct Pictures<'a> {
+    parts: &'a [u8],
+    segments: &'a [(&'static str, &'static str, Vec<u8>)],
+    steps: &'a [Vec<u8>],
+}
+
+fn report(args: &Args, made: &Made, findings: &Findings, pictures: &Pictures) -> Report {
+    let Pictures { parts, segments, steps } = *pictures;
     let mut report = Report::new("RoboFDM");
     findings.report(&mut report);
     let stands = if args.base == Base::Best { "along the best direction of its root" } else { "as in its file" };
@@ -279,6 +326,20 @@ fn report(args: &Args, made: &Made, findings: &Findings, parts: &[u8], steps: &[
     report.table("This run, beside Table 2.1 of the dissertation", &comparison(args, made));
     made.printed.iter().for_each(|printed| _ = report.viewer(&build(made, printed)));
     report.picture("all parts, in the order of their colours", parts);
+    let divided = &made.divided;
+    report.heading("How the parts were found").paragraph(&format!(
+        "The skeleton has {} branches; the distance of the surface from it, with {} {} of thickness, makes {} segments (Fig. 2.4 of the dissertation). `--root` takes the number of a \
+         segment. The sequence of the segments (Fig. 2.5) is where the planes begin; they are tuned, and parts are cut further, until little risky area is left.",
+        divided.segmentation.skeleton.branch_count(),
+        divided.segmentation.mixture.means.len(),
+        if divided.segmentation.mixture.means.len() == 1 { "level" } else { "levels" },
+        divided.segmentation.parts
+    ));
+    let shown: Vec<(&str, &[u8])> = segments.iter().map(|(_, caption, png)| (*caption, png.as_slice())).collect();
+    report.pictures(&shown).drawing(
+        "the sequence of the segments: each is printed on the one above it, along its base plane's normal; with its risky area",
+        &drawing::graph(divided),
+    );
     let all = made.divided.parts.parts.len();
     let captions: Vec<String> = (1..=steps.len()).map(|step| format!("part {step} of {all}")).collect();
     for (captions, steps) in captions.chunks(3).zip(steps.chunks(3)) {

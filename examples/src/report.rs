@@ -70,7 +70,8 @@ impl Report {
             (false, true) => " class=\"short\"",
             _ => "",
         };
-        let mut html = String::from("<div class=\"scroll\"><table>");
+        let wide = if table.header().len() >= WIDE { " class=\"wide\"" } else { "" };
+        let mut html = format!("<div class=\"scroll\"><table{wide}>");
         if !caption.is_empty() {
             let _ = write!(html, "<caption>{}</caption>", escaped(caption));
         }
@@ -192,6 +193,9 @@ impl Report {
     }
 }
 
+/// Tables with as many columns or more are set narrower, so that a page holds them.
+const WIDE: usize = 8;
+
 /// Columns whose cells are no longer than this, in characters, do not wrap: directions, names.
 const SHORT_CELL: usize = 28;
 
@@ -240,6 +244,9 @@ tbody th { font-weight: 400; }
 tbody tr:last-child > * { border-bottom-color: transparent; }
 .figure { text-align: right; font-variant-numeric: tabular-nums; }
 td.figure, tbody .short { white-space: nowrap; }
+.wide { font-size: 0.82rem; }
+.wide th, .wide th:not(:first-child), .wide td, .wide td:not(:first-child) { padding-left: 0.35rem; padding-right: 0.35rem; }
+.wide th, .wide tbody .short { white-space: normal; }
 .beside .short { white-space: normal; }
 @media (max-width: 60rem) { tbody .short { white-space: normal; } }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1.25rem;
@@ -260,5 +267,5 @@ figcaption { padding: 0.6rem 0.9rem; color: var(--soft); font-size: 0.9rem; bord
 .key i { display: inline-block; width: 1.1em; height: 0.3em; margin-right: 0.4em; vertical-align: middle; }
 details { margin: 1.5rem 0; }
 summary { cursor: pointer; font-weight: 600; }
-@media print { body { background: none; } figure { break-inside: avoid; } }
+@media print { .scroll { overflow: visible; max-width: none; } table { font-size: 0.7rem; } body { background: none; } figure { break-inside: avoid; } }
 ";

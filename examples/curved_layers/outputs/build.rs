@@ -5,12 +5,11 @@ use crate::machine::MachineRun;
 use crate::motion::{MotionRun, of_run};
 use crate::surfaces::SurfacesRun;
 use crate::{Job, Results};
-use curvlay_examples::motion::shown::{self, Played};
-use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Robot, Step};
+use curvlay_examples::motion::shown;
+use curvlay_examples::viewer::{Mark, Marks, Mesh, Model};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet};
-use curvlay_toolpath::surface::{LayerSurface, ToolPath};
-use curvlay_trajectory::print::LegKind;
+use curvlay_toolpath::surface::LayerSurface;
 use nalgebra::Point3;
 
 /// Colours of findings, red, green and blue.
@@ -52,7 +51,9 @@ pub fn model(job: &Job, results: &Results) -> Model {
         model.laid = Some([machine.deposition.bead_mm, machine.deposition.extruded_mm3]);
         if let Some(motion) = motion {
             // What the robot does, not what it was asked to do.
-            (model.steps, model.robot) = of_run!(motion, run => moved(run, &machine.resolved.paths));
+            let (steps, robot) =
+                of_run!(motion, run => shown::played(&run.cell, &run.frame_part, &run.plan, &machine.resolved.paths));
+            (model.steps, model.robot) = (steps, Some(robot));
             let [mm, _] = model.laid_by_steps();
             model.laid = Some([mm, of_run!(motion, run => laid_mm3(run))]);
         }
@@ -111,31 +112,4 @@ fn found(run: &MachineRun) -> [Marks; 5] {
 fn laid_mm3<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>) -> f64 {
     let filament_mm: f64 = run.plan.runs.iter().filter_map(|run| run.filament_mm.last()).sum();
     filament_mm * run.limits.filament_mm2
-}
-
-/// What the robot does, from knot to knot, and how it stands.
-fn moved<const N: usize, const F: usize, W: Workcell<N, F>>(
-    run: &MotionRun<N, F, W>,
-    paths: &[ToolPath],
-) -> (Vec<Step>, Option<Robot>) {
-    let plan = &run.plan;
-    let legs = || plan.legs(0..plan.runs.len());
-    let mut played = Played::new(&run.cell, run.frame_part, legs().map(|leg| leg.knots().len()).sum());
-    for leg in legs() {
-        let waypoints = paths.get(leg.run.path).map_or(&[][..], |path| &path.waypoints);
-        let prints = leg.kind == LegKind::Print;
-        let mut passes = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
-        let mut last = 0;
-        let bead = |knot: usize| {
-            while let Some((_, waypoint)) = passes.next_if(|(passed, _)| prints && *passed <= knot) {
-                last = waypoint;
-            }
-            let waypoint = waypoints.get(last)?;
-            let kind = if prints { shown::kind(waypoint.kind) } else { Step::TRAVEL };
-            Some((kind, [waypoint.width, waypoint.height]))
-        };
-        played.add((leg.run.layer, leg.run.path as u32), &leg.knots(), bead);
-    }
-    let (steps, robot) = played.finish();
-    (steps, Some(robot))
 }

@@ -16,7 +16,7 @@ use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, UnsupportedPiece, write_paths_vtp};
+use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, SkinGap, ToolPath, UnsupportedPiece, write_paths_vtp};
 use serde_json::Value;
 use std::io;
 

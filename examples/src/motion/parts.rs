@@ -1,11 +1,14 @@
 //! Parts with directions of their own, printed one after another in flat layers: layers, tool paths, joint motion, programs.
 
-use super::{OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, table_options, waypoints};
+use super::{
+    OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
+};
 use crate::args::Failure;
 use crate::bars::Bars;
 use crate::findings::{Findings, Severity};
 use crate::mesh::Mesh;
 use crate::output::is_numbered;
+use crate::viewer::{self, Robot, Step};
 use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
@@ -112,6 +115,12 @@ pub struct Moved {
     pub faults: Vec<Fault>,
     /// Programs by name.
     pub files: BTreeMap<String, Vec<u8>>,
+    /// What the robot does, and how it stands, for the viewer.
+    pub steps: Vec<Step>,
+    /// See [`steps`](Moved::steps).
+    pub robot: Option<Robot>,
+    /// The nozzle of the workcell, for the viewer.
+    pub nozzle: Option<viewer::Nozzle>,
 }
 
 impl Moved {
@@ -281,7 +290,11 @@ impl Work<'_> {
         let filament = |run: usize| self.filament(part_of(self.layers, motion.runs[run].layer as usize));
         let cuts = (1..motion.runs.len()).filter(|&run| filament(run) != filament(run - 1)).collect();
         let motion = from_home(&motion, &cuts, &robot, scene, (&limits, options), &progress)?;
-        self.moved(cell, &motion, takes_stream)
+        let mut moved = self.moved(cell, &motion, takes_stream)?;
+        let (steps, robot) = shown::played(cell, &frame_part, &motion, &plan.resolved.paths);
+        (moved.steps, moved.robot) = (steps, Some(robot));
+        moved.nozzle = Some(shown::nozzle(&cell.equipment().model().nozzle));
+        Ok(moved)
     }
 
     /// The filament of a part, from 0.
@@ -309,6 +322,7 @@ impl Work<'_> {
             robot_s: motion.robot_s(),
             faults: motion.faults.clone(),
             files: BTreeMap::new(),
+            ..Moved::default()
         };
         for (number, piece) in programs::pieces(motion).into_iter().enumerate() {
             let name = match self.print.filaments {

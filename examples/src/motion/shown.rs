@@ -4,6 +4,7 @@ use crate::viewer::{Model, Nozzle, Robot, Stance, Step};
 use curvlay_kinematics::workcell::{Held, NozzleModel, Workcell};
 use curvlay_toolpath::surface::{BeadKind, Move, MoveKind, ToolPath};
 use curvlay_trajectory::Trajectory;
+use curvlay_trajectory::print::{LegKind, PrintPlan};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Most moments at which a robot is shown; between them it goes evenly.
@@ -132,6 +133,33 @@ impl<'a, W> Played<'a, W> {
         let (name, speeds) = (self.cell.equipment().name().to_owned(), self.cell.limits().velocity.to_vec());
         (self.steps, Robot { name, speeds, stances: self.stances, is_shown: false })
     }
+}
+
+/// What a robot does that executes a plan, from knot to knot, and how it stands; `frame_part` maps the part to the frame of what carries it.
+pub fn played<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    frame_part: &Isometry3<f64>,
+    plan: &PrintPlan<N, F>,
+    paths: &[ToolPath],
+) -> (Vec<Step>, Robot) {
+    let legs = || plan.legs(0..plan.runs.len());
+    let mut played = Played::new(cell, *frame_part, legs().map(|leg| leg.knots().len()).sum());
+    for leg in legs() {
+        let waypoints = paths.get(leg.run.path).map_or(&[][..], |path| &path.waypoints);
+        let prints = leg.kind == LegKind::Print;
+        let mut passes = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
+        let mut last = 0;
+        let bead = |knot: usize| {
+            while let Some((_, waypoint)) = passes.next_if(|(passed, _)| prints && *passed <= knot) {
+                last = waypoint;
+            }
+            let waypoint = waypoints.get(last)?;
+            let kind = if prints { kind(waypoint.kind) } else { Step::TRAVEL };
+            Some((kind, [waypoint.width, waypoint.height]))
+        };
+        played.add((leg.run.layer, leg.run.path as u32), &leg.knots(), bead);
+    }
+    played.finish()
 }
 
 /// Trajectories one after the other, for a path without beads.

@@ -1,6 +1,6 @@
 //! A scene: shaded triangles over a platform, seen from one side in parallel projection.
 
-use super::colours::{PLATFORM, Rgb};
+use super::colours::{INK, PLATFORM, Rgb};
 use super::image::Image;
 use super::raster::{Canvas, Spot, from_rgb};
 use nalgebra::{Point3, Vector3};
@@ -58,6 +58,7 @@ pub struct Scene {
     /// Level squares that shade the platform: their middles and half their edges.
     shading: Vec<([f32; 3], f32)>,
     platform: Option<(Vec<[f64; 2]>, f64)>,
+    labels: Vec<(Point3<f64>, String)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +70,9 @@ struct Facet {
 /// Edges sharper than this (the cosine between the normals of two faces) stay edges; flatter ones are shaded round.
 const CREASE: f64 = 0.77;
 
+/// White around labels, in pixels.
+const LABEL_RIM: u32 = 3;
+
 /// A fall behind an outline, as a share of the size of the scene. Half of it draws the steps of cells, twice of it
 /// loses the gap between a handle and its body.
 const OUTLINE: f64 = 0.03;
@@ -76,7 +80,7 @@ const OUTLINE: f64 = 0.03;
 impl Scene {
     /// An empty scene.
     pub fn new(camera: Camera) -> Self {
-        Scene { camera, facets: Vec::new(), shading: Vec::new(), platform: None }
+        Scene { camera, facets: Vec::new(), shading: Vec::new(), platform: None, labels: Vec::new() }
     }
 
     /// The camera.
@@ -155,6 +159,12 @@ impl Scene {
         self
     }
 
+    /// Adds a label (digits, a to z) with its middle where a point is seen, in front of everything.
+    pub fn label(&mut self, at: Point3<f64>, text: &str) -> &mut Self {
+        self.labels.push((at, text.to_owned()));
+        self
+    }
+
     /// Adds a triangle whose colours are final.
     pub(super) fn facet(&mut self, corners: [Point3<f64>; 3], colours: [[f32; 3]; 3]) {
         self.facets.push(Facet { corners: corners.map(|p| p.coords.map(|c| c as f32).into()), colours });
@@ -213,7 +223,17 @@ impl Scene {
             });
         }
         canvas.outline((OUTLINE * view.size) as f32);
-        canvas.picture()
+        let mut picture = canvas.picture();
+        let pixels = f64::from(picture.width()) / canvas.size()[0];
+        for (at, text) in &self.labels {
+            let [x, y, _] = view.spot(&at.coords).map(|samples| samples * pixels);
+            let [wide, high] = Image::text_size(text);
+            let corner = [x - f64::from(wide) / 2.0, y - f64::from(high) / 2.0]
+                .map(|pixel| pixel.max(f64::from(LABEL_RIM)) as u32);
+            picture.fill(corner.map(|pixel| pixel - LABEL_RIM), [wide + 2 * LABEL_RIM, high + 2 * LABEL_RIM], [255; 3]);
+            picture.write(corner, text, INK);
+        }
+        picture
     }
 
     /// A thin plate: its side, its rim, and its top with the shade of the part on it.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 fn run(name: &str) -> (Results, PathBuf) {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("boge").join(name);
     let folder = OutputFolder::create(&path).unwrap();
-    (example::work(&Bars::new(true), &folder, 1).unwrap(), path)
+    (example::work(None, &Bars::new(true), &folder, 1).unwrap(), path)
 }
 
 #[test]
@@ -42,16 +42,19 @@ fn every_figure_of_the_thesis_comes_out() {
     ] {
         assert_eq!(summary[key], figure, "{key}");
     }
-    assert_eq!((&summary["audits"], &summary["audit_ok"]), (&288.into(), &true.into()));
+    assert_eq!((&summary["audits"], &summary["audit_ok"]), (&306.into(), &true.into()));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
-    assert_eq!(report.matches("data:image/png;base64,").count(), 18);
+    // Six objects on three platforms by two methods, and on the large one by ours; six pairs of plane slicing; object 6 in three series of cuts.
+    let deep = results.cases[15].drawn.grid.iter().map(|cell| results.cases[15].drawn.grid.position(cell)[1]);
+    let cuts = deep.clone().max().unwrap() - deep.min().unwrap() + 1;
+    assert_eq!(report.matches("data:image/png;base64,").count(), 36 + 6 + 12 + 3 * cuts as usize);
     assert!(!report.contains("class=\"notice\""));
 }
 
 /// Boge 2019, section 4.4.6. Her coordinates count the row of the platform as well.
 #[test]
 fn the_worked_example_of_the_thesis_comes_out() {
-    let (results, _) = run("worked");
+    let (results, path) = run("worked");
     let case = &results.cases[1];
     assert_eq!(case.key, "object1_m");
     let layer = |method: usize, number: usize| -> Vec<[u32; 2]> {
@@ -62,6 +65,44 @@ fn the_worked_example_of_the_thesis_comes_out() {
     assert!((1..=9).all(|number| layer(0, number) == layer(1, number)));
     assert_eq!(layer(0, 10), [[5, 10], [6, 10], [7, 10], [8, 10], [9, 10], [9, 9]]);
     assert_eq!(layer(1, 10), [[5, 10], [6, 10], [7, 10], [8, 10], [9, 9]]);
+    // The drawing of it: two cells lie in the hull of ten greedy layers (Fig. 4.17a), one with the improved layer (Fig. 4.22b), nine and three at the end.
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    let drawings: Vec<&str> = report.split("<svg").skip(1).filter(|svg| svg.contains("in the hull</text>")).collect();
+    assert_eq!(drawings.len(), 2);
+    for (drawing, (tenth, last)) in drawings.iter().zip([(2, 9), (1, 3)]) {
+        assert!(
+            drawing.contains(&format!("layer 10: {} cells, {tenth} in the hull", if tenth == 2 { 6 } else { 5 })),
+            "{tenth}"
+        );
+        assert!(drawing.contains(&format!(", {last} in the hull")), "{last}");
+        assert_eq!(drawing.matches("<polygon").count(), 14);
+    }
+}
+
+/// Section 6.2.5: a threshold can only be as good as the best one, and one beyond all cells gives the greedy layers.
+#[test]
+fn the_threshold_of_the_thesis_is_an_option() {
+    let (results, path) = run("tuned");
+    for case in &results.cases {
+        let [gcfa, isp] = [0, 1].map(|method| case.ways.theirs[method].growth.missed.len());
+        assert!(case.tuned.run.growth.missed.len() <= gcfa.min(isp), "{}", case.key);
+    }
+    let csv = fs::read_to_string(path.join("layers.csv")).unwrap();
+    assert!(csv.starts_with("object,platform,x,y,z,gcfa,gcfa_isp,gcfa_isp_tuned\n"));
+    // What is missed has layer 0: Table 5.1 again, from the file.
+    for (object, platform, column, missed) in
+        [("1", "M", 5, 9), ("1", "M", 6, 3), ("6", "L", 5, 168), ("6", "L", 6, 185)]
+    {
+        let rows = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let of_case = rows.filter(|row| row[0] == object && row[1] == platform);
+        assert_eq!(of_case.filter(|row| row[column] == "0").count(), missed, "{object} {platform} {column}");
+    }
+    let folder = OutputFolder::create(&path).unwrap();
+    let results = example::work(Some(100_000), &Bars::new(true), &folder, 1).unwrap();
+    for case in &results.cases {
+        assert_eq!(case.tuned.run.growth.order, case.ways.theirs[0].growth.order, "{}", case.key);
+    }
+    assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("With a threshold of 100000"));
 }
 
 #[test]
@@ -127,7 +168,7 @@ fn own(name: &str, grid: &str, hardware: Hardware, allow_missed: f64) -> (Outcom
     let folder = OutputFolder::create(&path).unwrap();
     let file = path.join("grid.txt");
     fs::write(&file, grid).unwrap();
-    let request = Request { file, hardware, allow_missed, threads: 1 };
+    let request = Request { file, hardware, allow_missed, threshold: None, threads: 1 };
     let answer = example::work_on_grid(&request, &Bars::new(true), &folder).unwrap().outcome();
     let summary = serde_json::from_str(&fs::read_to_string(path.join("summary.json")).unwrap()).unwrap();
     (answer, summary, path)
@@ -152,7 +193,8 @@ fn a_grid_of_the_user_s_own_is_grown() {
         let layers = fs::read_to_string(path.join("layers.csv")).unwrap();
         let cells = text.matches('1').count();
         assert_eq!((layers.lines().count(), &summary["cells"]), (cells + 1, &cells.into()));
-        assert!(layers.lines().skip(1).all(|line| !line.ends_with(",0")), "{layers}");
+        assert!(layers.starts_with("x,y,z,layer,gcfa,gcfa_isp,gcfa_isp_tuned\n"));
+        assert!(layers.lines().skip(1).all(|line| line.split(',').nth(3) != Some("0")), "{layers}");
         assert!(fs::read_to_string(path.join("report.html")).unwrap().contains("verdict"));
     }
 }
@@ -178,7 +220,13 @@ fn a_grid_that_is_none_is_named() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("boge").join("bad");
     let folder = OutputFolder::create(&path).unwrap();
     let refused = |file: &Path| {
-        let request = Request { file: file.to_owned(), hardware: Hardware::InHand, allow_missed: 0.0, threads: 1 };
+        let request = Request {
+            file: file.to_owned(),
+            hardware: Hardware::InHand,
+            allow_missed: 0.0,
+            threshold: None,
+            threads: 1,
+        };
         match example::work_on_grid(&request, &Bars::new(true), &folder) {
             Err(failure) => failure.message().to_owned(),
             Ok(_) => panic!("{} was read", file.display()),

@@ -12,7 +12,9 @@ use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::accept;
 use curvlay_examples::mesh::{Mesh, read_mesh};
+use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::shapes;
+use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
 use curvlay_voxel::inspect::inspect;
 use example::Args;
 use std::fs;
@@ -89,7 +91,40 @@ fn a_mesh_becomes_programs() {
     assert_eq!(count, whole("program_files"));
     assert_eq!(count, 1 + whole("filament_changes") + whole("missing_transfers"));
     assert!(path.join("print_001_filament_1.script").exists());
-    assert!(fs::read_to_string(path.join("report.html")).unwrap().matches("data:image/png;base64,").count() >= 3);
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(report.matches("data:image/png;base64,").count() as u64 >= 4 + parts);
+    assert!(report.contains("UR3 that holds the part under a standing nozzle"), "the robot is not in the viewer");
+    assert_eq!(report.matches("<circle").count() as u64, whole("segments"));
+    assert!(["skeleton.png", "diameter.png", "segments.png"].iter().all(|name| path.join(name).exists()));
+
+    // The machine file: each part is printed along its direction, and nothing is laid on the way from part to part.
+    let file = fs::read(path.join("parts.gcode")).unwrap();
+    let moves = GcodeReader::new(&file[..], ReadOptions::default()).unwrap().collect::<Result<Vec<Move>, _>>().unwrap();
+    let directions: Vec<Vector3<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').skip(1).take(3).map(|x| x.parse().unwrap()).collect::<Vec<f64>>())
+        .map(|d| Vector3::new(d[0], d[1], d[2]))
+        .collect();
+    let along = |step: &Move, part: usize| match step {
+        Move::Print { direction, .. } => (direction.into_inner() - directions[part]).norm() < 1e-4,
+        _ => false,
+    };
+    for part in 0..directions.len() {
+        assert!(moves.iter().filter(|step| along(step, part)).count() > 10, "part {part}");
+    }
+    let mut turns = 0;
+    for pair in moves.windows(2) {
+        if let [Move::Print { direction: a, .. }, Move::Print { direction: b, .. }] = pair {
+            // A tilt goes on little by little.
+            turns += usize::from((a.into_inner() - b.into_inner()).norm() > 0.6);
+        }
+    }
+    assert_eq!(turns, 0);
+    let laid: f64 =
+        moves.iter().map(|step| if let Move::Print { filament_mm, .. } = step { *filament_mm } else { 0.0 }).sum();
+    let volume = laid * std::f64::consts::PI * 1.75f64.powi(2) / 4.0;
+    assert!((0.5..1.2).contains(&(volume / figure("volume_mm3"))), "{volume}");
 
     // A shorter run leaves nothing of it.
     let (path, _) =
@@ -125,6 +160,40 @@ fn risky_area_that_is_left_is_a_finding() {
     assert!(share > 0.05 && findings.contains(&accept("--allow-unsupported", share)), "{share}: {findings}");
 }
 
+/// The constants of the paper and its constraint I are options, and go where they belong.
+#[test]
+fn constants_of_the_paper_are_options() {
+    let words = [
+        "--stage",
+        "parts",
+        "--method",
+        "robofdm",
+        "--halvings",
+        "0",
+        "--keep-sections-apart",
+        "--spacing",
+        "12",
+        "--normals",
+        "20",
+    ];
+    let (path, _) = run("paper", &words).unwrap();
+    let figures = summary(&path);
+    assert_eq!((&figures["halvings"], &figures["keep_sections_apart"]), (&0.into(), &true.into()));
+    assert_eq!(
+        (&figures["spacing_mm"], &figures["normals"], &figures["crossing_sections"]),
+        (&12.0.into(), &20.into(), &0.into())
+    );
+    // With planes far apart and no halving more is left than with the defaults.
+    let (path, _) = run("ours", &["--stage", "parts"]).unwrap();
+    let left = |figures: &serde_json::Map<String, serde_json::Value>| figures["risky_after_mm2"].as_f64().unwrap();
+    assert!(left(&figures) > left(&summary(&path)), "{} {}", left(&figures), left(&summary(&path)));
+    for words in
+        [["--spacing", "0"], ["--max-turn", "90"], ["--max-section", "0.9"], ["--normals", "0"], ["--max-offset", "2"]]
+    {
+        assert!(arguments(&words).is_err(), "{words:?}");
+    }
+}
+
 /// Bug: with one part allowed there were two.
 #[test]
 fn one_part_is_one_part() {
@@ -139,7 +208,7 @@ fn bad_input_is_told_and_leaves_nothing() {
     let (open, ell) = (open.to_str().unwrap(), ell.to_str().unwrap());
     for (name, words, told) in [
         ("open", vec!["--mesh", open], "must be closed"),
-        ("root", vec!["--mesh", ell, "--root", "99"], "part 99 cannot be the first one"),
+        ("root", vec!["--mesh", ell, "--root", "99"], "--root 99: there are 3 segments, from 0 to 2"),
         ("clusters", vec!["--mesh", ell, "--parts", "1000"], "clusters"),
         ("gone", vec!["--mesh", "no/such/part.stl"], "no/such/part.stl"),
         ("cell", vec!["--mesh", ell, "--workcell", "no/cell.json"], "no/cell.json"),

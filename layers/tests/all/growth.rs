@@ -64,6 +64,12 @@ proptest! {
         prop_assert_eq!(layers, slow_greedy(&part, &rules));
     }
 
+    /// A threshold that nothing reaches keeps all candidates: the greedy scheme.
+    #[test]
+    fn a_threshold_beyond_all_cells_is_greedy(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules()) {
+        prop_assert_eq!(part.grow(&rules, Prevention::FewerThan(u32::MAX)).order, part.grow(&rules, Prevention::None).order);
+    }
+
     #[test]
     fn peeling_agrees_with_the_slow_twin(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules()) {
         // On the surface only, the slow twin would never end at eps 0.
@@ -74,9 +80,9 @@ proptest! {
     }
 
     #[test]
-    fn every_growth_passes_the_audit_and_knows_what_it_missed(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules(), governed: bool, which in 0usize..4, last: bool) {
+    fn every_growth_passes_the_audit_and_knows_what_it_missed(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules(), governed: bool, which in 0usize..5, threshold in 0u32..6, last: bool) {
         let cells = part.cells();
-        let prevention = [Prevention::None, Prevention::Incremental, Prevention::Adaptive, Prevention::FewerThanAll][which];
+        let prevention = [Prevention::None, Prevention::Incremental, Prevention::Adaptive, Prevention::FewerThanAll, Prevention::FewerThan(threshold)][which];
         let candidates = if last { Candidates::OfLastLayer } else { Candidates::OfAllLayers };
         let options = GrowthOptions { prevention, candidates, ..GrowthOptions::default() };
         let field = governed.then(|| peel(&cells, &part.platform, &rules, &go).unwrap());
@@ -100,7 +106,7 @@ proptest! {
                 MissedReason::Shadowed { layer } => {
                     prop_assert!(upto(layer).is_deep(at));
                     prop_assert!(layer == 1 || !upto(layer - 1).is_deep(at));
-                    if prevention != Prevention::None && prevention != Prevention::FewerThanAll {
+                    if matches!(prevention, Prevention::Incremental | Prevention::Adaptive) {
                         prop_assert!(layer == 1 || growth.statistics.sacrifices > 0);
                     }
                 }

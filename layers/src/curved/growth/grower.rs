@@ -86,7 +86,8 @@ impl<'a> Grower<'a> {
             Prevention::None => Selection::take_all(front, candidates)?,
             Prevention::Incremental => prevention::incremental(front, candidates, &self.offsets, Protected::Others)?,
             Prevention::Adaptive => prevention::adaptive(front, candidates, Protected::Others)?,
-            Prevention::FewerThanAll => prevention::fewer_than_all(front, candidates)?,
+            Prevention::FewerThanAll => prevention::fewer_than(front, candidates, None)?,
+            Prevention::FewerThan(threshold) => prevention::fewer_than(front, candidates, Some(threshold as usize))?,
         };
         self.statistics.trials += selection.trials;
         self.statistics.whole_layers += u64::from(selection.whole);

@@ -54,6 +54,9 @@ pub enum Prevention {
     /// Candidates are tried one by one in their given order, and one is kept when it leaves fewer cells shadowed than all candidates
     /// would (Boge 2019, Algorithm 2 and section 6.1.2). Cells tested before count as built in that comparison.
     FewerThanAll,
+    /// The same against a number, the voxel accumulation threshold of Boge's sections 6.1.2 and 6.2.5: a candidate is kept when it leaves fewer
+    /// cells shadowed than this. With 1 none may be shadowed; with more than all candidates would shadow all are kept.
+    FewerThan(u32),
 }
 
 /// Which cells become candidates.

@@ -233,8 +233,12 @@ fn split(front: &Front, part: &mut [u32]) -> usize {
 
 /// Tries the candidates one by one in their order; one is kept if that leaves fewer cells shadowed than all
 /// candidates together would (Boge's Algorithm 2; its line 6 is printed the wrong way round: there is something to improve
-/// when more cells are shadowed than before).
-pub(super) fn fewer_than_all(front: &mut Front, candidates: &[u32]) -> Result<Selection, GrowthError> {
+/// when more cells are shadowed than before); with a threshold fewer than that.
+pub(super) fn fewer_than(
+    front: &mut Front,
+    candidates: &[u32],
+    threshold: Option<usize>,
+) -> Result<Selection, GrowthError> {
     let mut untested: Vec<u32> = front.waiting.iter().collect();
     untested.retain(|cell| !candidates.contains(cell));
     let start = front.hull.checkpoint();
@@ -244,6 +248,7 @@ pub(super) fn fewer_than_all(front: &mut Front, candidates: &[u32]) -> Result<Se
     if shadowed_by_all == 0 {
         return Selection::take_all(front, candidates);
     }
+    let threshold = threshold.unwrap_or(shadowed_by_all);
     let outer = front.hull.checkpoint();
     let mut untested: Vec<u32> = front.waiting.iter().collect();
     let mut kept = Vec::new();
@@ -251,7 +256,7 @@ pub(super) fn fewer_than_all(front: &mut Front, candidates: &[u32]) -> Result<Se
         let start = front.hull.checkpoint();
         front.insert(&[cell])?;
         untested.retain(|&other| other != cell);
-        if front.count_deep(&untested) < shadowed_by_all {
+        if front.count_deep(&untested) < threshold {
             front.hull.commit(start);
             kept.push(cell);
         } else {

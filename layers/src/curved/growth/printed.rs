@@ -33,7 +33,7 @@ use std::ops::ControlFlow;
 ///
 /// # Arguments
 /// * `prevention`: [`Prevention::Adaptive`] for Algorithm 3, which line 20 names, [`Prevention::Incremental`] for Algorithm 2,
-///   [`Prevention::None`] for none. [`Prevention::FewerThanAll`] is that of another work, and refused.
+///   [`Prevention::None`] for none. [`Prevention::FewerThanAll`] and [`Prevention::FewerThan`] are those of another work, and refused.
 /// * `governor`: the field `F-bar`; by the letter that of [`peel`](super::super::peel()). A field of one value gives
 ///   Algorithm 1 with prevention, without a governor.
 /// * `progress`: called with the stage `grow` and the number of cells built after each layer; may cancel.
@@ -66,7 +66,7 @@ pub fn grow_as_printed(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Growth, GrowthError> {
     check(cells, platform, rules, Some(governor))?;
-    if prevention == Prevention::FewerThanAll {
+    if matches!(prevention, Prevention::FewerThanAll | Prevention::FewerThan(_)) {
         return Err(GrowthError::NotPrinted);
     }
     let first = standing(cells, platform, rules)?;
