@@ -71,10 +71,10 @@ fn what_leans_has_steps_and_what_has_no_bead_is_bare() {
     assert!(steps.p95_mm > 1.5 * upright.p95_mm && steps.p95_mm < H, "{steps:?} {upright:?}");
     // Half of the side has no bead, but those a millimetre and the rim below.
     let bare = gap_of(&wall(20, BeadKind::Wall, |_| 0.0), &side([0.5 * WIDTH, 0.0], [0.5 * WIDTH, 40.0 * H]));
-    assert!((bare.bare_share - (20.0 * H - 1.0) / (40.0 * H)).abs() < 0.01 && bare.p95_mm == 1.0, "{bare:?}");
+    assert!((bare.bare_share - (20.0 * H - 1.0) / (40.0 * H)).abs() < 0.01 && bare.p95_mm > 0.9999, "{bare:?}");
     // Support is not of the part.
     let support = wall(20, BeadKind::Support, |_| 0.0);
-    assert_eq!(gap_of(&support, &side([0.5 * WIDTH, 0.0], [0.5 * WIDTH, 20.0 * H])).bare_share, 1.0);
+    assert!(gap_of(&support, &side([0.5 * WIDTH, 0.0], [0.5 * WIDTH, 20.0 * H])).bare_share > 0.9999);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn nothing_to_look_at_is_no_gap() {
     let flat = skin_gap(&paths, &[Point3::origin(); 3], &[[0, 1, 2]], &options, &go_on);
     assert_eq!(flat, Ok(SkinGap::default()));
     let (vertices, triangles) = side([0.0, 0.0], [0.0, 1.0]);
-    assert_eq!(skin_gap(&[], &vertices, &triangles, &options, &go_on).unwrap().bare_share, 1.0);
+    assert!(skin_gap(&[], &vertices, &triangles, &options, &go_on).unwrap().bare_share > 0.9999);
 }
 
 #[test]
