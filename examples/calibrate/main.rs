@@ -24,8 +24,8 @@ use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3};
 use curvlay_kinematics::workcell::{AnyWorkcell, CalibrationModel, Held, WorkcellModel};
 use curvlay_kinematics::{
-    Arm, ArmFit, ArmModel, Calibration, FitOptions, FitResiduals, FitScope, MeasuredPose, Measurements, calibrate_tool,
-    fit_arm, fit_residuals,
+    Arm, ArmFit, ArmModel, Calibration, FitOptions, FitResiduals, FitScope, MeasuredPose, Measurements, Touch,
+    calibrate_tool, fit_arm, fit_residuals,
 };
 use demo::Truth;
 use std::path::{Path, PathBuf};
@@ -205,6 +205,14 @@ fn calibrate(
         None
     } else {
         bars.update("tool", 0, 1);
+        let by_flange = measured.touches.iter().filter(|touch| matches!(touch, Touch::Flange(_))).count();
+        if by_flange > 0 && arm.is_some() {
+            let what =
+                "touches are given by the flange as the controller shows it, which does not know the arm as found";
+            findings
+                .explain(Severity::Told, what, by_flange.to_string(), "")
+                .try_to("give these touches by their joints");
+        }
         let flanges: Vec<Isometry3<f64>> = measured.touches.iter().map(|touch| touch.base_flange(&built)).collect();
         let tool = calibrate_tool(&flanges).map_err(|error| named(&error))?;
         // With the part in the hand a pin on the flange touches the nozzle, which stands still.

@@ -120,6 +120,23 @@ fn the_keys_are_described() {
     }
 }
 
+/// A controller shows flanges of the nominal arm: beside an arm that was fitted that is worth a warning.
+#[test]
+fn touches_by_the_flange_are_a_finding() {
+    let (path, _) = run("flange", &[]).unwrap();
+    let mut measured = Measurements::from_csv(&fs::read(path.join("measurements.csv")).unwrap()[..]).unwrap();
+    let cell = AnyWorkcell::from_json(&include_bytes!("../../cells/ur10.json")[..]).unwrap();
+    for touch in &mut measured.touches {
+        *touch = Touch::Flange(touch.base_flange(cell.equipment().arm()));
+    }
+    let mut text = vec![];
+    measured.write_csv(&mut text).unwrap();
+    let by_flange = file("flange.csv", std::str::from_utf8(&text).unwrap());
+    let (path, _) = run("flange", &[&by_flange, "--allow-residual", "10"]).unwrap();
+    let findings = summary(&path)["findings"].as_str().unwrap().to_owned();
+    assert!(findings.contains("touches are given by the flange") && findings.contains(": 10"), "{findings}");
+}
+
 const HEADER: &str = "kind,joint1_deg,joint2_deg,joint3_deg,joint4_deg,joint5_deg,joint6_deg,x_mm,y_mm,z_mm\n";
 
 #[test]
