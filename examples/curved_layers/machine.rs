@@ -7,11 +7,13 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
+use curvlay_examples::mesh::Mesh;
 use curvlay_toolpath::gcode::Move;
 use curvlay_toolpath::surface::{
-    BeadSupport, Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, SupportOptions, ToolPath,
-    Travels, Turns, check_support, marked_moves,
+    BeadSupport, Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, SkinGap, SkinOptions,
+    SupportOptions, ToolPath, Travels, Turns, check_support, marked_moves, skin_gap,
 };
+use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use std::time::Duration;
 
@@ -32,6 +34,8 @@ pub struct MachineRun {
     pub support: BeadSupport,
     /// Area that beads cover by the thickness of the layer there, if that is measured.
     pub covered_mm3: Option<f64>,
+    /// How far the skin of the part is from its beads, if that is measured.
+    pub skin: Option<SkinGap>,
     /// The longest path as the closest points have it, unfiltered, to compare with.
     pub unfiltered: Option<ToolPath>,
     pub times: Times,
@@ -50,6 +54,15 @@ pub struct Times {
 impl MachineRun {
     pub fn waypoints(&self) -> usize {
         self.resolved.paths.iter().map(|path| path.waypoints.len()).sum()
+    }
+
+    /// Measures how far the skin of the part is from its beads.
+    pub fn measure_skin(&mut self, mesh: &Mesh, shift: Vector3<f64>, bars: &Bars) -> Result<(), Failure> {
+        let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
+        let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
+        let options = SkinOptions::default();
+        self.skin = Some(skin_gap(&self.resolved.paths, &vertices, &mesh.triangles, &options, &progress)?);
+        Ok(())
     }
 
     /// The moves of the machine file, with marks of layers and beads among them.
@@ -143,6 +156,7 @@ pub fn run(
         max_feed,
         support,
         covered_mm3,
+        skin: None,
         unfiltered: None,
         times,
     };

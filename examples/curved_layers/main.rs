@@ -644,7 +644,11 @@ impl Job<'_> {
                 let options = args.print_options();
                 memory.holds_waypoints(&options, args.stage >= Stage::Motion, paths)?;
                 let support = args.support_options();
-                results.machine = Some(machine::run(nozzle, &options, &support, args, surfaces, paths, bars)?);
+                let mut machine = machine::run(nozzle, &options, &support, args, surfaces, paths, bars)?;
+                if args.has_statistics() {
+                    machine.measure_skin(&self.part.mesh, field.solid.shift, bars)?;
+                }
+                results.machine = Some(machine);
             }
             (Stage::Motion, Some(paths), Some(machine)) => {
                 let (filament_mm, travel_mm_s) =

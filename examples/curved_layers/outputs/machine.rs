@@ -16,7 +16,7 @@ use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, ToolPath, UnsupportedPiece, write_paths_vtp};
+use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, SkinGap, ToolPath, UnsupportedPiece, write_paths_vtp};
 use serde_json::Value;
 use std::io;
 
@@ -173,6 +173,13 @@ pub fn summary(
     if let Some(covered_mm3) = run.covered_mm3 {
         summary.set("covered_mm3", covered_mm3)?;
     }
+    if let Some(skin) = run.skin {
+        summary
+            .set("skin_gap_mean_mm", skin.mean_mm)?
+            .set("skin_gap_p50_mm", skin.p50_mm)?
+            .set("skin_gap_p95_mm", skin.p95_mm)?
+            .set("skin_bare_share", skin.bare_share)?;
+    }
     summary
         .set("filament_mm", deposition.filament_mm)?
         .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
@@ -224,6 +231,7 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
         .row(["speed limited by".to_owned(), limits(run)])
         .row(["travels".to_owned(), travels(run)])
         .row(["unsupported".to_owned(), on_nothing(run)])
+        .row(["skin".to_owned(), skin(run)])
         .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
         .row([
             "time".to_owned(),
@@ -234,6 +242,15 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
                 seconds(times.travels)
             ),
         ]);
+}
+
+/// How far the skin is from the beads, in words.
+fn skin(run: &MachineRun) -> String {
+    let of = |skin: SkinGap| {
+        let bare = percent(skin.bare_share);
+        format!("95 % within {:.3} mm of the beads, half within {:.3}; {bare} bare", skin.p95_mm, skin.p50_mm)
+    };
+    run.skin.map_or_else(|| "not measured: see --statistics".to_owned(), of)
 }
 
 /// Which limit of the feed holds for how much of the time of printing.

@@ -20,6 +20,7 @@
 //! All of this in two calls: [`fill_layers`] fills the surfaces of a part and orders their curves, [`FilledLayers::plan`] plans the
 //! moves of the whole print.
 
+mod beads;
 mod deposition;
 mod fiber;
 mod fill;
@@ -38,6 +39,7 @@ mod planar;
 mod pose;
 mod print;
 mod short;
+mod skin;
 mod stack;
 mod statistics;
 mod support;
@@ -82,6 +84,7 @@ pub use paths::{
 pub use pose::Pose;
 pub use print::{PrintError, PrintOptions, PrintPlan};
 pub use short::SHORT_CURVE_BEADS;
+pub use skin::{SkinError, SkinGap, SkinOptions, skin_gap};
 pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,

@@ -4,8 +4,7 @@
 //! beads is another matter. So this check takes the paths that are extruded, and nothing else: it shares no code with what plans
 //! them, and knows neither surfaces nor fields.
 //!
-//! The tip runs at the top of a bead, so the *middle* of a bead is half its height from the tip, against the direction of the nozzle.
-//! Its section is that of a slicer: a core, as wide as the bead less its height, with a round rim. A place of a bead is
+//! Beads are bodies as `beads` has them. A place of a bead is
 //! *supported* if the plate z = 0 is near its middle, or the core of a bead that
 //!
 //! * was laid before, on another layer (neighbours in the same layer hold it aside, not up), and
@@ -14,19 +13,19 @@
 //! A place that is not supported is part of a *span* if what is laid there is a straight line between two places that are: the bead is
 //! drawn tight from one to the other, as a slicer's bridges are. Every other piece lies on nothing.
 //!
-//! Between waypoints middles and sizes go evenly from one to the next. Distances are to the place of the centre line that is nearest:
+//! Distances are to the place of the centre line that is nearest:
 //! exact for beads no wider than high, and for wider ones where their centre line is upright to their nozzle. Places are looked at one by
 //! one, a small step apart, each for the piece of bead around it: the end of an unsupported piece is within half a step of where
 //! it is found, unless it is shorter than a step.
 //!
 //! Segments stand in a grid of cells about as wide as the greatest distance, so time is near linear in the length of the paths.
 
+use super::beads::{BeadGrid, Section, nearest_share};
 use super::kind::BeadKind;
 use super::orientation::{ToolPath, Waypoint};
 use super::parallel;
 use crate::Progress;
-use nalgebra::{Point3, Vector3};
-use std::collections::HashMap;
+use nalgebra::Point3;
 use std::ops::ControlFlow;
 
 /// Coordinates and sizes beyond this, in millimetres, are refused: numbers of cells stay exact.
@@ -266,36 +265,6 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
     Ok(())
 }
 
-/// A bead across.
-#[derive(Clone, Copy, Debug)]
-struct Section {
-    middle: Point3<f64>,
-    direction: Vector3<f64>,
-    /// Half the width of its core.
-    core: f64,
-    arc: f64,
-}
-
-impl Section {
-    fn of(at: &Waypoint) -> Section {
-        let direction = at.direction.into_inner();
-        let middle = at.tip - direction * (0.5 * at.height);
-        Section { middle, direction, core: (0.5 * (at.width - at.height)).max(0.0), arc: at.arc }
-    }
-
-    /// Part of the way to another.
-    fn toward(&self, other: &Section, share: f64) -> Section {
-        let direction = self.direction + (other.direction - self.direction) * share;
-        Section {
-            middle: self.middle + (other.middle - self.middle) * share,
-            // Opposite directions meet in none.
-            direction: direction.try_normalize(1e-9).unwrap_or(self.direction),
-            core: self.core + (other.core - self.core) * share,
-            arc: self.arc + (other.arc - self.arc) * share,
-        }
-    }
-}
-
 /// A piece of a bead between two waypoints.
 struct Segment {
     path: u32,
@@ -309,9 +278,7 @@ struct Laid {
     segments: Vec<Segment>,
     /// Where the segments of each path begin in the list.
     firsts: Vec<usize>,
-    /// Segments by the cells that they pass through.
-    cells: HashMap<[i64; 3], Vec<u32>>,
-    side: f64,
+    grid: BeadGrid,
     max_mm: f64,
     drop_mm: f64,
     step_mm: f64,
@@ -343,25 +310,12 @@ impl Laid {
             segments.extend(path.waypoints.windows(2).map(segment));
         }
         let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
-        // Samples of a segment are a quarter of this from what they stand for, so a cell and its neighbours have all within reach.
         let reach = max_mm + core.fold(0.0, f64::max);
-        let side = 1.25 * reach;
-        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-        for (number, Segment { ends: [a, b], .. }) in (0..).zip(&segments) {
-            let steps = ((b.middle - a.middle).norm() / (0.5 * reach)).ceil().max(1.0) as usize;
-            for k in 0..=steps {
-                let at = a.middle + (b.middle - a.middle) * (k as f64 / steps as f64);
-                let here = cells.entry(cell(at, side)).or_default();
-                if here.last() != Some(&number) {
-                    here.push(number);
-                }
-            }
-        }
+        let grid = BeadGrid::new(segments.iter().map(|segment| &segment.ends), reach);
         Laid {
             segments,
             firsts,
-            cells,
-            side,
+            grid,
             max_mm,
             drop_mm: min_drop * layer_height,
             step_mm: step * layer_height,
@@ -436,15 +390,13 @@ impl Laid {
         if last.as_ref().is_some_and(carries) {
             return true;
         }
-        let [x, y, z] = cell(at.middle, self.side);
-        let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
-        *last = around.filter_map(|cell| self.cells.get(&cell)).flatten().copied().find(|other| carries(other));
+        *last = self.grid.around(at.middle).find(|other| carries(other));
         last.is_some()
     }
 
     /// Whether a segment is below a place of a bead and near it.
-    fn is_below(&self, [a, b]: &[Section; 2], at: &Section) -> bool {
-        let way = b.middle - a.middle;
+    fn is_below(&self, ends: &[Section; 2], at: &Section) -> bool {
+        let [a, b] = ends;
         // How far below the place it is, at its start and along it.
         let drops = [a, b].map(|end| (at.middle - end.middle).dot(&at.direction) - self.drop_mm);
         let crossing = drops[0] / (drops[0] - drops[1]);
@@ -454,18 +406,10 @@ impl Laid {
             [false, true] => [crossing, 1.0],
             [false, false] => return false,
         };
-        let squared = way.norm_squared();
-        let share = if squared > 0.0 { (at.middle - a.middle).dot(&way) / squared } else { 0.0 };
-        let nearest = a.toward(b, share.max(low).min(high));
-        let to = at.middle - nearest.middle;
-        let up = to.dot(&nearest.direction);
-        let aside = ((to - nearest.direction * up).norm() - nearest.core).max(0.0);
+        let nearest = a.toward(b, nearest_share(ends, at.middle).max(low).min(high));
+        let [up, aside] = nearest.off(at.middle);
         up.hypot(aside) <= self.max_mm
     }
-}
-
-fn cell(at: Point3<f64>, side: f64) -> [i64; 3] {
-    [at.x, at.y, at.z].map(|x| (x / side).floor() as i64)
 }
 
 /// The waypoint at the end of the segment at a length along a path.

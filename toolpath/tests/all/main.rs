@@ -44,6 +44,7 @@ mod ranges;
 mod sandwich;
 mod serde;
 mod short;
+mod skin;
 mod statistics;
 mod stiffness;
 mod strips;
