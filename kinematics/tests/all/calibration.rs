@@ -2,7 +2,6 @@
 
 use crate::common::arm;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use curvlay_kinematics::workcell::{AnyWorkcell, CalibrationModel, WorkcellModel};
 use curvlay_kinematics::{
     Arm, ArmDeviation, ArmModel, ArmParameter, CalibrationError, FitError, FitOptions, FitScope, MeasuredPose,
     MeasurementError, Measurements, Touch, calibrate_tip, calibrate_tool, fit_arm, fit_residuals, robots,
@@ -332,6 +331,7 @@ fn wrong_files_say_what_is_wrong() {
 #[cfg(feature = "serde")]
 #[test]
 fn a_workcell_keeps_its_calibration() {
+    use curvlay_kinematics::workcell::{AnyWorkcell, CalibrationModel, WorkcellModel};
     let mut model = WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes()).unwrap();
     let nominal = AnyWorkcell::new(model.clone()).unwrap();
     let deviation = built(&mut Pcg64Mcg::seed_from_u64(14));
