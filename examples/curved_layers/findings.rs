@@ -255,13 +255,18 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
         findings.add(Noted, "the nozzle is raised a little where it would collide with printed material", amount, "");
     }
     let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
-    if pieces > 0 {
+    if left_out > 0.0 {
         let share = run.left_out_share();
-        let amount = format!("{left_out:.1} of {:.1} mm, {}", laid + left_out, percent(share));
+        let with_gaps = if pieces > 0 && run.resolved.gaps > 0.0 { ", gaps at sharp turns included" } else { "" };
+        let amount = format!("{left_out:.1} of {:.1} mm, {}{with_gaps}", laid + left_out, percent(share));
         let severity = Severity::above(share, allow.allow_left_out);
-        let what = format!("{} skipped: out of the nozzle's reach", counted(pieces, "path segment"));
+        let what = match pieces {
+            0 => "gaps in the paths, at turns that are too sharp for the nozzle".to_owned(),
+            _ => format!("{} skipped: out of the nozzle's reach", counted(pieces, "path segment")),
+        };
+        let list = if pieces > 0 { "left_out.csv" } else { "turns.csv" };
         findings
-            .explain(severity, what, amount, "left_out.csv")
+            .explain(severity, what, amount, list)
             .try_to("a slimmer --nozzle")
             .try_to("--orient best")
             .allow(accept("--allow-left-out", share));
