@@ -22,6 +22,8 @@ mod angle;
 mod arm;
 mod calibration;
 mod cell;
+#[cfg(feature = "serde")]
+mod json;
 mod limits;
 mod placement;
 mod pose;

@@ -2,7 +2,7 @@
 //!
 //! `docs/formats.md` describes both formats. Angles are in degrees there, as on pendants.
 
-use super::fit::MeasuredPose;
+use super::data::MeasuredPose;
 use crate::arm::Arm;
 use crate::pose::LARGEST;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
@@ -255,6 +255,7 @@ fn rotation_of(rpy_deg: [f64; 3]) -> UnitQuaternion<f64> {
 #[cfg(feature = "serde")]
 mod json {
     use super::{MeasuredPose, MeasurementError, Measurements, Touch, rotation_of};
+    use crate::json::JsonFault;
     use crate::pose::LARGEST;
     use crate::workcell::FrameModel;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
@@ -304,14 +305,10 @@ mod json {
 
     impl From<serde_json::Error> for MeasurementError {
         fn from(error: serde_json::Error) -> Self {
-            let what = error.to_string();
-            if error.is_io() {
-                return MeasurementError::Io { what };
+            match JsonFault::from(error) {
+                JsonFault::Io(what) => MeasurementError::Io { what },
+                JsonFault::At([line, column], what) => MeasurementError::Json { line, column, what },
             }
-            let (line, column) = (error.line(), error.column());
-            let place = format!(" at line {line} column {column}");
-            let what = what.strip_suffix(&place).map(str::to_owned).unwrap_or(what);
-            MeasurementError::Json { line, column, what }
         }
     }
 

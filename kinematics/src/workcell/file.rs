@@ -3,6 +3,8 @@
 use super::check::WorkcellError;
 #[cfg(feature = "serde")]
 use super::model::{VERSION, WorkcellModel};
+#[cfg(feature = "serde")]
+use crate::json::JsonFault;
 
 /// Why a file is no workcell.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,15 +34,10 @@ pub enum WorkcellFileError {
 #[cfg(feature = "serde")]
 impl From<serde_json::Error> for WorkcellFileError {
     fn from(error: serde_json::Error) -> Self {
-        let what = error.to_string();
-        if error.is_io() {
-            return WorkcellFileError::Io { what };
+        match JsonFault::from(error) {
+            JsonFault::Io(what) => WorkcellFileError::Io { what },
+            JsonFault::At([line, column], what) => WorkcellFileError::Json { line, column, what },
         }
-        let (line, column) = (error.line(), error.column());
-        // The place is told by the fields.
-        let place = format!(" at line {line} column {column}");
-        let what = what.strip_suffix(&place).map(str::to_owned).unwrap_or(what);
-        WorkcellFileError::Json { line, column, what }
     }
 }
 
