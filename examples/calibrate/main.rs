@@ -194,7 +194,7 @@ fn calibrate(
         find_in_arm(args, &fit, unseen.as_ref(), &mut findings);
         Some(FoundArm { fit, unseen })
     };
-    // What the robot is now: touches are told by joints.
+    // The arm as fitted: touches by joints are placed by it.
     let built = match &arm {
         Some(found) => Arm::calibrated(nominal, &found.fit.deviation)?,
         None => *cell.equipment().arm(),

@@ -32,7 +32,7 @@ const FOOT_MM: f64 = 95.0;
 const BOUNDING_SAMPLES: usize = 2000;
 /// Samples of tilt and turn of a table, besides the tool angles of an arm alone.
 const TABLE_SAMPLES: [u32; 2] = [5, 12];
-/// Tool angles of the search; those of what is told are as many as in the dissertation.
+/// Tool angles of the search; reported places are judged with as many as in the dissertation.
 const SEARCH_ANGLES: u32 = 12;
 
 /// What stands still, and is moved.
