@@ -184,7 +184,9 @@ fn checked(region: &StandRegion, waypoints: &[Waypoint], min_clearance: f64) -> 
     let [nx, ny, nz] = parts.map(|parts| parts as usize);
     let mut places = Vec::with_capacity(count as usize);
     for (z, y, x) in (0..=nz).flat_map(|z| (0..=ny).flat_map(move |y| (0..=nx).map(move |x| (z, y, x)))) {
-        places.push(region.min + step.component_mul(&Vector3::new(x as f64, y as f64, z as f64)));
+        let place = region.min + step.component_mul(&Vector3::new(x as f64, y as f64, z as f64));
+        // Rounding may put the last one beyond the end.
+        places.push(place.inf(&region.max));
     }
     let middle = nalgebra::center(&region.min, &region.max);
     places.sort_by(|a, b| (a - middle).norm().total_cmp(&(b - middle).norm()));

@@ -63,6 +63,16 @@ proptest! {
     }
 }
 
+/// The last place of the grid was beyond the end of this region by rounding.
+#[test]
+fn the_end_of_the_grid_is_within_the_region() {
+    let x = -20.01103411324592;
+    let region = region([x, -100.0, 0.0], [x + 394.6625015168784, -100.0, 300.0], 90.0, 4.0);
+    let radius = 627.4319972505259;
+    let best = best_stand(&region, &waypoints(1), 5.0, |place| Some(ball(place, radius)), &|_| Continue(())).unwrap();
+    assert!((0..3).all(|k| (region.min[k]..=region.max[k]).contains(&best.place[k])), "{}", best.place);
+}
+
 #[test]
 fn places_where_nothing_can_stand_are_passed_over() {
     let region = region([0.0; 3], [600.0, 0.0, 0.0], 100.0, 1.0);
