@@ -91,7 +91,7 @@ fn rms(values: &[f64]) -> f64 {
 /// An arm that was fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmFit {
-    /// How it differs from the nominal one: [`Arm::calibrated`] makes an arm of it.
+    /// How it differs from the nominal one: [`Arm::calibrated`](crate::Arm::calibrated) makes an arm of it.
     pub deviation: ArmDeviation,
     /// Where its base is, as the device has it.
     pub world_base: Isometry3<f64>,
