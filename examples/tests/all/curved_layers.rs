@@ -1074,10 +1074,16 @@ fn a_part_is_printed_on_another() {
     // Half of a bead beyond the edge hangs there; two millimetres of each layer do.
     assert!(number(&figures, "unsupported_share") < 0.02, "{figures}");
     let gcode = fs::read_to_string(Path::new(&out).join("toolpath.gcode")).unwrap();
-    let height = |line: &str| line.split(' ').find_map(|word| word.strip_prefix('Z')?.parse::<f64>().ok());
-    let printed = gcode.lines().filter(|line| line.starts_with("G1") && line.contains(" E")).filter_map(height);
-    let lowest = printed.fold(f64::INFINITY, f64::min);
-    assert!((lowest - 8.0).abs() < 0.1, "{lowest}");
+    let word =
+        |line: &str, letter: char| line.split(' ').find_map(|word| word.strip_prefix(letter)?.parse::<f64>().ok());
+    let printed = gcode.lines().filter(|line| line.starts_with("G1") && line.contains(" E"));
+    let places: Vec<[f64; 2]> = printed.filter_map(|line| Some([word(line, 'X')?, word(line, 'Z')?])).collect();
+    let lowest = |from: f64, to: f64| {
+        let within = places.iter().filter(|[x, _]| (from..to).contains(x)).map(|[_, z]| *z);
+        within.fold(f64::INFINITY, f64::min)
+    };
+    // On the block a layer up, and lower beyond its edge, where layers lean.
+    assert!((lowest(0.0, 17.0) - 8.0).abs() < 0.1 && lowest(20.0, 22.0) < 8.0, "{places:?}");
 
     // A saved field is gone on with on the same block, and on no other.
     let field = Path::new(&out).join("field.txt").display().to_string();
