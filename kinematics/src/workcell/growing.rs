@@ -275,6 +275,21 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingScene<'a, N, 
         })
     }
 
+    /// The same with a mould, or a part that exists already, which is there from the start: by its cells, as [`PartCells::rows`] has those of the part. Nozzle and
+    /// hot end may touch it while they print, as they may the part.
+    ///
+    /// # Errors
+    /// [`SceneError`] for rows of another grid.
+    ///
+    /// # Cost
+    /// `O(words)`.
+    pub fn on_mould(mut self, rows: &[u64]) -> Result<Self, SceneError> {
+        for scene in self.clear.iter_mut().chain([&mut self.printing, &mut self.moving]) {
+            scene.add_cells(PART, rows)?;
+        }
+        Ok(self)
+    }
+
     /// The workcell.
     pub fn workcell(&self) -> &'a W {
         self.workcell

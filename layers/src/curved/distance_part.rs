@@ -9,7 +9,7 @@ use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
 use super::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_directed};
 use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
-use super::standing::standing;
+use super::standing::carried;
 use super::strategy::Strategy;
 use super::support::{NoSupport, SupportError, SupportOptions, Supported, add_support};
 use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
@@ -35,7 +35,7 @@ impl Workpiece<'_> {
             // Support stands wherever it stands.
             let is_part = |&cell: &u32| self.cells.contains(cells.position(cell));
             let is_base = |cell: &u32| !is_part(cell) || touching.binary_search(cell).is_ok();
-            let base: Vec<u32> = standing(cells, platform, &rules)?.into_iter().filter(is_base).collect();
+            let base: Vec<u32> = carried(cells, platform, &rules).into_iter().filter(is_base).collect();
             match layers_by {
                 LayersBy::Directed => {
                     let CompleteOptions { rule, directed, .. } = options;
