@@ -110,20 +110,24 @@ fn regrown(found: &mut Supported, cells: &Cells, grow_in: &GrowIn) -> Result<Lay
 pub(super) fn by_distance(
     cells: &Cells,
     part: &Workpiece,
-    layers_by: LayersBy,
+    found: &CompleteOrder,
     field: &LayerField,
     judged: &JudgedByNozzle,
-    growth: &Growth,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<UniformField, UniformError> {
     let Workpiece { platform, rules, .. } = part;
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
-    let (order, missed) = (field.order(), growth.missed_cells());
-    let audit = audit_with_nozzle(cells, platform, rules, judged, &order, &missed, &auditing)?;
+    let (order, growth) = (field.order(), found.taken());
+    let audit = if order == growth.order {
+        // What was audited before.
+        found.audit.clone()
+    } else {
+        audit_with_nozzle(cells, platform, rules, judged, &order, &growth.missed_cells(), &auditing)?
+    };
     if !audit.is_ok() {
         return Err(UniformError::Order(Box::new(audit)));
     }
-    let is_directed = layers_by == LayersBy::Directed;
+    let is_directed = found.layers_by == LayersBy::Directed;
     let method = if is_directed { UniformMethod::Directed } else { UniformMethod::Distance };
     Ok(UniformField { field: field.clone(), method, audit, jumps: jumps(field) })
 }
