@@ -81,7 +81,7 @@ pub struct MotionArgs {
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// How far arm, part and everything that stands there keep apart, in millimetres; the nozzle touches the part where it prints
-    #[arg(long, value_name = "MM", default_value_t = 2.0, value_parser = from_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = GrowingOptions::MARGIN_MM, value_parser = from_zero, allow_negative_numbers = true)]
     pub margin: f64,
     /// How much thicker the links of the arm are than their bodies, in millimetres, for cables and hoses [default: what the
     /// workcell says; 10 if it says nothing]
