@@ -61,6 +61,9 @@ pub fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
         return Err("--prevention needs --strategy governed or printed".to_owned());
     }
+    if is_given("mould") && matches.get_one::<Lying>("orient") == Some(&Lying::Best) {
+        return Err("--orient best does not go with --on: the part lies on it as the files have both".to_owned());
+    }
     if matches.get_one::<Lying>("orient") != Some(&Lying::Best) {
         let posing = ["directions", "orient_voxels", "refine", "least_tipping", "standing_first"];
         if let Some(id) = posing.into_iter().find(|id| is_given(id)) {

@@ -9,7 +9,7 @@ use curvlay_toolpath::surface::Nozzle;
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cells that the hull rule does not let build")]
 pub struct CompleteArgs {
-    /// By what the order of the cells is found [default: best; hull where layers are as high as cells, with a --strategy other than best,
+    /// By what the order of the cells is found [default: best; hull where layers are as high as cells, unless there is a mould (--on), with a --strategy other than best,
     /// --nozzle-growth or --coherent]
     #[arg(long, value_enum, conflicts_with = "resume")]
     pub layers_by: Option<LayersBy>,

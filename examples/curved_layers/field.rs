@@ -2,6 +2,7 @@
 
 use crate::estimate::{self, Memory};
 use crate::failure;
+use crate::mould::{Mould, Standing};
 use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
@@ -69,6 +70,8 @@ pub struct FieldRun {
     pub thin: ThinFeatures,
     pub solid: Voxelisation,
     pub platform: Platform,
+    /// What the part is built on, if that is not the plate.
+    pub mould: Option<Mould>,
     pub growth: Growth,
     /// By what the order was found; none for a saved one.
     pub layers_by: Option<LayersBy>,
@@ -150,12 +153,13 @@ fn exact_volume(part: &Part, mesh: &MeshReport) -> Option<f64> {
     (is_exact && holes_mm3 <= UNCERTAIN_SHARE * volume_mm3).then_some(volume_mm3)
 }
 
-/// Makes the cells and their order, and with options for them the surfaces; of a field that was `saved` if there is one.
+/// Makes the cells and their order, on a mould if there is one, and with options for them the surfaces; of a field that was `saved` if there is one.
 pub fn run(
     options: &FieldOptions,
     surfaces: Option<&SurfaceOptions>,
     memory: Memory,
     part: &Part,
+    mould: Option<&Part>,
     saved: Option<SavedField>,
     bars: &Bars,
 ) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
@@ -171,7 +175,14 @@ pub fn run(
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) =
         timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));
-    let solid = solid.map_err(|error| of_part(&error))?;
+    let (solid, platform_mm) = (solid.map_err(|error| of_part(&error))?, options.platform_diameter_mm);
+    let (mut mould, platform, solid) = match mould {
+        Some(mould) => {
+            let Standing { mould, platform, solid } = Mould::stand(mould, solid, platform_mm)?;
+            (Some(mould), Some(platform), solid)
+        }
+        None => (None, None, solid),
+    };
     let by_hulls = options.complete.nozzle == NozzleUse::Off && options.complete.support.is_none();
     let made = match (surfaces, &saved, options.strategy) {
         (None, Some(_), _) => estimate::Made::CompleteOrder,
@@ -184,15 +195,17 @@ pub fn run(
     let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
     let thin = thin.map_err(|error| of_part(&error))?;
 
-    let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
+    let (cells, cell_mm) = (Cells::new(solid.grid.dims(), solid.grid.rows())?, solid.grid.cell_mm());
     saved.iter().try_for_each(|saved| saved.check_cells(&cells, solid.grid.origin()))?;
-    let (cell_mm, platform_mm) = (solid.grid.cell_mm(), options.platform_diameter_mm);
-    let platform = Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
-        of_part(&format!(
-            "the part and a platform of {platform_mm} mm are too large for cells of {cell_mm} mm: take larger cells, or \
-             check --unit"
-        ))
-    })?;
+    let platform = match platform {
+        Some(platform) => platform,
+        None => Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
+            of_part(&format!(
+                "the part and a platform of {platform_mm} mm are too large for cells of {cell_mm} mm: take larger cells, or \
+                 check --unit"
+            ))
+        })?,
+    };
     let shifted: Vec<Point3<f64>> = vertices.iter().map(|vertex| vertex + solid.shift).collect();
     let mut workpiece = Workpiece {
         vertices: &shifted,
@@ -217,6 +230,10 @@ pub fn run(
         workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
     }
     let layers_failed = |error| surfaces::failed(error, part);
+    if let Some(mould) = &mut mould {
+        mould.buried_mm3 = workpiece.volume_of(&mould.buried, &progress).map_err(layers_failed)?;
+        workpiece.volume_mm3 -= mould.buried_mm3;
+    }
     let complete = &options.complete;
     let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
     clock.note("grow", 0);
@@ -308,6 +325,7 @@ pub fn run(
         thin,
         solid,
         platform,
+        mould,
         growth,
         layers_by,
         strategy,

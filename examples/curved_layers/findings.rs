@@ -58,6 +58,9 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     }
 }
 
+/// Share of the part that may lie in what it is printed on before it is told: slivers of cells beside its surface.
+const NOTABLE_BURIED: f64 = 1e-4;
+
 /// Of the mesh, the cells and their order.
 fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     let (diameter_mm, allow) = (args.platform_diameter_mm(), &args.allow);
@@ -94,6 +97,19 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if taken_mm > diameter_mm + cell_mm {
         let what = format!("the part does not fit on a platform of {diameter_mm} mm");
         findings.add(Noted, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
+    }
+    if let Some(mould) = &run.mould {
+        findings.add(
+            Noted,
+            format!("the part is printed on {}", mould.name),
+            "",
+            format!("it stands at {}", mould.place()),
+        );
+        if mould.buried_mm3 > NOTABLE_BURIED * run.part_mm3 {
+            let what =
+                format!("the part reaches more than a cell into {}: what lies in there is not printed", mould.name);
+            findings.add(Told, what, format!("{:.1} mm3", mould.buried_mm3), "");
+        }
     }
     if !run.support.is_empty() {
         let amount = format!("{} cells, {:.1} mm3, to be broken off", run.support.len(), run.support_mm3());
@@ -156,6 +172,16 @@ fn missed_in_words(run: &FieldRun) -> String {
     )
 }
 
+/// Whether the part may be turned to another pose.
+fn can_turn(args: &Args) -> bool {
+    args.orient != Lying::Best && args.mould.is_none()
+}
+
+/// The advice to do so, if it may.
+fn another_pose(args: &Args) -> &'static str {
+    if can_turn(args) { "--orient best" } else { "" }
+}
+
 /// What to do about missed cells.
 fn ways_out(run: &FieldRun, args: &Args) -> [&'static str; 3] {
     let has = |is: &dyn Fn(MissedReason) -> bool| run.growth.missed.iter().any(|cell| is(cell.reason));
@@ -175,7 +201,7 @@ fn ways_out(run: &FieldRun, args: &Args) -> [&'static str; 3] {
         _ if out_of_reach => "a slimmer --nozzle reaches more",
         _ => "",
     };
-    let pose = if args.orient == Lying::Best { "" } else { "--orient best looks for a pose that misses fewer" };
+    let pose = if can_turn(args) { "--orient best looks for a pose that misses fewer" } else { "" };
     [support, nozzle, pose]
 }
 
@@ -246,7 +272,7 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
                 .try_to(format!("--nozzle with a tip of {bead:.2} mm or less, if that is your nozzle"))
                 .try_to(format!("--bead {tip}"));
         } else {
-            finding.try_to("--nozzle with the true shape of a slimmer nozzle").try_to("--orient best");
+            finding.try_to("--nozzle with the true shape of a slimmer nozzle").try_to(another_pose(args));
         }
         finding.allow(accept("--allow-gouging", share));
     }
@@ -268,7 +294,7 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
         findings
             .explain(severity, what, amount, list)
             .try_to("a slimmer --nozzle")
-            .try_to("--orient best")
+            .try_to(another_pose(args))
             .allow(accept("--allow-left-out", share));
     }
     let turns = run.resolved.cut_turns.iter().map(|turn| turn.angle.to_degrees());
@@ -364,8 +390,9 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
         return;
     }
     let (share, longest) = (support.unsupported_share(), support.longest_mm());
+    let on = if args.mould.is_some() { "plate, mould" } else { "plate" };
     let what =
-        format!("unsupported beads: neither plate nor earlier bead within {} layer heights", args.support_distance);
+        format!("unsupported beads: neither {on} nor earlier bead within {} layer heights", args.support_distance);
     let long = support.unsupported.iter().filter(|piece| piece.length() > bead_mm).count();
     let amount = format!(
         "{:.1} of {:.1} mm, {}; {} longer than a bead is wide, the longest {longest:.1} mm, and {}",
@@ -390,7 +417,7 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
         })
         .try_to(if is_by_hulls { "--layers-by best" } else { "" })
         .try_to(if grown == Support::None { "--support auto" } else { "" })
-        .try_to(if args.orient == Lying::Best { "" } else { "--orient best" })
+        .try_to(another_pose(args))
         .allow(format!(
             "{} and {}",
             accept("--allow-unsupported", share),

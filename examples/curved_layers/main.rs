@@ -16,6 +16,7 @@ mod field;
 mod findings;
 mod machine;
 mod motion;
+mod mould;
 mod outputs;
 mod paths;
 mod ranges;
@@ -69,6 +70,10 @@ use surfaces::{SurfaceOptions, SurfacesRun};
 struct Args {
     #[command(flatten)]
     mesh: MeshArgs,
+    /// What the part is built on: a mould, or a part that exists already. A mesh file with the same origin, unit, scale and axis as the part; the lower of
+    /// both stands on the plate
+    #[arg(long = "on", value_name = "FILE", help_heading = "Part")]
+    mould: Option<PathBuf>,
     /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     profile: Option<PathBuf>,
@@ -186,7 +191,7 @@ impl Args {
 
     /// The files that it reads.
     fn files(&self) -> impl Iterator<Item = Option<&Path>> {
-        let one = [&self.resume, &self.profile, &self.motion.workcell].map(Option::as_deref);
+        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.mould].map(Option::as_deref);
         one.into_iter().chain([self.mesh.path()]).chain(self.merge.iter().map(|path| Some(path.as_path())))
     }
 
@@ -206,6 +211,11 @@ impl Args {
         let is_of =
             |saved: &SavedField| saved.check_mesh(mesh_stamp(&small.mesh.vertices, &small.mesh.triangles)).is_ok();
         if saved.is_none_or(is_of) { Ok(small) } else { Ok(load(jug)?) }
+    }
+
+    /// What it is built on.
+    fn mould(&self) -> Result<Option<Part>, Failure> {
+        Ok(self.mould.as_deref().map(|path| self.mesh.load_file(path)).transpose()?)
     }
 
     /// Layer height; `None` for the edge of a cell.
@@ -246,7 +256,9 @@ impl Args {
     /// have.
     fn layers_by(&self) -> LayersBy {
         let is_by_hulls = self.grow.strategy().is_some() || self.complete.nozzle_growth.is_some() || self.coherent;
-        let default = if is_by_hulls || self.height().is_none() { LayersBy::Hull } else { LayersBy::Best };
+        // A hull that holds a mould holds much of the part.
+        let is_for_research = self.height().is_none() && self.mould.is_none();
+        let default = if is_by_hulls || is_for_research { LayersBy::Hull } else { LayersBy::Best };
         self.complete.layers_by.unwrap_or(default)
     }
 
@@ -424,13 +436,14 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers", args.files(), outputs::is_ours)?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
         ranges::check(&args.merge).map_err(failure)?;
-        let mut part = args.part(saved.as_ref())?;
+        let (mut part, mould) = (args.part(saved.as_ref())?, args.mould()?);
         // All that is read has been read, or can be: what an earlier run has left goes now.
         folder.clear(outputs::is_ours)?;
         let bars = &Bars::new(args.common.quiet);
         pool(&args)?.install(|| {
             let posed = (args.orient == Lying::Best).then(|| args.lay(&mut part, bars)).transpose()?;
-            let job = Job { args: &args, setup, part: &part, posed, folder: &folder, bars };
+            let (part, mould) = (&part, mould.as_ref());
+            let job = Job { args: &args, setup, part, mould, posed, folder: &folder, bars };
             job.work(saved)
         })
     })
@@ -459,6 +472,7 @@ struct Job<'a> {
     args: &'a Args,
     setup: Setup,
     part: &'a Part,
+    mould: Option<&'a Part>,
     /// The pose of the part, where it was searched.
     posed: Option<Posed>,
     folder: &'a OutputFolder,
@@ -497,6 +511,7 @@ impl Job<'_> {
         let Job { args, part, .. } = *self;
         let mut findings = Findings::default();
         part.find(&mut findings);
+        self.mould.into_iter().for_each(|mould| mould.find_named(&mut findings));
         findings.say();
         let longest = part.mesh.bounds().map_or(0.0, |[low, high]| (high - low).max());
         if let Some(bead) = args.settings.bead_mm.filter(|bead| *bead > longest) {
@@ -530,7 +545,7 @@ impl Job<'_> {
         let Job { args, part, bars, .. } = *self;
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
         let options = args.field_options(layers_by, &self.setup.nozzle);
-        let (field, surfaces) = field::run(&options, surfaces.as_ref(), args.memory(), part, saved, bars)?;
+        let (field, surfaces) = field::run(&options, surfaces.as_ref(), args.memory(), part, self.mould, saved, bars)?;
         // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
         if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
             args.path_options(surfaces.height_mm)?;
@@ -644,7 +659,7 @@ impl Job<'_> {
                 let options = args.print_options();
                 memory.holds_waypoints(&options, args.stage >= Stage::Motion, paths)?;
                 let support = args.support_options();
-                let mut machine = machine::run(nozzle, &options, &support, args, surfaces, paths, bars)?;
+                let mut machine = machine::run(nozzle, &options, &support, args, field, surfaces, paths, bars)?;
                 if args.has_statistics() {
                     machine.measure_skin(&self.part.mesh, field.solid.shift, bars)?;
                 }

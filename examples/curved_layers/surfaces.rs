@@ -205,7 +205,7 @@ pub fn method_name(method: UniformMethod) -> String {
             format!("clock, lead {lag} layers, {}", if stays_level { "level fronts stay level" } else { "fronts turn" })
         }
         UniformMethod::Coherent => "coherent field".to_owned(),
-        UniformMethod::Distance => "distance from the plate".to_owned(),
+        UniformMethod::Distance => "distance from what the part stands on".to_owned(),
         UniformMethod::Directed => "directions of the distance, as far as the nozzle's cone lets them lean".to_owned(),
         _ => "plain".to_owned(),
     }

@@ -6,8 +6,8 @@ use curvlay_examples::args::Failure;
 use curvlay_kinematics::nalgebra::{Point3, Vector3};
 use curvlay_kinematics::scene::{Body, Scene, Shape};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, ArmPart, ControllerModel, FrameModel, Held, MountModel, NozzleModel, PART, PLATE,
-    PlateModel, ShapeModel, SolidModel, VERSION, Workcell, WorkcellModel, nozzle_pairs,
+    AnyWorkcell, ArmGeometry, ArmPart, ControllerModel, FrameModel, GrowingOptions, Held, MountModel, NozzleModel,
+    PART, PLATE, PlateModel, ShapeModel, SolidModel, VERSION, Workcell, WorkcellModel, nozzle_pairs,
 };
 use curvlay_kinematics::{
     Arm, Assessment, BestPosture, BestStand, ReachOptions, StandRegion, Waypoint, best_stand, reachable_points,
@@ -22,10 +22,8 @@ pub const CELLS: [(&str, &str); 3] = [
     ("irb1200_table", include_str!("../cells/irb1200-table.json")),
 ];
 
-/// Clearance from which a posture is not tight, beyond the margin: as of prints.
-const COMFORTABLE_MM: f64 = 9.5;
-/// What is this near counts as touching: twice the error of the bodies of links, as of prints.
-const MARGIN_MM: f64 = 2.0;
+/// Clearance from which a posture is not tight, beyond the margin.
+const COMFORTABLE_MM: f64 = GrowingOptions::CLEARANCES_MM[0];
 /// Nothing stands nearer to axis 1 than this, but above or below the arm: the feet of the arms here are up to 190 mm wide.
 const FOOT_MM: f64 = 95.0;
 /// Postures of the arm that say how far it reaches.
@@ -272,7 +270,7 @@ impl Rated {
         let mut scenes = vec![];
         for layer in 0..along {
             let mut model = equipment.scene(2.0 * edge);
-            model.margin = MARGIN_MM;
+            model.margin = GrowingOptions::MARGIN_MM;
             model.allowed = nozzle_pairs(&[PLATE]);
             let top = edge * layer as f64 / (along - 1) as f64;
             if layer > 0 {

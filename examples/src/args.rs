@@ -124,6 +124,15 @@ impl Part {
         self.findings.iter().for_each(|finding| findings.push(finding.clone()));
     }
 
+    /// The same with its name before each: for one that is not the part itself.
+    pub fn find_named(&self, findings: &mut Findings) {
+        let named = |what: &str| format!("{}: {what}", self.name);
+        self.warnings.iter().for_each(|warning| findings.add(Severity::Told, named(warning), "", ""));
+        self.findings
+            .iter()
+            .for_each(|finding| findings.push(Finding { what: named(&finding.what), ..finding.clone() }));
+    }
+
     /// A warning if the coordinates are too coarse for cells of that size.
     pub fn coarse_for(&self, cell_mm: f64) -> Option<String> {
         let spacing_mm = self.spacing_mm.filter(|&spacing_mm| spacing_mm > COARSE * cell_mm)?;
@@ -152,12 +161,23 @@ impl MeshArgs {
     /// # Errors
     /// [`MeshError`] when the file cannot be used.
     pub fn load(&self, shape_name: &str, shape: impl FnOnce() -> Mesh) -> Result<Part, MeshError> {
-        let (path, file) = match self.path() {
-            Some(path) => (path.to_owned(), read_mesh_file(path)?),
-            None => (PathBuf::from(shape_name), MeshFile::of(shape())),
-        };
+        match self.path() {
+            Some(path) => self.load_file(path),
+            None => {
+                let (path, file) = (PathBuf::from(shape_name), MeshFile::of(shape()));
+                self.prepare(shape_name.to_owned(), file).map_err(|fault| MeshError { path, fault })
+            }
+        }
+    }
+
+    /// Reads another file with the same unit, scale and axis.
+    ///
+    /// # Errors
+    /// [`MeshError`] when the file cannot be used.
+    pub fn load_file(&self, path: &Path) -> Result<Part, MeshError> {
+        let file = read_mesh_file(path)?;
         let name = path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()));
-        self.prepare(name, file).map_err(|fault| MeshError { path, fault })
+        self.prepare(name, file).map_err(|fault| MeshError { path: path.to_owned(), fault })
     }
 
     /// Places and orients a mesh.

@@ -200,6 +200,20 @@ impl VoxelGrid {
         Ok(VoxelGrid { cell_mm, origin, ..self })
     }
 
+    /// The same cells in a grid that has so many more cells before and behind them along each axis, before it is placed.
+    pub(crate) fn with_room(self, before: [u64; 3], after: [u64; 3], max_bytes: u64) -> Result<Self, GridError> {
+        let dims = [0, 1, 2].map(|k| before[k].saturating_add(after[k]).saturating_add(u64::from(self.dims[k])));
+        Self::check(dims, max_bytes)?;
+        // Checked: they fit.
+        let mut grid = Self::empty(dims.map(|side| side as u32))?;
+        let before = before.map(|cells| cells as u32);
+        for cell in self.iter().map(|cell| self.position(cell)) {
+            let (word, bit) = grid.place([0, 1, 2].map(|k| cell[k] + before[k]));
+            grid.rows[word] |= 1 << bit;
+        }
+        Ok(grid)
+    }
+
     /// Cells along x, y and z.
     pub fn dims(&self) -> [u32; 3] {
         self.dims

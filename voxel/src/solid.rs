@@ -14,13 +14,65 @@ use std::ops::ControlFlow;
 /// The cells of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Voxelisation {
-    /// The cells. Their plane `z = 0` is the plate.
+    /// The cells. The plane `z = 0` is the plate; it is where the grid begins, unless something else stands on the plate ([`Voxelisation::beside`]).
     pub grid: VoxelGrid,
-    /// What to add to the vertices, in millimetres, so that the mesh stands on the plate within `grid`. Along z alone.
+    /// What to add to the vertices, in millimetres, so that the mesh stands in `grid`. Along z alone.
     pub shift: Vector3<f64>,
     /// What was found on the way.
     pub report: VoxelReport,
 }
+
+impl Voxelisation {
+    /// The same cells in a larger grid that holds something else as well, such as a mould on which the part is built. If that reaches lower than the mesh, it
+    /// stands on the plate in its place, and the mesh is higher.
+    ///
+    /// # Arguments
+    /// * `low`, `high`: corners of the box around it, where the vertices of the mesh are. Along x and y the grid goes on a cell beyond it, and the corner of the grid
+    ///   along z is less than a cell below the plate.
+    /// * `max_bytes`: most bytes that the bits may take.
+    ///
+    /// # Errors
+    /// [`GridError`] for a grid that is too large, or a box that is not finite.
+    ///
+    /// # Cost
+    /// A pass over the rows of both grids.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_voxel::{Resolution, VoxelOptions, nalgebra::Point3, voxelise};
+    /// use std::ops::ControlFlow;
+    /// // A tetrahedron at a height of 5 mm, over a table of 10 x 10 mm, 5 mm high.
+    /// let vertices = [[0.0, 0.0, 5.0], [3.0, 0.0, 5.0], [0.0, 3.0, 5.0], [0.0, 0.0, 8.0]].map(Point3::from);
+    /// let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    /// let options = VoxelOptions { resolution: Resolution::Cell(1.0), ..VoxelOptions::default() };
+    /// let solid = voxelise(&vertices, &triangles, &options, &|_| ControlFlow::Continue(()))?;
+    /// let table = [[-5.0, -5.0, 0.0], [5.0, 5.0, 5.0]].map(Point3::from);
+    /// let both = solid.clone().beside(table, options.max_bytes)?;
+    /// assert_eq!((solid.shift.z, both.shift.z, both.grid.count()), (-5.0, 0.0, solid.grid.count()));
+    /// assert_eq!((both.grid.origin(), both.grid.dims()), (Point3::new(-6.0, -6.0, 0.0), [12, 12, 8]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn beside(self, [low, high]: [Point3<f64>; 2], max_bytes: u64) -> Result<Self, GridError> {
+        if let Some(corner) = [low, high].into_iter().find(|corner| corner.iter().any(|at| !at.is_finite())) {
+            return Err(GridError::Origin { origin: corner.into() });
+        }
+        let raised = (-(low.z + self.shift.z)).max(0.0);
+        let up = Vector3::z() * raised;
+        let (origin, cell_mm) = (self.grid.origin() + up, self.grid.cell_mm());
+        let [low, high] = [low, high].map(|corner| corner + self.shift + up);
+        let room = Vector3::new(cell_mm, cell_mm, 0.0);
+        let far = origin + Vector3::from(self.grid.dims().map(f64::from)) * cell_mm;
+        let cells = |length: f64| (length / cell_mm - SPARE).ceil().max(0.0) as u64;
+        let before = [0, 1, 2].map(|axis| cells((origin - (low - room))[axis]));
+        let after = [0, 1, 2].map(|axis| cells((high + room - far)[axis]));
+        let grid = self.grid.with_room(before, after, max_bytes)?;
+        let corner = origin - Vector3::from(before.map(|cells| cells as f64)) * cell_mm;
+        Ok(Voxelisation { grid: grid.placed(cell_mm, corner)?, shift: self.shift + up, ..self })
+    }
+}
+
+/// What reaches beyond a grid by less than this share of a cell is rounding.
+const SPARE: f64 = 1e-6;
 
 /// What [`voxelise`](crate::voxelise) found on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -81,7 +81,7 @@ pub struct MotionArgs {
     #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// How far arm, part and everything that stands there keep apart, in millimetres; the nozzle touches the part where it prints
-    #[arg(long, value_name = "MM", default_value_t = 2.0, value_parser = from_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = GrowingOptions::MARGIN_MM, value_parser = from_zero, allow_negative_numbers = true)]
     pub margin: f64,
     /// How much thicker the links of the arm are than their bodies, in millimetres, for cables and hoses [default: what the
     /// workcell says; 10 if it says nothing]
@@ -394,7 +394,10 @@ impl Print<'_> {
         // The workcell knows the plate.
         let options = GougingOptions { allowed_depth, ..GougingOptions::in_workcell() };
         let layers = surfaces.surfaces();
-        let stack = self.paths.filled.stack(&layers)?;
+        let mut stack = self.paths.filled.stack(&layers)?;
+        if let Some(mould) = &field.mould {
+            stack = stack.on_mould(&mould.surface(surfaces.height_mm))?;
+        }
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
         let grid = &field.solid.grid;
         // Part and support; the cells of the gap between them stay empty.
@@ -409,7 +412,10 @@ impl Print<'_> {
             frame_part: *frame_part,
             layers: &layers,
         };
-        let scene = GrowingScene::new(cell, &part, field.platform_diameter_mm(), &self.growing_options())?;
+        let mut scene = GrowingScene::new(cell, &part, field.platform_diameter_mm(), &self.growing_options())?;
+        if let Some(mould) = field.platform.mould() {
+            scene = scene.on_mould(mould.rows())?;
+        }
         work(PrintingCell::new(scene, &contacts))
     }
 }

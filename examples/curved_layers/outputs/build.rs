@@ -29,6 +29,8 @@ pub fn model(job: &Job, results: &Results) -> Model {
         vertices: job.part.mesh.vertices.iter().map(|vertex| vertex + shift).collect(),
         triangles: job.part.mesh.triangles.clone(),
     };
+    let mould =
+        field.mould.as_ref().map(|mould| Mesh { vertices: mould.vertices.clone(), triangles: mould.triangles.clone() });
     let corner = |c: &[i32; 2]| {
         let [x, y] = [0, 1].map(|axis| grid.origin()[axis] + f64::from(c[axis]) / 2.0 * grid.cell_mm());
         Point3::new(x, y, 0.0)
@@ -36,6 +38,7 @@ pub fn model(job: &Job, results: &Results) -> Model {
     let mut model = Model {
         name: job.part.name.clone(),
         part,
+        mould: mould.unwrap_or_default(),
         plate: field.platform.corners().iter().map(corner).collect(),
         layers: surfaces.iter().flat_map(|run| run.surfaces()).map(mesh).collect(),
         ends: surfaces.iter().flat_map(ends).collect(),

@@ -1,5 +1,6 @@
 //! Of the field: `field.csv`, figures, pictures of the cells, and the paper's figures to compare with.
 
+use super::pictures::PLAIN;
 use super::seconds;
 use crate::complete::LayersBy;
 use crate::field::FieldRun;
@@ -12,7 +13,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_layers::curved::{Impossible, MissedReason};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -146,6 +147,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("support_contact_cells", args.complete.support_contact)?
         .set("support_gap_cells", args.complete.support_gap)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
+        .set("on", run.mould.as_ref().map_or("none", |mould| &mould.name))?
+        .set("buried_mm3", run.mould.as_ref().map_or(0.0, |mould| mould.buried_mm3))?
         .set("strategy", typed_name(args.grow.strategy))?
         .set("strategy_used", run.strategy)?
         .set("layers_by_used", run.layers_by.map_or("saved".to_owned(), |by| typed_name(LayersBy::from(by))))?
@@ -205,6 +208,12 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
     Ok(())
 }
 
+/// What the part stands on, in words.
+fn platform_row(run: &FieldRun) -> String {
+    let on = run.mould.as_ref().map_or_else(String::new, |mould| format!(", {} on it", mould.name));
+    format!("disc of {:.1} mm{on}", run.platform_diameter_mm())
+}
+
 /// How much support there is, in words.
 fn support_row(run: &FieldRun) -> String {
     match (run.support.len(), run.straight_cells) {
@@ -224,7 +233,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         .row(["part".to_owned(), format!("{}, {} triangles", part.name, part.mesh.triangles.len())])
         .row(["cells".to_owned(), format!("{} of {:.4} mm, grid {nx} x {ny} x {nz}", grid.count(), grid.cell_mm())])
         .row(["strategy".to_owned(), format!("{}: {}", typed_name(args.grow.strategy), run.strategy)])
-        .row(["platform".to_owned(), format!("disc of {:.1} mm", run.platform_diameter_mm())])
+        .row(["platform".to_owned(), platform_row(run)])
         .row(["eps".to_owned(), format!("{}, in cells", args.grow.eps)])
         .row(["cell layers".to_owned(), growth.order.len().to_string()])
         .row([
@@ -288,8 +297,9 @@ fn reach(args: &Args, run: &FieldRun) -> String {
         all if all == built => format!("For each {by_shape}."),
         some => format!("For {some} of them {by_shape}. Of the other {} {by_hull}.", built - some),
     };
+    let on = run.mould.as_ref().map_or_else(String::new, |mould| format!(" or on {}", mould.name));
     format!(
-        "The audit of this order of {built} cells found no fault.{missed} Each stands on the plate or has a neighbour in an earlier cell layer. {reach}"
+        "The audit of this order of {built} cells found no fault.{missed} Each stands on the plate{on} or has a neighbour in an earlier cell layer. {reach}"
     )
 }
 
@@ -302,7 +312,12 @@ pub fn report(args: &Args, run: &FieldRun, report: &mut Report) -> Result<(), Fa
     let view = |toward: Vector3<f64>| {
         let corners: Vec<[f64; 2]> = run.platform.corners().iter().map(|c| c.map(|c| f64::from(c) / 2.0)).collect();
         let mut scene = Scene::new(Camera::from_direction(toward));
-        scene.platform(&corners, 0.0).cells(&layered, None);
+        scene.platform(&corners, 0.0);
+        if let Some(mould) = &run.mould {
+            let in_cells = |vertex: &Point3<f64>| Point3::from((vertex - grid.origin()) / grid.cell_mm());
+            scene.mesh(&mould.vertices.iter().map(in_cells).collect::<Vec<_>>(), &mould.triangles, PLAIN);
+        }
+        scene.cells(&layered, None);
         scene.draw(width, height).with_legend(layers, missed).to_png()
     };
     let cut = |plane: Plane| draw_cut(&layered, plane, width, height).with_legend(layers, missed).to_png();

@@ -70,6 +70,9 @@ fn draw(field: &FieldRun, run: &SurfacesRun, which: std::ops::Range<usize>) -> V
     let corner = |c: [i32; 2]| [0, 1].map(|axis| grid.origin()[axis] + f64::from(c[axis]) / 2.0 * grid.cell_mm());
     let corners: Vec<[f64; 2]> = field.platform.corners().iter().map(|&c| corner(c)).collect();
     scene.platform(&corners, 0.0);
+    if let Some(mould) = &field.mould {
+        scene.mesh(&mould.vertices, &mould.triangles, PLAIN);
+    }
     let layers = run.sheets.len() as u32;
     for at in which {
         let Some(sheet) = run.sheets.get(at) else { continue };

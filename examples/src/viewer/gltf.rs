@@ -82,6 +82,8 @@ impl Model {
         let flat = |triangles: &[[u32; 3]]| triangles.iter().flatten().copied().collect::<Vec<u32>>();
         let part = buffer.primitive(&self.part.vertices, &flat(&self.part.triangles), TRIANGLES, 0);
         add("part".to_owned(), part.into_iter().collect(), &mut nodes);
+        let mould = buffer.primitive(&self.mould.vertices, &flat(&self.mould.triangles), TRIANGLES, 0);
+        add("mould".to_owned(), mould.into_iter().collect(), &mut nodes);
         let mut beads: Vec<(Vec<Point3<f64>>, Vec<u32>)> = vec![Default::default(); layers];
         for pair in self.steps.windows(2).filter(|pair| pair[1].kind != Step::TRAVEL) {
             let (points, corners) = &mut beads[pair[1].layer as usize];

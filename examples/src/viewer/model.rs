@@ -29,6 +29,8 @@ pub struct Model {
     pub name: String,
     /// The part as it was given.
     pub part: Mesh,
+    /// What the part is built on, besides the plate; empty for nothing.
+    pub mould: Mesh,
     /// Corners of the plate, around it.
     pub plate: Vec<Point3<f64>>,
     /// The surfaces of the layers.
@@ -178,13 +180,12 @@ impl Model {
         columns.add::<4>("step.t", ticks);
         columns.add::<4>("step.layer", self.steps.iter().map(|step| step.layer));
         columns.add::<4>("step.path", self.steps.iter().map(|step| step.path));
-        let part = if self.part.triangles.len() > PART_TRIANGLES {
-            &clustered(&self.part, edge / PART_CUBES)
-        } else {
-            &self.part
-        };
-        points(&mut columns, "part", &mut part.vertices.iter().copied());
-        columns.add::<4>("part.corner", part.triangles.iter().flatten().copied());
+        for (name, solid) in [("part", &self.part), ("mould", &self.mould)] {
+            let is_fine = solid.triangles.len() > PART_TRIANGLES;
+            let solid = if is_fine { &clustered(solid, edge / PART_CUBES) } else { solid };
+            points(&mut columns, name, &mut solid.vertices.iter().copied());
+            columns.add::<4>(&format!("{name}.corner"), solid.triangles.iter().flatten().copied());
+        }
         let many = self.layers.iter().map(|layer| layer.triangles.len()).sum::<usize>() > LAYER_TRIANGLES;
         let fewer = |layer: &Mesh| if many { clustered(layer, edge / LAYER_CUBES) } else { layer.clone() };
         let layers: Vec<Mesh> = self.layers.iter().map(fewer).collect();
@@ -250,15 +251,15 @@ impl Model {
 
     /// The box around all that has a place, but for the plate and the robot.
     fn bounds(&self) -> [Point3<f64>; 2] {
-        let meshes = std::iter::once(&self.part).chain(&self.layers).flat_map(|mesh| &mesh.vertices);
+        let meshes = [&self.part, &self.mould].into_iter().chain(&self.layers).flat_map(|mesh| &mesh.vertices);
         let marks = self.marks.iter().flat_map(|marks| &marks.places).map(|place| place.at);
         let all = meshes.copied().chain(self.steps.iter().map(|step| step.tip)).chain(marks);
         box_around(all.chain(self.ends.iter().flat_map(|(_, line)| *line))).unwrap_or_default()
     }
 
-    /// The box around the part and its layers; none without either.
+    /// The box around the part, what it is built on and its layers; none without any.
     fn built(&self) -> Option<[Point3<f64>; 2]> {
-        let meshes = std::iter::once(&self.part).chain(&self.layers);
+        let meshes = [&self.part, &self.mould].into_iter().chain(&self.layers);
         box_around(meshes.flat_map(|mesh| &mesh.vertices).copied())
     }
 }

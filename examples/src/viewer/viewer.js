@@ -82,7 +82,7 @@ const TUBE = `
   uvec4 step_(int at) { return texelFetch(steps, ivec2(at & 2047, at >> 11), 0); }
   vec3 place(uvec4 s) { return (part * vec4(low + vec3(s.x & 65535u, s.x >> 16, s.y & 65535u) * unit, 1)).xyz; }
   void main() {
-    // Every n-th step where frames take long.
+    // Every n-th step if frames take long.
     int segment = gl_VertexID / 6 * stride + base, corner = gl_VertexID % 6;
     corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
     uvec4 from = step_(segment), s = step_(segment + stride);
@@ -212,10 +212,7 @@ function start(columns) {
     octets.set([U[i], V[i], W[i], H[i], K[i]], 16 * i + 8);
     words[8 * i + 7] = P[i];
   }
-  const parts = mesh(woven(columns, 'part'), columns['part.corner']);
-  const sheets = mesh(woven(columns, 'sheet'), columns['sheet.corner']);
-  const ends = mesh(woven(columns, 'end'));
-  const marks = mesh(woven(columns, 'mark'));
+  const [parts, mould, sheets, ends, marks] = ['part', 'mould', 'sheet', 'end', 'mark'].map(of => mesh(woven(columns, of), columns[of + '.corner']));
   const plate = mesh(new Float32Array(header.plate.flat()), null);
   const cylinder = revolved([[0, 0], [1, 0], [1, 1], [0, 1]], 20);
   const nozzle = header.nozzle && (([d, half, cone, block]) => {
@@ -243,7 +240,7 @@ function start(columns) {
 
   // ---- state
   const extent = Math.hypot(...sub(header.high, header.low)) || 1, { middle, around } = header;
-  // The camera goes with a part that a robot moves.
+  // The camera goes with the part.
   const camera = { yaw: -0.9, pitch: 0.5, far: 2.1 * around, target: middle, carried: middle };
   const state = { low: 0, high: layers - 1, now: total, playing: false, colour: count ? 'kind' : 'layer', selected: -1, drawn: 0, frames: 0, frameMs: 0, errors: 0 };
   const shown = {};
@@ -283,7 +280,7 @@ function start(columns) {
       const numbers = new Float32Array(count), sample = [];
       for (let i = 0; i < count; i++) if (lays(i)) { numbers[i] = colour.of(i); if (i % (1 + (count >> 14)) === 0) sample.push(numbers[i]); }
       sample.sort((a, b) => a - b);
-      // Outliers do not take all colours.
+      // Without outliers.
       const cut = Math.floor(sample.length * (['layer', 'time'].includes(state.colour) ? 0 : 0.01));
       const least = sample.length ? sample[cut] : 0, most = sample.length ? sample[sample.length - 1 - cut] : 1;
       for (let i = 0; i < count; i++) paintStep(i, lays(i) ? 254 * Math.min(Math.max((numbers[i] - least) / (most - least || 1), 0), 1) : 255);
@@ -407,7 +404,9 @@ function start(columns) {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     setUp(solid, view, eye);
-    if (shown.plate) drawMesh(plate, times(part, frame([0, 0, -0.02], [0, 0, 1])), dark ? [0.25, 0.28, 0.32, 1] : [0.86, 0.88, 0.91, 1], gl.TRIANGLE_FAN, 0, plate.count, 1);
+    const grey = dark ? [0.25, 0.28, 0.32, 1] : [0.86, 0.88, 0.91, 1];
+    if (shown.plate) drawMesh(plate, times(part, frame([0, 0, -0.02], [0, 0, 1])), grey, gl.TRIANGLE_FAN, 0, plate.count, 1);
+    if (shown.mould) drawMesh(mould, part, grey);
     if (shown.sheets) {
       const starts = columns['sheet.first'];
       for (let layer = state.low; layer <= state.high && layer + 1 < starts.length; layer++) {
@@ -533,7 +532,7 @@ function start(columns) {
     showTime();
   }
   const VIEWS = { Home: [-0.9, 0.5], Front: [-Math.PI / 2, 0], Left: [Math.PI, 0], Right: [0, 0], Back: [Math.PI / 2, 0], Top: [-Math.PI / 2, 1.5607], Bottom: [-Math.PI / 2, -1.5607] };
-  // Looks at a place of the part, wherever the robot has it.
+  // Looks at a place, wherever the robot has it.
   function aim(place) {
     const part = robot && shown.robot ? robotAt(state.now).part : IDENTITY;
     camera.target = moved(part, place);
@@ -570,6 +569,7 @@ function start(columns) {
   const list = find('shown');
   if (parts.count) toggle(list, 'part', 'part', !count);
   if (header.plate.length) toggle(list, 'plate', 'plate', true);
+  if (mould.count) toggle(list, 'mould', 'mould', true);
   if (sheets.count) toggle(list, 'sheets', 'surfaces of layers', !count);
   if (count > 1) {
     toggle(list, 'paths', 'beads', true);

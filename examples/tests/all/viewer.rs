@@ -47,6 +47,7 @@ fn model() -> Model {
     Model {
         name: "a square </script> of three layers".to_owned(),
         part: sheet(1.5),
+        mould: Mesh::default(),
         plate: square.map(|[x, y]| Point3::new(1.5 * x - 5.0, 1.5 * y - 5.0, 0.0)).to_vec(),
         layers: [0.5, 1.0, 1.5].map(sheet).to_vec(),
         ends: vec![(1, [Point3::new(0.0, 0.0, 1.0), Point3::new(20.0, 0.0, 1.0)])],

@@ -36,7 +36,7 @@ impl ClearanceLevel {
 /// How a [`GrowingScene`] is asked. All in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrowingOptions {
-    /// What is this near counts as touching. Default 2: twice the error of the bodies of links
+    /// What is this near counts as touching. Default [2](GrowingOptions::MARGIN_MM): twice the error of the bodies of links
     /// ([`LinkSource::error_mm`](crate::scene::LinkSource::error_mm)).
     pub margin_mm: f64,
     /// How much farther than the margin things are apart at postures, by [`ClearanceLevel`]; links with one link between them less
@@ -57,8 +57,8 @@ pub struct GrowingOptions {
 impl Default for GrowingOptions {
     fn default() -> Self {
         GrowingOptions {
-            margin_mm: 2.0,
-            clearances_mm: [9.5, 2.5, 0.5],
+            margin_mm: GrowingOptions::MARGIN_MM,
+            clearances_mm: GrowingOptions::CLEARANCES_MM,
             resolution_mm: 2.0,
             fine_resolution_mm: 0.25,
             near_mm: 30.0,
@@ -187,6 +187,12 @@ pub fn nozzle_pairs(others: &[&str]) -> Vec<[String; 2]> {
 }
 
 impl GrowingOptions {
+    /// The margin that is the default: 2 mm.
+    pub const MARGIN_MM: f64 = 2.0;
+
+    /// The clearances that are the default, by [`ClearanceLevel`].
+    pub const CLEARANCES_MM: [f64; 3] = [9.5, 2.5, 0.5];
+
     fn check(&self) -> Result<(), GrowingError> {
         let [wide, narrow, least] = self.clearances_mm;
         let falls = [wide, narrow, least, 0.0].is_sorted_by(|a, b| a >= b);
@@ -273,6 +279,21 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingScene<'a, N, 
             begun: 0,
             built: 0,
         })
+    }
+
+    /// The same with a mould, or a part that exists already, which is there from the start: by its cells, as [`PartCells::rows`] has those of the part. Nozzle and
+    /// hot end may touch it while they print, as they may the part.
+    ///
+    /// # Errors
+    /// [`SceneError`] for rows of another grid.
+    ///
+    /// # Cost
+    /// `O(words)`.
+    pub fn on_mould(mut self, rows: &[u64]) -> Result<Self, SceneError> {
+        for scene in self.clear.iter_mut().chain([&mut self.printing, &mut self.moving]) {
+            scene.add_cells(PART, rows)?;
+        }
+        Ok(self)
     }
 
     /// The workcell.

@@ -171,6 +171,35 @@ fn every_state_is_the_scene_made_by_hand() {
     assert!(touching > 50 && apart > 50 && swept.iter().all(|&count| count > 20) && fine > 0);
 }
 
+/// A mould is there from the start, in every state: as the first layers are once they are begun and built.
+#[test]
+fn a_mould_is_there_from_the_start() {
+    let (cell, (layers, rows)) = (ur3(), part_cells());
+    let (whole, upper) = (part(&layers, &rows), part(&layers[2..], &rows));
+    let mut mould = vec![0; rows.len()];
+    for &cell in layers[..2].iter().flatten() {
+        let (x, row) = (cell % DIMS[0], cell / DIMS[0]);
+        mould[(row * 2 + x / 64) as usize] |= 1u64 << (x % 64);
+    }
+    let scene = |part: &PartCells| GrowingScene::new(&cell, part, PLATE_MM, &GrowingOptions::default()).unwrap();
+    let on_mould = scene(&upper).on_mould(&mould).unwrap();
+    let mut built = scene(&whole);
+    let bare = built.clone();
+    built.begin(1).unwrap();
+    built.build(1).unwrap();
+    let mut differ = 0;
+    for joints in postures(&cell, &mut Pcg64::seed_from_u64(7), 200) {
+        assert_eq!(on_mould.touching_moving(&joints), built.touching_moving(&joints));
+        assert_eq!(on_mould.indicator(&joints), built.indicator(&joints));
+        for level in ClearanceLevel::ALL {
+            assert_eq!(on_mould.touching_printing(&joints, level), built.touching_printing(&joints, level));
+        }
+        differ += usize::from(on_mould.touching_moving(&joints) != bare.touching_moving(&joints));
+    }
+    assert!(differ > 0);
+    assert!(scene(&upper).on_mould(&mould[1..]).is_err());
+}
+
 #[test]
 fn a_table_moves_the_indicator() {
     let AnyWorkcell::Eight(cell) = AnyWorkcell::from_json(IRB1200.as_bytes()).unwrap() else { panic!("six axes") };

@@ -365,7 +365,7 @@ impl Workpiece<'_> {
         let missed = growth.missed_cells();
         begin("uniform", progress)?;
         let uniform = match &order.field {
-            Some(field) => by_distance(&cells, self, order.layers_by, field, &judged, growth, progress)?,
+            Some(field) => by_distance(&cells, self, &order, field, &judged, progress)?,
             None => uniform_field_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &missed, progress)?,
         };
         let support = order.supported.as_ref().map(|supported| &supported.support[..]).unwrap_or_default();

@@ -1,35 +1,46 @@
-//! The cells in which the first layer of an order by distance lies on the plate.
+//! The cells in which the first layer of an order by distance lies on the plate, or on a mould.
 //!
 //! A cell of the lowest level may hold material in its upper part alone, beside a rounded edge or a sharp one. If it were in the first layer, that layer would
 //! reach beyond what touches the plate, and the layers on it would hang out by a cell. So the base is where the part begins below the middle of the first
 //! layer: where a section at that height is cut by the cell. A foot that is nowhere so low keeps all its cells: otherwise it would be built downwards.
+//!
+//! Beside a mould a cell belongs to the base if the part is there where the middle of the first layer would be: half a layer over the point of the mould that is
+//! nearest to the centre of the cell, or beside that place within the cell. A part that passes the mould at a distance does not begin there.
 
 use super::bits::CellSet;
+use super::mould::{Mould, centre};
 use super::rules::Neighbours;
-use super::standing::{joined, standing};
+use super::standing::{carried, joined};
 use super::trim::{TrimError, Trimmer};
 use super::workpiece::{LayersError, Workpiece};
 use crate::Progress;
-use nalgebra::center;
+use nalgebra::{Rotation3, UnitVector3, Vector3, center};
 use std::ops::ControlFlow;
 
+/// Places in a cell where the part is looked for, sideways from its middle along two directions, in cells.
+const SIDEWAYS: [f64; 3] = [-0.45, 0.0, 0.45];
+
 impl Workpiece<'_> {
-    /// The cells that touch the plate, by rising number: those that stand on it where a section at half the height of the first layer cuts the part, and all of feet
-    /// without any. On a mould, and for a mesh that cannot be cut, all that stand.
+    /// The cells that touch the plate or the mould, by rising number: those that stand on them where the part is half a layer above, and all of feet on the plate
+    /// without any. On a mould without a mesh, and for a mesh that cannot be cut, all that stand.
     pub(super) fn touching(
         &self,
         height_mm: f64,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Vec<u32>, LayersError> {
-        let standing = standing(&self.cells, self.platform, &self.rules)?;
-        if self.platform.mould().is_some() {
+        let standing = carried(&self.cells, self.platform, &self.rules);
+        let mould = self.platform.mould.as_ref();
+        if mould.is_some_and(|mould| !mould.is_mesh()) {
             return Ok(standing);
         }
-        let places: Vec<[u32; 3]> = standing.iter().map(|&cell| self.cells.position(cell)).collect();
-        let (points, triangles) = self.squares(&places, (height_mm / self.cell_mm).min(1.0) / 2.0);
-        let cut =
-            Trimmer::new(self.vertices, self.triangles).and_then(|trimmer| trimmer.trim(&points, &triangles, progress));
-        let section = match cut {
+        let Ok(trimmer) = Trimmer::new(self.vertices, self.triangles) else { return Ok(standing) };
+        // Half a layer, but no more than half a cell: what stands is no farther away.
+        let half = (height_mm / self.cell_mm).min(1.0) / 2.0;
+        let is_on_mould = |cell: &&u32| mould.is_some_and(|mould| mould.nearest(**cell).is_some());
+        let on_plate: Vec<&u32> = standing.iter().filter(|cell| !is_on_mould(cell)).collect();
+        let places: Vec<[u32; 3]> = on_plate.iter().map(|&&cell| self.cells.position(cell)).collect();
+        let (points, triangles) = self.squares(&places, half);
+        let section = match trimmer.trim(&points, &triangles, progress) {
             Err(TrimError::Cancelled) => return Err(LayersError::Cancelled),
             Err(_) => return Ok(standing),
             Ok(section) => section,
@@ -42,8 +53,22 @@ impl Workpiece<'_> {
         }
         let feet: Vec<u32> = touching.iter().collect();
         let mut all = CellSet::none(&self.cells);
-        standing.iter().for_each(|&cell| _ = all.insert(cell));
+        on_plate.iter().for_each(|&&cell| _ = all.insert(cell));
         let with_contact = joined(&all, &feet, Neighbours::FaceOrEdge);
-        Ok(standing.into_iter().filter(|&cell| touching.contains(cell) || !with_contact.contains(cell)).collect())
+        let begins_at = |cell: &u32| match mould.filter(|_| is_on_mould(&cell)) {
+            Some(mould) => self.begins_at(*cell, mould, half, &trimmer),
+            None => touching.contains(*cell) || !with_contact.contains(*cell),
+        };
+        Ok(standing.iter().copied().filter(begins_at).collect())
+    }
+
+    /// Whether the part is somewhere in the cell where the middle of the first layer would be beside a mould, `half` from it, in cells.
+    fn begins_at(&self, cell: u32, mould: &Mould, half: f64, part: &Trimmer) -> bool {
+        let centre = centre(&self.cells, cell);
+        let nearest = mould.nearest(cell).unwrap_or(centre);
+        let away = UnitVector3::try_new(centre - nearest, 1e-9).unwrap_or_else(Vector3::z_axis);
+        let turn = Rotation3::rotation_between(&Vector3::z(), &away).unwrap_or_else(Rotation3::identity);
+        let places = SIDEWAYS.iter().flat_map(|&x| SIDEWAYS.map(|y| nearest + turn * Vector3::new(x, y, half)));
+        places.into_iter().any(|place| part.contains(&(self.origin + place.coords * self.cell_mm)))
     }
 }

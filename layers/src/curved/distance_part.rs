@@ -9,7 +9,7 @@ use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
 use super::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_directed};
 use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
-use super::standing::standing;
+use super::standing::carried;
 use super::strategy::Strategy;
 use super::support::{NoSupport, SupportError, SupportOptions, Supported, add_support};
 use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
@@ -35,7 +35,7 @@ impl Workpiece<'_> {
             // Support stands wherever it stands.
             let is_part = |&cell: &u32| self.cells.contains(cells.position(cell));
             let is_base = |cell: &u32| !is_part(cell) || touching.binary_search(cell).is_ok();
-            let base: Vec<u32> = standing(cells, platform, &rules)?.into_iter().filter(is_base).collect();
+            let base: Vec<u32> = carried(cells, platform, &rules).into_iter().filter(is_base).collect();
             match layers_by {
                 LayersBy::Directed => {
                     let CompleteOptions { rule, directed, .. } = options;
@@ -110,20 +110,24 @@ fn regrown(found: &mut Supported, cells: &Cells, grow_in: &GrowIn) -> Result<Lay
 pub(super) fn by_distance(
     cells: &Cells,
     part: &Workpiece,
-    layers_by: LayersBy,
+    found: &CompleteOrder,
     field: &LayerField,
     judged: &JudgedByNozzle,
-    growth: &Growth,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<UniformField, UniformError> {
     let Workpiece { platform, rules, .. } = part;
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
-    let (order, missed) = (field.order(), growth.missed_cells());
-    let audit = audit_with_nozzle(cells, platform, rules, judged, &order, &missed, &auditing)?;
+    let (order, growth) = (field.order(), found.taken());
+    let audit = if order == growth.order {
+        // What was audited before.
+        found.audit.clone()
+    } else {
+        audit_with_nozzle(cells, platform, rules, judged, &order, &growth.missed_cells(), &auditing)?
+    };
     if !audit.is_ok() {
         return Err(UniformError::Order(Box::new(audit)));
     }
-    let is_directed = layers_by == LayersBy::Directed;
+    let is_directed = found.layers_by == LayersBy::Directed;
     let method = if is_directed { UniformMethod::Directed } else { UniformMethod::Distance };
     Ok(UniformField { field: field.clone(), method, audit, jumps: jumps(field) })
 }

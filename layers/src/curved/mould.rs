@@ -6,18 +6,28 @@ use super::bits::CellSet;
 use super::cells::Cells;
 use super::platform::{Platform, PlatformError};
 use super::rules::RulesError;
-use super::trim::cells_inside;
+use super::standing::FACES;
+use super::surface::in_parallel;
+use super::trim::Inside;
 use curvlay_hull::convex_polygon;
 use nalgebra::Point3;
 
 /// Cells that are there before the part.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mould {
     dims: [u32; 3],
     rows: Vec<u64>,
     /// Centres, on the lattice, that can be corners of a hull: the convex outline of each level.
     corners: Vec<[i32; 3]>,
+    /// Of a mesh: for each cell beside one of the mould where the mesh is nearest to its centre, by rising number; in cells from the corner of the grid.
+    nearest: Vec<(u32, Point3<f64>)>,
 }
+
+/// A centre is so far from the mesh at least, in cells: none is on its base before the base.
+const LEAST_HEIGHT: f64 = 1e-3;
+
+/// Cells that a thread looks at at a time: some hundred microseconds.
+const AT_A_TIME: usize = 64;
 
 impl Mould {
     pub(super) fn cells(&self) -> Cells<'_> {
@@ -27,6 +37,41 @@ impl Mould {
     pub(super) fn corners(&self) -> &[[i32; 3]] {
         &self.corners
     }
+
+    /// Whether it is known as a mesh.
+    pub(super) fn is_mesh(&self) -> bool {
+        !self.nearest.is_empty()
+    }
+
+    /// Where the mesh of the mould is nearest to the centre of a cell beside it; none without a mesh.
+    pub(super) fn nearest(&self, cell: u32) -> Option<Point3<f64>> {
+        let at = self.nearest.binary_search_by_key(&cell, |(cell, _)| *cell).ok()?;
+        Some(self.nearest[at].1)
+    }
+
+    /// How far that is, in cells.
+    pub(super) fn height(&self, cell: u32) -> Option<f64> {
+        let height = (self.nearest(cell)? - centre(&self.cells(), cell)).norm();
+        Some(height.max(LEAST_HEIGHT))
+    }
+}
+
+/// The centre of a cell, in cells.
+pub(super) fn centre(cells: &Cells, cell: u32) -> Point3<f64> {
+    Point3::from(cells.position(cell).map(|k| f64::from(k) + 0.5))
+}
+
+/// Where a mesh is nearest to the centres of the cells beside those of the mould, by rising number. These are no more than a cell away from it.
+fn nearest(mould: &Cells, mesh: &Inside) -> Vec<(u32, Point3<f64>)> {
+    let mut beside = CellSet::none(mould);
+    for at in mould.iter().map(|cell| mould.position(cell)) {
+        let next = FACES.map(|step| [0, 1, 2].map(|axis| at[axis].wrapping_add_signed(step[axis])));
+        let is_beside = |at: &[u32; 3]| (0..3).all(|axis| at[axis] < mould.dims()[axis]) && !mould.contains(*at);
+        next.into_iter().filter(is_beside).for_each(|at| _ = beside.insert(mould.id(at)));
+    }
+    let cells: Vec<u32> = beside.iter().collect();
+    let points = in_parallel(cells.len(), AT_A_TIME, |k| mesh.nearest(&centre(mould, cells[k])));
+    cells.into_iter().zip(points).collect()
 }
 
 /// The centres of cells that can be corners of their hull.
@@ -68,11 +113,12 @@ impl Platform {
         if mould.count() == 0 {
             return Err(PlatformError::EmptyMould);
         }
-        let mould = Mould { dims: mould.dims(), rows: mould.rows().to_vec(), corners: corners(mould) };
-        Ok(self.with_mould(mould))
+        let (dims, rows) = (mould.dims(), mould.rows().to_vec());
+        Ok(self.with_mould(Mould { dims, rows, corners: corners(mould), nearest: Vec::new() }))
     }
 
-    /// The platform with a mould on it that is a triangle mesh: the cells with their centre inside the mesh.
+    /// The platform with a mould on it that is a triangle mesh: the cells with their centre inside the mesh. Orders by distance begin at the mesh itself, not at
+    /// these cells.
     ///
     /// # Arguments
     /// * `dims`: cells of the grid of the part. It must hold the mould, too, but for what is below the platform: what
@@ -94,7 +140,8 @@ impl Platform {
         triangles: &[[u32; 3]],
     ) -> Result<Platform, PlatformError> {
         let in_cells: Vec<Point3<f64>> = points.iter().map(|p| Point3::from((p - origin) / cell_mm)).collect();
-        let rows = cells_inside(dims, &in_cells, triangles).map_err(PlatformError::MouldMesh)?;
+        let mesh = Inside::new(&in_cells, triangles).map_err(PlatformError::MouldMesh)?;
+        let rows = mesh.cells(dims);
         let used = || triangles.iter().flatten().map(|&corner| in_cells[corner as usize]);
         let bound = |axis: usize, of: fn(f64, f64) -> f64, start: f64| used().map(|p| p[axis]).fold(start, of);
         let low = [0, 1, 2].map(|axis| bound(axis, f64::min, f64::INFINITY));
@@ -104,8 +151,10 @@ impl Platform {
         if (0..3).any(is_beyond) {
             return Err(PlatformError::MouldBeyondGrid { low, high, dims });
         }
-        let mould = Cells::new(dims, &rows).map_err(|_| PlatformError::EmptyMould)?;
-        self.on_mould(&mould)
+        let cells = Cells::new(dims, &rows).map_err(|_| PlatformError::EmptyMould)?;
+        let mut platform = self.on_mould(&cells)?;
+        platform.mould.iter_mut().for_each(|mould| mould.nearest = nearest(&cells, &mesh));
+        Ok(platform)
     }
 
     /// The cells of the mould, if there is one.

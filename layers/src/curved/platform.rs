@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// in the grid of the part, none of them of the part, and counts as built before the first layer: hulls hold the centres of
 /// its cells, it supports its neighbours, and the nozzle must not meet it. The first layer is what lies on the platform or has a common face
 /// with the mould, but for cells that lie inside the hull of platform and mould.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Platform {
     corners: Vec<[i32; 2]>,
     top: i32,

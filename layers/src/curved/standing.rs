@@ -9,24 +9,28 @@ use super::rules::{Neighbours, Rules};
 use super::runs::Runs;
 
 /// Steps across the faces of a cell.
-const FACES: [[i32; 3]; 6] = [[0, 0, -1], [0, -1, 0], [-1, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+pub(super) const FACES: [[i32; 3]; 6] = [[0, 0, -1], [0, -1, 0], [-1, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 /// The cells that stand on the platform or lie on its mould, by rising number: the first layer of every order. With a mould some may lie
 /// inside the hull of both: these are not among them.
 pub(super) fn standing(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Vec<u32>, GrowthError> {
+    let buried = buried(cells, platform, rules)?;
+    Ok(carried(cells, platform, rules).into_iter().filter(|cell| buried.binary_search(cell).is_err()).collect())
+}
+
+/// The cells that stand on the platform or lie on its mould, by rising number, wherever that is.
+pub(super) fn carried(cells: &Cells, platform: &Platform, rules: &Rules) -> Vec<u32> {
     let level = cells.dims()[0] * cells.dims()[1];
     let is_carried = |&cell: &u32| {
         let [x, y, _] = cells.position(cell);
         platform.carries([2 * x as i32 + 1, 2 * y as i32 + 1], rules.flat)
     };
     let Some(mould) = platform.mould() else {
-        return Ok(cells.iter().take_while(|&cell| cell < level).filter(is_carried).collect());
+        return cells.iter().take_while(|&cell| cell < level).filter(is_carried).collect();
     };
     let mould = CellSet::of(&mould);
     let is_on_mould = |&cell: &u32| mould.around(cell, &FACES).next().is_some();
-    let buried = buried(cells, platform, rules)?;
-    let stands = cells.iter().filter(|cell| *cell < level && is_carried(cell) || is_on_mould(cell));
-    Ok(stands.filter(|cell| buried.binary_search(cell).is_err()).collect())
+    cells.iter().filter(|cell| *cell < level && is_carried(cell) || is_on_mould(cell)).collect()
 }
 
 /// The cells that lie inside the hull of the platform and its mould, by rising number: no order builds them. There are none without a mould.

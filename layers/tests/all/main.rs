@@ -13,6 +13,7 @@ mod half_layers;
 mod impossible;
 mod mould;
 mod nozzle;
+mod on_mould;
 mod orient;
 mod planar;
 mod plates;

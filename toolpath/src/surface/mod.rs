@@ -85,10 +85,10 @@ pub use pose::Pose;
 pub use print::{PrintError, PrintOptions, PrintPlan};
 pub use short::SHORT_CURVE_BEADS;
 pub use skin::{SkinError, SkinGap, SkinOptions, skin_gap};
-pub use stack::{BuiltLayer, LayerCurve, LayerStack, StackError};
+pub use stack::{BuiltLayer, LayerCurve, LayerStack, Mould, MouldError, StackError};
 pub use statistics::{
     BeadCurve, CurveStatistics, Gap, PathStatistics, StatisticsError, StatisticsOptions, path_statistics,
 };
-pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
+pub use support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support, check_support_on_mould};
 pub use travel::{BlockedTravel, TravelOptions, Travels};
 pub use vtp::write_paths_vtp;

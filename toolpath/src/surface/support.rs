@@ -5,7 +5,7 @@
 //! them, and knows neither surfaces nor fields.
 //!
 //! Beads are bodies as `beads` has them. A place of a bead is
-//! *supported* if the plate z = 0 is near its middle, or the core of a bead that
+//! *supported* if the plate z = 0 is near its middle, or a point of the mould that lies below and faces the nozzle, or the core of a bead that
 //!
 //! * was laid before, on another layer (neighbours in the same layer hold it aside, not up), and
 //! * lies below: nearer to the plate, or whatever the nozzle points at, by a share of a layer height along the direction of the nozzle.
@@ -24,12 +24,16 @@ use super::beads::{BeadGrid, Section, nearest_share};
 use super::kind::BeadKind;
 use super::orientation::{ToolPath, Waypoint};
 use super::parallel;
+use super::stack::{Mould, MouldError, MouldSurface};
 use crate::Progress;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
 /// Coordinates and sizes beyond this, in millimetres, are refused: numbers of cells stay exact.
 const LARGEST: f64 = 1e7;
+
+/// A bead lies on a mould that faces its nozzle by 60 degrees: the cosine. A wall beside it does not carry it.
+const FACING: f64 = 0.5;
 
 /// More places than this are refused: the step is a slip of the unit.
 const MOST_PLACES: f64 = 1e9;
@@ -163,6 +167,9 @@ pub enum SupportError {
         /// Places that it takes.
         places: f64,
     },
+    /// The mould cannot be used.
+    #[error("the mould: {0}")]
+    Mould(#[from] MouldError),
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
@@ -209,8 +216,57 @@ pub fn check_support(
     options: &SupportOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<BeadSupport, SupportError> {
+    check_support_on(None, paths, layer_height, options, progress)
+}
+
+/// The same on a mould, or on a part that exists already.
+///
+/// # Arguments
+/// * `mould`: its [skin](Mould::skin) has no part in it.
+/// * all others as for [`check_support`].
+///
+/// # Errors
+/// [`SupportError`].
+///
+/// # Cost
+/// That of [`check_support`], and `O(n log n)` for `n` triangles.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+/// use curvlay_toolpath::surface::{BeadKind, Mould, SupportOptions, ToolPath, Waypoint, check_support_on_mould};
+/// use std::ops::ControlFlow;
+/// // A table of 20 x 20 mm at a height of 5 mm, and a bead of 1 mm that goes on beyond its edge.
+/// let vertices = [[0.0, 0.0, 5.0], [20.0, 0.0, 5.0], [20.0, 20.0, 5.0], [0.0, 20.0, 5.0]].map(Point3::from);
+/// let mould = Mould { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], skin: 1.0 };
+/// let at = |x| Waypoint {
+///     tip: Point3::new(x, 10.0, 6.0), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+/// };
+/// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(2.0), at(30.0)] };
+/// let support = check_support_on_mould(&[path], &mould, 1.0, &SupportOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// // Its middle is 0.5 mm up, so it is held until the edge is 1.5 mm away.
+/// assert!((support.unsupported_mm() - (10.0 - 2_f64.sqrt())).abs() < 0.1);
+/// # Ok::<(), curvlay_toolpath::surface::SupportError>(())
+/// ```
+pub fn check_support_on_mould(
+    paths: &[ToolPath],
+    mould: &Mould,
+    layer_height: f64,
+    options: &SupportOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<BeadSupport, SupportError> {
+    check_support_on(Some(MouldSurface::new(mould)?), paths, layer_height, options, progress)
+}
+
+fn check_support_on(
+    mould: Option<MouldSurface>,
+    paths: &[ToolPath],
+    layer_height: f64,
+    options: &SupportOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<BeadSupport, SupportError> {
     check(paths, layer_height, options)?;
-    let laid = Laid::new(paths, layer_height, options);
+    let laid = Laid { mould, ..Laid::new(paths, layer_height, options) };
     let of_path = |number: usize, path: &ToolPath| laid.unsupported(number, path);
     let pieces = parallel::map(paths, "support", progress, of_path).ok_or(SupportError::Cancelled)?;
     let bead_mm = paths.iter().flat_map(|path| path.waypoints.windows(2)).map(|pair| pair[1].arc - pair[0].arc);
@@ -283,6 +339,7 @@ struct Laid {
     drop_mm: f64,
     step_mm: f64,
     plate: bool,
+    mould: Option<MouldSurface>,
     span_hold: f64,
     span_bend: f64,
 }
@@ -320,6 +377,7 @@ impl Laid {
             drop_mm: min_drop * layer_height,
             step_mm: step * layer_height,
             plate,
+            mould: None,
             span_hold,
             span_bend,
         }
@@ -381,6 +439,12 @@ impl Laid {
 
     fn is_supported(&self, segment: &Segment, at: &Section, last: &mut Option<u32>) -> bool {
         if self.plate && at.middle.z <= self.max_mm {
+            return true;
+        }
+        let is_below = |p: Point3<f64>, normal: Vector3<f64>| {
+            normal.dot(&at.direction) >= FACING && (at.middle - p).dot(&at.direction) >= self.drop_mm
+        };
+        if self.mould.as_ref().is_some_and(|mould| mould.has(at.middle, self.max_mm, is_below)) {
             return true;
         }
         let carries = |other: &u32| {

@@ -4,7 +4,7 @@
 //! along the new direction. A nozzle that backs off along its axis stays within the place that it had, since it reaches
 //! up without end; so the first and the last piece touch nothing that the nozzle did not touch at the end of the path or will
 //! not at the start of the next, and `resolve_gouging` has looked at these. The piece in between keeps a *clearance*
-//! from all layers so far, as thick as they are, the one being printed taken as whole, and from the plate.
+//! from all layers so far, as thick as they are, the one being printed taken as whole, from the mould and from the plate.
 //!
 //! # Proof
 //! Along a straight leg the tip goes by `s` and the direction turns by `f`. A point of the nozzle at a distance `d` from the tip
@@ -27,7 +27,7 @@ use super::gouging::{GougingError, Nozzle, Obstacle, Scene, Stand};
 use super::orientation::{ToolPath, Waypoint, along, angle};
 use super::parallel;
 use super::pose::{Pose, farthest, lean};
-use super::stack::{Built, LayerStack};
+use super::stack::{Built, LayerStack, of_layer};
 use crate::Progress;
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
@@ -196,10 +196,10 @@ impl LayerStack<'_> {
         Ok(travels)
     }
 
-    /// Boxes around the layers up to each one, by their lower and upper corner; thickness included.
+    /// Boxes around the mould and the layers up to each one, by their lower and upper corner; thickness included.
     pub(super) fn boxes(&self) -> Vec<[Point3<f64>; 2]> {
-        let mut low = Point3::from([f64::INFINITY; 3]);
-        let mut high = -low;
+        let nothing = [f64::INFINITY, f64::NEG_INFINITY].map(|far| Point3::from([far; 3]));
+        let [mut low, mut high] = self.mould.unwrap_or(nothing);
         let grown = |layer: &Built| {
             let half = layer.spacing.iter().copied().fold(0.0, f64::max) / 2.0;
             for p in layer.triangles.iter().flatten().map(|&v| layer.vertices[v as usize]) {
@@ -357,7 +357,7 @@ impl Finder<'_> {
     /// A nozzle grown by a clearance, and where its tip is.
     fn grown(&self, pose: &Pose, by: f64) -> (Nozzle, Stand) {
         let tip = pose.tip - pose.direction.into_inner() * by;
-        (self.nozzle.grown(by), Stand { tip, before: self.layer + 1, allowed: 0.0 })
+        (self.nozzle.grown(by), Stand { tip, before: of_layer(self.layer).end, allowed: 0.0 })
     }
 
     fn scene<'s>(&'s self, nozzle: &'s Nozzle) -> Scene<'s> {
@@ -392,7 +392,7 @@ impl Finder<'_> {
                 let (nozzle, stand) = self.grown(&pose, clearance);
                 let scene = self.scene(&nozzle);
                 if let Some(worst) = scene.worst(stand, &pose.direction, &mut work) {
-                    return Some((pose.tip, Obstacle::Layer(worst.layer)));
+                    return Some((pose.tip, worst.obstacle));
                 }
                 if self.above_plate(pose.tip.z, lean(&pose)) < over_plate - ROUNDING {
                     return Some((pose.tip, Obstacle::Plate));

@@ -36,6 +36,7 @@ mod join;
 mod kinds;
 mod level_set;
 mod mesh;
+mod mould;
 mod order;
 mod orientation;
 mod paths;

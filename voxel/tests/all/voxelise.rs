@@ -329,3 +329,38 @@ fn counts_of_the_models_agree_with_the_published_ones() {
         assert!((count / expected - 1.0).abs() < 0.02, "{name}: {count} cells, about {expected} expected");
     }
 }
+
+/// Whatever stands beside it, the same cells are at the same places of the mesh, the grid holds both, and the lower of both stands on the plate.
+#[test]
+fn what_stands_beside_it_moves_no_cell() {
+    let mesh = bumpy_ball(9, 4.0, 0.2).moved([1.3, -0.4, 2.2]);
+    let (vertices, alone) = (&mesh.vertices, cells(&mesh, 0.7));
+    let places = |solid: &Voxelisation| {
+        let centre = |cell: u32| solid.grid.centre(solid.grid.position(cell)) - solid.shift;
+        solid.grid.iter().map(centre).collect::<Vec<_>>()
+    };
+    let boxes = [
+        [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]],
+        [[-4.3, 0.2, -3.1], [0.5, 9.0, 0.3]],
+        [[20.0, -30.0, 5.0], [25.0, -20.0, 17.0]],
+        [[1.0, 1.0, -0.05], [2.0, 2.0, 0.0]],
+    ];
+    for corners in boxes.map(|corners| corners.map(Point3::from)) {
+        let both = alone.clone().beside(corners, 1 << 28).unwrap();
+        let (before, after) = (places(&alone), places(&both));
+        assert!(before.len() == after.len() && before.iter().zip(&after).all(|(a, b)| (a - b).norm() < 1e-9));
+        let (low, side) = (both.grid.origin(), both.grid.dims().map(|n| f64::from(n) * both.grid.cell_mm()));
+        for corner in corners.into_iter().chain(vertices.iter().copied()).map(|corner| corner + both.shift) {
+            let is_held = |axis: usize| (low[axis] - 1e-6..=low[axis] + side[axis] + 1e-6).contains(&corner[axis]);
+            assert!((0..3).all(is_held), "{corner}");
+        }
+        let lowest = vertices.iter().chain(&corners).map(|p| p.z + both.shift.z).fold(f64::INFINITY, f64::min);
+        assert!(lowest.abs() < 1e-9 && low.z > -0.7 && low.z < 1e-9, "{lowest} {low}");
+    }
+    let nowhere = [[0.0; 3], [1.0, f64::NAN, 1.0]].map(Point3::from);
+    assert!(matches!(alone.clone().beside(nowhere, u64::MAX), Err(GridError::Origin { .. })));
+    let huge = [[0.0; 3], [1e9, 1.0, 1.0]].map(Point3::from);
+    assert!(matches!(alone.clone().beside(huge, u64::MAX), Err(GridError::Dims { .. })));
+    let large = [[0.0; 3], [700.0, 700.0, 1.0]].map(Point3::from);
+    assert!(matches!(alone.beside(large, 1000), Err(GridError::Memory { .. })));
+}

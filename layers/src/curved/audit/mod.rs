@@ -30,6 +30,9 @@ use std::ops::ControlFlow;
 /// and for each cell inside the hull that is listed its depth is worked out, which is slow.
 const LISTED_FAULTS: usize = 20;
 
+/// Cells of a mould in a cube of so many along each side are held against the nozzle at once.
+const TOGETHER: u32 = 4;
+
 /// Cells between two reports of progress: some milliseconds in the worst case.
 const CELLS_PER_REPORT: u64 = 1 << 12;
 
@@ -369,7 +372,10 @@ fn audit_any(
         judged.filter(|judged| !judged.cells.is_empty()).map(|judged| Obstructions::new(judged, platform.top()));
     // A mould is there before the first layer.
     if let Some(mould) = platform.mould() {
-        for (cell, place) in mould.iter().map(|cell| (cell, mould.position(cell))) {
+        let mut cells: Vec<(u32, [u32; 3])> = mould.iter().map(|cell| (cell, mould.position(cell))).collect();
+        // Those that are asked about together lie together.
+        cells.sort_by_key(|(_, place)| place.map(|k| k / TOGETHER));
+        for (cell, place) in cells {
             built.insert(place);
             body.add(place);
             obstructions.iter_mut().for_each(|obstructions| obstructions.add(cell, place));

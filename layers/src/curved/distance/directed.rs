@@ -7,7 +7,7 @@
 //! 1. `g = grad d / |grad d|`, turned upright where it leans by more than the limit ([`DirectedOptions`]): the layers then lean out less than the part does, by 45 degrees at most
 //!    where that goes sideways.
 //! 2. `g` is evened out in [`ROUNDS`] rounds, each cell with its face neighbours, so that the ground of the valley is round.
-//! 3. `f` is the least squares of `f(b) - f(a) - (g(a) + g(b)) . (b - a) / 2` over all pairs of cells with a common face, 1/2 on the base: Poisson's equation,
+//! 3. `f` is the least squares of `f(b) - f(a) - (g(a) + g(b)) . (b - a) / 2` over all pairs of cells with a common face, and the distance on the base: Poisson's equation,
 //!    solved by conjugate gradients with the diagonal as preconditioner (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952).
 //!
 //! Fields that are fitted to directions are those of Zhang et al., "S3-Slicer", ACM TOG 41(6), 2022; there directions follow from deformations of the part.
@@ -18,8 +18,7 @@
 use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::nozzle::NozzleRule;
-use super::march::ON_BASE;
-use super::{beside, slope};
+use super::{OnBase, beside, slope};
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -66,7 +65,7 @@ fn default_tilt(nozzle: &NozzleRule) -> f64 {
 }
 
 /// The directed field of these distances, by cell number; NaN where they are.
-pub(super) fn directed(cells: &Cells, base: &[u32], distances: &[f64], max_tilt: f64) -> Vec<f64> {
+pub(super) fn directed(cells: &Cells, base: &[OnBase], distances: &[f64], max_tilt: f64) -> Vec<f64> {
     let solid: Vec<u32> = cells.iter().filter(|&cell| !distances[cell as usize].is_nan()).collect();
     let mut number = vec![None; distances.len()];
     solid.iter().zip(0..).for_each(|(&cell, k)| number[cell as usize] = Some(k));
@@ -80,7 +79,7 @@ pub(super) fn directed(cells: &Cells, base: &[u32], distances: &[f64], max_tilt:
             |k: usize| faces[k].iter().flatten().map(|&other| directions[other as usize]).sum::<Vector3<f64>>();
         directions = (0..solid.len()).map(|k| leaning(directions[k] + around(k), max_tilt)).collect();
     }
-    let is_base: Vec<bool> = solid.iter().map(|cell| base.binary_search(cell).is_ok()).collect();
+    let is_base: Vec<bool> = solid.iter().map(|cell| base.binary_search_by_key(cell, |base| base.0).is_ok()).collect();
     let system = System { faces: &faces, is_base: &is_base };
     let fitted = system.solve(&system.right_side(&directions), distances_of);
     let mut values = vec![f64::NAN; distances.len()];
@@ -125,12 +124,11 @@ impl System<'_> {
         (0..values.len()).map(|cell| if self.is_base[cell] { 0.0 } else { sum(cell) }).collect()
     }
 
-    /// The values with these sums that are 1/2 on the base, by conjugate gradients from `values` on.
+    /// The values with these sums, those of the base kept, by conjugate gradients from `values` on.
     fn solve(&self, right_side: &[f64], mut values: Vec<f64>) -> Vec<f64> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let neighbours = |faces: &[Option<u32>; 6]| faces.iter().flatten().count().max(1) as f64;
         let diagonal: Vec<f64> = self.faces.iter().map(neighbours).collect();
-        values.iter_mut().zip(self.is_base).filter(|(_, is_base)| **is_base).for_each(|(value, _)| *value = ON_BASE);
         let mut left: Vec<f64> =
             right_side.iter().zip(self.applied(&values)).map(|(wanted, sum)| wanted - sum).collect();
         let mut weighted: Vec<f64> = left.iter().zip(&diagonal).map(|(left, by)| left / by).collect();
@@ -157,6 +155,7 @@ impl System<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ON_BASE;
     use super::super::march::distances;
     use super::*;
     use nalgebra::{DMatrix, DVector};
@@ -169,9 +168,13 @@ mod tests {
         places.map(|[y, z]| (0..nx).filter(|&x| is_solid([x, y, z])).map(|x| 1u64 << x).sum()).collect()
     }
 
+    fn on_plate(cells: impl Iterator<Item = u32>) -> Vec<OnBase> {
+        cells.map(|cell| (cell, ON_BASE)).collect()
+    }
+
     fn field(dims: [u32; 3], rows: &[u64], max_tilt: f64) -> (Vec<f64>, impl Fn([u32; 3]) -> u32 + use<>) {
         let cells = Cells::new(dims, rows).unwrap();
-        let base: Vec<u32> = cells.iter().filter(|&cell| cell < dims[0] * dims[1]).collect();
+        let base = on_plate(cells.iter().filter(|&cell| cell < dims[0] * dims[1]));
         let values = directed(&cells, &base, &distances(&cells, &base, &|_| 0.0), max_tilt);
         (values, move |[x, y, z]: [u32; 3]| x + dims[0] * (y + dims[1] * z))
     }
@@ -213,7 +216,7 @@ mod tests {
         }
         // The distance alone closes a slot: it leans by more than a radian there.
         let cells = Cells::new(dims, &solid).unwrap();
-        let base: Vec<u32> = cells.iter().filter(|&cell| cell < 41 * 3).collect();
+        let base = on_plate(cells.iter().filter(|&cell| cell < 41 * 3));
         let distances = distances(&cells, &base, &|_| 0.0);
         let distance = |x: u32, z: u32| distances[id([x, 1, z]) as usize];
         assert!((distance(17, 17) - distance(15, 17)).atan2(distance(16, 18) - distance(16, 16)) > 1.0);
@@ -222,11 +225,14 @@ mod tests {
     proptest! {
         /// The values solve the normal equations, as elimination does.
         #[test]
-        fn values_are_those_of_elimination(solid in prop::collection::vec(0u64..16, 12)) {
+        fn values_are_those_of_elimination(
+            solid in prop::collection::vec(0u64..16, 12),
+            heights in prop::collection::vec(0.001..1.0f64, 12),
+        ) {
             let dims = [4, 3, 4];
             let solid: Vec<u64> = solid.iter().zip(0..).map(|(row, k)| if k < 3 { 15 } else { *row }).collect();
             let cells = Cells::new(dims, &solid).unwrap();
-            let base: Vec<u32> = (0..12).collect();
+            let base: Vec<OnBase> = (0..12).zip(heights).collect();
             let distances = distances(&cells, &base, &|_| 0.0);
             let values = directed(&cells, &base, &distances, 0.7);
             let known: Vec<u32> = cells.iter().filter(|&cell| !distances[cell as usize].is_nan()).collect();
@@ -244,7 +250,7 @@ mod tests {
             let mut right = DVector::zeros(known.len());
             for k in 0..known.len() {
                 if known[k] < 12 {
-                    (matrix[(k, k)], right[k]) = (1.0, 0.5);
+                    (matrix[(k, k)], right[k]) = (1.0, base[known[k] as usize].1);
                     continue;
                 }
                 for (face, other) in faces(k).into_iter().enumerate() {

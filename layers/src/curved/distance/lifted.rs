@@ -4,20 +4,20 @@
 //! [`MIN_RISE`] above the lowest of its face neighbours.
 
 use super::super::cells::Cells;
-use super::beside;
-use super::march::{MIN_RISE, ON_BASE};
+use super::march::MIN_RISE;
+use super::{OnBase, beside};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The least values, by cell number, that are nowhere below `values`, and [`MIN_RISE`] above the lowest face neighbour's, but on the base, which has 1/2.
+/// The least values, by cell number, that are nowhere below `values`, and [`MIN_RISE`] above the lowest face neighbour's, but on the base, which has its own.
 /// NaN where no way across faces leads to the base.
-pub(super) fn lifted(cells: &Cells, base: &[u32], values: &[f64]) -> Vec<f64> {
+pub(super) fn lifted(cells: &Cells, base: &[OnBase], values: &[f64]) -> Vec<f64> {
     let mut lifted = vec![f64::NAN; values.len()];
     // Values are positive, so their bits are in their order; of equal ones the cell with the lowest number comes first.
     let mut queue: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
-    for &cell in base {
-        lifted[cell as usize] = ON_BASE;
-        queue.push(Reverse((ON_BASE.to_bits(), cell)));
+    for &(cell, value) in base {
+        lifted[cell as usize] = value;
+        queue.push(Reverse((value.to_bits(), cell)));
     }
     // Cells come in the order of their values, so the first one beside a cell is its lowest neighbour.
     while let Some(Reverse((_, cell))) = queue.pop() {
@@ -39,12 +39,13 @@ mod tests {
     use proptest::prelude::*;
 
     /// The same by going over all cells until nothing changes: the value of a cell follows from its neighbours'.
-    fn by_rounds(cells: &Cells, base: &[u32], values: &[f64]) -> Vec<f64> {
+    fn by_rounds(cells: &Cells, base: &[OnBase], values: &[f64]) -> Vec<f64> {
         let mut lifted = vec![f64::INFINITY; values.len()];
-        base.iter().for_each(|&cell| lifted[cell as usize] = ON_BASE);
+        base.iter().for_each(|&(cell, value)| lifted[cell as usize] = value);
+        let is_base = |cell: &u32| base.iter().any(|base| base.0 == *cell);
         loop {
             let before = lifted.clone();
-            for cell in cells.iter().filter(|cell| !base.contains(cell)) {
+            for cell in cells.iter().filter(|cell| !is_base(cell)) {
                 let lowest = beside(cells, cell).into_iter().flatten().map(|other| lifted[other as usize]);
                 let lowest = lowest.fold(f64::INFINITY, f64::min);
                 lifted[cell as usize] = (lowest + MIN_RISE).max(values[cell as usize]);
@@ -60,9 +61,10 @@ mod tests {
         fn values_are_the_least_that_are_held(
             rows in prop::collection::vec(0u64..32, 20),
             values in prop::collection::vec(0.0..9.0f64, 100),
+            heights in prop::collection::vec(0.001..1.0f64, 20),
         ) {
             let cells = Cells::new([5, 4, 5], &rows).unwrap();
-            let base: Vec<u32> = cells.iter().filter(|&cell| cell < 20).collect();
+            let base: Vec<OnBase> = cells.iter().filter(|&cell| cell < 20).map(|cell| (cell, heights[cell as usize])).collect();
             let found = lifted(&cells, &base, &values);
             let expected = by_rounds(&cells, &base, &values);
             prop_assert!(found.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));

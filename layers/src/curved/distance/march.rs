@@ -5,7 +5,7 @@
 //! Symbols: `T` in the book is a value here; along each axis it enters as `weight (T - origin)^2`.
 
 use super::super::cells::Cells;
-use super::beside;
+use super::{OnBase, beside};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -13,20 +13,17 @@ use std::collections::BinaryHeap;
 /// terms `(T - u)^2` add up to 1; those of second order are held to a little less, so that support within half a layer is sure.
 pub(super) const MIN_RISE: f64 = 0.5;
 
-/// The value of cells of the base: their middle.
-pub(super) const ON_BASE: f64 = 0.5;
-
 /// A value on its way: the lowest first, of equal ones the cell with the lowest number. Values are positive, so their bits are in their order.
 type Queued = Reverse<(u64, u32)>;
 
-/// Distances by cell number, from the cells of `base`, which have 1/2; NaN where there is no cell or no way. No value is below its
+/// Distances by cell number, from the cells of `base`, which have theirs; NaN where there is no cell or no way. No value is below its
 /// `floor`, those of the base neither; where floors of neighbours differ by no more than 1, so do values.
-pub(super) fn distances(cells: &Cells, base: &[u32], floor: &(dyn Fn(u32) -> f64 + '_)) -> Vec<f64> {
+pub(super) fn distances(cells: &Cells, base: &[OnBase], floor: &(dyn Fn(u32) -> f64 + '_)) -> Vec<f64> {
     let len = cells.dims().iter().map(|&d| d as usize).product();
-    let mut march =
-        March { cells: *cells, values: vec![f64::NAN; len], known: vec![false; len], queue: BinaryHeap::new(), floor };
-    for &cell in base {
-        let value = floor(cell).max(ON_BASE);
+    let (values, known) = (vec![f64::NAN; len], vec![false; len]);
+    let mut march = March { cells: *cells, values, known, base, queue: BinaryHeap::new(), floor };
+    for &(cell, value) in base {
+        let value = floor(cell).max(value);
         march.values[cell as usize] = value;
         march.queue.push(Reverse((value.to_bits(), cell)));
     }
@@ -41,6 +38,7 @@ struct March<'a> {
     values: Vec<f64>,
     /// Whether the value is final.
     known: Vec<bool>,
+    base: &'a [OnBase],
     queue: BinaryHeap<Queued>,
 }
 
@@ -74,6 +72,10 @@ impl March<'_> {
         }
     }
 
+    fn is_base(&self, cell: u32) -> bool {
+        self.base.binary_search_by_key(&cell, |base| base.0).is_ok()
+    }
+
     fn known_value(&self, cell: u32) -> Option<f64> {
         self.known[cell as usize].then(|| self.values[cell as usize])
     }
@@ -99,7 +101,7 @@ impl March<'_> {
         let behind = beside(&self.cells, next)[face].and_then(|behind| self.known_value(behind));
         Some(match behind {
             // At the base the field has a kink: it is level along it.
-            Some(behind) if behind <= neighbour && neighbour > ON_BASE => {
+            Some(behind) if behind <= neighbour && !self.is_base(next) => {
                 Term { weight: 9.0 / 4.0, origin: (4.0 * neighbour - behind) / 3.0, neighbour }
             }
             _ => Term::first_order(neighbour),

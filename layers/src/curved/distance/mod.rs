@@ -27,7 +27,7 @@ use super::growth::GrowthError;
 use super::order::LayerOrder;
 use super::platform::Platform;
 use super::rules::Rules;
-use super::standing::standing;
+use super::standing::carried;
 use super::surface::{FieldError, LayerField};
 pub use directed::DirectedOptions;
 use nalgebra::Vector3;
@@ -43,7 +43,7 @@ const HALF_LAYERS: f64 = 1.45;
 
 /// The distance of the cells from what they stand on, in cells, along paths inside the part.
 ///
-/// The cells that stand on the platform, or on its mould, have the value 1/2. From there on the eikonal equation is solved by marching, of second order
+/// The cells that stand on the platform, or on cells of its mould, have the value 1/2; those on the [mesh](Platform::on_mould_mesh) of a mould their distance from it. From there on the eikonal equation is solved by marching, of second order
 /// where two cells in a row are known along an axis, else of first order. Each other value is at least 1/2 above the lowest of its face neighbours'.
 ///
 /// # Returns
@@ -66,15 +66,32 @@ const HALF_LAYERS: f64 = 1.45;
 /// ```
 pub fn distance_field(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<LayerField, GrowthError> {
     rules.check(cells, platform)?;
-    let base = standing(cells, platform, rules)?;
+    let base = base(carried(cells, platform, rules), cells, platform);
     if base.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }
     Ok(solved(cells, &base, &|_| 0.0))
 }
 
+/// A cell of the base, which an order begins with, and its value: how far its middle is from what it stands on, in cells.
+type OnBase = (u32, f64);
+
+/// The value of cells of the base that stand on the platform, or on cells of a mould: their middle.
+const ON_BASE: f64 = 0.5;
+
+/// These cells, by rising number, as the base.
+fn base(standing: Vec<u32>, cells: &Cells, platform: &Platform) -> Vec<OnBase> {
+    let mould = platform.mould.as_ref();
+    let on_mould = |cell: u32| mould.and_then(|mould| mould.height(cell));
+    let value = |cell: u32| match on_mould(cell) {
+        Some(height) if cells.position(cell)[2] == 0 => height.min(ON_BASE),
+        height => height.unwrap_or(ON_BASE),
+    };
+    standing.into_iter().map(|cell| (cell, value(cell))).collect()
+}
+
 /// The field with these floors of its values.
-fn solved(cells: &Cells, base: &[u32], floor: &dyn Fn(u32) -> f64) -> LayerField {
+fn solved(cells: &Cells, base: &[OnBase], floor: &dyn Fn(u32) -> f64) -> LayerField {
     in_cells(cells, march::distances(cells, base, floor))
 }
 

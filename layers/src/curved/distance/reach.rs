@@ -15,13 +15,13 @@ use super::super::nozzle::{NozzleCell, NozzleRule, Obstacles, check_growth};
 use super::super::order::LayerOrder;
 use super::super::platform::Platform;
 use super::super::rules::Rules;
-use super::super::standing::{joined, standing};
+use super::super::standing::{carried, joined};
 use super::super::surface::{LayerField, in_parallel};
 use super::delayed::{Floors, delay};
 use super::directed::{DirectedOptions, directed};
 use super::lifted::lifted;
 use super::march::distances;
-use super::{HALF_LAYERS, STEPS_PER_LAYER, beside, in_cells, slope, solved};
+use super::{HALF_LAYERS, OnBase, STEPS_PER_LAYER, base, beside, in_cells, slope, solved};
 use crate::Progress;
 use nalgebra::{UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -156,7 +156,7 @@ struct Job<'a> {
     rules: &'a Rules,
     nozzle: &'a NozzleRule,
     /// The cells that the order begins with, by rising number.
-    base: Vec<u32>,
+    base: Vec<OnBase>,
     progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
 
@@ -180,14 +180,14 @@ impl<'a> Job<'a> {
         cell_mm: f64,
         platform: &'a Platform,
         rules: &'a Rules,
-        base: Option<&[u32]>,
+        given: Option<&[u32]>,
         nozzle: &'a NozzleRule,
         progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Self, GrowthError> {
         check_growth(cells, cell_mm, platform, rules, nozzle)?;
-        let standing = standing(cells, platform, rules)?;
-        let is_base = |cell: &u32| base.is_none_or(|base| base.binary_search(cell).is_ok());
-        match standing.into_iter().filter(is_base).collect::<Vec<u32>>() {
+        let mut standing = carried(cells, platform, rules);
+        standing.retain(|cell| given.is_none_or(|given| given.binary_search(cell).is_ok()));
+        match base(standing, cells, platform) {
             base if base.is_empty() => Err(GrowthError::NothingOnPlatform),
             base => Ok(Job { cells, cell_mm, platform, rules, nozzle, base, progress }),
         }
@@ -258,7 +258,8 @@ impl<'a> Job<'a> {
     /// The cells in no layer, with the reasons.
     fn missed(&self, order: &LayerOrder) -> Vec<MissedCell> {
         let solid = CellSet::of(self.cells);
-        let joined = joined(&solid, &self.base, self.rules.neighbours);
+        let feet: Vec<u32> = self.base.iter().map(|base| base.0).collect();
+        let joined = joined(&solid, &feet, self.rules.neighbours);
         let mut missed = solid;
         missed.remove_all(order.cells().iter().copied());
         let reason = |cell: u32| match joined.contains(cell) {
@@ -275,7 +276,7 @@ struct Growing<'a> {
     rules: &'a Rules,
     field: &'a LayerField,
     /// The cells that the order begins with, by rising number.
-    base: &'a [u32],
+    base: &'a [OnBase],
     directions: Vec<UnitVector3<f64>>,
     /// Cosine of the tilt limit.
     min_up: f64,
@@ -353,7 +354,8 @@ impl Growing<'_> {
 
     fn is_supported(&self, cell: u32) -> bool {
         let offsets = self.rules.neighbours.offsets();
-        self.base.binary_search(&cell).is_ok() || self.built.around(cell, offsets).next().is_some()
+        self.base.binary_search_by_key(&cell, |base| base.0).is_ok()
+            || self.built.around(cell, offsets).next().is_some()
     }
 
     /// The free direction nearest to the way in which the field rises: that itself, or one of the [fixed ones](NozzleRule::directions).
@@ -398,7 +400,7 @@ mod tests {
             cells: &cells,
             rules: &rules,
             field: &field,
-            base: &[0],
+            base: &[(0, 0.5)],
             directions: nozzle.directions(),
             min_up: 0.0,
             built,

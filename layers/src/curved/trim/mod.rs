@@ -42,7 +42,7 @@ use crate::Progress;
 pub use clip::Clipped;
 pub use crossings::{SurfaceCrossings, count_crossings};
 pub use error::{Input, MAX_COORDINATE, TrimError};
-pub(in crate::curved) use inside::cells_inside;
+pub(in crate::curved) use inside::Inside;
 use nalgebra::{Point3, Vector3};
 use pieces::Pieces;
 use sheet::Sheet;
@@ -135,6 +135,11 @@ impl Trimmer {
     /// Whether the mesh has holes: an edge along which triangles do not run as often one way as the other.
     pub fn is_holed(&self) -> bool {
         self.solid.holes.is_some()
+    }
+
+    /// Whether a point is inside the mesh, by its winding number.
+    pub(in crate::curved) fn contains(&self, p: &Point3<f64>) -> bool {
+        self.solid.contains(p)
     }
 
     /// Where a line first meets the mesh: how far away, and the cosine between the line and the normal there, without sign.

@@ -79,6 +79,14 @@ impl Solid {
         sum
     }
 
+    /// Whether a point is inside: where the winding number is not 0, or for a mesh with holes above one half.
+    pub(super) fn contains(&self, p: &Point3<f64>) -> bool {
+        match &self.holes {
+            Some(holes) => self.winding_near(holes, p).abs() > 0.5,
+            None => self.winding(p) != 0,
+        }
+    }
+
     /// Where a line, whose direction is one long, first meets a triangle within reach: how far away, and the cosine between the
     /// line and its normal, without sign. To rounding.
     pub(super) fn skin(&self, from: &Point3<f64>, way: &Vector3<f64>, reach: f64) -> Option<(f64, f64)> {
@@ -98,6 +106,21 @@ impl Solid {
             }
         });
         first
+    }
+
+    /// The nearest point of the mesh; of triangles equally near that with the lowest number counts.
+    pub(super) fn nearest(&self, p: &Point3<f64>) -> Point3<f64> {
+        let distance = self.distance(p);
+        let within = Vector3::repeat(distance * (1.0 + 1e-9) + f64::MIN_POSITIVE);
+        let mut best: Option<(f64, u32, Point3<f64>)> = None;
+        self.tree.meeting(&Bounds::of([&(p - within), &(p + within)]), |triangle| {
+            let point = closest(self.corners(triangle), p);
+            let found = ((point - p).norm_squared(), triangle, point);
+            if best.is_none_or(|best| (found.0, found.1) < (best.0, best.1)) {
+                best = Some(found);
+            }
+        });
+        best.map_or(*p, |(.., point)| point)
     }
 
     /// The distance to the nearest triangle.

@@ -1,6 +1,6 @@
 //! When each triangle is built, as the number of waypoints done by then.
 //!
-//! A triangle of an earlier layer is there when its layer is finished. A triangle of the layer itself is there once the last
+//! The mould is there from the start. A triangle of an earlier layer is there when its layer is finished. A triangle of the layer itself is there once the last
 //! bead that touches it has been laid; one that no bead touches, when the layer is finished.
 //!
 //! Samples alone lay beads. Waypoints added between them lie on the straight way from one to the next, and are there so that
@@ -10,7 +10,7 @@
 //! the triangles with a key below some number: [`before`] for the waypoints of a path, [`after`] for what is finished.
 
 use crate::surface::orientation::{ToolPath, Waypoint};
-use crate::surface::stack::{Keys, LayerStack};
+use crate::surface::stack::{Keys, LayerStack, MOULD, of_layer};
 
 /// A path and the triangles that its beads touch, each time with the waypoint. Without any of these its layer is there only
 /// when it is finished.
@@ -47,8 +47,10 @@ pub(super) fn built<'a>(stack: &LayerStack, order: impl Iterator<Item = (&'a Too
     // A layer without paths is finished with the one before.
     (1..finished.len()).for_each(|layer| finished[layer] = finished[layer].max(finished[layer - 1]));
     let keys = |way: usize| {
-        let key = |(triangle, laid): (usize, &[u32; 2])| {
-            if laid[way] > 0 { laid[way] } else { finished[triangles[triangle].layer as usize] }
+        let key = |(triangle, laid): (usize, &[u32; 2])| match triangles[triangle].layer {
+            MOULD => 0,
+            _ if laid[way] > 0 => laid[way],
+            layer => finished[layer as usize],
         };
         Keys::new(&stack.tree, laid.iter().enumerate().map(key).collect())
     };
@@ -81,7 +83,7 @@ pub(super) fn before(waypoints: &[Waypoint], start: u32) -> Vec<u32> {
 pub(super) fn touched(stack: &LayerStack, path: &ToolPath) -> Vec<(u32, u32)> {
     let mut touched = Vec::new();
     for (waypoint, k) in path.waypoints.iter().zip(0..).filter(|(waypoint, _)| !waypoint.added) {
-        let layer = path.layer..path.layer + 1;
+        let layer = of_layer(path.layer);
         let Some(foot) =
             stack.tree.nearest(&stack.keys, waypoint.bead_top(), layer.clone(), f64::INFINITY, |_, _| true)
         else {

@@ -37,7 +37,7 @@ pub struct Contact {
     /// How deep it is in the layer, as thick as that is, or how far below the plate, in millimetres. Infinite where the
     /// block reaches down without end.
     pub depth: f64,
-    /// Thickness of the layer there, in millimetres; 0 for the plate.
+    /// Thickness of the layer there, in millimetres, or of the [skin](crate::surface::Mould::skin) of the mould; 0 for the plate.
     pub height: f64,
     /// Which part of the nozzle is deepest.
     pub part: NozzlePart,
@@ -76,7 +76,7 @@ pub(in crate::surface) struct Worst {
     pub lack: f64,
     /// Thickness of its layer, and which it is.
     pub height: f64,
-    pub layer: u32,
+    pub obstacle: Obstacle,
 }
 
 impl Worst {
@@ -169,8 +169,8 @@ impl Seeker<'_> {
             return false;
         }
         if lack < self.bound && to_rim >= skin {
-            let Triangle { height, layer, .. } = *triangle;
-            self.worst = Some(Worst { point: middle, lack, height, layer });
+            let (height, obstacle) = (triangle.height, Obstacle::of(triangle));
+            self.worst = Some(Worst { point: middle, lack, height, obstacle });
             self.bound = lack * (1.0 + self.rough);
             if self.any {
                 return true;
@@ -331,7 +331,7 @@ impl<'a> Scene<'a> {
             let v = worst.point - stand.tip;
             let z = v.dot(direction);
             let part = self.nozzle.part(z, (v - direction.into_inner() * z).norm());
-            let (obstacle, depth) = (Obstacle::Layer(worst.layer), worst.depth(stand.allowed));
+            let (obstacle, depth) = (worst.obstacle, worst.depth(stand.allowed));
             Contact { obstacle, depth, height: worst.height, part, point: worst.point }
         });
         if self.above_plate(stand, direction) {

@@ -8,7 +8,7 @@
 //! what is built are left out (`order`). What `resolve_gouging` asks at waypoints can be asked of any pose at any moment of the print (`contact`).
 //!
 //! What has been built is all earlier layers, each as thick as its spacing, and of its own layer what the beads so far cover
-//! (`built`). The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
+//! (`built`), and the mould, if there is one. The nozzle may enter it by a quarter of a layer. Below the plate it may not reach at all.
 //!
 //! Layers from which no earlier layer shadows a later one have the tip outside the hull of all earlier cells. So there is a
 //! plane through the tip with the model on one side, and a cone up to 45 degrees has a half space full of directions to
@@ -23,7 +23,7 @@ mod order;
 mod tilt;
 
 use super::orientation::{LEAST_TURN, SharpTurn, ToolPath, Turns};
-use super::stack::LayerStack;
+use super::stack::{LayerStack, MOULD, Triangle};
 use crate::Progress;
 pub use contact::{ContactError, Contacts, Moment};
 pub use deepest::Contact;
@@ -147,15 +147,24 @@ impl LeftOut {
 pub enum Obstacle {
     /// A layer, from 0; the waypoint's own or an earlier one.
     Layer(u32),
+    /// The mould, or the part that existed before.
+    Mould,
     /// The plate.
     Plate,
 }
 
+impl Obstacle {
+    fn of(triangle: &Triangle) -> Self {
+        if triangle.layer == MOULD { Obstacle::Mould } else { Obstacle::Layer(triangle.layer) }
+    }
+}
+
 impl std::fmt::Display for Obstacle {
-    /// `layer N`, counted from 1, or `plate`.
+    /// `layer N`, counted from 1, `mould`, or `plate`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Obstacle::Layer(layer) => write!(f, "layer {}", layer + 1),
+            Obstacle::Mould => f.write_str("mould"),
             Obstacle::Plate => f.write_str("plate"),
         }
     }

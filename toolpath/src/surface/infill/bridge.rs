@@ -4,7 +4,7 @@ use super::super::fill::{FilledLayer, FilledLayers, LayerSurface};
 use super::super::kind::BeadKind;
 use super::super::paths::segments::{Segments, nearest};
 use super::super::paths::{PathPoint, SurfacePath};
-use super::super::stack::LayerStack;
+use super::super::stack::{LayerStack, of_layer};
 use super::thickness;
 use nalgebra::Point3;
 
@@ -38,7 +38,7 @@ pub(in crate::surface) fn mark(
         let points = layer.paths.paths.iter_mut().flat_map(|path| &mut path.points);
         for point in points.filter(|point| point.kind == BeadKind::Skin) {
             let (p, reach) = (point.at.position, ON * thickness(surface, point.at.triangle));
-            let is_over = || stack.tree.nearest(&stack.keys, p, below..below + 1, reach, |_, _| true).is_some();
+            let is_over = || stack.tree.nearest(&stack.keys, p, of_layer(below), reach, |_, _| true).is_some();
             if !solid.carries(p, reach) && is_over() {
                 point.kind = BeadKind::Bridge;
             }

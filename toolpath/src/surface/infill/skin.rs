@@ -12,7 +12,7 @@
 use super::super::fill::{FillLayersError, LayerSurface};
 use super::super::parallel;
 use super::super::paths::PathOptions;
-use super::super::stack::{BuiltLayer, LayerCurve, LayerStack, Node, Triangle, Walk};
+use super::super::stack::{BuiltLayer, LayerCurve, LayerStack, Node, Triangle, Walk, of_layer};
 use super::Site;
 use crate::Progress;
 use nalgebra::{Point3, Vector3};
@@ -88,7 +88,7 @@ fn covered(stack: &LayerStack, surface: &LayerSurface, [below, above]: [&[u32]; 
     }
     let mut walk = Vec::new();
     let mut crossed = |from: Point3<f64>, way: Vector3<f64>, layers: &[u32]| {
-        let before = layers.last().map_or(0, |last| last + 1);
+        let before = layers.last().map_or(0, |&last| of_layer(last).end);
         let mut column = Column { from, way, layers, crossed: Vec::new() };
         stack.tree.walk(&stack.keys, before, &mut column, &mut walk);
         column.crossed.len()

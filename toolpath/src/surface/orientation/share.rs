@@ -12,7 +12,7 @@
 
 use super::ToolPath;
 use super::resample::Line;
-use crate::surface::stack::LayerStack;
+use crate::surface::stack::{LayerStack, of_layer};
 use nalgebra::Point3;
 
 /// Parts of a triangle are no longer than this share of the widest bead. A sixth instead changes the volume of a part by a
@@ -99,7 +99,7 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
         let width = widths[0].max(widths[1]);
         widest = widest.max(width);
         let (middle, reach) = (nalgebra::center(from, to), ((to - from).norm() + width) / 2.0);
-        stack.tree.within(&stack.keys, middle, layer..layer + 1, reach, |t| pairs.push((t as u32, number)));
+        stack.tree.within(&stack.keys, middle, of_layer(layer), reach, |t| pairs.push((t as u32, number)));
     }
     pairs.sort_unstable();
     for of_triangle in pairs.chunk_by(|a, b| a.0 == b.0) {

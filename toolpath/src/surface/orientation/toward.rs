@@ -4,7 +4,7 @@
 //! direction.
 //!
 //! Departs from the paper:
-//! * The build plate is a surface below, too: the only one of the first layer.
+//! * The build plate is a surface below, too: the only one of the first layer, if there is no mould. A mould is an earlier layer.
 //! * A closest point counts only if it lies *below*: within [`BESIDE`] of the normal of the layer, on a triangle that
 //!   faces the same way within that angle. Where a front waited for another, surfaces of earlier layers end beside a
 //!   later one, as near as you like, and say nothing of its direction.
@@ -12,7 +12,7 @@
 //! * A point is looked for among all earlier layers, but not beyond [`REACH`] layer heights. Where there is none (over a
 //!   hole of the layers below, or beyond their edge) the normal is the direction.
 
-use crate::surface::stack::{Ground, LayerStack, Triangle};
+use crate::surface::stack::{Ground, LayerStack, Triangle, below_layer};
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
 
 /// How far below a layer may be, in heights of the layer. Layers are up to 1.4 heights apart where fronts lean (section
@@ -48,11 +48,11 @@ pub(super) fn toward(
             let face = triangle.normal();
             below(c, within) && face.dot(&normal) >= BESIDE * face.norm()
         };
-        stack.tree.nearest(&stack.keys, q, 0..layer, reach, accept)
+        stack.tree.nearest(&stack.keys, q, below_layer(layer), reach, accept)
     };
     let found = search(STRAIGHT).or_else(|| search(BESIDE));
     let plate = Point3::new(q.x, q.y, 0.0);
-    let first = layer == 0 && q.z > TOUCHING * ground.height;
+    let first = layer == 0 && stack.mould.is_none() && q.z > TOUCHING * ground.height;
     if first || (q.z <= found.map_or(reach, |found| found.distance) && q.z > 0.0 && below(plate, BESIDE)) {
         return (Vector3::z_axis(), true);
     }

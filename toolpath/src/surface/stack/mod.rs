@@ -1,8 +1,10 @@
 //! A part layer by layer, in the order in which it is built: what a nozzle stands on, and what it must not run into.
 //!
 //! [`LayerStack`] checks the layers once and keeps all their triangles in one tree of boxes (`tree`). Each box knows the
-//! earliest of its triangles, so a question about what is built by now passes over all that comes later.
+//! earliest of its triangles, so a question about what is built by now passes over all that comes later. A mould on which the part is built
+//! is there before the first layer.
 
+mod mould;
 mod rims;
 mod tree;
 mod triangle;
@@ -10,10 +12,12 @@ mod triangle;
 use super::kind::BeadKind;
 use super::orientation::DirectionHints;
 use super::parallel;
+pub(super) use mould::MouldSurface;
+pub use mould::{Mould, MouldError};
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 pub(super) use tree::{Keys, Node, Tree, Walk};
-pub(super) use triangle::Triangle;
+pub(super) use triangle::{MOULD, Triangle};
 
 /// Triangles and points are numbered in 32 bits.
 const MOST: usize = 1 << 30;
@@ -165,6 +169,9 @@ pub enum StackError {
         /// The layer, from 0.
         layer: usize,
     },
+    /// What the part is built on cannot be used.
+    #[error("the mould: {0}")]
+    Mould(#[from] MouldError),
 }
 
 /// A layer with its curves.
@@ -181,7 +188,7 @@ pub(super) struct Built<'a> {
 pub struct LayerStack<'a> {
     pub(super) layers: Vec<Built<'a>>,
     pub(super) tree: Tree,
-    /// By layer.
+    /// The mould has 0, layers have their number from 1: see [`of_layer`].
     pub(super) keys: Keys,
     /// For each layer and vertex the mean normal of the triangles around it, weighted by area; zero where they cancel.
     normals: Vec<Vec<Vector3<f64>>>,
@@ -189,6 +196,24 @@ pub struct LayerStack<'a> {
     pub(super) rims: Vec<[Point3<f64>; 2]>,
     /// Directions that are known ([`LayerStack::with_hints`]).
     pub(super) hints: DirectionHints,
+    /// Lower and upper corner of a box around the mould, its skin included.
+    pub(super) mould: Option<[Point3<f64>; 2]>,
+}
+
+/// The keys of the triangles of a layer.
+pub(super) fn of_layer(layer: u32) -> Range<u32> {
+    layer + 1..layer + 2
+}
+
+/// The keys of what is there before a layer begins.
+pub(super) fn below_layer(layer: u32) -> Range<u32> {
+    0..layer + 1
+}
+
+/// By layers.
+fn keys_by_layer(tree: &Tree) -> Keys {
+    let key = |triangle: &Triangle| if triangle.layer == MOULD { 0 } else { of_layer(triangle.layer).start };
+    Keys::new(tree, tree.triangles().iter().map(key).collect())
 }
 
 /// The surface of a layer at a point.
@@ -248,7 +273,8 @@ impl<'a> LayerStack<'a> {
         }
         layers.iter().enumerate().try_for_each(|(number, layer)| check(number, layer))?;
         let silent = |_| ControlFlow::Continue(());
-        let prepared = parallel::map(&layers, "layers", &silent, prepare).unwrap_or_default();
+        let work = |number: usize, layer: &Built| prepare(number as u32, layer);
+        let prepared = parallel::map(&layers, "layers", &silent, work).unwrap_or_default();
         let (mut all, mut rims) = (Vec::with_capacity(triangles), Vec::new());
         let mut normals = Vec::with_capacity(layers.len());
         for (layer, of_layer) in prepared.into_iter().enumerate() {
@@ -262,8 +288,8 @@ impl<'a> LayerStack<'a> {
             all.extend(of_layer.triangles.into_iter().map(shift));
         }
         let tree = Tree::new(all);
-        let keys = Keys::new(&tree, tree.triangles().iter().map(|triangle| triangle.layer).collect());
-        Ok(LayerStack { layers, tree, keys, normals, rims, hints: DirectionHints::default() })
+        let keys = keys_by_layer(&tree);
+        Ok(LayerStack { layers, tree, keys, normals, rims, hints: DirectionHints::default(), mould: None })
     }
 
     /// The same layers with directions in which the nozzle is known to get to some places. Where [`LayerStack::resolve_gouging`] finds no free
@@ -279,7 +305,7 @@ impl<'a> LayerStack<'a> {
 
     /// The surface of a layer near `p`. The layer has curves, so it has a surface.
     pub(super) fn ground(&self, layer: u32, p: Point3<f64>) -> Option<Ground> {
-        let found = self.tree.nearest(&self.keys, p, layer..layer + 1, f64::INFINITY, |_, _| true)?;
+        let found = self.tree.nearest(&self.keys, p, of_layer(layer), f64::INFINITY, |_, _| true)?;
         let triangle = &self.tree.triangles()[found.triangle];
         let [a, b, c] = triangle.corners;
         let of = |from: Point3<f64>, to: Point3<f64>| {
@@ -300,7 +326,7 @@ struct Prepared {
 }
 
 /// The triangles of a layer that have an area, with what is at their corners.
-fn prepare(number: usize, layer: &Built) -> Prepared {
+fn prepare(number: u32, layer: &Built) -> Prepared {
     let normals = normals(layer);
     let at_boundary = rims::Rims::new(layer.vertices.len(), layer.triangles);
     let (mut triangles, mut rims) = (Vec::with_capacity(layer.triangles.len()), Vec::new());
@@ -313,7 +339,7 @@ fn prepare(number: usize, layer: &Built) -> Prepared {
         rims.extend(at_boundary.near(corners).into_iter().map(|edge| edge.map(|v| layer.vertices[v as usize])));
         let at = corners.map(|v| Some(normals[v as usize]).filter(|n| n.norm_squared() > 0.5).unwrap_or(normal));
         let rims = [before, rims.len() as u32];
-        triangles.push(Triangle { corners: [a, b, c], normals: at, rims, height, layer: number as u32, index });
+        triangles.push(Triangle { corners: [a, b, c], normals: at, rims, height, layer: number, index });
     }
     Prepared { triangles, normals, rims }
 }

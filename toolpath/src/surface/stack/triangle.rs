@@ -2,7 +2,10 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// A triangle of a layer.
+/// What triangles of a mould have in place of the number of a layer.
+pub(in crate::surface) const MOULD: u32 = u32::MAX;
+
+/// A triangle of a layer, or of the mould.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::surface) struct Triangle {
     pub corners: [Point3<f64>; 3],
@@ -14,6 +17,7 @@ pub(in crate::surface) struct Triangle {
     pub rims: [u32; 2],
     /// Thickness of the layer there.
     pub height: f64,
+    /// The number of its layer, or [`MOULD`].
     pub layer: u32,
     /// Its number in the layer.
     pub index: u32,

@@ -55,8 +55,13 @@ impl Layer {
     }
 }
 
-/// Hands the stack of some layers over.
+/// Lends the stack of some layers.
 pub fn with_stack<T>(layers: &[Layer], work: impl FnOnce(&LayerStack) -> T) -> T {
+    with_own_stack(layers, |stack| work(&stack))
+}
+
+/// Hands the stack of some layers over.
+pub fn with_own_stack<T>(layers: &[Layer], work: impl FnOnce(LayerStack) -> T) -> T {
     let spacing: Vec<Vec<f64>> = layers.iter().map(|layer| vec![layer.spacing; layer.triangles.len()]).collect();
     let widths: Vec<Vec<Vec<f64>>> =
         layers.iter().map(|layer| layer.curves.iter().map(|c| vec![c.1; c.0.len()]).collect()).collect();
@@ -78,7 +83,7 @@ pub fn with_stack<T>(layers: &[Layer], work: impl FnOnce(&LayerStack) -> T) -> T
             curves: &curves[k],
         })
         .collect();
-    work(&LayerStack::new(&built).unwrap())
+    work(LayerStack::new(&built).unwrap())
 }
 
 /// A path of waypoints on a layer: tips and directions of any length.
