@@ -13,12 +13,15 @@
 //! between waypoints. Where it passes one on speed or acceleration, its J is no measure for a filter that keeps them:
 //! `ur3_global_freed_...` is the global filter within bounds raised, joint by joint, to what Algorithm 6 reaches. A method
 //! that has no motion on the path has no keys; `ur3_notes` says why.
+//!
+//! Collision indicators are measured (`svm_...`, `geometric_...`) and steer both filters past a post (`steered_...`).
 
 mod collisions;
 mod outputs;
 pub mod path;
 mod planning;
 mod plot;
+mod studied;
 
 use clap::{Parser, ValueEnum};
 use collisions::{Amount, Study};
@@ -70,6 +73,10 @@ pub struct Args {
     /// A closed part as built so far, where the waypoints have it; without it, a slab a layer below them
     #[arg(long, value_name = "FILE")]
     part: Option<PathBuf>,
+    /// Diameter of a ball, the head of a post, that stands where wrist 2 passes in the middle of the path: something to keep clear
+    /// of; 0 for none [default: 50, with waypoints from a file 0]
+    #[arg(long = "post", value_name = "MM", value_parser = post, allow_negative_numbers = true)]
+    post_mm: Option<f64>,
     /// Postures near the surface, and again on it, that collision indicators are measured with; 0 leaves them out
     #[arg(long = "samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     sample_count: u32,
@@ -92,6 +99,10 @@ pub enum Cells {
     Cell8,
     /// One after the other
     Both,
+}
+
+fn post(text: &str) -> Result<f64, String> {
+    from_zero(text).and_then(|mm| if mm <= 1000.0 { Ok(mm) } else { Err("must be at most 1000".to_owned()) })
 }
 
 fn crest(text: &str) -> Result<f64, String> {
@@ -135,7 +146,16 @@ pub struct Results {
     pub study: Option<Study>,
 }
 
+/// Diameter of the post beside the path that is made in code.
+const POST_MM: f64 = 50.0;
+
 impl Args {
+    /// The diameter of the post, if there is one.
+    fn post(&self) -> Option<f64> {
+        let beside = if self.waypoints().is_some() { 0.0 } else { POST_MM };
+        Some(self.post_mm.unwrap_or(beside)).filter(|&mm| mm > 0.0)
+    }
+
     /// The waypoints of the user, however they were given.
     fn waypoints(&self) -> Option<&Path> {
         self.file.as_deref().or(self.waypoints.as_deref())
@@ -199,7 +219,11 @@ fn study_collisions(
     let robot = OnCell::new(cell.clone(), placed);
     let trajectories = smoothest(&run.planned).map_or(&[][..], |planned| &planned.trajectories);
     let part = args.part.as_deref().map(|file| (file, args.up));
-    let amount = Amount { training: args.training_count as usize, verification: args.sample_count as usize };
+    let amount = Amount {
+        training: args.training_count as usize,
+        verification: args.sample_count as usize,
+        post_mm: args.post(),
+    };
     let times: Vec<&[f64]> = timed.segments.iter().map(|piece| &piece.times[..]).collect();
     collisions::study(&robot, &times, &origin, part, trajectories, amount)
 }

@@ -1,8 +1,8 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, trajectories and `report.html`.
 
-use super::collisions::{PAPER_SHIFT, Study};
 use super::planning::{FREED, Figures, HistoryStep, Planned, beyond};
 use super::plot::{Curve, draw};
+use super::studied::{find_collisions, report_study, set_study};
 use super::{Args, Results, Run};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::{Findings, Severity, accept};
@@ -33,7 +33,7 @@ const MET_RAD: f64 = 1e-9;
 
 /// The list of what is wrong with the path, and how much of it is told elsewhere.
 const FAULTS: &str = "path-faults.txt";
-const TOLD: usize = 12;
+pub const TOLD: usize = 12;
 
 /// Table 4.2 of the dissertation, its layer of 2,545 waypoints on its own UR3: J, greatest jerk, seconds.
 const PAPER: [(&str, f64, f64, f64); 2] =
@@ -100,11 +100,8 @@ impl Results {
                 find_broken(&name, figures, args.allow_jerk, &mut findings);
             }
         }
-        if let Some(study) = self.study.as_ref().filter(|study| !study.collisions.is_empty()) {
-            let amount =
-                format!("{} of {}, the first at {}", study.collisions.len(), study.motions, study.collisions[0]);
-            let what = "steps of the motion around what is in the way are not proven free of collisions";
-            findings.add(Severity::Failed, what, amount, "report.html");
+        if let Some(study) = &self.study {
+            find_collisions(study, &mut findings);
         }
         findings
     }
@@ -257,76 +254,6 @@ fn joints<const N: usize>(run: &Run<N>) -> Table {
     table
 }
 
-/// Table 4.1 of the dissertation for its two layers: TNR near and on contact, kernels and samples.
-const PAPER_INDICATORS: [(&str, [&str; 2], usize, usize); 3] = [
-    ("dissertation", ["0.963, 0.944", "0.969, 0.956"], 887, 3020),
-    ("dissertation, random", ["0.894, 0.876", "0.942, 0.923"], 479, 3020),
-    ("dissertation, random", ["0.889, 0.883", "0.951, 0.943"], 887, 5842),
-];
-
-/// Table 4.1, ours and the dissertation's.
-pub fn indicators(study: &Study) -> Table {
-    let mut table = Table::new([
-        "indicator",
-        "TNR near",
-        "TNR on contact",
-        "missed near",
-        "missed on contact",
-        "bias shift",
-        "kernels",
-        "samples",
-        "evaluation us",
-    ]);
-    let rate = |rate: Option<f64>| rate.map_or_else(|| "-".to_owned(), |rate| format!("{rate:.3}"));
-    for row in &study.rows {
-        table.row([
-            row.name.replace('_', " "),
-            rate(row.tnr[0]),
-            rate(row.tnr[1]),
-            rate(row.missed[0]),
-            rate(row.missed[1]),
-            if row.kernels > 0 { format!("{}", row.bias_shift) } else { "-".to_owned() },
-            row.kernels.to_string(),
-            row.samples.to_string(),
-            format!("{:.2}", row.evaluation_us),
-        ]);
-    }
-    for (name, [near, on], kernels, samples) in PAPER_INDICATORS {
-        let [shift, kernels, samples] = [PAPER_SHIFT.to_string(), kernels.to_string(), samples.to_string()];
-        table.row([name, near, on, "-", "-", &shift, &kernels, &samples, "-"]);
-    }
-    table
-}
-
-fn set_study(study: &Study, summary: &mut Summary) -> Result<(), Failure> {
-    for row in &study.rows {
-        let name = row.name;
-        for (place, k) in [("near", 0), ("contact", 1)] {
-            // A rate of nothing is none.
-            for (what, rate) in [("tnr", row.tnr[k]), ("missed", row.missed[k])] {
-                if let Some(rate) = rate {
-                    summary.set(&format!("{name}_{what}_{place}"), rate)?;
-                }
-            }
-        }
-        summary
-            .set(&format!("{name}_bias_shift"), row.bias_shift)?
-            .set(&format!("{name}_kernels"), row.kernels)?
-            .set(&format!("{name}_samples"), row.samples)?
-            .set(&format!("{name}_evaluation_us"), row.evaluation_us)?;
-    }
-    let [[near, near_collide], [on, on_collide]] = study.verified;
-    summary
-        .set("samples_near", near)?
-        .set("samples_near_colliding", near_collide)?
-        .set("samples_contact", on)?
-        .set("samples_contact_colliding", on_collide)?
-        .set("motions_verified", study.motions)?
-        .set("collisions", study.collisions.len())?
-        .set("collisions_unaware", study.unaware)?;
-    Ok(())
-}
-
 fn summary(args: &Args, (results, findings): (&Results, &Findings), time: Duration) -> Result<Summary, Failure> {
     let file = args.waypoints().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new();
@@ -337,6 +264,7 @@ fn summary(args: &Args, (results, findings): (&Results, &Findings), time: Durati
         .set("feed_mm_s", args.feed_mm_s.map_or_else(|| "none".into(), serde_json::Value::from))?
         .set("robots", typed_name(args.robots))?
         .set("noise_waypoints", args.noise_count)?
+        .set("post_mm", args.post().unwrap_or(0.0))?
         .set("allow_jerk", args.allow_jerk)?
         .set("threads", args.common.threads)?
         .set("given", results.given)?
@@ -416,27 +344,6 @@ fn report(args: &Args, results: &Results, findings: &Findings) -> Report {
         report_study(study, &mut report);
     }
     report
-}
-
-fn report_study(study: &Study, report: &mut Report) {
-    let [[near, near_collide], [on, on_collide]] = study.verified;
-    report.heading("Collisions: the UR3 with the part in its hand under a head of nozzle and heater");
-    report.paragraph(&format!(
-        "Of {near} postures near the working surface {near_collide} collide, of {on} on it {on_collide}, by the exact \
-         scene. TNR is the share of free ones that are said to be free (Eq. 4.16), missed the share of colliding ones \
-         that are not; the dissertation does not tell the latter. It adds 1 to the bias of its machines, which predicts more \
-         collisions, right and wrong: shifted rows are ours with the same. \
-         Its figures are those of other surfaces and another head."
-    ));
-    report.table("Table 4.1", &indicators(study));
-    report.paragraph(&format!(
-        "A motion planned around what is in the way: of its {} steps from knot to knot, each as a straight motion of \
-         the joints, {} are not proven to keep the bodies of the scene apart; of those of the smoothest motion above, which knows of nothing in the way, {}.",
-        study.motions,
-        study.collisions.len(),
-        study.unaware
-    ));
-    study.collisions.iter().take(TOLD).chain(&study.notes).for_each(|line| _ = report.notice(line));
 }
 
 /// How a filter went, step by step: Figs. 4.3 and 4.4 of the dissertation.

@@ -42,7 +42,9 @@ pub use jerk::{jerk_measure, stencil, waypoint_jerks};
 pub use ladder::{
     Ladder, LadderError, LadderNode, LadderOptions, LadderSearch, MAX_SAMPLES, MinSpeed, Norm, min_speed, plan_ladder,
 };
-pub use local::{FilterError, FilterOptions, FilterStatus, FilterStep, Filtered, filter_locally};
+pub use local::{
+    ClearOf, FilterError, FilterOptions, FilterStatus, FilterStep, Filtered, filter_clear_of, filter_locally,
+};
 pub use nalgebra;
 pub use path::{
     Defect, IncompletePath, MIN_WAYPOINTS, PathError, PathOptions, PathSegment, TimedPath, Timing, timed_path,

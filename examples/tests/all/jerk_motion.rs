@@ -38,7 +38,10 @@ fn the_spiral_is_planned_on_both_robots() {
     let (path, outcome) = run("spiral", &words).unwrap();
     assert_eq!(outcome, Outcome::Done);
     let summary = summary(&path);
-    assert_eq!((&summary["waypoints"], &summary["splits"], &summary["findings"]), (&60.into(), &0.into(), &"".into()));
+    assert_eq!((&summary["waypoints"], &summary["splits"]), (&60.into(), &0.into()));
+    // Nothing but what learned indicators, from few samples here, let through.
+    let findings = summary["findings"].as_str().unwrap();
+    assert!(findings.lines().all(|line| line.starts_with("told: steered_svm_")), "{findings}");
     assert_documented(&path);
     let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key}"));
     for robot in ["ur3", "cell8"] {
@@ -65,8 +68,27 @@ fn the_spiral_is_planned_on_both_robots() {
         assert!(figure(&format!("geometric_tnr_{place}")) >= 0.95);
         assert!(figure(&format!("geometric_missed_{place}")) <= 0.05);
         for key in ["tnr", "missed"] {
-            for name in ["svm", "svm_random", "svm_shifted", "svm_random_shifted", "geometric"] {
-                assert!((0.0..=1.0).contains(&figure(&format!("{name}_{key}_{place}"))));
+            for name in
+                ["svm", "svm_random", "svm_gap", "svm_shifted", "svm_random_shifted", "svm_gap_shifted", "geometric"]
+            {
+                for scene in ["", "post_"] {
+                    assert!((0.0..=1.0).contains(&figure(&format!("{scene}{name}_{key}_{place}"))));
+                }
+            }
+        }
+    }
+    // The post is in the way of a motion that nothing steers; what the geometric indicator steers passes it, and repair frees the others.
+    assert_eq!((figure("post_mm"), figure("post_waypoints")), (50.0, 60.0));
+    assert!(figure("steered_unsteered_global_colliding") > 0.0);
+    let left = ["colliding", "unproven"].map(|key| &summary[&format!("steered_geometric_global_{key}")]);
+    assert_eq!(left, [0, 0]);
+    for indicator in ["unsteered", "geometric", "svm_shifted", "svm_gap_shifted"] {
+        for filter in ["local", "global"] {
+            let name = format!("steered_{indicator}_{filter}");
+            assert!(figure(&format!("{name}_j")) > 0.0);
+            if figure(&format!("{name}_colliding")) > 0.0 {
+                assert!(figure(&format!("{name}_repaired")) >= figure(&format!("{name}_colliding")));
+                assert_eq!(summary[&format!("{name}_repaired_colliding")], 0);
             }
         }
     }
@@ -77,12 +99,13 @@ fn the_spiral_is_planned_on_both_robots() {
     }
     assert_eq!((figure("svm_bias_shift"), figure("svm_shifted_bias_shift")), (0.0, 1.0));
     assert_eq!((figure("svm_samples"), figure("geometric_kernels")), (150.0, 0.0));
+    assert_eq!((figure("svm_gap_samples"), figure("svm_gap_checked")), (150.0, 650.0));
     assert!(figure("svm_kernels") > 0.0 && figure("geometric_evaluation_us") > 0.0);
     // Nothing passes its bounds here, and every method has its motion.
     assert!(summary.keys().all(|key| !key.contains("freed") && !key.ends_with("notes")));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert_eq!(report.matches("data:image/png;base64,").count(), 4);
-    assert!(report.contains("Table 4.1"));
+    assert!(report.contains("Table 4.1") && report.contains("Indicators past the post"));
     // Both measures of the greatest jerk, of every method beside the dissertation's, of all joints and joint by joint. The one at the
     // waypoints by Eq. 4.10 is computed from what is written.
     let csv = fs::read_to_string(path.join("ur3_trajectory.csv")).unwrap();
@@ -147,7 +170,10 @@ fn a_part_from_a_file_is_kept_clear_of() {
     };
     let run = |name: &str, part: &PathBuf| run(name, &words(part).iter().map(String::as_str).collect::<Vec<_>>());
     let (folder, outcome) = run("brick", &brick).unwrap();
-    assert_eq!((outcome, &summary(&folder)["collisions"]), (Outcome::Done, &0.into()));
+    let found = summary(&folder);
+    assert_eq!((outcome, &found["collisions"], &found["post_mm"]), (Outcome::Done, &0.into(), &0.0.into()));
+    // Without a post they are steered along the whole path, past the brick.
+    assert!(!found.contains_key("post_waypoints") && found["steered_geometric_global_colliding"] == 0);
     assert!(run("open", &open).unwrap_err().contains("the surface is open"));
 }
 
@@ -256,7 +282,8 @@ fn assert_documented(path: &Path) {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
     let (_, page) = page.split_once("\n## `jerk_motion`\n").unwrap();
     let methods = ["ladder", "local", "global_freed", "global", "grid"];
-    let kinds = methods.into_iter().chain(["svm_random_shifted", "svm_random", "svm_shifted", "svm", "geometric"]);
+    let learned = ["svm_random_shifted", "svm_random", "svm_gap_shifted", "svm_gap", "svm_shifted", "svm"];
+    let kinds = methods.into_iter().chain(learned).chain(["geometric"]);
     for key in summary(path).keys() {
         let figure = kinds.clone().find_map(|kind| key.split_once(kind).map(|(_, figure)| figure)).unwrap_or(key);
         assert!(page.contains(&format!("`{figure}`")), "{key}: {figure}");
@@ -327,7 +354,15 @@ fn bad_files_are_told() {
 
 #[test]
 fn arguments_out_of_range_are_refused() {
-    for words in [["--count", "4"], ["--count", "20001"], ["--crest", "0"], ["--feed", "-1"], ["--robots", "ur9"]] {
+    for words in [
+        ["--post", "-1"],
+        ["--post", "1001"],
+        ["--count", "4"],
+        ["--count", "20001"],
+        ["--crest", "0"],
+        ["--feed", "-1"],
+        ["--robots", "ur9"],
+    ] {
         assert!(arguments(&words).is_err(), "{words:?}");
     }
 }

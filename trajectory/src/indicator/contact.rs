@@ -34,6 +34,24 @@ pub trait ContactSpace<const N: usize>: Sync {
     fn sample(&self, random: &mut dyn FnMut() -> f64) -> Option<[f64; N]>;
 }
 
+impl<const N: usize, C: ContactSpace<N> + ?Sized> ContactSpace<N> for &C {
+    fn collides(&self, joints: &[f64; N]) -> bool {
+        (**self).collides(joints)
+    }
+
+    fn gap(&self, joints: &[f64; N]) -> f64 {
+        (**self).gap(joints)
+    }
+
+    fn gap_gradient(&self, joints: &[f64; N]) -> (f64, [f64; N]) {
+        (**self).gap_gradient(joints)
+    }
+
+    fn sample(&self, random: &mut dyn FnMut() -> f64) -> Option<[f64; N]> {
+        (**self).sample(random)
+    }
+}
+
 /// A contact space made of closures.
 /// ```
 /// use curvlay_trajectory::indicator::{ContactFn, ContactSpace, project};

@@ -7,12 +7,15 @@
 //!
 //! Departs from the text: the sum for a window has the jerks of two more waypoints on either side, whose stencils reach
 //! into it. Without them nearly every window that succeeds makes the jerk beside it worse, and J rises. Where the text
-//! leaves a choice: a window succeeds when its sum falls by [`FilterOptions::gain`]. The indicator of collisions is the
-//! robot's own: a posture that collides is none. Speeds and accelerations are those of Eq. 4.7, at waypoints; what is
-//! beyond a bound at the start is not driven further.
+//! leaves a choice: a window succeeds when its sum falls by [`FilterOptions::gain`]. Speeds and accelerations are those of
+//! Eq. 4.7, at waypoints. What is beyond a bound at the start, `Gamma(q) < 0` of [`filter_clear_of`] included, is not driven
+//! further: as a hard constraint it would fail every window around such a waypoint.
 
+mod clear;
 mod program;
 mod window;
+
+pub use clear::{ClearOf, filter_clear_of};
 
 use crate::bounds::BoundsError;
 use crate::jerk::stencil;
@@ -97,6 +100,8 @@ pub struct Filtered<const N: usize, const F: usize> {
     pub jerk: [f64; 2],
     /// Each window, in the order in which they were laid.
     pub history: Vec<FilterStep<N>>,
+    /// Waypoints at which the indicator of [`filter_clear_of`] predicts a collision; none without one.
+    pub collisions: Vec<usize>,
 }
 
 /// Why there is nothing to filter.
@@ -143,6 +148,12 @@ pub enum FilterError {
         /// Its value.
         value: f64,
     },
+    /// The clearance is not a number.
+    #[error("`clear` is {0}: it must be finite")]
+    Clear(
+        /// Its value.
+        f64,
+    ),
     /// The bounds are invalid.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
@@ -195,9 +206,21 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     options: &FilterOptions<N>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Filtered<N, F>, FilterError> {
+    filter(robot, times, start, (bounds, None), options, progress)
+}
+
+/// Algorithm 6, with or without something to keep clear of.
+fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    times: &[f64],
+    start: &[LadderNode<N, F>],
+    (bounds, clear): (&Bounds<N>, Option<ClearOf<'_, N>>),
+    options: &FilterOptions<N>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Filtered<N, F>, FilterError> {
     let mut motion = check(robot, times, start, bounds, options)?;
     let stencils = times.array_windows::<5>().map(stencil).collect();
-    let filter = Filter { robot, bounds, weights: options.weights, stencils, caps: vec![] };
+    let filter = Filter { robot, bounds, weights: options.weights, stencils, caps: vec![], clear };
     let filter = filter.with_caps_of(&motion.postures);
     let waypoints = times.len();
     let before = filter.jerk(&motion.postures, 0..waypoints);
@@ -237,7 +260,16 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let jerk = [before, filter.jerk(&motion.postures, 0..waypoints)];
     let node =
         |i: usize| LadderNode { joints: motion.postures[i].joints, free: motion.free[i], branch: motion.branches[i] };
-    Ok(Filtered { nodes: (0..waypoints).map(node).collect(), status, iterations, successes, jerk, history })
+    let predicted = |i: &usize| clear.is_some_and(|clear| clear.indicator.predicts(&motion.postures[*i].joints));
+    Ok(Filtered {
+        nodes: (0..waypoints).map(node).collect(),
+        status,
+        iterations,
+        successes,
+        jerk,
+        history,
+        collisions: (0..waypoints).filter(predicted).collect(),
+    })
 }
 
 /// The greatest jerk of each joint at the waypoints that have a stencil.

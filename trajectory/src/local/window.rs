@@ -4,6 +4,7 @@
 //! `q` follows from them in closed form on its branch, so that the equation holds at every step. A step's quadratic
 //! program is the same in both: the joints that meet a linearised `x = f(q)` are those on the tangents `dq/dtheta`.
 
+use super::clear::{ClearOf, Clearances};
 use super::program::{Row, least};
 use crate::Bounds;
 use crate::robot::{FreeRange, Posture, Robot};
@@ -48,6 +49,8 @@ pub(super) struct Filter<'a, const N: usize, const F: usize, R: ?Sized> {
     /// What speeds and accelerations may be at the same waypoints: their bounds, or what they are at the start if that is
     /// beyond.
     pub caps: Vec<[[f64; N]; 2]>,
+    /// What the path keeps clear of.
+    pub clear: Option<ClearOf<'a, N>>,
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R> {
@@ -118,7 +121,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
 
     /// A window over these waypoints, with what each bounded quantity may be: its bound, or where it stands if that is
     /// beyond.
-    fn window(&self, postures: &[Posture<N, F>], inner: Range<usize>) -> Window<N> {
+    fn window(&self, postures: &[Posture<N, F>], inner: Range<usize>) -> Window<'_, N> {
         let touched = self.whole(inner.start.saturating_sub(2)..inner.end + 2);
         let cap = |bounds: &[f64; N], i: usize, order: usize| -> [f64; N] {
             let (values, most) = (self.derivative(postures, i, order), &self.caps[i - 2][order - 1]);
@@ -130,6 +133,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         let lower = |i: usize| std::array::from_fn(|j| self.bounds.lower[j].min(postures[i].joints[j]));
         let upper = |i: usize| std::array::from_fn(|j| self.bounds.upper[j].max(postures[i].joints[j]));
         Window {
+            clearances: self.clear.map(|clear| Clearances::of(clear, &postures[inner.clone()])),
             velocity: touched.clone().map(speed).collect(),
             acceleration: touched.clone().map(acceleration).collect(),
             lower: inner.clone().map(lower).collect(),
@@ -140,7 +144,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     }
 
     /// The step that the quadratic program says; `None` when there is none.
-    fn step(&self, motion: &Motion<N, F>, window: &Window<N>) -> Option<Vec<f64>> {
+    fn step(&self, motion: &Motion<N, F>, window: &Window<'_, N>) -> Option<Vec<f64>> {
         let n = window.inner.len() * F;
         let (mut p, mut q) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for i in window.touched.clone() {
@@ -220,7 +224,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     }
 
     /// All linearised bounds, two for each quantity that has any.
-    fn bound_rows(&self, motion: &Motion<N, F>, window: &Window<N>) -> Vec<Row> {
+    fn bound_rows(&self, motion: &Motion<N, F>, window: &Window<'_, N>) -> Vec<Row> {
         let mut rows = Vec::new();
         let mut both = |coefficients: Vec<(usize, f64)>, value: f64, lower: f64, upper: f64| {
             if lower.is_finite() {
@@ -245,11 +249,20 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
                 both(self.tangent(motion, &window.inner, i, 0, j), angle, window.lower[at][j], window.upper[at][j]);
             }
         }
+        if let Some(clearances) = &window.clearances {
+            rows.extend(clearances.rows(&motion.postures[window.inner.clone()]));
+        }
         rows
     }
 
     /// The motion after as much of the step as lowers the sum and keeps within the window's bounds, and the sum there.
-    fn moved(&self, motion: &Motion<N, F>, window: &Window<N>, step: &[f64], now: f64) -> Option<(Motion<N, F>, f64)> {
+    fn moved(
+        &self,
+        motion: &Motion<N, F>,
+        window: &Window<'_, N>,
+        step: &[f64],
+        now: f64,
+    ) -> Option<(Motion<N, F>, f64)> {
         let range = self.robot.free();
         let mut share = 1.0;
         'halving: for _ in 0..MAX_HALVINGS {
@@ -276,7 +289,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
         None
     }
 
-    fn within(&self, postures: &[Posture<N, F>], window: &Window<N>) -> bool {
+    fn within(&self, postures: &[Posture<N, F>], window: &Window<'_, N>) -> bool {
         let slow = window.touched.clone().enumerate().all(|(at, i)| {
             let (v, a) = (self.derivative(postures, i, 1), self.derivative(postures, i, 2));
             (0..N).all(|j| {
@@ -284,15 +297,17 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
                     && a[j].abs() <= window.acceleration[at][j] * (1.0 + SLACK)
             })
         });
-        slow && window.inner.clone().enumerate().all(|(at, i)| {
+        let inside = window.inner.clone().enumerate().all(|(at, i)| {
             let joints = &postures[i].joints;
             (0..N).all(|j| window.lower[at][j] <= joints[j] && joints[j] <= window.upper[at][j])
-        })
+        });
+        let clear = |clearances: &Clearances<'_, N>| clearances.hold(&postures[window.inner.clone()]);
+        slow && inside && window.clearances.as_ref().is_none_or(clear)
     }
 }
 
 /// A window, and what is allowed in it.
-struct Window<const N: usize> {
+struct Window<'a, const N: usize> {
     /// Waypoints that it moves.
     inner: Range<usize>,
     /// Those whose derivatives change with them.
@@ -302,4 +317,6 @@ struct Window<const N: usize> {
     acceleration: Vec<[f64; N]>,
     lower: Vec<[f64; N]>,
     upper: Vec<[f64; N]>,
+    /// What the indicator may say of those moved.
+    clearances: Option<Clearances<'a, N>>,
 }

@@ -4,8 +4,8 @@
 use curvlay_trajectory::check::{
     CheckOptions, Finding, FindingKind, FindingPlace, JointPeaks, PrintPeak, PrintReport, WrittenMotion, WrittenReport,
 };
-use curvlay_trajectory::indicator::SamplingOptions;
 use curvlay_trajectory::indicator::svm::SvmOptions;
+use curvlay_trajectory::indicator::{HardOptions, SamplingOptions};
 use curvlay_trajectory::print::{LegKind, PrintLimits, PrintOptions};
 use curvlay_trajectory::qp::QpOptions;
 use curvlay_trajectory::transfer::TransferOptions;
@@ -41,6 +41,7 @@ fn options_come_back() {
     comes_back(&TimePathOptions::default());
     comes_back(&TimeFreeOptions::default());
     comes_back(&SamplingOptions::default());
+    comes_back(&HardOptions::default());
     comes_back(&SvmOptions::default());
     comes_back(&RepairOptions::default());
     comes_back(&QpOptions::default());

@@ -1,0 +1,111 @@
+//! The rows of Eq. 4.12 that keep a window clear of collisions: `Gamma(q) < 0` at its waypoints.
+//!
+//! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.2. In each quadratic program a row
+//! `Gamma(q) + grad Gamma . dq <= -clear`; a step counts only as far as the indicator itself says the same.
+
+use super::program::Row;
+use super::{FilterError, FilterOptions, Filtered, filter};
+use crate::indicator::CollisionIndicator;
+use crate::ladder::LadderNode;
+use crate::robot::{Posture, Robot};
+use crate::vectors::dot;
+use crate::{Bounds, Progress};
+use std::ops::ControlFlow;
+
+/// What the local filter keeps clear of.
+#[derive(Clone, Copy)]
+pub struct ClearOf<'a, const N: usize> {
+    /// Predicts collisions.
+    pub indicator: &'a dyn CollisionIndicator<N>,
+    /// How far below zero the value shall be, in the unit of the indicator.
+    pub clear: f64,
+}
+
+/// Algorithm 6 with all rows of Eq. 4.12: as [`filter_locally`](super::filter_locally), but where the indicator is below
+/// `-clear` it stays there, and where it is above it does not rise.
+///
+/// Nothing is asked between waypoints, and an indicator may be wrong: check the motion with an exact scene
+/// ([`verify`](crate::verify)).
+///
+/// # Errors
+/// Those of [`filter_locally`](super::filter_locally), and [`FilterError::Clear`].
+///
+/// # Cost
+/// Besides that of [`filter_locally`](super::filter_locally) a gradient of the indicator for each waypoint of a window
+/// and step, and a value for each share of a step that is tried.
+///
+/// # Example
+/// ```
+/// use curvlay_trajectory::indicator::IndicatorFn;
+/// use curvlay_trajectory::{Bounds, ClearOf, FilterOptions, FreeRange, LadderNode, Posture, RobotFn, filter_clear_of};
+/// use std::ops::ControlFlow;
+/// // Two joints share a sine; the second may not go below -0.3, and with least jerk it would.
+/// let joints = |i: usize, free: f64| [(0.3 * i as f64).sin() + free, -free];
+/// let robot = RobotFn {
+///     waypoints: 60,
+///     free: [FreeRange::Turn],
+///     solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free[0])),
+///     posture: |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free[0]), rates: [[1.0, -1.0]] }),
+/// };
+/// let times: Vec<f64> = (0..60).map(|i| 0.2 * f64::from(i)).collect();
+/// let start: Vec<_> = (0..60).map(|i| LadderNode { joints: joints(i, 0.0), free: [0.0], branch: 0 }).collect();
+/// let low = IndicatorFn { value: |q: &[f64; 2]| -0.3 - q[1], gradient: |q: &[f64; 2]| (-0.3 - q[1], [0.0, -1.0]) };
+/// let clear = ClearOf { indicator: &low, clear: 0.0 };
+/// let bounds = Bounds { jerk: [0.5; 2], ..Bounds::NONE };
+/// let options = FilterOptions::default();
+/// let filtered = filter_clear_of(&robot, &times, &start, &bounds, &clear, &options, &|_| ControlFlow::Continue(()))?;
+/// assert!(filtered.jerk[1] < 0.9 * filtered.jerk[0] && filtered.collisions.is_empty());
+/// assert!(filtered.nodes.iter().all(|node| node.joints[1] >= -0.3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn filter_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    robot: &R,
+    times: &[f64],
+    start: &[LadderNode<N, F>],
+    bounds: &Bounds<N>,
+    clear: &ClearOf<'_, N>,
+    options: &FilterOptions<N>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Filtered<N, F>, FilterError> {
+    if !clear.clear.is_finite() {
+        return Err(FilterError::Clear(clear.clear));
+    }
+    filter(robot, times, start, (bounds, Some(*clear)), options, progress)
+}
+
+/// What the indicator may say at each waypoint of a window: `-clear`, or what it says at the start if that is above.
+pub(super) struct Clearances<'a, const N: usize> {
+    indicator: &'a dyn CollisionIndicator<N>,
+    most: Vec<f64>,
+}
+
+impl<'a, const N: usize> Clearances<'a, N> {
+    pub fn of<const F: usize>(clear: ClearOf<'a, N>, postures: &[Posture<N, F>]) -> Self {
+        let most = |posture: &Posture<N, F>| (-clear.clear).max(value(clear.indicator, posture));
+        Clearances { indicator: clear.indicator, most: postures.iter().map(most).collect() }
+    }
+
+    /// A row for each waypoint that has an answer with a slope; the unknowns are the free parameters of the postures.
+    pub fn rows<const F: usize>(&self, postures: &[Posture<N, F>]) -> Vec<Row> {
+        let row = |(at, (posture, most)): (usize, (&Posture<N, F>, &f64))| {
+            let (value, gradient) = self.indicator.gradient(&posture.joints);
+            let slopes: [f64; F] = std::array::from_fn(|f| dot(&gradient, &posture.rates[f]));
+            let finite = most.is_finite() && value.is_finite() && slopes.iter().all(|slope| slope.is_finite());
+            let coefficients = slopes.iter().enumerate().map(|(f, &slope)| (at * F + f, slope)).collect();
+            // A program without this row is still solved, and `hold` decides on what it says.
+            finite.then_some(Row { coefficients, most: most - value })
+        };
+        postures.iter().zip(&self.most).enumerate().filter_map(row).collect()
+    }
+
+    /// Whether no waypoint says more than it may.
+    pub fn hold<const F: usize>(&self, postures: &[Posture<N, F>]) -> bool {
+        postures.iter().zip(&self.most).all(|(posture, &most)| value(self.indicator, posture) <= most)
+    }
+}
+
+/// The value at a posture; infinite where there is no answer, so that no step leads there.
+fn value<const N: usize, const F: usize>(indicator: &dyn CollisionIndicator<N>, posture: &Posture<N, F>) -> f64 {
+    let value = indicator.value(&posture.joints);
+    if value.is_nan() { f64::INFINITY } else { value }
+}
