@@ -16,6 +16,7 @@ mod outputs;
 mod pictures;
 mod plan;
 mod robot;
+mod setup;
 pub mod stream;
 
 use clap::{Parser, ValueEnum};
@@ -24,6 +25,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 use plan::Planned;
 use robot::Printed;
+use setup::Setup;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -120,6 +122,13 @@ pub struct Args {
     /// A stream turns the extruder backwards for so many milliseconds at the end of each stroke
     #[arg(long = "pulse-reverse", value_name = "MS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=60_000))]
     pulse_reverse_ms: u32,
+    /// JSON file with the rig and the process: arm, home, heights, dome, speeds, turns of the extruder, lift and gap of the fill; each run
+    /// writes its own as `setup.json` [default: as in the thesis]
+    #[arg(long = "setup", value_name = "FILE")]
+    setup_file: Option<PathBuf>,
+    /// What is in it.
+    #[arg(skip)]
+    setup: Setup,
     /// Most moves of a RAPID module
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(1..))]
     moves_per_module: u32,
@@ -255,9 +264,9 @@ impl Args {
     }
 
     /// The files that it reads.
-    fn files(&self) -> [Option<&Path>; 4] {
+    fn files(&self) -> [Option<&Path>; 5] {
         let surface = (!matches!(self.surface.as_str(), "dome" | "sphere")).then(|| Path::new(&self.surface));
-        [self.dxf.as_deref(), self.svg.as_deref(), self.load.as_deref(), surface]
+        [self.dxf.as_deref(), self.svg.as_deref(), self.load.as_deref(), surface, self.setup_file.as_deref()]
     }
 }
 
@@ -274,6 +283,7 @@ fn main() -> ExitCode {
 /// Plans the print, checks it, and writes the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Planned, Printed, Outcome), Failure> {
     let start = Instant::now();
+    let args = &Args { setup: Setup::read(args.setup_file.as_deref())?, ..args.clone() };
     let mut planned = plan::plan(args, bars)?;
     let program = robot::program(args, &planned, bars)?;
     let seconds = start.elapsed();

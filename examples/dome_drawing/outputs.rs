@@ -11,7 +11,6 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{Mesh, Model, Step};
 use curvlay_kinematics::nalgebra::Point3;
-use curvlay_kinematics::program::DomeOptions;
 use curvlay_toolpath::drawing::{SpacePath, StrokeKind, save_drawing, write_dxf, write_paths_dxf};
 use std::io::{self, Write};
 
@@ -26,7 +25,7 @@ pub fn is_ours(name: &str) -> bool {
         let number = name.strip_prefix(NAME)?.strip_prefix('_')?.strip_suffix(".mod")?;
         (!number.is_empty() && number.chars().all(|c| c.is_ascii_digit())).then_some(())
     };
-    ["strokes.csv", "strokes.dxf", "report.html", "design.drawing", "design.dxf"].contains(&name)
+    ["strokes.csv", "strokes.dxf", "report.html", "design.drawing", "design.dxf", "setup.json"].contains(&name)
         || ["", "_link", "_move"].iter().any(|part| name == format!("{NAME}{part}.mod"))
         || part().is_some()
         || pictures::NAMES.iter().any(|picture| name == format!("{picture}.png"))
@@ -38,6 +37,7 @@ pub fn write(args: &Args, planned: &Planned, printed: &Printed, folder: &OutputF
     for (name, bytes) in &printed.program.files {
         folder.write(name, bytes)?;
     }
+    folder.write("setup.json", args.setup.to_json())?;
     folder.write_with("design.drawing", |mut out| save_drawing(&mut out, &planned.drawing))?;
     folder.write_with("design.dxf", |mut out| write_dxf(&mut out, &planned.drawing))?;
     folder.write_with("strokes.csv", |out| write_strokes(planned, out))?;
@@ -111,8 +111,8 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
     }
     let run = &printed.run;
     let [slowest, fastest] = run.speed_mm_s;
-    if !printed.is_even() {
-        let wanted = DomeOptions::default().print_mm_s;
+    let wanted = args.setup.print_mm_s();
+    if !printed.is_even(wanted) {
         let amount = format!("{slowest:.2} to {fastest:.2} mm/s, not {wanted} within {}", percent(EVEN));
         findings.add(Severity::Failed, "the nozzle does not go evenly", amount, "--step");
     }
@@ -210,7 +210,7 @@ pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
     row("of these printing", minutes(printed.run.printing_s), "");
     row("nozzle mm/s", printed.run.speed_mm_s.map(|speed| format!("{speed:.2}")).join(" to "), "20");
     row("turns of the extruder", format!("{:.1}", printed.extruder_turns()), "");
-    row("beads mm3", format!("{:.0}", printed.material_mm3(args.layer_height_mm)), "");
+    row("beads mm3", format!("{:.0}", printed.material_mm3(args)), "");
     row("moves", printed.program.written.moves.to_string(), "");
     row("modules", (printed.program.written.modules + 1).to_string(), "1, too large to load");
     row("read back within mm", format!("{:.1e}", printed.round_trip_mm), "");
@@ -239,6 +239,7 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("projection", typed_name(args.projection))?
         .set("step_mm", args.step_mm)?
         .set("layers", args.layers)?
+        .set("setup", args.setup.name())?
         .set("scale", planned.scale)?
         .set("threads", args.common.threads)?
         .set("entities", planned.pieces.len())?
@@ -280,7 +281,7 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("min_nozzle_mm_s", printed.run.speed_mm_s[0])?
         .set("max_nozzle_mm_s", printed.run.speed_mm_s[1])?
         .set("extruder_turns", printed.extruder_turns())?
-        .set("material_mm3", printed.material_mm3(args.layer_height_mm))?
+        .set("material_mm3", printed.material_mm3(args))?
         .set("conf_changes", printed.run.conf_changes)?
         .set("joint_speed_fraction", printed.run.joint_speed)?
         .set("inserted_points", print.inserted)?
@@ -306,7 +307,7 @@ fn build(args: &Args, planned: &Planned, printed: &Printed) -> Model {
         };
         let length = printed.lengths.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
         for (k, pose) in printed.poses.iter().enumerate() {
-            let (tip, direction) = on_platform(pose);
+            let (tip, direction) = on_platform(&args.setup.rig(), pose);
             let (kind, seconds) = match k {
                 0 => (Step::TRAVEL, run.before_s),
                 _ => (kind, run.printing_s * (printed.lengths[k] - printed.lengths[k - 1]) / length),

@@ -8,14 +8,11 @@ use curvlay_examples::mesh::{Mesh, MeshFile, read_mesh_file};
 use curvlay_kinematics::nalgebra::{Point2, Point3, Vector3};
 use curvlay_toolpath::drawing::{
     Centre, Contour, ContourAt, Coverage, Distortion, Drawing, Fill, FillOptions, Filled, Flatten, Gap, MeshSurface,
-    Overlaps, Profile, Projection, Revolved, Stroke, Surface, SurfacePoint, UnrollKind, UnrollOptions, UnrolledMesh,
-    area_sum, centre_of, coverage, distortion, fill, gaps, join, order, place, project, raised, remove_overlaps,
-    start_strokes, thin_clusters, union_area,
+    Overlaps, Projection, Revolved, Stroke, Surface, SurfacePoint, UnrollKind, UnrollOptions, UnrolledMesh, area_sum,
+    centre_of, coverage, distortion, fill, gaps, join, order, place, project, raised, remove_overlaps, start_strokes,
+    thin_clusters, union_area,
 };
 use std::path::Path;
-
-/// Radius of the sphere that `--surface sphere` means: near the thesis' dome.
-const SPHERE_MM: f64 = 200.0;
 
 /// Distances over which distortion is sampled, in points of the design.
 const DISTORTION_SAMPLES: usize = 5000;
@@ -131,8 +128,8 @@ impl Planned {
 fn carrier(args: &Args) -> Result<(Carrier, Option<Mesh>), Failure> {
     let radius = 0.5 * args.platform_diameter_mm;
     let profile = match args.surface.as_str() {
-        "dome" => Profile::brooks(),
-        "sphere" => Profile::Sphere { radius: SPHERE_MM, top: 149.6 },
+        "dome" => args.setup.dome(),
+        "sphere" => args.setup.sphere(),
         file => {
             let path = Path::new(file);
             let MeshFile { mesh, findings, .. } = read_mesh_file(path)?;
@@ -140,7 +137,8 @@ fn carrier(args: &Args) -> Result<(Carrier, Option<Mesh>), Failure> {
             // Its box in the middle of the axis, its highest point where that of the dome is.
             let first = mesh.vertices.first().copied().unwrap_or_else(Point3::origin);
             let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-            let shift = Vector3::new(-0.5 * (low.x + high.x), -0.5 * (low.y + high.y), 149.6 - high.z);
+            let shift =
+                Vector3::new(-0.5 * (low.x + high.x), -0.5 * (low.y + high.y), args.setup.pole_height_mm() - high.z);
             let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
             let placed = Mesh { vertices, triangles: mesh.triangles };
             let kind = match args.projection {
@@ -185,6 +183,7 @@ pub fn fill_options(args: &Args) -> FillOptions {
         },
         angle: args.angle_deg.to_radians(),
         zigzag: !args.no_zigzag,
+        gap: args.setup.fill_gap(),
         tolerance: FillOptions::default().tolerance.min(0.1 * args.bead_mm),
         ..FillOptions::default()
     }
@@ -307,7 +306,7 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     bars.update("project", 3, 5);
     let projection = match args.projection {
         ProjectionKind::Vertical => Projection::Vertical,
-        ProjectionKind::Point => Projection::FromPoint { height: -149.6 },
+        ProjectionKind::Point => Projection::FromPoint { height: -args.setup.pole_height_mm() },
         ProjectionKind::Meridian => Projection::Meridian,
         ProjectionKind::Rigid | ProjectionKind::Conformal => Projection::Unrolled,
     };

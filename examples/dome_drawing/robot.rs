@@ -1,4 +1,4 @@
-//! The robot: an IRB 120 that holds the platform under a nozzle. Its program, and the checks of it.
+//! The robot: an arm, in the thesis an IRB 120, that holds the platform under a nozzle. Its program, and the checks of it.
 
 use super::plan::Planned;
 use super::stream::Command;
@@ -14,7 +14,7 @@ use curvlay_kinematics::program::{
     RapidWritten, Step, print_on_dome, read_rapid, run_on_dome, write_rapid,
 };
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
-use curvlay_kinematics::{Arm, nozzle_frame, robots};
+use curvlay_kinematics::{Arm, nozzle_frame};
 use curvlay_toolpath::drawing::{StrokeKind, Surface};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -26,13 +26,6 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// The name of the program.
 pub const NAME: &str = "drawing";
-
-/// Turns of the extruder a minute for a bead of this width, in millimetres (thesis, section 6.4.2); in proportion for others.
-const RPM: f64 = 4.0;
-const RPM_BEAD_MM: f64 = 3.2;
-
-/// Height of fill over outlines that are printed before, in millimetres (thesis, section 4.13).
-const FILL_ABOVE_MM: f64 = 0.2;
 
 /// The body of the nozzle begins so far above its tip, in millimetres: the tip touches the platform.
 const SKIN_MM: f64 = 0.5;
@@ -105,13 +98,12 @@ impl Printed {
     }
 
     /// Volume of the beads that the program lays: as wide as the extruder turns fast, and as high as a layer.
-    pub fn material_mm3(&self, layer_height_mm: f64) -> f64 {
-        self.run.fed_mm * RPM_BEAD_MM / RPM * layer_height_mm
+    pub fn material_mm3(&self, args: &Args) -> f64 {
+        self.run.fed_mm / args.setup.rpm_per_mm() * args.layer_height_mm
     }
 
     /// Whether the nozzle goes evenly over the platform.
-    pub fn is_even(&self) -> bool {
-        let wanted = DomeOptions::default().print_mm_s;
+    pub fn is_even(&self, wanted: f64) -> bool {
         self.run.speed_mm_s.iter().all(|speed| (speed / wanted - 1.0).abs() <= EVEN)
     }
 
@@ -135,14 +127,10 @@ impl Write for Shared {
     }
 }
 
-pub fn options(args: &Args) -> DomeOptions {
-    DomeOptions { nozzle_mm: args.nozzle_height_mm, ..DomeOptions::default() }
-}
-
 /// Plans the motion and writes the program into memory.
 pub fn program(args: &Args, planned: &Planned, bars: &Bars) -> Result<Program, Failure> {
     bars.update("robot", 4, 5);
-    let arm = Arm::new(&robots::IRB120)?;
+    let arm = Arm::new(args.setup.arm())?;
     let strokes: Vec<DomeStroke> = planned
         .strokes
         .iter()
@@ -152,13 +140,13 @@ pub fn program(args: &Args, planned: &Planned, bars: &Bars) -> Result<Program, F
             DomeStroke {
                 points: on_surface.points.iter().map(|at| (at.position, at.normal)).collect(),
                 closed: stroke.closed,
-                feed: RPM * stroke.width / RPM_BEAD_MM,
-                above: if separate { FILL_ABOVE_MM } else { 0.0 },
+                feed: args.setup.rpm_per_mm() * stroke.width,
+                above: if separate { args.setup.fill_lift_mm() } else { 0.0 },
             }
         })
         .collect();
-    let options = options(args);
-    let print = print_on_dome(&DomeRig::BROOKS, &arm, &strokes, &options);
+    let options = args.setup.options(args);
+    let print = print_on_dome(&args.setup.rig(), &arm, &strokes, &options);
     if print.strokes.is_empty() {
         let first = print.faults.first().map_or_else(|| "there is no stroke".to_owned(), ToString::to_string);
         return Err(Failure::new(format!("nothing can be printed: {first}")));
@@ -209,7 +197,7 @@ pub fn stream(
     commands: &Receiver<Command>,
     bars: &Bars,
 ) -> Result<LinkProgress, Failure> {
-    let options = options(args);
+    let options = args.setup.options(args);
     let messages = || LinkTranslator::new(printed.program.print.steps(&options), args.pulse_reverse_ms);
     let total = messages().count() as u64 + 1;
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
@@ -245,22 +233,23 @@ fn platform(args: &Args, planned: &Planned) -> Shape {
 }
 
 /// Where the platform is in the hand.
-fn flange_platform() -> Isometry3<f64> {
-    Isometry3::translation(0.0, 0.0, -DomeRig::BROOKS.effector)
+fn flange_platform(rig: &DomeRig) -> Isometry3<f64> {
+    Isometry3::translation(0.0, 0.0, -rig.effector)
 }
 
 /// The tip of the nozzle on the platform, and which way is up there.
-pub fn on_platform(base_flange: &Isometry3<f64>) -> (Point3<f64>, UnitVector3<f64>) {
-    let platform = base_flange * flange_platform();
+pub fn on_platform(rig: &DomeRig, base_flange: &Isometry3<f64>) -> (Point3<f64>, UnitVector3<f64>) {
+    let platform = base_flange * flange_platform(rig);
     (
-        platform.inverse_transform_point(&DomeRig::BROOKS.contact()),
+        platform.inverse_transform_point(&rig.contact()),
         platform.rotation.inverse_transform_unit_vector(&Vector3::z_axis()),
     )
 }
 
 /// The scene: the arm, the platform in its hand, and the nozzle.
 fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
-    let tip = DomeRig::BROOKS.contact() + Vector3::z() * SKIN_MM;
+    let rig = args.setup.rig();
+    let tip = rig.contact() + Vector3::z() * SKIN_MM;
     let nozzle = nozzle_frame(&tip, &-Vector3::z_axis());
     let circle = |radius: f64, z: f64| {
         (0..12).map(move |k| TAU * f64::from(k) / 12.0).map(move |a| Point3::new(radius * a.cos(), radius * a.sin(), z))
@@ -269,11 +258,11 @@ fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
     let cone = Shape::Hull { points: circle(0.5, 0.0).chain(circle(8.5, 8.0)).collect(), radius: 0.0 };
     let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
     let bodies = vec![
-        body("platform", Mount::Link(6), flange_platform(), platform(args, planned)),
+        body("platform", Mount::Link(6), flange_platform(&rig), platform(args, planned)),
         body("nozzle", Mount::Base, nozzle, cone),
         body("hot end", Mount::Base, nozzle, Shape::cylinder(10.0, 8.0, 60.0)),
     ];
-    Ok(Scene::new(SceneModel { links: links(&robots::IRB120), bodies, ..SceneModel::of(arm) })?)
+    Ok(Scene::new(SceneModel { links: links(args.setup.arm()), bodies, ..SceneModel::of(arm) })?)
 }
 
 /// Looks at the postures in the scene, at the ways between strokes, and reads the program back.
@@ -284,9 +273,9 @@ pub fn check(
     seconds: Duration,
     bars: &Bars,
 ) -> Result<Printed, Failure> {
-    let arm = Arm::new(&robots::IRB120)?;
+    let arm = Arm::new(args.setup.arm())?;
     let scene = scene(args, planned, arm)?;
-    let hop_mm = options(args).hop_mm;
+    let hop_mm = args.setup.options(args).hop_mm;
     let mut touching: BTreeMap<String, usize> = BTreeMap::new();
     let (mut checked, mut blocked_travels) = (0, 0);
     let mut before: Option<[f64; 6]> = None;
@@ -312,7 +301,8 @@ pub fn check(
         blocked_travels += usize::from(!up) + usize::from(!down);
         before = Some(stroke.below[1]);
     }
-    let ReadBack { off_mm: round_trip_mm, targets: targets_read, returns_home, run, off_course } = read_back(&program)?;
+    let ReadBack { off_mm: round_trip_mm, targets: targets_read, returns_home, run, off_course } =
+        read_back(&program, &args.setup.rig(), &arm)?;
     Ok(Printed {
         program,
         seconds,
@@ -360,7 +350,7 @@ struct ReadBack {
     off_course: usize,
 }
 
-fn read_back(program: &Program) -> Result<ReadBack, Failure> {
+fn read_back(program: &Program, rig: &DomeRig, arm: &Arm) -> Result<ReadBack, Failure> {
     let open = |path: &str| {
         let name = path.rsplit(['/', ':', '\\']).next().unwrap_or(path);
         let file = program.files.iter().find(|(file, _)| file.eq_ignore_ascii_case(name));
@@ -389,7 +379,7 @@ fn read_back(program: &Program) -> Result<ReadBack, Failure> {
             _ => {}
         }
     }
-    let run = run_on_dome(&DomeRig::BROOKS, &Arm::new(&robots::IRB120)?, steps);
+    let run = run_on_dome(rig, arm, steps);
     let ends = run.strokes.iter().zip(&program.print.strokes);
     let is_off = |ours: &[f64; 6], planned: &[f64; 6]| ours.iter().zip(planned).any(|(a, b)| (a - b).abs() > SAME_END);
     let off = ends.filter(|(ours, planned)| planned.joints.last().is_none_or(|end| is_off(&ours.joints, end))).count();
@@ -402,8 +392,10 @@ mod tests {
     use super::{NAME, Program, read_back};
     use curvlay_kinematics::nalgebra::Isometry3;
     use curvlay_kinematics::program::{
-        ConfData, DomeOptions, DomePrint, Goal, Move, PrintedStroke, RapidOptions, Speed, Step, Zone, write_rapid,
+        ConfData, DomeOptions, DomePrint, DomeRig, Goal, Move, PrintedStroke, RapidOptions, Speed, Step, Zone,
+        write_rapid,
     };
+    use curvlay_kinematics::{Arm, robots};
 
     /// A program of two strokes, with what comes after each.
     fn read(after: &[Step]) -> super::ReadBack {
@@ -431,7 +423,8 @@ mod tests {
         })
         .unwrap();
         let files = files.into_iter().map(|(name, file)| (name, file.0.take())).collect();
-        read_back(&Program { print, files, written }).unwrap()
+        let arm = Arm::new(&robots::IRB120).unwrap();
+        read_back(&Program { print, files, written }, &DomeRig::BROOKS, &arm).unwrap()
     }
 
     #[test]

@@ -415,3 +415,78 @@ fn the_three_designs_are_printed() {
     let error = run("truncated", &["--dxf", truncated.to_str().unwrap()]).unwrap_err();
     assert!(error.contains("the file ends in the middle of a section"), "{error}");
 }
+
+#[test]
+fn the_rig_and_the_process_are_data() {
+    let setup = file(
+        "setup.json",
+        r#"{
+  "name": "other rig",
+  "home_mm": [0, -160, 680],
+  "print_mm_s": 12,
+  "hop_mm": 17,
+  "extruder_rpm": 6,
+  "fill_lift_mm": 0.4,
+  "fill_gap": 0.2,
+  "dome_polynomial": [140, 0, -0.002]
+}"#,
+    );
+    let words = ["--fill", "lines", "--setup", &setup];
+    let (path, outcome) = run("setup", &words).unwrap();
+    assert_eq!(outcome, Outcome::Done);
+    assert_documented(&path);
+    let found = summary(&path);
+    let figure = |key: &str| found[key].as_f64().unwrap();
+    assert_eq!(found["setup"], "other rig");
+    for key in ["min_nozzle_mm_s", "max_nozzle_mm_s"] {
+        assert!((figure(key) / 12.0 - 1.0).abs() < 0.02, "{key}");
+    }
+    // Six turns a minute for a bead of 3.2 mm, in the time of the printing.
+    let turns = 6.0 * figure("printing_min");
+    assert!((figure("extruder_turns") / turns - 1.0).abs() < 0.05, "{} {turns}", figure("extruder_turns"));
+    // The pole of the dome, from the file of strokes, fill above outlines by the lift in the program, and down by the hop.
+    let strokes = fs::read_to_string(path.join("strokes.csv")).unwrap();
+    let heights = strokes.lines().skip(1).map(|line| {
+        let words: Vec<f64> = line.split(',').skip(4).map(|word| word.parse().unwrap()).collect();
+        words[2] - (140.0 - 0.002 * (words[0] * words[0] + words[1] * words[1]))
+    });
+    assert!(heights.map(f64::abs).fold(0.0, f64::max) < 1e-3);
+    // A wider gap covers less.
+    let (wide, _) = run("setup_of_the_thesis", &["--fill", "lines"]).unwrap();
+    let thesis = summary(&wide);
+    assert_eq!(thesis["setup"], "thesis");
+    assert!(figure("covered_fraction") < thesis["covered_fraction"].as_f64().unwrap() - 0.01);
+    let seconds = |summary: &serde_json::Map<String, serde_json::Value>| {
+        60.0 * (summary["program_min"].as_f64().unwrap() - summary["printing_min"].as_f64().unwrap())
+    };
+    assert!(seconds(&found) < 0.8 * seconds(&thesis), "shorter hops");
+    // What a run writes is what it was, and gives the same program again.
+    let again = file("again.json", &fs::read_to_string(path.join("setup.json")).unwrap());
+    let (second, _) = run("setup_again", &["--fill", "lines", "--setup", &again]).unwrap();
+    for name in ["setup.json", "drawing.mod", "drawing_001.mod", "strokes.csv"] {
+        assert!(fs::read(path.join(name)).unwrap() == fs::read(second.join(name)).unwrap(), "{name}");
+    }
+    // Each key is documented.
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    let (_, page) = page.split_once("\n### Setups\n").unwrap();
+    let keys: serde_json::Map<String, serde_json::Value> =
+        serde_json::from_slice(&fs::read(path.join("setup.json")).unwrap()).unwrap();
+    assert!(keys.keys().all(|key| page.contains(&format!("`{key}`"))));
+}
+
+#[test]
+fn a_setup_that_is_wrong_is_refused_before_anything_is_written() {
+    for (name, text, told) in [
+        ("hop", "{\n  \"hop_mm\": 0\n}", "line 2: `hop_mm` is 0: it must be above 0"),
+        ("word", "{\n  \"print_mm_s\": \"fast\"\n}", "line 2: `print_mm_s`: invalid type: string"),
+        ("unknown", "{\n\n  \"speed\": 3\n}", "line 3: unknown field `speed`"),
+        ("arm", "{ \"arm\": \"UR3\" }", "line 1: `arm` is UR3: known are IRB120, IRB1200"),
+        ("empty", "", "line 1: EOF while parsing"),
+    ] {
+        let path = file(&format!("wrong_{name}.json"), text);
+        let error = run(&format!("wrong_{name}"), &["--setup", &path]).unwrap_err();
+        assert!(error.contains(&format!("wrong_{name}.json: {told}")), "{error}");
+        assert!(!place(&format!("wrong_{name}")).exists(), "{name}");
+    }
+    assert!(run("wrong_gone", &["--setup", "no/such/setup.json"]).unwrap_err().contains("no/such/setup.json"));
+}
