@@ -63,9 +63,10 @@ impl March<'_> {
                     continue;
                 }
                 let value = self.value_of(next);
-                let before = &mut self.values[next as usize];
-                if before.is_nan() || value < *before {
-                    *before = value;
+                let before = self.values[next as usize];
+                // What is on the base knows its distance; from its neighbours it may look a little less.
+                if before.is_nan() || value < before && !self.is_base(next) {
+                    self.values[next as usize] = value;
                     self.queue.push(Reverse((value.to_bits(), next)));
                 }
             }
