@@ -171,7 +171,8 @@ pub fn run(
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
     let mesh = mesh.map_err(|error| of_part(&error))?;
     let derived = || options.height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part));
-    let resolution = saved.as_ref().map(surfaces::resolution).or(options.resolution).unwrap_or_else(derived);
+    let of_saved = |saved| surfaces::resolution(saved, part, mould.is_some());
+    let resolution = saved.as_ref().map(of_saved).or(options.resolution).unwrap_or_else(derived);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
     let (solid, voxelise_time) =
         timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));

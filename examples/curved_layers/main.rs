@@ -72,7 +72,7 @@ struct Args {
     mesh: MeshArgs,
     /// What the part is built on: a mould, or a part that exists already. A mesh file with the same origin, unit, scale and axis as the part; the lower of
     /// both stands on the plate
-    #[arg(long = "on", value_name = "FILE", conflicts_with = "resume", help_heading = "Part")]
+    #[arg(long = "on", value_name = "FILE", help_heading = "Part")]
     mould: Option<PathBuf>,
     /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]

@@ -4,6 +4,7 @@ use crate::failure;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::input::{self, InputError};
+use curvlay_examples::mesh::Mesh;
 use curvlay_layers::curved::surface::{
     LayerField, PrintAids, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field,
 };
@@ -149,9 +150,21 @@ pub fn load(path: &Path) -> Result<SavedField, Failure> {
     Ok(saved)
 }
 
-/// How large the cells are that a saved field is of, and where their grid begins.
-pub fn resolution(saved: &SavedField) -> Resolution {
-    Resolution::At { cell_mm: saved.cell_mm, corner: [saved.origin.x, saved.origin.y] }
+/// A place of a part's grid is rounded to 2^-20 of a cell; rounding of coordinates is far less than a quarter of that.
+const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
+/// How large the cells are that a saved field is of, and where the grid of its part begins. Around a mould the saved one begins a whole number of cells
+/// before that.
+pub fn resolution(saved: &SavedField, part: &Part, has_mould: bool) -> Resolution {
+    let SavedField { cell_mm, origin, .. } = *saved;
+    let Mesh { vertices, triangles } = &part.mesh;
+    let corner = [0, 1].map(|axis| {
+        let along = triangles.iter().flatten().map(|&corner| vertices[corner as usize][axis]);
+        let low = along.fold(f64::INFINITY, f64::min);
+        let cells = ((low - origin[axis]) / cell_mm + ROUNDING).floor();
+        if has_mould { origin[axis] + cells * cell_mm } else { origin[axis] }
+    });
+    Resolution::At { cell_mm, corner }
 }
 
 /// What stands beside the surfaces: the field to save, times, and what to compare with.

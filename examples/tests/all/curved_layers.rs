@@ -1085,13 +1085,17 @@ fn a_part_is_printed_on_another() {
     // On the block a layer up, and lower beyond its edge, where layers lean.
     assert!((lowest(0.0, 17.0) - 8.0).abs() < 0.1 && lowest(20.0, 22.0) < 8.0, "{places:?}");
 
-    // A saved field is of a larger grid than the part's own, and is not gone on with: neither on the block nor without it.
+    // A saved field is gone on with on the same block, and not without it.
     let field = Path::new(&out).join("field.txt").display().to_string();
     let resumed = |more: &[&str]| {
         let of_field = ["--mesh", &mesh, "--resume", &field, "--stage", "surfaces", "--quiet", "--out", &again];
-        run(&[&of_field[..], more].concat()).status.code()
+        run(&[&of_field[..], more].concat())
     };
-    assert_eq!((resumed(&["--on", &block]), resumed(&[])), (Some(2), Some(1)));
+    let (status, line) = status_and_line(&resumed(&[]));
+    assert_eq!(status, 1, "{line}");
+    let (status, line) = status_and_line(&resumed(&["--on", &block]));
+    assert_eq!((status, &summary(&again)["missed_cells"]), (0, &Value::from(0)), "{line}");
+    assert_eq!(fs::read(&field).unwrap(), fs::read(Path::new(&again).join("field.txt")).unwrap());
 }
 
 /// A robot prints over a block without touching it.
