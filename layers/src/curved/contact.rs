@@ -8,13 +8,13 @@
 //! nearest to the centre of the cell, or beside that place within the cell. A part that passes the mould at a distance does not begin there.
 
 use super::bits::CellSet;
-use super::mould::{Mould, centre};
+use super::mould::centre;
 use super::rules::Neighbours;
 use super::standing::{carried, joined};
 use super::trim::{TrimError, Trimmer};
 use super::workpiece::{LayersError, Workpiece};
 use crate::Progress;
-use nalgebra::{Rotation3, UnitVector3, Vector3, center};
+use nalgebra::{Point3, Rotation3, UnitVector3, Vector3, center};
 use std::ops::ControlFlow;
 
 /// Places in a cell where the part is looked for, sideways from its middle along two directions, in cells.
@@ -36,9 +36,9 @@ impl Workpiece<'_> {
         let Ok(trimmer) = Trimmer::new(self.vertices, self.triangles) else { return Ok(standing) };
         // Half a layer, but no more than half a cell: what stands is no farther away.
         let half = (height_mm / self.cell_mm).min(1.0) / 2.0;
-        let is_on_mould = |cell: &&u32| mould.is_some_and(|mould| mould.nearest(**cell).is_some());
-        let on_plate: Vec<&u32> = standing.iter().filter(|cell| !is_on_mould(cell)).collect();
-        let places: Vec<[u32; 3]> = on_plate.iter().map(|&&cell| self.cells.position(cell)).collect();
+        let on_mould = |cell: u32| mould.and_then(|mould| mould.nearest(cell));
+        let on_plate: Vec<u32> = standing.iter().copied().filter(|&cell| on_mould(cell).is_none()).collect();
+        let places: Vec<[u32; 3]> = on_plate.iter().map(|&cell| self.cells.position(cell)).collect();
         let (points, triangles) = self.squares(&places, half);
         let section = match trimmer.trim(&points, &triangles, progress) {
             Err(TrimError::Cancelled) => return Err(LayersError::Cancelled),
@@ -53,20 +53,18 @@ impl Workpiece<'_> {
         }
         let feet: Vec<u32> = touching.iter().collect();
         let mut all = CellSet::none(&self.cells);
-        on_plate.iter().for_each(|&&cell| _ = all.insert(cell));
+        on_plate.iter().for_each(|&cell| _ = all.insert(cell));
         let with_contact = joined(&all, &feet, Neighbours::FaceOrEdge);
-        let begins_at = |cell: &u32| match mould.filter(|_| is_on_mould(&cell)) {
-            Some(mould) => self.begins_at(*cell, mould, half, &trimmer),
-            None => touching.contains(*cell) || !with_contact.contains(*cell),
+        let begins = |&cell: &u32| match on_mould(cell) {
+            Some(nearest) => self.begins_at(cell, nearest, half, &trimmer),
+            None => touching.contains(cell) || !with_contact.contains(cell),
         };
-        Ok(standing.iter().copied().filter(begins_at).collect())
+        Ok(standing.into_iter().filter(begins).collect())
     }
 
-    /// Whether the part is somewhere in the cell where the middle of the first layer would be beside a mould, `half` from it, in cells.
-    fn begins_at(&self, cell: u32, mould: &Mould, half: f64, part: &Trimmer) -> bool {
-        let centre = centre(&self.cells, cell);
-        let nearest = mould.nearest(cell).unwrap_or(centre);
-        let away = UnitVector3::try_new(centre - nearest, 1e-9).unwrap_or_else(Vector3::z_axis);
+    /// Whether the part is somewhere in the cell where the middle of the first layer would be beside a mould: `half` from the point of it that is nearest, in cells.
+    fn begins_at(&self, cell: u32, nearest: Point3<f64>, half: f64, part: &Trimmer) -> bool {
+        let away = UnitVector3::try_new(centre(&self.cells, cell) - nearest, 1e-9).unwrap_or_else(Vector3::z_axis);
         let turn = Rotation3::rotation_between(&Vector3::z(), &away).unwrap_or_else(Rotation3::identity);
         let places = SIDEWAYS.iter().flat_map(|&x| SIDEWAYS.map(|y| nearest + turn * Vector3::new(x, y, half)));
         places.into_iter().any(|place| part.contains(&(self.origin + place.coords * self.cell_mm)))
