@@ -359,15 +359,19 @@ fn sound(p: &Point3<f64>) -> bool {
     p.iter().all(|c| c.abs() <= LARGEST)
 }
 
+/// The first triangle with a corner that is none of so many vertices, and that corner.
+fn unknown_corner(triangles: &[[u32; 3]], vertices: usize) -> Option<(usize, u32)> {
+    let unknown = |corners: &[u32; 3]| corners.iter().copied().find(|&corner| corner as usize >= vertices);
+    triangles.iter().enumerate().find_map(|(triangle, corners)| Some((triangle, unknown(corners)?)))
+}
+
 fn check(number: usize, layer: &Built) -> Result<(), StackError> {
     if let Some(vertex) = layer.vertices.iter().position(|p| !sound(p)) {
         return Err(StackError::BadVertex { layer: number, vertex });
     }
     let (triangles, spacing, vertices) = (layer.triangles.len(), layer.spacing.len(), layer.vertices.len());
-    for (triangle, corners) in layer.triangles.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-            return Err(StackError::NoSuchVertex { layer: number, triangle, vertex, vertices });
-        }
+    if let Some((triangle, vertex)) = unknown_corner(layer.triangles, vertices) {
+        return Err(StackError::NoSuchVertex { layer: number, triangle, vertex, vertices });
     }
     if triangles != spacing {
         return Err(StackError::SpacingCount { layer: number, spacing, triangles });

@@ -2,7 +2,9 @@
 
 use super::tree::{Keys, Tree};
 use super::triangle::MOULD;
-use super::{Built, LayerStack, MOST, Prepared, StackError, Triangle, below_layer, keys_by_layer, prepare, sound};
+use super::{
+    Built, LayerStack, MOST, Prepared, StackError, Triangle, below_layer, keys_by_layer, prepare, sound, unknown_corner,
+};
 use nalgebra::{Point3, Vector3};
 
 /// A mould, or a part that exists already.
@@ -73,12 +75,10 @@ impl Mould<'_> {
             return Err(MouldError::BadVertex { vertex });
         }
         let vertices = vertices.len();
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-                return Err(MouldError::NoSuchVertex { triangle, vertex, vertices });
-            }
+        match unknown_corner(triangles, vertices) {
+            Some((triangle, vertex)) => Err(MouldError::NoSuchVertex { triangle, vertex, vertices }),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 
