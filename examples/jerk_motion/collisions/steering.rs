@@ -247,11 +247,9 @@ pub(super) fn audited(scene: &Scene, starts: &[Start], trajectories: &[Trajector
     for (run, trajectory) in trajectories.iter().enumerate() {
         audit.colliding += trajectory.at_waypoints().iter().filter(|joints| !is_free(scene, joints)).count();
         audit.limits_broken += trajectory.violations(&bounds, BEYOND).len();
-        (audit.steps, audit.unproven) = {
-            let (steps, mut unproven) = unproven(scene, run, trajectory);
-            unproven.splice(0..0, audit.unproven);
-            (audit.steps + steps, unproven)
-        };
+        let (steps, found) = unproven(scene, run, trajectory);
+        audit.steps += steps;
+        audit.unproven.extend(found);
     }
     audit
 }
