@@ -87,12 +87,23 @@ fn platform() -> Platform {
     plate.on_mould_mesh(DIMS, 1.0, Point3::origin(), &points, &triangles).unwrap()
 }
 
+/// The cells of the shell that are none of the mould.
+fn outside(platform: &Platform, gap: f64) -> Vec<u64> {
+    platform.outside_mould(&Cells::new(DIMS, &cells(gap)).unwrap()).unwrap()
+}
+
+fn workpiece<'a>((vertices, triangles): &'a Mesh, platform: &'a Platform, rows: &'a [u64], gap: f64) -> Workpiece<'a> {
+    let (cells, low) = (Cells::new(DIMS, rows).unwrap(), RADIUS + gap);
+    let volume_mm3 = 8.0 * HALF[1] * ((low + 5.0).powi(2) - low.powi(2));
+    let (cell_mm, origin, rules) = (1.0, Point3::origin(), Rules::default());
+    Workpiece { vertices, triangles, cells, cell_mm, origin, platform, rules, volume_mm3 }
+}
+
 /// Away from the edges of the part its values are its heights over the cylinder: to half a hundredth of a cell where it begins, to a tenth five cells up.
 #[test]
 fn the_field_is_the_height_over_the_mesh() {
-    let (platform, rows) = (platform(), cells(0.0));
-    let all = Cells::new(DIMS, &rows).unwrap();
-    let rows = platform.outside_mould(&all).unwrap();
+    let platform = platform();
+    let rows = outside(&platform, 0.0);
     let cells = Cells::new(DIMS, &rows).unwrap();
     let field = distance_field(&cells, &platform, &Rules::default()).unwrap();
     let (mut first, mut all) = (0.0_f64, 0.0_f64);
@@ -111,19 +122,9 @@ fn the_field_is_the_height_over_the_mesh() {
 /// The layers are parallel to the mould, and nothing is missed, whichever order has them.
 #[test]
 fn layers_are_parallel_to_the_mould() {
-    let (platform, rows) = (platform(), cells(0.0));
-    let rows = platform.outside_mould(&Cells::new(DIMS, &rows).unwrap()).unwrap();
-    let (vertices, triangles) = shell(0.0);
-    let part = Workpiece {
-        vertices: &vertices,
-        triangles: &triangles,
-        cells: Cells::new(DIMS, &rows).unwrap(),
-        cell_mm: 1.0,
-        origin: Point3::origin(),
-        platform: &platform,
-        rules: Rules::default(),
-        volume_mm3: 8.0 * HALF[1] * ((RADIUS + 5.0).powi(2) - RADIUS.powi(2)),
-    };
+    let (platform, mesh) = (platform(), shell(0.0));
+    let rows = outside(&platform, 0.0);
+    let part = workpiece(&mesh, &platform, &rows, 0.0);
     for layers_by in [LayersBy::Distance, LayersBy::Directed] {
         let directed = DirectedOptions { max_tilt: Some(FRAC_PI_3) };
         let options = CompleteOptions { layers_by, directed, support: None, ..CompleteOptions::default() };
@@ -152,19 +153,8 @@ fn layers_are_parallel_to_the_mould() {
 #[test]
 fn a_part_that_passes_the_mould_does_not_touch_it() {
     let (platform, gap) = (platform(), 0.7);
-    let rows = cells(gap);
-    let rows = platform.outside_mould(&Cells::new(DIMS, &rows).unwrap()).unwrap();
-    let (vertices, triangles) = shell(gap);
-    let part = Workpiece {
-        vertices: &vertices,
-        triangles: &triangles,
-        cells: Cells::new(DIMS, &rows).unwrap(),
-        cell_mm: 1.0,
-        origin: Point3::origin(),
-        platform: &platform,
-        rules: Rules::default(),
-        volume_mm3: 1.0,
-    };
+    let (mesh, rows) = (shell(gap), outside(&platform, gap));
+    let part = workpiece(&mesh, &platform, &rows, gap);
     let options = CompleteOptions { layers_by: LayersBy::Distance, ..CompleteOptions::default() };
     let error = part.complete_order(None, 0.5, &options, &go).err();
     assert_eq!(error, Some(LayersError::Growth(GrowthError::NothingOnPlatform)));
