@@ -10,8 +10,8 @@ use curvlay_examples::clock::StageClock;
 use curvlay_examples::mesh::Mesh;
 use curvlay_toolpath::gcode::Move;
 use curvlay_toolpath::surface::{
-    BeadSupport, Deposition, Nozzle, OrientOptions, PrintOptions, PrintPlan, ResolvedPaths, SkinGap, SkinOptions,
-    SupportOptions, ToolPath, Travels, Turns, check_support, check_support_on_mould, marked_moves, skin_gap,
+    BeadSupport, Deposition, Nozzle, OrientOptions, PrintPlan, ResolvedPaths, SkinGap, SkinOptions, ToolPath, Travels,
+    Turns, check_support, check_support_on_mould, marked_moves, skin_gap,
 };
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
@@ -115,12 +115,9 @@ fn share(of: f64, all: f64) -> f64 {
     if of > 0.0 { of / all } else { 0.0 }
 }
 
-#[expect(clippy::too_many_arguments, reason = "what the stages before it have made")]
 /// Orients, frees and deposits; to compare with, the directions of the longest path without any filter.
 pub fn run(
     nozzle: &Nozzle,
-    options: &PrintOptions,
-    support: &SupportOptions,
     args: &Args,
     field: &FieldRun,
     surfaces: &SurfacesRun,
@@ -134,17 +131,14 @@ pub fn run(
     };
     clock.note("orient", 0);
     let layers = surfaces.surfaces();
-    let mould = field.mould.as_ref().map(|mould| mould.surface(surfaces.height_mm));
-    let mut stack = paths.filled.stack(&layers)?.with_hints(surfaces.hints()?);
-    if let Some(mould) = &mould {
-        stack = stack.on_mould(mould)?;
-    }
-    let PrintPlan { before, resolved, travels, deposition } = stack.plan(nozzle, options, &progress)?;
+    let (options, support) = (args.print_options(), args.support_options());
+    let stack = paths.stack(&layers, field.mould.as_ref(), surfaces.height_mm)?.with_hints(surfaces.hints()?);
+    let PrintPlan { before, resolved, travels, deposition } = stack.plan(nozzle, &options, &progress)?;
     clock.note("support", 0);
     let (laid, height_mm) = (&resolved.paths, surfaces.height_mm);
-    let support = match &mould {
-        Some(mould) => check_support_on_mould(laid, mould, height_mm, support, &progress)?,
-        None => check_support(laid, height_mm, support, &progress)?,
+    let support = match &field.mould {
+        Some(mould) => check_support_on_mould(laid, &mould.surface(height_mm), height_mm, &support, &progress)?,
+        None => check_support(laid, height_mm, &support, &progress)?,
     };
     clock.stop();
     let gouging = clock.on_the_clock(&["gouging", "built"]);

@@ -656,10 +656,8 @@ impl Job<'_> {
                 results.paths = Some(paths::run(&fill, surfaces, filled, bars, thinnest_mm)?);
             }
             (Stage::Gcode, Some(paths), _) => {
-                let options = args.print_options();
-                memory.holds_waypoints(&options, args.stage >= Stage::Motion, paths)?;
-                let support = args.support_options();
-                let mut machine = machine::run(nozzle, &options, &support, args, field, surfaces, paths, bars)?;
+                memory.holds_waypoints(&args.print_options(), args.stage >= Stage::Motion, paths)?;
+                let mut machine = machine::run(nozzle, args, field, surfaces, paths, bars)?;
                 if args.has_statistics() {
                     machine.measure_skin(&self.part.mesh, field.solid.shift, bars)?;
                 }

@@ -1,6 +1,7 @@
 //! Stage `paths`: every surface filled with continuous curves, and what their beads cover.
 
 use crate::failure;
+use crate::mould::Mould;
 use crate::ranges::LayerFill;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
@@ -8,8 +9,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::surface::{
-    Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, SHORT_CURVE_BEADS, SurfacePath,
-    fill_range, fill_rest,
+    Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerStack, LayerSurface, LeftOutParts,
+    SHORT_CURVE_BEADS, StackError, SurfacePath, fill_range, fill_rest,
 };
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -47,6 +48,20 @@ pub fn curves(layer: &FilledLayer) -> impl Iterator<Item = Vec<Point3<f64>>> {
 }
 
 impl PathsRun {
+    /// The layers with their curves as what is built, on a mould if there is one.
+    pub fn stack<'a>(
+        &'a self,
+        layers: &[LayerSurface<'a>],
+        mould: Option<&Mould>,
+        layer_mm: f64,
+    ) -> Result<LayerStack<'a>, StackError> {
+        let stack = self.filled.stack(layers)?;
+        match mould {
+            Some(mould) => stack.on_mould(&mould.surface(layer_mm)),
+            None => Ok(stack),
+        }
+    }
+
     /// Short curves as a share of all.
     pub fn short_curve_share(&self) -> f64 {
         self.short_curves as f64 / self.totals.curves as f64

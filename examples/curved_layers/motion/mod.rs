@@ -394,10 +394,7 @@ impl Print<'_> {
         // The workcell knows the plate.
         let options = GougingOptions { allowed_depth, ..GougingOptions::in_workcell() };
         let layers = surfaces.surfaces();
-        let mut stack = self.paths.filled.stack(&layers)?;
-        if let Some(mould) = &field.mould {
-            stack = stack.on_mould(&mould.surface(surfaces.height_mm))?;
-        }
+        let stack = self.paths.stack(&layers, field.mould.as_ref(), surfaces.height_mm)?;
         let contacts = stack.contacts(&self.machine.resolved.paths, nozzle, &options, &progress)?;
         let grid = &field.solid.grid;
         // Part and support; the cells of the gap between them stay empty.
