@@ -72,6 +72,8 @@ pub struct FieldRun {
     pub platform: Platform,
     /// What the part is built on, if that is not the plate.
     pub mould: Option<Mould>,
+    /// Volume of the part that lies in that, more than a cell deep: it is not printed, and no part of `part_mm3`.
+    pub buried_mm3: f64,
     pub growth: Growth,
     /// By what the order was found; none for a saved one.
     pub layers_by: Option<LayersBy>,
@@ -177,12 +179,12 @@ pub fn run(
     let (solid, voxelise_time) =
         timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));
     let (solid, platform_mm) = (solid.map_err(|error| of_part(&error))?, options.platform_diameter_mm);
-    let (mut mould, platform, solid) = match mould {
+    let (mould, platform, solid, buried) = match mould {
         Some(mould) => {
-            let Standing { mould, platform, solid } = Mould::stand(mould, solid, platform_mm)?;
-            (Some(mould), Some(platform), solid)
+            let Standing { mould, platform, solid, buried } = Mould::stand(mould, solid, platform_mm)?;
+            (Some(mould), Some(platform), solid, buried)
         }
-        None => (None, None, solid),
+        None => (None, None, solid, Vec::new()),
     };
     let by_hulls = options.complete.nozzle == NozzleUse::Off && options.complete.support.is_none();
     let made = match (surfaces, &saved, options.strategy) {
@@ -231,10 +233,8 @@ pub fn run(
         workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
     }
     let layers_failed = |error| surfaces::failed(error, part);
-    if let Some(mould) = &mut mould {
-        mould.buried_mm3 = workpiece.volume_of(&mould.buried, &progress).map_err(layers_failed)?;
-        workpiece.volume_mm3 -= mould.buried_mm3;
-    }
+    let buried_mm3 = workpiece.volume_of(&buried, &progress).map_err(layers_failed)?;
+    workpiece.volume_mm3 -= buried_mm3;
     let complete = &options.complete;
     let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
     clock.note("grow", 0);
@@ -327,6 +327,7 @@ pub fn run(
         solid,
         platform,
         mould,
+        buried_mm3,
         growth,
         layers_by,
         strategy,

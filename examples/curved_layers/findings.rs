@@ -58,7 +58,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     }
 }
 
-/// Share of the part that may lie in what it is printed on before it is told: slivers of cells beside its surface.
+/// Share of the part that may lie in what it is printed on before it is reported: slivers of cells beside its surface.
 const NOTABLE_BURIED: f64 = 1e-4;
 
 /// Of the mesh, the cells and their order.
@@ -105,10 +105,10 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
             "",
             format!("it stands at {}", mould.place()),
         );
-        if mould.buried_mm3 > NOTABLE_BURIED * run.part_mm3 {
+        if run.buried_mm3 > NOTABLE_BURIED * run.part_mm3 {
             let what =
                 format!("the part reaches more than a cell into {}: what lies in there is not printed", mould.name);
-            findings.add(Told, what, format!("{:.1} mm3", mould.buried_mm3), "");
+            findings.add(Told, what, format!("{:.1} mm3", run.buried_mm3), "");
         }
     }
     if !run.support.is_empty() {

@@ -16,10 +16,6 @@ pub struct Mould {
     pub vertices: Vec<Point3<f64>>,
     /// Its triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// Cells of the part that lie in it, more than a cell deep, by rising number: they are not printed.
-    pub buried: Vec<u32>,
-    /// The volume of the part that is in them.
-    pub buried_mm3: f64,
 }
 
 /// A part with what it is built on.
@@ -28,6 +24,8 @@ pub struct Standing {
     pub platform: Platform,
     /// The cells of the part without those whose centre lies in the mould.
     pub solid: Voxelisation,
+    /// Cells of the part that lie more than a cell deep in the mould, by rising number: they are not printed.
+    pub buried: Vec<u32>,
 }
 
 impl Mould {
@@ -50,8 +48,8 @@ impl Mould {
         }
         let buried = buried(&all, &outside);
         let grid = VoxelGrid::from_rows(dims, rows)?.placed(cell_mm, origin)?;
-        let mould = Mould { name, vertices, triangles, buried, buried_mm3: 0.0 };
-        Ok(Standing { mould, platform, solid: Voxelisation { grid, ..solid } })
+        let mould = Mould { name, vertices, triangles };
+        Ok(Standing { mould, platform, solid: Voxelisation { grid, ..solid }, buried })
     }
 
     /// As the nozzle must keep clear of it.

@@ -148,7 +148,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("support_gap_cells", args.complete.support_gap)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("on", run.mould.as_ref().map_or("none", |mould| &mould.name))?
-        .set("buried_mm3", run.mould.as_ref().map_or(0.0, |mould| mould.buried_mm3))?
+        .set("buried_mm3", run.buried_mm3)?
         .set("strategy", typed_name(args.grow.strategy))?
         .set("strategy_used", run.strategy)?
         .set("layers_by_used", run.layers_by.map_or("saved".to_owned(), |by| typed_name(LayersBy::from(by))))?

@@ -1136,7 +1136,7 @@ fn what_it_is_printed_on_must_fit() {
         let (found, line) = status_and_line(&on(mesh, more));
         assert!(found == status && line.contains(word), "{mesh}: {found} {line}");
     }
-    // What lies in the block is not printed, and told.
+    // What lies in the block is not printed, and reported.
     let output = on(&apart, &[]);
     let (stderr, figures) = (String::from_utf8_lossy(&output.stderr), summary(&scratch.path("out")));
     assert!(output.status.code() == Some(0) && stderr.contains("reaches more than a cell into block.stl"), "{stderr}");

@@ -476,7 +476,7 @@ fn the_rig_and_the_process_are_data() {
 
 #[test]
 fn a_setup_that_is_wrong_is_refused_before_anything_is_written() {
-    for (name, text, told) in [
+    for (name, text, reported) in [
         ("hop", "{\n  \"hop_mm\": 0\n}", "line 2: `hop_mm` is 0: it must be above 0"),
         ("word", "{\n  \"print_mm_s\": \"fast\"\n}", "line 2: `print_mm_s`: invalid type: string"),
         ("unknown", "{\n\n  \"speed\": 3\n}", "line 3: unknown field `speed`"),
@@ -485,7 +485,7 @@ fn a_setup_that_is_wrong_is_refused_before_anything_is_written() {
     ] {
         let path = file(&format!("wrong_{name}.json"), text);
         let error = run(&format!("wrong_{name}"), &["--setup", &path]).unwrap_err();
-        assert!(error.contains(&format!("wrong_{name}.json: {told}")), "{error}");
+        assert!(error.contains(&format!("wrong_{name}.json: {reported}")), "{error}");
         assert!(!place(&format!("wrong_{name}")).exists(), "{name}");
     }
     assert!(run("wrong_gone", &["--setup", "no/such/setup.json"]).unwrap_err().contains("no/such/setup.json"));
