@@ -1,4 +1,4 @@
-//! A part by its distance from the plate, made complete.
+//! A part by its distance from the plate or a mould, made complete.
 //!
 //! [`grow_by_distance`] or [`grow_directed`] orders what the nozzle that prints reaches that way. What is left is built after it by
 //! [`grow_with_nozzle`], in layers of its own; what is missed then gets support, and part and support are ordered together in the same way.

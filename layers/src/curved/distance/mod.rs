@@ -1,4 +1,4 @@
-//! Orders by the distance from the plate, measured inside the part, for the nozzle that prints.
+//! Orders by the distance from the plate or a mould, measured inside the part, for the nozzle that prints.
 //!
 //! An order that grows in convex fronts ([`grow`](super::grow)) suits a nozzle of any size, so its cells wait for others far away, its layers
 //! tear, and some of them hang out sideways. The distance from what the part stands on, along paths inside the part, has none of this: it is

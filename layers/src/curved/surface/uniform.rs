@@ -54,7 +54,7 @@ pub enum UniformMethod {
     },
     /// Smoothed as far as the part allows ([`coherent_field`](super::coherent_field)).
     Coherent,
-    /// By the distance from the plate ([`distance_layers`](crate::curved::distance_layers)).
+    /// By the distance from the plate or a mould ([`distance_layers`](crate::curved::distance_layers)).
     Distance,
     /// A field that follows the distance and leans no more than the nozzle's cone allows ([`grow_directed`](crate::curved::grow_directed)).
     Directed,
