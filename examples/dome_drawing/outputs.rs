@@ -346,9 +346,10 @@ fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings
     let run = &printed.run;
     report.paragraph(&format!(
         "The entities of the design are joined to contours; what an earlier contour fills is removed from later ones; what is left is \
-         drawn in beads, and projected onto a platform that an IRB 120 holds under a fixed nozzle. The program has {} strokes in {} \
+         drawn in beads, and projected onto a platform that an {} holds under a fixed nozzle. The program has {} strokes in {} \
          poses; {} strokes are not printed. It takes {:.0} minutes at the speeds of its moves, {:.0} of them with the extruder on, without \
          accelerations and the loading of modules.",
+        args.setup.arm_name(),
         print.strokes.len(),
         print.points(),
         print.faults.len(),

@@ -172,6 +172,11 @@ impl Setup {
         }
     }
 
+    /// The arm as the file names it.
+    pub fn arm_name(&self) -> &str {
+        &self.arm
+    }
+
     /// The numbers of the arm.
     pub fn arm(&self) -> &'static ArmModel {
         self.arm_model().unwrap_or(&robots::IRB120)

@@ -451,6 +451,13 @@ fn the_rig_and_the_process_are_data() {
         words[2] - (140.0 - 0.002 * (words[0] * words[0] + words[1] * words[1]))
     });
     assert!(heights.map(f64::abs).fold(0.0, f64::max) < 1e-3);
+    // The report names the arm that holds the platform.
+    let other_arm = file("arm.json", r#"{"arm": "IRB1200"}"#);
+    let (of_arm, _) = run("setup_arm", &["--fill", "lines", "--setup", &other_arm]).unwrap();
+    for (folder, arm) in [(&path, "IRB120"), (&of_arm, "IRB1200")] {
+        let report = fs::read_to_string(folder.join("report.html")).unwrap();
+        assert!(report.contains(&format!("a platform that an {arm} holds")), "{arm}");
+    }
     // A wider gap covers less.
     let (wide, _) = run("setup_of_the_thesis", &["--fill", "lines"]).unwrap();
     let thesis = summary(&wide);
