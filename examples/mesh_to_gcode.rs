@@ -7,7 +7,7 @@
 use curvlay_examples::args::{Failure, Outcome, run, warn_if_open};
 use curvlay_examples::input::Inputs;
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
-use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
 use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
@@ -42,6 +42,7 @@ fn mesh_to_gcode() -> Result<Outcome, Failure> {
         platform: &Platform::under(&cells, 63.75 / cell_mm)?,
         rules: Rules::default(),
         volume_mm3: inspect(&vertices, &mesh.triangles)?.volume_mm3(),
+        guides: Guides::default(),
     };
     let layered = part.layers(None, cell_mm, &|_| Continue(()))?;
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();

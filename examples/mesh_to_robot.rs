@@ -10,7 +10,7 @@ use curvlay_examples::motion::{programs, table_options};
 use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
-use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
@@ -47,6 +47,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
         platform: &Platform::under(&cells, PLATE_MM / 2.0 / CELL_MM)?,
         rules: Rules::default(),
         volume_mm3: inspect(&vertices, &mesh.triangles)?.volume_mm3(),
+        guides: Guides::default(),
     };
     let layered = part.layers(None, CELL_MM, &|_| Continue(()))?;
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();

@@ -7,7 +7,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
-use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
 use curvlay_layers::elastic::{
     ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic, stress_matrix,
 };
@@ -223,6 +223,7 @@ fn layer_of(
         platform: &Platform::under(&cells, radius)?,
         rules: Rules::default(),
         volume_mm3: inspect(&vertices, &part.mesh.triangles)?.volume_mm3(),
+        guides: Guides::default(),
     };
     let layered = workpiece.layers(None, grid.cell_mm(), &|p| bars.show(p.stage, p.done, p.total))?;
     let surfaces: Vec<LayerSurface> = layered.surfaces.iter().map(LayerSurface::from).collect();

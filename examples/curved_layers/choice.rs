@@ -6,11 +6,42 @@ use curvlay_examples::args::typed_name;
 use curvlay_examples::findings::percent;
 use curvlay_examples::table::Table;
 use curvlay_layers::curved;
+use curvlay_toolpath::surface::ToolPath;
+use nalgebra::Point3;
 use std::time::Duration;
+
+/// How often support is put below beads that lie on nothing, and the order printed again, at most.
+pub const SUPPORT_ROUNDS: usize = 2;
 
 /// The orders that are tried, one after the other: most parts need no other than the first.
 pub fn orders() -> [LayersBy; 3] {
     curved::LayersBy::TRIED.map(LayersBy::from)
+}
+
+/// Places where beads lie on nothing, if there are more of them than allowed: those of pieces that are too long, or of all longer than a bead is wide where all
+/// together are too much.
+pub fn bare_places(results: &Results, args: &Args) -> Vec<Point3<f64>> {
+    let (Some(paths), Some(run)) = (&results.paths, &results.machine) else { return Vec::new() };
+    let is_too_much = run.support.unsupported_share() > args.allow.allow_unsupported;
+    let beads = if is_too_much { 1.0 } else { args.allow.allow_unsupported_beads };
+    let long = run.support.unsupported.iter().filter(|piece| piece.length() > beads * paths.bead_mm);
+    let places = long.flat_map(|piece| middles(&run.resolved.paths[piece.path], piece.arcs, paths.bead_mm / 2.0));
+    places.collect()
+}
+
+/// The middle of a bead every so often along a piece of it.
+fn middles(path: &ToolPath, [from, to]: [f64; 2], step_mm: f64) -> Vec<Point3<f64>> {
+    let whole = path.waypoints.last().map_or(0.0, |last| last.arc);
+    let count = ((to - from) / step_mm).ceil().max(1.0);
+    let middle = |k: u32| {
+        let arc = from + (to - from) * f64::from(k) / count;
+        let arc = if arc > whole { arc - whole } else { arc };
+        let pair = path.waypoints.windows(2).find(|pair| arc <= pair[1].arc)?;
+        let share = (arc - pair[0].arc) / (pair[1].arc - pair[0].arc).max(f64::MIN_POSITIVE);
+        let [a, b] = [0, 1].map(|k| pair[k].tip - pair[k].direction.into_inner() * (pair[k].height / 2.0));
+        Some(a + (b - a) * share.clamp(0.0, 1.0))
+    };
+    (0..=count as u32).filter_map(middle).collect()
 }
 
 /// The order that was taken, and the others that were tried.
@@ -24,6 +55,8 @@ pub struct Choice {
 #[derive(Clone, Debug)]
 pub struct Tried {
     pub layers_by: LayersBy,
+    /// Cells with support since beads lay on nothing above them.
+    pub below_beads: usize,
     /// Whether all checks passed.
     pub passed: bool,
     /// The figure that is farthest above its limit, as a multiple of it: 1 at most where all are within. Infinite where nothing is allowed.
@@ -77,7 +110,7 @@ impl Tried {
         let of_limit = |(figure, limit): (f64, f64)| if figure > 0.0 { figure / limit } else { 0.0 };
         let excess = figures.into_iter().map(of_limit).fold(0.0, f64::max);
         let passed = printed.is_some() && !findings.has_failed();
-        Tried { layers_by, passed, excess, missed_share, printed, time }
+        Tried { layers_by, below_beads: field.below_beads, passed, excess, missed_share, printed, time }
     }
 
     /// Whether its print is nearer to passing all checks than that of another.
@@ -136,8 +169,9 @@ impl Choice {
             };
             let taken = if layers_by == self.taken.layers_by { ", taken" } else { "" };
             let of_print = |text: &dyn Fn(&Printed) -> String| tried.printed.as_ref().map_or_else(String::new, text);
+            let with = if tried.below_beads > 0 { ", with support below its beads" } else { "" };
             table.row([
-                name,
+                name + with,
                 format!("{checks}{taken}"),
                 percent(tried.missed_share),
                 of_print(&|print| percent(print.unsupported_share)),

@@ -10,9 +10,9 @@ use curvlay_examples::clock::StageClock;
 use curvlay_examples::mesh::UNCERTAIN_SHARE;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, CompleteOptions, CompletePart, Growth, Impossible, JudgedByNozzle, LayerQuality, LayersBy,
-    Neighbours, NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, Workpiece, audit_with_nozzle,
-    check_impossible, layer_quality, prove_impossible,
+    AuditReport, Cells, CompleteOptions, CompletePart, Growth, Guides, Impossible, JudgedByNozzle, LayerQuality,
+    LayersBy, Neighbours, NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, SupportCells, Workpiece,
+    audit_with_nozzle, check_impossible, layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -82,8 +82,12 @@ pub struct FieldRun {
     pub audit: AuditReport,
     /// Cells that the order by the hull rule alone missed, by rising number.
     pub missed_by_hull: Vec<u32>,
+    /// How many cells have support since beads of another try lay on nothing above them.
+    pub below_beads: usize,
     /// The cells that are support, by rising number, and what straight columns would take.
     pub support: Vec<u32>,
+    /// Volume of the support in cells of the part, beside its material.
+    pub contact_mm3: f64,
     pub straight_cells: usize,
     /// Why there is no support where cells are missed; a saved field does not say.
     pub no_support: Option<NoSupport>,
@@ -110,9 +114,9 @@ impl FieldRun {
         self.missed_by_hull.len() - self.impossible.len()
     }
 
-    /// Volume of the cells of the support, in cubic millimetres.
+    /// Volume of the support, in cubic millimetres.
     pub fn support_mm3(&self) -> f64 {
-        self.support.len() as f64 * self.solid.grid.cell_mm().powi(3)
+        self.support.len() as f64 * self.solid.grid.cell_mm().powi(3) + self.contact_mm3
     }
 
     /// Diameter of the platform as it was used. The disc has corners at both ends of its diameter along x.
@@ -121,6 +125,17 @@ impl FieldRun {
         let width = xs.clone().max().unwrap_or(0) - xs.min().unwrap_or(0);
         f64::from(width) / 2.0 * self.solid.grid.cell_mm()
     }
+}
+
+/// What layers are made of.
+pub struct Given<'a> {
+    pub part: &'a Part,
+    /// What it is built on, if that is not the plate.
+    pub mould: Option<&'a Part>,
+    /// The field, if an earlier run has saved it.
+    pub saved: Option<SavedField>,
+    /// Places on the plate where beads of an earlier try lay on nothing.
+    pub bare: &'a [Point3<f64>],
 }
 
 /// How long the steps took.
@@ -160,9 +175,7 @@ pub fn run(
     options: &FieldOptions,
     surfaces: Option<&SurfaceOptions>,
     memory: Memory,
-    part: &Part,
-    mould: Option<&Part>,
-    saved: Option<SavedField>,
+    Given { part, mould, saved, bare }: Given,
     bars: &Bars,
 ) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
     let of_part = |error: &dyn std::fmt::Display| failure(format!("{}: {error}", part.name));
@@ -219,6 +232,7 @@ pub fn run(
         platform: &platform,
         rules: Rules { eps: options.eps, eps_is_inside: !options.beyond_eps, ..Rules::default() },
         volume_mm3: mesh.volume_mm3(),
+        guides: Guides::default(),
     };
     let clock = StageClock::default();
     let progress = |p: curvlay_layers::Progress| {
@@ -238,10 +252,13 @@ pub fn run(
     let complete = &options.complete;
     let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
     clock.note("grow", 0);
-    let (mut support, mut straight_cells, mut no_support, mut layers_by) = (Vec::new(), 0, None, None);
+    let below = workpiece.cells_below(bare).map_err(layers_failed)?;
+    workpiece.guides.support = &below;
+    let (mut support, mut contact, mut straight_cells) = (Vec::new(), Vec::new(), 0);
+    let (mut no_support, mut layers_by) = (None, None);
     let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
         let growth = saved.growth()?;
-        support.clone_from(&saved.aids.support);
+        (support, contact) = (saved.aids.support.clone(), saved.aids.contact.clone());
         let steps = saved.field.steps_per_layer();
         let judged = JudgedByNozzle { rule: saved.aids.rule, cell_mm, steps, cells: &growth.nozzle };
         let missed = growth.missed_cells();
@@ -251,7 +268,8 @@ pub fn run(
             audit_with_nozzle(&saved.cells()?, &platform, &workpiece.rules, &judged, &order, &missed, &progress)
                 .map_err(failure)?;
         let layers = surfaces.map(|_| {
-            workpiece.surfaces_and_support(&saved.field, &saved.rows, &support, &missed, height_mm, &progress)
+            let cells = SupportCells { cells: &support, contact: &contact };
+            workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, &progress)
         });
         let layers = layers.transpose().map_err(layers_failed)?;
         let made = layers.map(|(layers, support)| {
@@ -264,7 +282,8 @@ pub fn run(
             workpiece.complete_order(options.strategy, height_mm, complete, &progress).map_err(layers_failed)?;
         (no_support, layers_by) = (order.no_support, Some(order.layers_by));
         if let Some(supported) = &order.supported {
-            (support, straight_cells) = (supported.support.clone(), supported.straight_cells);
+            (support, contact) = (supported.support.clone(), supported.contact.clone());
+            straight_cells = supported.straight_cells;
         }
         let name = match order.layers_by {
             LayersBy::Distance => "distance",
@@ -321,6 +340,8 @@ pub fn run(
         Some(surfaces) => surfaces.missed_mm3,
         None => workpiece.volume_of(&growth.missed_cells(), &progress).map_err(layers_failed)?,
     };
+    let contact_mm3 =
+        contact.len() as f64 * cell_mm.powi(3) - workpiece.volume_of(&contact, &progress).map_err(layers_failed)?;
     let field = FieldRun {
         mesh,
         thin,
@@ -333,7 +354,9 @@ pub fn run(
         strategy,
         audit,
         missed_by_hull,
+        below_beads: below.len(),
         support,
+        contact_mm3,
         straight_cells,
         no_support,
         impossible,

@@ -111,8 +111,12 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
             findings.add(Told, what, format!("{:.1} mm3", run.buried_mm3), "");
         }
     }
-    if !run.support.is_empty() {
-        let amount = format!("{} cells, {:.1} mm3, to be broken off", run.support.len(), run.support_mm3());
+    if run.support_mm3() > 0.0 {
+        let below = match run.below_beads {
+            0 => String::new(),
+            cells => format!(", with {} below beads that lay on nothing", counted(cells, "cell")),
+        };
+        let amount = format!("{:.1} mm3, to be broken off{below}", run.support_mm3());
         findings.add(Told, "the part stands on support", amount, "--support");
     }
     if !run.growth.nozzle.is_empty() {

@@ -23,9 +23,9 @@ mod ranges;
 mod surfaces;
 
 use arguments::check_arguments;
-use choice::{Choice, Tried};
+use choice::{Choice, SUPPORT_ROUNDS, Tried};
 use clap::{Parser, ValueEnum};
-use complete::{CompleteArgs, LayersBy};
+use complete::{CompleteArgs, LayersBy, Support};
 use curvlay_examples::args::{
     AllowArgs, Common, Failure, GrowArgs, MeshArgs, Outcome, Part, VoxelArgs, above_zero, from_zero, note,
     run_with_checked_args, typed_name,
@@ -45,9 +45,10 @@ use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use curvlay_voxel::inspect::thinner_than;
 use estimate::Memory;
-use field::{FieldOptions, FieldRun};
+use field::{FieldOptions, FieldRun, Given};
 use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
+use nalgebra::Point3;
 use outputs::Files;
 use paths::PathsRun;
 use ranges::{LayerFill, Pick};
@@ -262,10 +263,26 @@ impl Args {
         self.complete.layers_by.unwrap_or(default)
     }
 
-    /// Whether orders are printed to choose among them. Ranges of layers, and the run that puts them together, have to agree on the order before.
+    /// Whether orders are printed to choose among them, or to find out where beads lie on nothing. Ranges of layers, and the run that puts them together, have to agree on
+    /// the order before.
     fn chooses_by_print(&self) -> bool {
         let is_in_ranges = self.layers.is_some() || !self.merge.is_empty();
-        self.layers_by() == LayersBy::Best && self.stage >= Stage::Gcode && self.resume.is_none() && !is_in_ranges
+        let is_to_choose = self.layers_by() == LayersBy::Best || self.supports_beads(self.layers_by());
+        is_to_choose && self.stage >= Stage::Gcode && self.resume.is_none() && !is_in_ranges
+    }
+
+    /// The orders that are tried, one after the other, until one passes all checks.
+    fn orders(&self) -> Vec<LayersBy> {
+        match self.layers_by() {
+            LayersBy::Best => choice::orders().to_vec(),
+            layers_by => vec![layers_by],
+        }
+    }
+
+    /// Whether beads of an order that lie on nothing get support: orders by hulls are as the works have them.
+    fn supports_beads(&self, layers_by: LayersBy) -> bool {
+        let (_, support) = self.complete.with_strategy(self.grow.strategy().is_none());
+        layers_by != LayersBy::Hull && support == Support::Auto
     }
 
     fn field_options(&self, layers_by: LayersBy, nozzle: &Nozzle) -> FieldOptions {
@@ -519,7 +536,7 @@ impl Job<'_> {
         }
         let mut results = match args.chooses_by_print() {
             true => self.best(&findings)?,
-            false => self.begin(args.layers_by(), saved, findings)?,
+            false => self.begin(args.layers_by(), saved, &[], findings)?,
         };
         if args.stage >= Stage::Surfaces && results.surfaces.is_none() {
             return Err(failure(format!("the audit of the layers failed: {}", results.field.audit)));
@@ -535,17 +552,19 @@ impl Job<'_> {
         Ok(results.findings.outcome())
     }
 
-    /// Field and surfaces of an order.
+    /// Field and surfaces of an order, with support where beads lay on nothing.
     fn begin(
         &self,
         layers_by: LayersBy,
         saved: Option<SavedField>,
+        bare: &[Point3<f64>],
         mut findings: Findings,
     ) -> Result<Results, Failure> {
-        let Job { args, part, bars, .. } = *self;
+        let Job { args, part, mould, bars, .. } = *self;
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
         let options = args.field_options(layers_by, &self.setup.nozzle);
-        let (field, surfaces) = field::run(&options, surfaces.as_ref(), args.memory(), part, self.mould, saved, bars)?;
+        let (field, surfaces) =
+            field::run(&options, surfaces.as_ref(), args.memory(), Given { part, mould, saved, bare }, bars)?;
         // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
         if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
             args.path_options(surfaces.height_mm)?;
@@ -560,10 +579,10 @@ impl Job<'_> {
 
     /// The order that prints best: one after the other is printed, until one passes all checks.
     fn best(&self, findings: &Findings) -> Result<Results, Failure> {
-        let [first, others @ ..] = choice::orders();
-        let (mut best, taken) = self.tried(first, findings)?;
+        let orders = self.args.orders();
+        let (mut best, taken) = self.tried(orders[0], findings)?;
         let mut choice = Choice { taken, others: Vec::new() };
-        for layers_by in others {
+        for &layers_by in &orders[1..] {
             if choice.taken.passed {
                 break;
             }
@@ -588,14 +607,42 @@ impl Job<'_> {
             let time = choice.taken.time + start.elapsed();
             choice.taken = Tried::of(choice.taken.layers_by, &best, self.args, time);
         }
-        best.choice = Some(choice);
+        best.choice = Some(choice).filter(|choice| orders.len() > 1 || choice.taken.below_beads > 0);
         Ok(best)
     }
 
-    /// Tries an order. One that fails before it is printed is not printed: it misses too much, or its audit failed.
+    /// Tries an order; where too many of its beads lie on nothing, again with support below them.
     fn tried(&self, layers_by: LayersBy, findings: &Findings) -> Result<(Results, Tried), Failure> {
         let start = Instant::now();
-        let mut results = self.begin(layers_by, None, findings.clone())?;
+        let (mut best, mut tried) = self.tried_once(layers_by, &[], findings)?;
+        let mut bare = choice::bare_places(&best, self.args);
+        for _ in 0..SUPPORT_ROUNDS {
+            if tried.passed || bare.is_empty() || !self.args.supports_beads(layers_by) {
+                break;
+            }
+            if !self.args.common.quiet {
+                self.bars.finish();
+                note("too many beads lie on nothing: support is added below them");
+            }
+            let (results, again) = self.tried_once(layers_by, &bare, findings)?;
+            bare.extend(choice::bare_places(&results, self.args));
+            if again.is_better_than(&tried) {
+                (best, tried) = (results, again);
+            }
+        }
+        tried.time = start.elapsed();
+        Ok((best, tried))
+    }
+
+    /// Tries an order with support below these places. One that fails before it is printed is not printed: it misses too much, or its audit failed.
+    fn tried_once(
+        &self,
+        layers_by: LayersBy,
+        bare: &[Point3<f64>],
+        findings: &Findings,
+    ) -> Result<(Results, Tried), Failure> {
+        let start = Instant::now();
+        let mut results = self.begin(layers_by, None, bare, findings.clone())?;
         if !results.findings.has_failed() {
             self.print(&mut results)?;
         }

@@ -48,9 +48,10 @@ impl Made {
     /// Of the layers of an order.
     pub fn of(layered: LayeredPart, support: Option<PartSupport>, rule: NozzleRule) -> Self {
         let LayeredPart { growth, uniform, surfaces: layers, .. } = layered;
-        let [cells, gap] =
-            support.as_ref().map_or([const { Vec::new() }; 2], |made| [made.cells.clone(), made.gap.clone()]);
-        let aids = PrintAids { support: cells, gap, rule, nozzle: growth.nozzle };
+        let mut aids = PrintAids { rule, nozzle: growth.nozzle, ..PrintAids::default() };
+        if let Some(PartSupport { cells, gap, contact, .. }) = &support {
+            (aids.support, aids.gap, aids.contact) = (cells.clone(), gap.clone(), contact.clone());
+        }
         Made { layers, support, method: method_name(uniform.method), field: uniform.field, aids, waits: uniform.jumps }
     }
 }

@@ -189,6 +189,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("missed_by_hull_cells", run.missed_by_hull.len())?
         .set("nozzle_cells", growth.nozzle.len())?
         .set("support_cells", run.support.len())?
+        .set("support_below_beads_cells", run.below_beads)?
         .set("support_cells_volume_mm3", run.support_mm3())?
         .set("support_straight_cells", run.straight_cells)?
         .set("missed_volume_mm3", run.missed_mm3)?
@@ -217,6 +218,7 @@ fn platform_row(run: &FieldRun) -> String {
 /// How much support there is, in words.
 fn support_row(run: &FieldRun) -> String {
     match (run.support.len(), run.straight_cells) {
+        (0, _) if run.support_mm3() > 0.0 => format!("{:.1} mm3 in cells of the part", run.support_mm3()),
         (0, _) => "none".to_owned(),
         (cells, 0) => format!("{cells} cells, {:.1} mm3", run.support_mm3()),
         (cells, straight) => {

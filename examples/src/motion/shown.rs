@@ -14,7 +14,7 @@ const STANCES: usize = 8_000;
 const LINE_MM: f64 = 0.8;
 
 /// Kinds of beads, and their names in the viewer.
-const KINDS: [(BeadKind, &str); 7] = [
+const KINDS: [(BeadKind, &str); 8] = [
     (BeadKind::Wall, "wall"),
     (BeadKind::Solid, "solid"),
     (BeadKind::Support, "support"),
@@ -22,6 +22,7 @@ const KINDS: [(BeadKind, &str); 7] = [
     (BeadKind::Bridge, "bridge"),
     (BeadKind::Infill, "infill"),
     (BeadKind::SparseSupport, "sparse support"),
+    (BeadKind::SupportBridge, "support bridge"),
 ];
 
 /// The names of the kinds of beads.

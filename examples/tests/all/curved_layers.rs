@@ -1492,6 +1492,60 @@ fn the_order_that_prints_best_is_taken() {
     }
 }
 
+/// A lid over a recess: level beads over it lie on nothing. Support below them, up to the lid, lets the same order pass, and can be saved and gone on with.
+#[test]
+fn beads_that_lie_on_nothing_get_support() {
+    let scratch = Scratch::new("recess");
+    let mesh = scratch.path("lid.stl");
+    let walls = [[[0.0; 3], [4.0, 24.0, 2.5]], [[20.0, 0.0, 0.0], [24.0, 24.0, 2.5]]];
+    let others = [[[4.0, 0.0, 0.0], [20.0, 4.0, 2.5]], [[4.0, 20.0, 0.0], [20.0, 24.0, 2.5]]];
+    let lid = [[[0.0, 0.0, 2.5], [24.0, 24.0, 6.0]]];
+    fs::write(&mesh, boxes(&[&walls[..], &others, &lid].concat())).unwrap();
+    let prints = |name: &str, more: &[&str]| {
+        let out = scratch.path(name);
+        let args = ["--mesh", &mesh, "--cell", "1.2", "--layer-height", "0.5", "--bead", "0.8", "--out", &out];
+        let output = run(&[&args[..], &["--layers-by", "directed"], more].concat());
+        let report = fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned(), report, summary(&out))
+    };
+    let number = |figures: &Value, key: &str| figures[key].as_f64().unwrap();
+    let (status, stderr, _, bare) = prints("bare", &["--support", "none", "--quiet"]);
+    assert_eq!((status, number(&bare, "support_below_beads_cells")), (Some(3), 0.0), "{stderr}");
+    assert!(number(&bare, "unsupported_share") > 0.005, "{bare}");
+
+    let (status, stderr, report, held) = prints("held", &[]);
+    assert_eq!(status, Some(0), "{stderr}");
+    assert!(stderr.contains("note: too many beads lie on nothing: support is added below them"), "{stderr}");
+    assert!(report.contains("with support below its beads"));
+    assert!(number(&held, "unsupported_share") < 0.2 * number(&bare, "unsupported_share"), "{held}");
+    // The recess is full, to within a bead of its walls.
+    let recess_mm3 = 16.0 * 16.0 * 2.5;
+    let support_mm3 = number(&held, "support_volume_mm3");
+    assert!(support_mm3 > 0.6 * recess_mm3 && support_mm3 < 1.15 * recess_mm3, "{support_mm3}");
+    assert!((number(&held, "filled_share") - 1.0).abs() < 0.03, "{held}");
+    documented(&scratch.path("held"));
+
+    let field = Path::new(&scratch.path("held")).join("field.txt").display().to_string();
+    let again = scratch.path("again");
+    run(&[
+        "--mesh",
+        &mesh,
+        "--resume",
+        &field,
+        "--layer-height",
+        "0.5",
+        "--stage",
+        "surfaces",
+        "--quiet",
+        "--out",
+        &again,
+    ]);
+    let resumed = summary(&again);
+    for key in ["support_cells", "support_cells_volume_mm3", "support_volume_mm3", "surfaces"] {
+        assert_eq!(resumed[key], held[key], "{key}");
+    }
+}
+
 /// Bug: the report said that a nozzle of any size reaches all cells, and stdout that all checks passed, whatever had been found.
 #[test]
 fn what_is_said_of_an_order_is_what_was_found() {

@@ -59,7 +59,7 @@ impl Workpiece<'_> {
         else {
             return Ok(made);
         };
-        let support = order.supported.as_ref().map(|supported| &supported.support[..]).unwrap_or_default();
+        let support = order.support_cells();
         let (surfaces, support) =
             self.surfaces_and_support(&uniform.field, cells.rows(), support, &missed, height_mm, progress)?;
         if surfaces.are_more_coherent_than(&made.layered.surfaces, self.volume_mm3) {

@@ -15,7 +15,8 @@ use super::nozzle::{NozzleRule, grow_with_nozzle};
 use super::strategy::Strategy;
 use super::support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 use super::surface::{LayerField, extend, uniform_field_with_nozzle};
-use super::workpiece::{LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece, begin};
+use super::trim::Trimmer;
+use super::workpiece::{BORDER_EDGE, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece, begin};
 use crate::Progress;
 use nalgebra::Point3;
 use std::ops::ControlFlow;
@@ -107,9 +108,11 @@ pub struct PartSupport {
     pub cells: Vec<u32>,
     /// The cells between support and part that stay empty, by rising number.
     pub gap: Vec<u32>,
+    /// Cells of the part that hold support beside its material, where the two touch, by rising number.
+    pub contact: Vec<u32>,
     /// Cells that straight columns from the plate below all missed cells would have; 0 for a saved field, which does not say.
     pub straight_cells: usize,
-    /// The skin of its cells.
+    /// The skin of its cells, those where it touches the part included. The support ends at it, and at the mesh of the part.
     pub mesh: CellMesh,
     /// Its surfaces, as many as those of the part, layer by layer; some may be empty.
     pub surfaces: LayerSurfaces,
@@ -136,7 +139,24 @@ pub struct CompleteOrder {
     pub field: Option<LayerField>,
 }
 
+/// Cells of the support of a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SupportCells<'a> {
+    /// Those outside of the part, by rising number.
+    pub cells: &'a [u32],
+    /// Those of the part that hold support beside its material, by rising number.
+    pub contact: &'a [u32],
+}
+
 impl CompleteOrder {
+    /// The cells of the support; none without.
+    pub fn support_cells(&self) -> SupportCells<'_> {
+        match &self.supported {
+            Some(Supported { support: cells, contact, .. }) => SupportCells { cells, contact },
+            None => SupportCells::default(),
+        }
+    }
+
     /// The order that counts: that of part and support, or of the part where there is no support.
     pub fn taken(&self) -> &Growth {
         self.supported.as_ref().map_or(&self.growth, |supported| &supported.growth)
@@ -254,7 +274,8 @@ impl Workpiece<'_> {
             field: None,
         };
         let is_left = options.nozzle != NozzleUse::Off || options.support.is_some();
-        if options.nozzle != NozzleUse::FromStart && (order.missed_by_hull.is_empty() || !is_left) {
+        let is_whole = order.missed_by_hull.is_empty() && self.guides.support.is_empty();
+        if options.nozzle != NozzleUse::FromStart && (is_whole || !is_left) {
             return Ok(order);
         }
         self.complete(strategy, &mut order, options, progress)?;
@@ -322,12 +343,14 @@ impl Workpiece<'_> {
         let mut why_not = (!growth.missed.is_empty()).then_some(NoSupport::Forbidden);
         if let Some(options) = &options.support {
             // What the nozzle leaves can lie between what it has built, where no column gets: then all that the hull rule misses is supported.
+            let given = self.guides.support;
             for below in [&growth, &by_hull_alone] {
                 let left = support.as_ref().map_or(growth.missed.len(), |best: &Supported| best.growth.missed.len());
-                if left > 0 {
+                if left > 0 || (support.is_none() && !given.is_empty()) {
                     begin("support", progress)?;
-                    match add_support(&self.cells, platform, rules, below, options, &grow, progress)? {
-                        Ok(found) if found.growth.missed.len() < left => support = Some(found),
+                    let fewest = left + usize::from(support.is_none() && !given.is_empty());
+                    match add_support(&self.cells, platform, rules, (below, given), options, &grow, progress)? {
+                        Ok(found) if found.growth.missed.len() < fewest => support = Some(found),
                         Ok(_) => why_not = Some(NoSupport::NoHelp),
                         // That columns were placed counts, below whichever cells.
                         Err(NoSupport::NoPlace) if why_not == Some(NoSupport::NoHelp) => {}
@@ -368,9 +391,14 @@ impl Workpiece<'_> {
             Some(field) => by_distance(&cells, self, &order, field, &judged, progress)?,
             None => uniform_field_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &missed, progress)?,
         };
-        let support = order.supported.as_ref().map(|supported| &supported.support[..]).unwrap_or_default();
-        let (surfaces, mut support) =
-            self.surfaces_and_support(&uniform.field, cells.rows(), support, &missed, height_mm, progress)?;
+        let (surfaces, mut support) = self.surfaces_and_support(
+            &uniform.field,
+            cells.rows(),
+            order.support_cells(),
+            &missed,
+            height_mm,
+            progress,
+        )?;
         support.iter_mut().zip(&order.supported).for_each(|(made, found)| made.straight_cells = found.straight_cells);
         let growth = growth.clone();
         let CompleteOrder { layers_by, strategy, missed_by_hull, no_support, audit, .. } = order;
@@ -388,8 +416,7 @@ impl Workpiece<'_> {
     /// # Arguments
     /// * `field`: e.g. a saved one.
     /// * `rows`: the cells of part and support, as [`Cells`] takes them.
-    /// * `support`: those that are support, by rising number; none for a part without. Cells of `rows` that are neither part nor support get
-    ///   no surfaces.
+    /// * `support`: those that are support; none for a part without. Cells of `rows` that are neither part nor support get no surfaces.
     /// * `missed`: cells of the part without a value.
     /// * `height_mm`: layer height, at least a fifth of a cell.
     /// * `progress`: as in [`Workpiece::surfaces`].
@@ -403,7 +430,7 @@ impl Workpiece<'_> {
         &self,
         field: &LayerField,
         rows: &[u64],
-        support: &[u32],
+        support: SupportCells,
         missed: &[u32],
         height_mm: f64,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
@@ -414,18 +441,26 @@ impl Workpiece<'_> {
         let extended = extend(field, &cells);
         let levels = extended.fitted_levels(self.vertices, self.triangles, cell_mm, origin, height_mm)?;
         let united = Workpiece { cells, ..*self };
-        let surfaces = united.surfaces_at(&extended, &levels, height_mm, missed, progress)?;
-        if support.is_empty() {
+        begin("trim", progress)?;
+        let min_edge_mm = BORDER_EDGE * height_mm;
+        let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(min_edge_mm);
+        let surfaces = united.surfaces_at(&extended, &levels, trimmer, missed, progress)?;
+        let SupportCells { cells: of_support, contact } = support;
+        if of_support.is_empty() && contact.is_empty() {
             return Ok((surfaces, None));
         }
-        let mesh = cell_mesh(&cells, support, cell_mm, origin);
-        let of_mesh = Workpiece { vertices: &mesh.vertices, triangles: &mesh.triangles, ..united };
-        let of_support = of_mesh.surfaces_at(&extended, &levels, height_mm, &[], progress)?;
+        let mesh = cell_mesh(&cells, &[of_support, contact].concat(), cell_mm, origin);
+        let skin = (&mesh.vertices[..], &mesh.triangles[..]);
+        let trimmer = match contact {
+            [] => Trimmer::new(skin.0, skin.1)?,
+            _ => Trimmer::new_outside(skin, (self.vertices, self.triangles))?,
+        };
+        let made = united.surfaces_at(&extended, &levels, trimmer.thinned(min_edge_mm), &[], progress)?;
         // What is neither part nor support stays empty.
         let is_of_part = |cell: u32| self.cells.contains(self.cells.position(cell));
-        let gap = cells.iter().filter(|&cell| !is_of_part(cell) && support.binary_search(&cell).is_err()).collect();
-        let (rows, cells) = (rows.to_vec(), support.to_vec());
-        Ok((surfaces, Some(PartSupport { rows, cells, gap, straight_cells: 0, mesh, surfaces: of_support })))
+        let gap = cells.iter().filter(|&cell| !is_of_part(cell) && of_support.binary_search(&cell).is_err()).collect();
+        let (rows, cells, contact) = (rows.to_vec(), of_support.to_vec(), contact.to_vec());
+        Ok((surfaces, Some(PartSupport { rows, cells, gap, contact, straight_cells: 0, mesh, surfaces: made })))
     }
 }
 

@@ -31,10 +31,13 @@ impl Workpiece<'_> {
     ) -> Result<CompleteOrder, LayersError> {
         let Workpiece { platform, rules, cell_mm, .. } = *self;
         let touching = self.touching(height_mm, progress)?;
+        // Cells of the part that hold support on the plate begin there as well.
+        let given = if options.support.is_some() { self.guides.support } else { &[] };
         let ordered = |cells: &Cells| {
             // Support stands wherever it stands.
             let is_part = |&cell: &u32| self.cells.contains(cells.position(cell));
-            let is_base = |cell: &u32| !is_part(cell) || touching.binary_search(cell).is_ok();
+            let is_base =
+                |cell: &u32| !is_part(cell) || [&touching, given].iter().any(|list| list.binary_search(cell).is_ok());
             let base: Vec<u32> = carried(cells, platform, &rules).into_iter().filter(is_base).collect();
             match layers_by {
                 LayersBy::Directed => {
@@ -55,12 +58,12 @@ impl Workpiece<'_> {
         begin("distance", progress)?;
         let (growth, mut distances) = grow_in(&self.cells)?;
         let (mut supported, mut no_support) = (None, None);
-        if !growth.missed.is_empty() {
-            no_support = Some(NoSupport::Forbidden);
+        if !growth.missed.is_empty() || !given.is_empty() {
+            no_support = Some(NoSupport::Forbidden).filter(|_| !growth.missed.is_empty());
             if let Some(options) = &options.support {
                 begin("support", progress)?;
                 let options = SupportOptions { rounds: options.rounds.min(SUPPORT_ROUNDS), ..*options };
-                match add_support(&self.cells, platform, &rules, &growth, &options, &grow, progress)? {
+                match add_support(&self.cells, platform, &rules, (&growth, given), &options, &grow, progress)? {
                     Ok(found) => (supported, no_support) = (Some(found), None),
                     Err(why) => no_support = Some(why),
                 }
@@ -68,7 +71,7 @@ impl Workpiece<'_> {
         }
         if let Some(mut found) = supported.take() {
             let field = regrown(&mut found, &self.cells, &grow_in)?;
-            if found.growth.missed.len() < growth.missed.len() {
+            if found.growth.missed.len() < growth.missed.len() + usize::from(!given.is_empty()) {
                 (supported, distances) = (Some(found), field);
             } else {
                 no_support = Some(NoSupport::NoHelp);

@@ -28,6 +28,7 @@ mod contact;
 mod distance;
 mod distance_part;
 mod growth;
+mod guides;
 mod impossible;
 mod mould;
 mod nozzle;
@@ -54,7 +55,9 @@ pub use audit::{
 pub use best::{WORTH, WORTH_MISSED};
 pub(crate) use cells::set_bits;
 pub use cells::{Cells, CellsError};
-pub use complete::{CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet};
+pub use complete::{
+    CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet, SupportCells,
+};
 pub use distance::{
     DirectedOptions, DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance, grow_directed,
 };
@@ -62,6 +65,7 @@ pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
     grow, grow_as_printed,
 };
+pub use guides::Guides;
 pub use impossible::{Impossible, prove_impossible};
 pub use nozzle::{DIRECTIONS, NozzleCell, NozzleRule, NozzleRuleError, grow_with_nozzle};
 pub use order::LayerOrder;

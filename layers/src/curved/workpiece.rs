@@ -10,6 +10,7 @@ use super::audit::{AuditError, AuditReport, audit};
 use super::best::{Laid, pieces};
 use super::cells::Cells;
 use super::growth::{Growth, GrowthError};
+use super::guides::Guides;
 use super::platform::Platform;
 use super::rules::Rules;
 use super::strategy::Strategy;
@@ -30,7 +31,7 @@ const CUTS: u32 = 4;
 
 /// Edges of the surfaces on the mesh shorter than this share of the layer height are put together. A bead is about as wide as
 /// a layer is high, and its curves are drawn to a fiftieth of that.
-const BORDER_EDGE: f64 = 0.1;
+pub(super) const BORDER_EDGE: f64 = 0.1;
 
 /// Thickness of a layer at least, as a share of the layer height: a bead of no height cannot be laid.
 const MIN_THICKNESS: f64 = 0.02;
@@ -58,6 +59,8 @@ pub struct Workpiece<'a> {
     pub rules: Rules,
     /// Volume of the part in cubic millimetres, by which the best strategy is chosen.
     pub volume_mm3: f64,
+    /// What guides its order besides its shape.
+    pub guides: Guides<'a>,
 }
 
 /// The order in which the cells of a part are built.
@@ -209,7 +212,7 @@ impl Workpiece<'_> {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+    /// use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
     /// use curvlay_layers::nalgebra::Point3;
     /// use std::ops::ControlFlow;
     /// // A block of 4 x 4 x 3 mm, cells of 1 mm.
@@ -224,7 +227,7 @@ impl Workpiece<'_> {
     /// let platform = Platform::under(&cells, 10.0)?;
     /// let (cell_mm, origin, rules) = (1.0, Point3::origin(), Rules::default());
     /// let part = Workpiece {
-    ///     vertices: &vertices, triangles: &triangles, cells, cell_mm, origin, platform: &platform, rules, volume_mm3: 48.0,
+    ///     vertices: &vertices, triangles: &triangles, cells, cell_mm, origin, platform: &platform, rules, volume_mm3: 48.0, guides: Guides::default(),
     /// };
     /// let layered = part.layers(None, 0.75, &|_| ControlFlow::Continue(()))?;
     /// assert!(layered.growth.missed.is_empty() && layered.audit.is_ok());
@@ -382,21 +385,21 @@ impl Workpiece<'_> {
         begin("contour", progress)?;
         let extended = extend(field, &self.cells);
         let levels = extended.fitted_levels(self.vertices, self.triangles, self.cell_mm, self.origin, height_mm)?;
-        self.surfaces_at(&extended, &levels, height_mm, missed, progress)
+        begin("trim", progress)?;
+        let trimmer = Trimmer::new(self.vertices, self.triangles)?;
+        self.surfaces_at(&extended, &levels, trimmer.thinned(BORDER_EDGE * height_mm), missed, progress)
     }
 
-    /// The surfaces of a field at levels fitted to the layer height `asked_mm`, trimmed to the mesh and measured.
+    /// The surfaces of a field at some levels, trimmed and measured.
     pub(super) fn surfaces_at(
         &self,
         extended: &ExtendedField,
         FittedLevels { levels, height_mm }: &FittedLevels,
-        asked_mm: f64,
+        trimmer: Trimmer,
         missed: &[u32],
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<LayerSurfaces, LayersError> {
         let height_mm = *height_mm;
-        begin("trim", progress)?;
-        let trimmer = Trimmer::new(self.vertices, self.triangles)?.thinned(BORDER_EDGE * asked_mm);
         begin("contour", progress)?;
         let mut untrimmed = extended.contour_with_half_layers(levels, self.cell_mm, self.origin, progress)?;
         untrimmed.iter_mut().for_each(|(_, surface)| surface.smooth_border(self.cell_mm, BorderSmoothing::default()));

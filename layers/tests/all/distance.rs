@@ -4,7 +4,7 @@ use crate::common::{BOX, Part, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, DirectedOptions, DistanceOrder, GrowthError, JudgedByNozzle, LayerOrder, LayersBy,
+    Cells, CompleteOptions, DirectedOptions, DistanceOrder, GrowthError, Guides, JudgedByNozzle, LayerOrder, LayersBy,
     LayersError, NozzleRule, NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle,
     cell_mesh, distance_field, distance_layers, grow_by_distance, grow_directed,
 };
@@ -250,6 +250,7 @@ fn the_order_begins_where_the_first_layer_touches_the_plate() {
         platform: &solid.platform,
         rules: Rules::default(),
         volume_mm3: 144.0 + 72.0,
+        guides: Guides::default(),
     };
     for layers_by in [LayersBy::Distance, LayersBy::Directed] {
         let options = CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
@@ -305,6 +306,7 @@ fn a_part_is_complete_by_distance() {
             platform: &part.platform,
             rules: Rules::default(),
             volume_mm3: cells.count() as f64,
+            guides: Guides::default(),
         };
         let options = |layers_by| CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
         let complete = |by| workpiece.complete_layers(None, 1.0, &options(by), &go).unwrap();

@@ -232,7 +232,8 @@ fn support_and_directions_of_the_nozzle_are_saved() {
         NozzleCell { cell: 3, direction: direction(1.0, 0.0) },
     ];
     let rule = NozzleRule { tip_flat_mm: 0.1 + 0.2, margin: 1.0 / 3.0, ..NozzleRule::default() };
-    let before = SavedField { aids: PrintAids { support: vec![0, 3], gap: vec![4], rule, nozzle }, ..before };
+    let before =
+        SavedField { aids: PrintAids { support: vec![0, 3], gap: vec![4], contact: vec![2], rule, nozzle }, ..before };
     let text = text_of(&before);
     let after = SavedField::read(text.as_bytes()).unwrap();
     assert_eq!(after.aids, before.aids);

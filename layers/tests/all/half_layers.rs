@@ -2,7 +2,7 @@
 
 use crate::common::go;
 use curvlay_layers::curved::surface::LayerField;
-use curvlay_layers::curved::{Cells, LayerSurfaces, Platform, Rules, Workpiece, cell_mesh};
+use curvlay_layers::curved::{Cells, Guides, LayerSurfaces, Platform, Rules, Workpiece, cell_mesh};
 use nalgebra::Point3;
 
 const DIMS: [u32; 3] = [12, 4, 20];
@@ -30,6 +30,7 @@ fn surfaces(half_layers: Option<f64>) -> LayerSurfaces {
         platform: &platform,
         rules: Rules::default(),
         volume_mm3: 960.0,
+        guides: Guides::default(),
     };
     part.surfaces(&field, &[], 1.0, &go).unwrap()
 }

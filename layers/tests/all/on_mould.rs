@@ -2,7 +2,7 @@
 
 use crate::common::go;
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, DirectedOptions, GrowthError, LayersBy, LayersError, Platform, Rules, Workpiece,
+    Cells, CompleteOptions, DirectedOptions, GrowthError, Guides, LayersBy, LayersError, Platform, Rules, Workpiece,
     distance_field,
 };
 use curvlay_layers::nalgebra::Point3;
@@ -96,7 +96,7 @@ fn workpiece<'a>((vertices, triangles): &'a Mesh, platform: &'a Platform, rows: 
     let (cells, low) = (Cells::new(DIMS, rows).unwrap(), RADIUS + gap);
     let volume_mm3 = 8.0 * HALF[1] * ((low + 5.0).powi(2) - low.powi(2));
     let (cell_mm, origin, rules) = (1.0, Point3::origin(), Rules::default());
-    Workpiece { vertices, triangles, cells, cell_mm, origin, platform, rules, volume_mm3 }
+    Workpiece { vertices, triangles, cells, cell_mm, origin, platform, rules, volume_mm3, guides: Guides::default() }
 }
 
 /// Away from the edges of the part its values are its heights over the cylinder: to half a hundredth of a cell where it begins, to a tenth five cells up.

@@ -2,7 +2,7 @@
 
 use crate::common::{BOX, go};
 use curvlay_layers::curved::surface::{extend, plain_field};
-use curvlay_layers::curved::{Cells, LayerOrder, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
+use curvlay_layers::curved::{Cells, Guides, LayerOrder, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
 use nalgebra::Point3;
 use proptest::prelude::*;
 
@@ -61,6 +61,7 @@ impl Boxes {
             platform: &platform,
             rules: Rules::default(),
             volume_mm3: self.volume(),
+            guides: Guides::default(),
         };
         part.layers(Some(Strategy::Incremental), height_mm, &go).unwrap().surfaces
     }

@@ -4,9 +4,9 @@ use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
-    CellMesh, Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, LayersError, NoSupport, NozzleRule,
-    NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions, Supported,
-    Workpiece, add_support, audit, cell_mesh, grow,
+    CellMesh, Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, Guides, LayersBy, LayersError, NoSupport,
+    NozzleRule, NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions,
+    Supported, Workpiece, add_support, audit, cell_mesh, grow,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;
@@ -29,7 +29,7 @@ fn grown(part: &Part, cells: &Cells, rules: &Rules) -> Result<Growth, GrowthErro
 fn supported(part: &Part, rules: &Rules, options: &SupportOptions) -> (Growth, Result<Supported, NoSupport>) {
     let growth = grown(part, &part.cells(), rules).unwrap();
     let again = |cells: &Cells| grown(part, cells, rules);
-    let supported = add_support(&part.cells(), &part.platform, rules, &growth, options, &again, &go).unwrap();
+    let supported = add_support(&part.cells(), &part.platform, rules, (&growth, &[]), options, &again, &go).unwrap();
     (growth, supported)
 }
 
@@ -160,13 +160,13 @@ fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed(
     let again = |cells: &Cells| grown(&part, cells, &Rules::default());
     let with = |width: u32, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)| {
         let options = SupportOptions { width, ..SupportOptions::default() };
-        add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &options, &again, progress)
+        add_support(&part.cells(), &part.platform, &Rules::default(), (&growth, &[]), &options, &again, progress)
     };
     for width in [0, 65] {
         assert_eq!(with(width, &go), Err(SupportError::Width { width }));
     }
     let with_options =
-        |options| add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &options, &again, &go);
+        |options| add_support(&part.cells(), &part.platform, &Rules::default(), (&growth, &[]), &options, &again, &go);
     for (contact, width) in [(0, 3), (4, 3)] {
         let refused = with_options(SupportOptions { contact, width, ..SupportOptions::default() });
         assert_eq!(refused, Err(SupportError::Contact { contact, width }));
@@ -177,7 +177,7 @@ fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed(
     assert_eq!(with(3, &stop), Err(SupportError::Growth(GrowthError::Cancelled)));
     let fails = |_: &Cells| Err(GrowthError::NothingOnPlatform);
     let failed =
-        add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &Default::default(), &fails, &go);
+        add_support(&part.cells(), &part.platform, &Rules::default(), (&growth, &[]), &Default::default(), &fails, &go);
     assert_eq!(failed, Err(SupportError::Growth(GrowthError::NothingOnPlatform)));
 }
 
@@ -209,7 +209,7 @@ fn workpiece<'a>(part: &'a Part, mesh: &'a CellMesh) -> Workpiece<'a> {
     let volume_mm3 = cells.iter().count() as f64;
     let (cell_mm, origin, rules) = (1.0, Point3::origin(), Rules::default());
     let (vertices, triangles, platform) = (&mesh.vertices, &mesh.triangles, &part.platform);
-    Workpiece { vertices, triangles, cells, cell_mm, origin, platform, rules, volume_mm3 }
+    Workpiece { vertices, triangles, cells, cell_mm, origin, platform, rules, volume_mm3, guides: Guides::default() }
 }
 
 fn mesh_of(part: &Part) -> CellMesh {
@@ -323,7 +323,8 @@ fn support_that_does_not_help_says_so() {
     let (part, rules) = (hanging_ball(), Rules::default());
     let growth = Strategy::Incremental.grow(&part.cells(), &part.platform, &rules, &go).unwrap();
     let same = |_: &Cells| Ok(growth.clone());
-    let tried = add_support(&part.cells(), &part.platform, &rules, &growth, &SupportOptions::default(), &same, &go);
+    let tried =
+        add_support(&part.cells(), &part.platform, &rules, (&growth, &[]), &SupportOptions::default(), &same, &go);
     assert_eq!(tried.unwrap(), Err(NoSupport::NoHelp));
 }
 
@@ -380,4 +381,114 @@ fn from_the_start_on_both_rules_count() {
     assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());
     assert!(10 * growth.missed.len() < complete.missed_by_hull.len(), "{}", growth.missed.len());
     assert!(growth.nozzle.len() < part.cells().iter().count()); // the hull rule suffices for many
+}
+
+/// A mast with a level arm.
+fn arm() -> Part {
+    part([9, 3, 9], |[x, _, z]| x == 0 || z >= 7)
+}
+
+/// Cells that are given hold support though none is missed: those outside of the part, and those of the part beside its material. With a gap none touch it.
+#[test]
+fn given_cells_hold_support() {
+    let (part, rules) = (arm(), Rules::default());
+    let cells = part.cells();
+    let growth = grown(&part, &cells, &rules).unwrap();
+    assert!(growth.missed.is_empty());
+    let again = |cells: &Cells| grown(&part, cells, &rules);
+    let with = |given: &[u32], gap: u32| {
+        let options = SupportOptions { gap, ..SupportOptions::default() };
+        add_support(&cells, &part.platform, &rules, (&growth, given), &options, &again, &go)
+    };
+    let column: Vec<u32> = (0..7).map(|z| cells.id([4, 1, z])).collect();
+    let touching = cells.id([4, 1, 7]);
+    let given = [&column[..], &[touching]].concat();
+    let supported = with(&given, 0).unwrap().unwrap();
+    assert_eq!((supported.support, supported.contact, supported.gap), (column.clone(), vec![touching], vec![]));
+    assert_eq!((supported.straight_cells, supported.growth.missed.len(), supported.rounds), (7, 0, 1));
+
+    let supported = with(&given, 2).unwrap().unwrap();
+    let (support, gap) = (column[..5].to_vec(), column[5..].to_vec());
+    assert_eq!((supported.support, supported.contact, supported.gap), (support, vec![], gap));
+
+    // What nothing carries is left out; a cell beyond the grid is refused.
+    let floating = cells.id([6, 1, 3]);
+    let supported = with(&[&column[..], &[floating]].concat(), 0).unwrap().unwrap();
+    assert_eq!(supported.support, column);
+    assert_eq!(with(&[999], 0), Err(SupportError::Growth(GrowthError::OtherCells { cell: 999 })));
+    assert_eq!(with(&[], 0), Ok(Err(NoSupport::NotNeeded)));
+}
+
+/// Columns go straight down from where the part ends to where it begins again, and so do those around. Places with more of the part below them have none.
+#[test]
+fn columns_below_places() {
+    let part = arm();
+    let mesh = mesh_of(&part);
+    let below_in =
+        |part: &Part, mesh: &CellMesh, at: [f64; 3]| workpiece(part, mesh).cells_below(&[Point3::from(at)]).unwrap();
+    let cells = part.cells();
+    let below = |at: [f64; 3]| below_in(&part, &mesh, at);
+    let block = |xs: std::ops::Range<u32>, zs: std::ops::Range<u32>| -> Vec<u32> {
+        let [xs, zs] = [&xs, &zs].map(|range| range.clone().collect::<Vec<u32>>());
+        let rows = zs.iter().flat_map(|&z| (0..3).map(move |y| [y, z]));
+        rows.flat_map(|[y, z]| xs.iter().map(move |&x| [x, y, z])).map(|at| cells.id(at)).collect()
+    };
+    for z in [7.5, 8.5, 6.9] {
+        assert_eq!(below([4.5, 1.5, z]), block(3..6, 0..7), "{z}");
+    }
+    assert_eq!(below([1.5, 1.5, 7.5]), block(1..3, 0..7)); // beside the mast
+    assert_eq!(below([8.5, 1.5, 7.5]), block(7..9, 0..7)); // at the end
+    assert_eq!(below([4.5, 1.5, 3.2]), block(3..6, 0..4)); // in the air
+    for outside in [[-0.5, 1.5, 7.5], [4.5, 1.5, 20.0], [4.5, f64::NAN, 7.5]] {
+        assert!(below(outside).is_empty());
+    }
+    assert!(workpiece(&part, &mesh).cells_below(&[]).unwrap().is_empty());
+    // A block is solid; over a step the column ends in the cell in which that begins.
+    let whole = self::part([9, 9, 9], |_| true);
+    assert!(below_in(&whole, &mesh_of(&whole), [4.5, 4.5, 5.5]).is_empty());
+    let step = self::part([9, 3, 9], |[x, _, z]| x == 0 || z >= 7 || z < 2);
+    assert_eq!(below_in(&step, &mesh_of(&step), [4.5, 1.5, 7.5]), block(3..6, 1..7));
+}
+
+/// A beam whose lower side rises from the plate to less than a cell over it: support fills the wedge below, and ends at the mesh.
+#[test]
+fn support_fills_what_is_below_the_part_in_its_own_cells() {
+    let block = part([12, 6, 4], |_| true);
+    // From x = 4 on the lower side rises to 0.8 mm at x = 12.
+    let section = [[0.0, 0.0], [4.0, 0.0], [12.0, 0.8], [12.0, 4.0], [0.0, 4.0]];
+    let vertices: Vec<Point3<f64>> =
+        [0.0, 6.0].into_iter().flat_map(|y| section.map(|[x, z]| Point3::new(x, y, z))).collect();
+    let sides = (0..5u32).flat_map(|k| {
+        let next = (k + 1) % 5;
+        [[k, next, k + 5], [next, next + 5, k + 5]]
+    });
+    let ends = (1..4u32).flat_map(|k| [[0, k + 1, k], [5, k + 5, k + 6]]);
+    let triangles: Vec<[u32; 3]> = sides.chain(ends).map(|[a, b, c]| [a, c, b]).collect();
+    let mesh = CellMesh { vertices, triangles };
+    let volume_mm3 = 12.0 * 6.0 * 4.0 - 8.0 * 0.8 / 2.0 * 6.0;
+    let plain = Workpiece { volume_mm3, ..workpiece(&block, &mesh) };
+    let places: Vec<Point3<f64>> =
+        (0..6).flat_map(|y| (4..12).map(move |x| Point3::new(f64::from(x) + 0.9, f64::from(y) + 0.5, 0.9))).collect();
+    let under = plain.cells_below(&places).unwrap();
+    let expected: Vec<u32> = (0..6).flat_map(|y| (4..12).map(move |x| x + 12 * y)).collect();
+    assert_eq!(under, expected);
+    let part = Workpiece { guides: Guides { support: &under }, ..plain };
+    for layers_by in [LayersBy::Distance, LayersBy::Directed] {
+        let options = CompleteOptions { layers_by, ..CompleteOptions::default() };
+        let made = part.complete_layers(None, 0.5, &options, &go).unwrap();
+        let support = made.support.unwrap();
+        assert_eq!((&support.cells[..], &support.contact), (&[][..], &under));
+        // Level layers at 0.25 and 0.75 mm: together they fill the block, above it is the part alone.
+        let sheets = made.layered.surfaces.sheets.iter().zip(&support.surfaces.sheets);
+        for ((of_part, of_support), height) in sheets.zip([0.25, 0.75, 1.25, 1.75]) {
+            let below = if height < 0.8 { (12.0 - 4.0 - 10.0 * height) * 6.0 } else { 0.0 };
+            assert!((of_support.area() - below).abs() < 1e-6, "{height}: {}", of_support.area());
+            assert!((of_part.area() + of_support.area() - 72.0).abs() < 1e-6, "{height}");
+        }
+        // Without support they count for nothing.
+        let none = CompleteOptions { support: None, ..options };
+        let [bare, before] = [&part, &plain].map(|part| part.complete_layers(None, 0.5, &none, &go).unwrap());
+        assert_eq!(bare.layered.surfaces, before.layered.surfaces);
+        assert!(bare.support.is_none() && before.support.is_none());
+    }
 }

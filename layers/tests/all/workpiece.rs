@@ -7,8 +7,8 @@ use curvlay_layers::curved::surface::{
 };
 use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
-    Cells, Growth, GrowthError, GrowthOptions, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
-    UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
+    Cells, Growth, GrowthError, GrowthOptions, Guides, LayerSurfaces, LayersError, Platform, Prevention, Rules,
+    Strategy, UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
 };
 use nalgebra::Point3;
 use std::collections::BTreeSet;
@@ -72,6 +72,7 @@ impl Solid {
             platform: &self.platform,
             rules: Rules::default(),
             volume_mm3: self.cells().count() as f64 * CELL.powi(3),
+            guides: Guides::default(),
         }
     }
 }

@@ -161,6 +161,7 @@ impl<W: Write> Writer<W> {
                     BeadKind::Bridge => 5,
                     BeadKind::Support => 6,
                     BeadKind::SparseSupport => 7,
+                    BeadKind::SupportBridge => 8,
                 };
                 self.line(&format!("PAINT/COLOR,{colour}"))
             }

@@ -132,5 +132,6 @@ fn name(kind: BeadKind) -> &'static str {
         BeadKind::Bridge => "bridge",
         BeadKind::Support => "support",
         BeadKind::SparseSupport => "sparse_support",
+        BeadKind::SupportBridge => "support_bridge",
     }
 }

@@ -64,16 +64,16 @@ impl Tags {
 
     fn name(self, kind: BeadKind) -> &'static str {
         match (self, kind) {
+            (Tags::Cura, BeadKind::Support | BeadKind::SparseSupport | BeadKind::SupportBridge) => "SUPPORT",
+            (_, BeadKind::Support | BeadKind::SparseSupport | BeadKind::SupportBridge) => "Support material",
             (Tags::Cura, BeadKind::Wall) => "WALL-OUTER",
             (Tags::Cura, BeadKind::Solid | BeadKind::Skin | BeadKind::Bridge) => "SKIN",
             (Tags::Cura, BeadKind::Infill) => "FILL",
-            (Tags::Cura, BeadKind::Support | BeadKind::SparseSupport) => "SUPPORT",
             (_, BeadKind::Wall) => "External perimeter",
             (_, BeadKind::Solid) => "Solid infill",
             (_, BeadKind::Skin) => "Top solid infill",
             (_, BeadKind::Bridge) => "Bridge infill",
             (_, BeadKind::Infill) => "Internal infill",
-            (_, BeadKind::Support | BeadKind::SparseSupport) => "Support material",
         }
     }
 }

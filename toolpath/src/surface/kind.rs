@@ -24,6 +24,8 @@ pub enum BeadKind {
     Support,
     /// Sparse infill of support.
     SparseSupport,
+    /// Support over its own sparse infill, as a bridge is over that of the part.
+    SupportBridge,
 }
 
 impl BeadKind {
@@ -32,9 +34,14 @@ impl BeadKind {
         matches!(self, BeadKind::Infill | BeadKind::SparseSupport)
     }
 
+    /// Whether it goes over sparse infill, of the part or of support: it lies on something here and there only.
+    pub fn is_bridge(self) -> bool {
+        matches!(self, BeadKind::Bridge | BeadKind::SupportBridge)
+    }
+
     /// Whether it is not of the part.
     pub fn is_support(self) -> bool {
-        matches!(self, BeadKind::Support | BeadKind::SparseSupport)
+        matches!(self, BeadKind::Support | BeadKind::SparseSupport | BeadKind::SupportBridge)
     }
 }
 

@@ -175,7 +175,7 @@ pub enum SupportError {
     Cancelled,
 }
 
-/// Checks whether beads lie on something. Sparse infill ([`BeadKind::is_sparse`]) and what goes over it ([`BeadKind::Bridge`]) lies on something
+/// Checks whether beads lie on something. Sparse infill ([`BeadKind::is_sparse`]) and what goes over it ([`BeadKind::is_bridge`]) lies on something
 /// here and there only, and is not judged.
 ///
 /// # Arguments
@@ -414,7 +414,7 @@ impl Laid {
         let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
         for segment in &self.segments[self.firsts[number]..end] {
             let [a, b] = &segment.ends;
-            let is_judged = !(segment.kind.is_sparse() || segment.kind == BeadKind::Bridge);
+            let is_judged = !(segment.kind.is_sparse() || segment.kind.is_bridge());
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
             let steps = if is_judged { (length / self.step_mm).ceil().max(1.0) } else { 1.0 };
             for k in 0..steps as usize {

@@ -156,6 +156,7 @@ fn number(kind: BeadKind) -> u8 {
         BeadKind::Bridge => 4,
         BeadKind::Support => 5,
         BeadKind::SparseSupport => 6,
+        BeadKind::SupportBridge => 7,
     }
 }
 

@@ -128,3 +128,52 @@ fn a_layer_without_support_stays_as_it_is() {
     let below = filled(&layers, 0..1, &options, 0.25).remove(0).unwrap();
     assert!(below.paths.paths.iter().flat_map(|path| &path.points).all(|point| point.kind.is_support()));
 }
+
+/// A layer of support alone is judged again without the part where a later bead brings a narrow strip of it back.
+#[test]
+fn a_layer_of_support_alone_is_judged_again() {
+    let z = |k: usize| 0.4 + 0.8 * k as f64;
+    // A strip of support that is narrower than three quarters of a bead, and a wall of the part on it.
+    let support = vec![sheet([0.0, 0.55], z(0)), sheet([0.0, 0.0], z(1))];
+    let part = vec![sheet([0.0, 0.0], z(0)), sheet([-0.3, 1.2], z(1))];
+    let both = vec![support[0].clone(), part[1].clone()];
+    let layers = Layers { part, support, both };
+    let options = PathOptions::default();
+    let before = filled(&layers, 0..2, &options, 0.25);
+    let laid = |layer: &Option<FilledLayer>| layer.as_ref().map_or(0, |layer| layer.paths.paths.len());
+    let whole = together(&layers, &[0, 2], &options, 0.25);
+    assert_eq!([laid(&before[0]), laid(&whole.layers[0])], [0, 1]);
+    assert_eq!(whole.layers[0].as_ref().unwrap().paths.paths[0].points[0].kind, BeadKind::Support);
+}
+
+/// The closing layer of support over its sparse inside is a bridge, its rim is not, nor what lies on a closed layer. A half layer between the two, which is not there,
+/// changes nothing.
+#[test]
+fn support_over_its_sparse_inside_is_a_bridge() {
+    let z = |k: usize| 0.4 + 0.8 * k as f64;
+    let whole: Vec<Sheet> = (0..5).map(|k| sheet([0.0, 24.0], z(k))).collect();
+    let mut with_half = whole.clone();
+    with_half.insert(4, (Vec::new(), Vec::new()));
+    let (options, go) = (PathOptions::default(), |_| ControlFlow::Continue(()));
+    let share_of_bridges = |layer: &FilledLayer| {
+        let pairs = layer.paths.paths.iter().flat_map(|path| path.points.windows(2));
+        let lengths = pairs.map(|pair| {
+            let is_bridge = pair.iter().all(|point| point.kind == BeadKind::SupportBridge);
+            let length = (pair[1].at.position - pair[0].at.position).norm();
+            [length, if is_bridge { length } else { 0.0 }]
+        });
+        let [all, bridges] = lengths.fold([0.0; 2], |sum, length| [sum[0] + length[0], sum[1] + length[1]]);
+        bridges / all
+    };
+    for sheets in [&whole, &with_half] {
+        let surfaces: Vec<LayerSurface> =
+            surfaces(sheets).into_iter().map(|s| LayerSurface { is_half: s.triangles.is_empty(), ..s }).collect();
+        let none = LayerSurface { vertices: &[], triangles: &[], thickness: &[], is_half: false };
+        let support = fill_range(&surfaces, 0..sheets.len(), &options.for_support(0.25), &go).unwrap();
+        let layers = support.into_iter().map(|layer| FilledLayer::with_support(None, layer, &none)).collect();
+        let filled = fill_rest(&surfaces, layers, &options, &go).unwrap();
+        let shares: Vec<f64> = filled.layers.iter().flatten().map(share_of_bridges).collect();
+        assert_eq!(shares[..4], [0.0; 4]);
+        assert!(shares[4] > 0.5 && shares[4] < 0.95, "{shares:?}");
+    }
+}

@@ -13,6 +13,13 @@ use std::collections::BTreeMap;
 /// Steps down, the straight one first.
 pub(super) const DOWN: [[i32; 3]; 5] = [[0, 0, -1], [0, -1, -1], [-1, 0, -1], [1, 0, -1], [0, 1, -1]];
 
+/// The cell one step away, if it is in the grid.
+pub(super) fn moved(cells: &Cells, cell: u32, step: [i32; 3]) -> Option<u32> {
+    let (place, dims) = (cells.position(cell), cells.dims());
+    let next = [0, 1, 2].map(|axis| place[axis].wrapping_add_signed(step[axis]));
+    (0..3).all(|axis| next[axis] < dims[axis]).then(|| cells.id(next))
+}
+
 /// What columns go through and land on.
 pub(super) struct Ground<'a> {
     pub(super) cells: &'a Cells<'a>,
@@ -27,9 +34,7 @@ pub(super) struct Ground<'a> {
 impl Ground<'_> {
     /// The cell one step away, if it is in the grid.
     pub(super) fn step(&self, cell: u32, step: [i32; 3]) -> Option<u32> {
-        let (place, dims) = (self.cells.position(cell), self.cells.dims());
-        let next = [0, 1, 2].map(|axis| place[axis].wrapping_add_signed(step[axis]));
-        (0..3).all(|axis| next[axis] < dims[axis]).then(|| self.cells.id(next))
+        moved(self.cells, cell, step)
     }
 
     /// Whether the cell is one of the part, or of the mould: no column goes through it.
@@ -57,6 +62,11 @@ impl Ground<'_> {
     pub(super) fn lands_on_part(&self, cell: u32) -> bool {
         let is_on_support = |&step: &[i32; 3]| self.step(cell, step).is_some_and(|below| self.support.contains(below));
         !self.stands(cell) && !DOWN.iter().any(is_on_support)
+    }
+
+    /// The cell of the part that carries a column which ends with this cell.
+    pub(super) fn carrier_below(&self, cell: u32) -> Option<u32> {
+        DOWN.iter().filter_map(|&step| self.step(cell, step)).find(|&below| self.built.contains(below))
     }
 
     /// Whether a column may end with this cell.

@@ -8,6 +8,12 @@
 //! [shortest way down](column) to the plate, to the part, or to support that is there, so that columns become trees. Then part and support are grown
 //! anew. Rounds end when nothing is missed or no column can be added. Support that is missed itself is left out in the end.
 //!
+//! Cells can be given that hold support in any case: those below beads that were found to lie on nothing ([`Guides::support`](super::Guides::support)).
+//!
+//! # Contact
+//! A cell at the skin is of the part, and has room beside its material. Where a column ends at one support goes on in it up to the mesh: else up to a cell
+//! would be between the two, several layers. What stands over the plate by less than a cell has support in its own cells alone.
+//!
 //! # Gaps
 //! So that support comes off, its columns touch the part with few cells ([`SupportOptions::contact`]), or end a few levels short of it
 //! ([`SupportOptions::gap`]). The cells of a gap are grown and audited like all others, and stay empty when it comes to surfaces. That is the rule by which
@@ -22,10 +28,10 @@ use super::bits::CellSet;
 use super::cells::{Cells, CellsError};
 use super::growth::{Growth, GrowthError};
 use super::platform::Platform;
-use super::rules::Rules;
+use super::rules::{Neighbours, Rules};
 use super::runs::Runs;
 use crate::Progress;
-use column::{DOWN, Ground};
+use column::{DOWN, Ground, moved};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -137,6 +143,8 @@ pub struct Supported {
     pub support: Vec<u32>,
     /// The cells between support and part that stay empty, by rising number; they are in the order as well.
     pub gap: Vec<u32>,
+    /// Cells of the part at which columns end, by rising number: beside the part's material they hold support. None with a gap.
+    pub contact: Vec<u32>,
     /// Cells that straight columns from the plate would have, below all cells that were missed: to compare with.
     pub straight_cells: usize,
     /// Rounds that it took.
@@ -146,7 +154,7 @@ pub struct Supported {
 /// Adds support below what an order misses, until nothing is missed or no more support can be added.
 ///
 /// # Arguments
-/// * `growth`: of `cells`; what it misses is to be supported.
+/// * `growth`, `given`: the growth is of `cells`; what it misses is to be supported. These cells hold support in any case: those of the part beside its material.
 /// * `grow`: grows the part with its support, e.g. by the strategy of the first growth.
 /// * `progress`: called with the stage `support`, the rounds done and those allowed; may cancel.
 ///
@@ -173,7 +181,7 @@ pub struct Supported {
 /// let growth = grow(&cells)?;
 /// assert_eq!(growth.missed.len(), 2);
 /// let options = SupportOptions { width: 1, ..SupportOptions::default() };
-/// let supported = add_support(&cells, &platform, &rules, &growth, &options, &grow, &|_| Continue(()))?.expect("support");
+/// let supported = add_support(&cells, &platform, &rules, (&growth, &[]), &options, &grow, &|_| Continue(()))?.expect("support");
 /// assert!(supported.growth.missed.is_empty());
 /// assert_eq!(supported.support, [6, 13, 20, 27, 34]); // five cells below the hanging end
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -182,23 +190,29 @@ pub fn add_support(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,
-    growth: &Growth,
+    (growth, given): (&Growth, &[u32]),
     options: &SupportOptions,
     grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Result<Supported, NoSupport>, SupportError> {
     options.check()?;
-    if growth.missed.is_empty() {
+    if growth.missed.is_empty() && given.is_empty() {
         return Ok(Err(NoSupport::NotNeeded));
     }
     let size = cells.dims().iter().fold(1, |size, &side| size * u64::from(side));
     let is_own = |cell: u32| u64::from(cell) < size && cells.contains(cells.position(cell));
-    if let Some(missed) = growth.missed.iter().find(|missed| !is_own(missed.cell)) {
-        return Err(GrowthError::OtherCells { cell: missed.cell }.into());
-    }
-    let straight_cells = straight_columns(cells, &growth.missed_cells());
-    let mut columns = Columns { support: CellSet::none(cells), gap: CellSet::none(cells) };
     let mut missed = growth.missed_cells();
+    let is_in_grid = |cell: u32| u64::from(cell) < size;
+    let wrong = missed.iter().find(|&&cell| !is_own(cell)).or_else(|| given.iter().find(|&&cell| !is_in_grid(cell)));
+    if let Some(&cell) = wrong {
+        return Err(GrowthError::OtherCells { cell }.into());
+    }
+    let outside = given.iter().filter(|&&cell| !is_own(cell)).count();
+    let straight_cells = straight_columns(cells, &missed) + outside;
+    let none = || CellSet::none(cells);
+    let mut columns = Columns { support: none(), gap: none(), contact: none() };
+    // With support that is given as many may be missed as without.
+    let mut fewest = missed.len() + usize::from(!given.is_empty());
     let mut best: Option<Supported> = None;
     let mut why_not = NoSupport::Forbidden;
     for round in 1..=options.rounds {
@@ -206,7 +220,8 @@ pub fn add_support(
         if progress(Progress { stage: "support", done, total }).is_break() {
             return Err(GrowthError::Cancelled.into());
         }
-        if !columns.add_below(cells, platform, rules, &missed, options) {
+        let is_new = round == 1 && columns.add_given(cells, given, options);
+        if !columns.add_below(cells, platform, rules, &missed, options) && !is_new {
             if round == 1 {
                 why_not = NoSupport::NoPlace;
             }
@@ -216,7 +231,8 @@ pub fn add_support(
         let of_round = grown(cells, &columns.support, grow)?;
         missed = of_round.missed_cells();
         missed.retain(|&cell| cells.contains(cells.position(cell)));
-        if missed.len() < best.as_ref().map_or(growth.missed.len(), |best| best.growth.missed.len()) {
+        if missed.len() < fewest {
+            fewest = missed.len();
             best = Some(of_part(cells, of_round, &columns, straight_cells, round));
         }
         if missed.is_empty() {
@@ -229,7 +245,7 @@ pub fn add_support(
 impl Supported {
     /// Takes the support out that its growth misses; whether there was any. Missed cells are then those of the part.
     pub(super) fn remove_missed(&mut self, cells: &Cells) -> bool {
-        let Supported { rows, growth, support, gap, .. } = self;
+        let Supported { rows, growth, support, gap, contact, .. } = self;
         let before = support.len() + gap.len();
         support.retain(|&cell| is_built(growth, cell));
         gap.retain(|&cell| is_built(growth, cell));
@@ -237,7 +253,13 @@ impl Supported {
         let mut united = CellSet::of(cells);
         support.iter().chain(&*gap).for_each(|&cell| _ = united.insert(cell));
         *rows = united.rows().flatten().copied().collect();
-        support.len() + gap.len() < before
+        let is_beside = |cell: u32| {
+            let beside = Neighbours::FaceOrEdge.offsets().iter().filter_map(|&step| moved(cells, cell, step));
+            beside.into_iter().any(|beside| support.binary_search(&beside).is_ok())
+        };
+        let is_less = support.len() + gap.len() < before;
+        contact.retain(|&cell| !is_less || cells.position(cell)[2] == 0 || is_beside(cell));
+        is_less
     }
 }
 
@@ -248,7 +270,8 @@ fn is_built(growth: &Growth, cell: u32) -> bool {
 /// Part and support, less the support that was missed: without it the order is the same.
 fn of_part(cells: &Cells, growth: Growth, columns: &Columns, straight_cells: usize, rounds: u32) -> Supported {
     let (gap, support) = columns.support.iter().partition(|&cell| columns.gap.contains(cell));
-    let mut supported = Supported { rows: Vec::new(), growth, support, gap, straight_cells, rounds };
+    let contact = columns.contact.iter().collect();
+    let mut supported = Supported { rows: Vec::new(), growth, support, gap, contact, straight_cells, rounds };
     supported.remove_missed(cells);
     if supported.support.is_empty() {
         std::mem::swap(&mut supported.gap, &mut supported.support);
@@ -274,9 +297,33 @@ struct Columns {
     support: CellSet,
     /// Those of them that stay empty.
     gap: CellSet,
+    /// Cells of the part at which they end.
+    contact: CellSet,
 }
 
 impl Columns {
+    /// Adds cells that are given; whether any is new. Those that are no farther from the part than the gap stay empty.
+    fn add_given(&mut self, cells: &Cells, given: &[u32], options: &SupportOptions) -> bool {
+        let is_of_part = |cell: u32| cells.contains(cells.position(cell));
+        let gap = options.gap as i32;
+        let is_near = |cell: u32| {
+            let mut steps = (1..=gap).flat_map(|k| [[0, 0, k], [0, 0, -k]]);
+            steps.any(|step| moved(cells, cell, step).is_some_and(is_of_part))
+        };
+        let mut is_new = false;
+        for &cell in given {
+            if is_of_part(cell) {
+                is_new |= gap == 0 && self.contact.insert(cell);
+            } else {
+                is_new |= self.support.insert(cell);
+                if is_near(cell) {
+                    self.gap.insert(cell);
+                }
+            }
+        }
+        is_new
+    }
+
     /// Adds a column below the lowest hanging cell of each region of missed cells; whether there is any new cell.
     fn add_below(
         &mut self,
@@ -297,22 +344,41 @@ impl Columns {
             let of_region: Vec<u32> = runs.cells(|piece| piece == region).collect();
             let hanging = of_region.iter().copied().filter(|&cell| hangs(&ground, cell)).collect();
             let hanging = middle_first(cells, hanging);
-            let Some(column) = hanging.into_iter().find_map(|cell| ground.column_below(cell)) else { continue };
-            let bottom = column.last().filter(|&&end| ground.lands_on_part(end)).map_or(0, |_| options.gap as usize);
-            let most = straight_columns(cells, &of_region) / 2;
-            let (top, levels) = (options.gap as usize, thick_enough(&ground, &column, options, most));
-            let printed = if top + bottom < levels.len() { top..levels.len() - bottom } else { 0..levels.len() };
-            for (level, cells) in levels.into_iter().enumerate() {
-                for cell in cells {
-                    is_new |= ground.support.insert(cell);
-                    if printed.contains(&level) {
-                        self.gap.remove(cell);
-                    } else if !self.support.contains(cell) {
-                        self.gap.insert(cell);
-                    }
-                    self.support.insert(cell);
+            let below = |cell: u32| Some((cell, ground.column_below(cell)?));
+            let Some((top, column)) = hanging.into_iter().find_map(below) else { continue };
+            let levels = thick_enough(&ground, &column, options, straight_columns(cells, &of_region) / 2);
+            is_new |= self.add(&mut ground, (top, &column), levels, options);
+        }
+        is_new
+    }
+
+    /// Adds a column below the cell `top`, as thick as its levels are; whether there is any new cell.
+    fn add(
+        &mut self,
+        ground: &mut Ground,
+        (top, column): (u32, &[u32]),
+        levels: Vec<Vec<u32>>,
+        options: &SupportOptions,
+    ) -> bool {
+        let mut is_new = false;
+        let gap = options.gap as usize;
+        let end = column.last().copied().filter(|&end| ground.lands_on_part(end));
+        let bottom = end.map_or(0, |_| gap);
+        let printed = if gap + bottom < levels.len() { gap..levels.len() - bottom } else { 0..levels.len() };
+        for (level, cells) in levels.into_iter().enumerate() {
+            for cell in cells {
+                is_new |= ground.support.insert(cell);
+                if printed.contains(&level) {
+                    self.gap.remove(cell);
+                } else if !self.support.contains(cell) {
+                    self.gap.insert(cell);
                 }
+                self.support.insert(cell);
             }
+        }
+        if gap == 0 {
+            let under = end.and_then(|end| ground.carrier_below(end));
+            [Some(top), under].into_iter().flatten().for_each(|cell| is_new |= self.contact.insert(cell));
         }
         is_new
     }

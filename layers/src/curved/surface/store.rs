@@ -16,6 +16,8 @@
 //! 18
 //! gap 1                      only with gaps between support and part: likewise
 //! 19
+//! contact 1                  only where support touches the part: likewise the cells of the part that hold both
+//! 17
 //! nozzle 1 0.7853981633974483 8 20 1.5707963267948966 0.5    only with cells judged by the nozzle: tip flat (mm), half angle (rad), height of the
 //!                            cone (mm), block (mm), tilt limit (rad), margin (cells)
 //! directions 1               so many lines follow: a cell, and the direction from the tip to the block
@@ -68,6 +70,8 @@ pub struct PrintAids {
     pub support: Vec<u32>,
     /// The cells between support and part that stay empty, by rising number. They are among those of the field, too.
     pub gap: Vec<u32>,
+    /// The cells of the part that hold support beside its material, by rising number. They are among those of the field, too.
+    pub contact: Vec<u32>,
     /// The nozzle.
     pub rule: NozzleRule,
     /// Cells judged by it, by rising number.
@@ -288,8 +292,9 @@ impl SavedField {
                 None => writeln!(out, "{cell} -")?,
             }
         }
-        let PrintAids { support, gap, rule, nozzle } = &self.aids;
-        for (key, cells) in [("support", support), ("gap", gap)].into_iter().filter(|(_, cells)| !cells.is_empty()) {
+        let PrintAids { support, gap, contact, rule, nozzle } = &self.aids;
+        let lists = [("support", support), ("gap", gap), ("contact", contact)];
+        for (key, cells) in lists.into_iter().filter(|(_, cells)| !cells.is_empty()) {
             writeln!(out, "{key} {}", cells.len())?;
             cells.iter().try_for_each(|cell| writeln!(out, "{cell}"))?;
         }
@@ -456,6 +461,7 @@ impl<R: BufRead> Lines<R> {
         self.next()?;
         aids.support = self.list("support", cells, grid)?;
         aids.gap = self.list("gap", cells, grid)?;
+        aids.contact = self.list("contact", cells, grid)?;
         if self.text.starts_with("nozzle ") {
             let numbers = self.text.split(' ').skip(1).map(number).collect::<Option<Vec<f64>>>();
             let Some([tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin]) =

@@ -1,4 +1,4 @@
-//! Trimming to a mesh with holes: inside is where the winding number is above one half in absolute value.
+//! Trimming to a mesh with holes: inside is where the winding number is above one half, in absolute value where the rule does not mind its sign.
 //!
 //! Over a hole the winding number falls off smoothly, so it is computed at the corners of all pieces and pieces are cut
 //! where it is one half on their sides, as marching triangles do. It is smooth on each side of a cut along the
@@ -103,7 +103,7 @@ impl Halves<'_> {
                 self.fan(half, &mut fan);
                 self.measure_fan(&fan, &mut numbers);
                 for (&half, number) in fan.iter().zip(&numbers) {
-                    self.excess[half as usize] = number.abs() - 0.5;
+                    self.excess[half as usize] = self.solid.rule.excess(*number);
                 }
             }
         }
@@ -180,7 +180,8 @@ impl Halves<'_> {
         for _ in 0..STEPS {
             share = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
             let on = a + (b - a) * share;
-            let value = self.number(&(on + (middle - on) * into)).abs() - 0.5;
+            let value = self.number(&(on + (middle - on) * into));
+            let value = self.solid.rule.excess(value);
             if (value > 0.0) == (low.1 > 0.0) {
                 low = (share, value);
                 high.1 = if stayed == 1 { high.1 / 2.0 } else { high.1 };

@@ -46,7 +46,7 @@ pub(in crate::curved) use inside::Inside;
 use nalgebra::{Point3, Vector3};
 use pieces::Pieces;
 use sheet::Sheet;
-use solid::Solid;
+use solid::{InsideRule, Solid};
 use std::ops::ControlFlow;
 use surface::Surface;
 pub use triangle::MIN_ALTITUDE_MM;
@@ -55,6 +55,9 @@ pub use trimmed::{BoundaryEdge, BoundaryKind, TrimmedSheet};
 
 /// Triangles from one report to the next: a few milliseconds, and for a mesh with holes some tenths of a second.
 const TRIANGLES_PER_REPORT: usize = 512;
+
+/// Vertices of a mesh in millimetres, and its triangles.
+pub type MeshParts<'a> = (&'a [Point3<f64>], &'a [[u32; 3]]);
 
 /// A solid, ready to trim any number of sheets.
 ///
@@ -101,6 +104,43 @@ impl Trimmer {
     /// `O(n log n)` time for `n` triangles, some 300 bytes each.
     pub fn new(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Trimmer, TrimError> {
         Ok(Trimmer { solid: Solid::new(vertices, triangles)?, min_edge_mm: 0.0 })
+    }
+
+    /// Prepares what a solid has outside of another: the points round which its triangles go, and those of the other do not.
+    ///
+    /// # Arguments
+    /// * `solid`, `other`: vertices and triangles as [`Trimmer::new`] takes them. Both look outwards; `solid` goes round each of its points once. If `other` has holes,
+    ///   it ends where its winding number is a quarter.
+    ///
+    /// # Errors, cost
+    /// Those of [`Trimmer::new`].
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::curved::{Cells, cell_mesh, trim::Trimmer};
+    /// use curvlay_layers::nalgebra::Point3;
+    /// use std::ops::ControlFlow::Continue;
+    /// // A cube of 10 mm, a smaller one in its low corner, and a level sheet across both.
+    /// let cells = Cells::new([1, 1, 1], &[1])?;
+    /// let [cube, corner] = [10.0, 4.0].map(|mm| cell_mesh(&cells, &[0], mm, Point3::origin()));
+    /// let trimmer = Trimmer::new_outside(
+    ///     (&cube.vertices, &cube.triangles),
+    ///     (&corner.vertices, &corner.triangles),
+    /// )?;
+    /// let sheet = [[-5.0, -5.0, 2.0], [40.0, -5.0, 2.0], [-5.0, 40.0, 2.0]].map(Point3::from);
+    /// let trimmed = trimmer.trim(&sheet, &[[0, 1, 2]], &|_| Continue(()))?;
+    /// assert!((trimmed.area() - (100.0 - 16.0)).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new_outside(solid: MeshParts, other: MeshParts) -> Result<Trimmer, TrimError> {
+        let first = solid.0.len() as u32;
+        // Each triangle of the other twice, turned: the winding number is above 0 where that of the solid is 1 and that of the other 0.
+        let turned = other.1.iter().map(|&[a, b, c]| [c, b, a].map(|corner| first.saturating_add(corner)));
+        let vertices = [solid.0, other.0].concat();
+        let triangles: Vec<[u32; 3]> = solid.1.iter().copied().chain(turned.flat_map(|corners| [corners; 2])).collect();
+        let mut solid = Solid::new(&vertices, &triangles)?;
+        solid.rule = InsideRule::Positive;
+        Ok(Trimmer { solid, min_edge_mm: 0.0 })
     }
 
     /// The same, but edges of the boundary on the mesh that are shorter than a length are put together where the boundary then
@@ -183,7 +223,7 @@ impl Trimmer {
         let sheet = Sheet::new(vertices, triangles)?;
         let mut pieces = Pieces::cut(&sheet, &self.solid, &watch)?;
         let keep: Vec<bool> = match &self.solid.holes {
-            None => pieces.numbers(&self.solid).into_iter().map(|number| number != 0).collect(),
+            None => pieces.numbers(&self.solid).into_iter().map(|number| self.solid.rule.holds(number)).collect(),
             Some(dipoles) => holes::split_at_half(&mut pieces, &self.solid, dipoles, &watch)?,
         };
         let lost = |piece: usize, side: usize| match pieces.rise[piece][side] {

@@ -17,6 +17,32 @@ const STRAY_MM: f64 = 1e-4;
 /// triangles share meets at least one of them.
 const OVERLAP: f64 = 1e-9;
 
+/// Which points are inside, by the winding number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum InsideRule {
+    /// Where it is not 0: the union of solids, whichever way they look.
+    NonZero,
+    /// Where it is above 0.
+    Positive,
+}
+
+impl InsideRule {
+    pub(super) fn holds(self, number: i32) -> bool {
+        match self {
+            InsideRule::NonZero => number != 0,
+            InsideRule::Positive => number > 0,
+        }
+    }
+
+    /// For numbers that are not whole: how far above one half, or below if less than 0.
+    pub(super) fn excess(self, number: f64) -> f64 {
+        match self {
+            InsideRule::NonZero => number.abs() - 0.5,
+            InsideRule::Positive => number - 0.5,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Solid {
     pub(super) points: Vec<Point3<f64>>,
@@ -29,6 +55,7 @@ pub(super) struct Solid {
     pub(super) tree: Tree,
     /// If the triangles do not close: what the winding number is computed from.
     pub(super) holes: Option<Dipoles>,
+    pub(super) rule: InsideRule,
 }
 
 impl Solid {
@@ -55,7 +82,8 @@ impl Solid {
         let boxes: Vec<_> = triangles.iter().map(|t| Bounds::of(t.map(|c| &points[c as usize]))).collect();
         let tree = Tree::new(&boxes);
         let holes = holed.then(|| Dipoles::new(&Mesh { points: &points, triangles: &triangles, tree: &tree }));
-        Ok(Solid { points, triangles, sides: edges.sides, ends: edges.ends, tree, holes })
+        let rule = InsideRule::NonZero;
+        Ok(Solid { points, triangles, sides: edges.sides, ends: edges.ends, tree, holes, rule })
     }
 
     /// The winding number at any point, whole or not, to a few hundredths.
@@ -79,11 +107,11 @@ impl Solid {
         sum
     }
 
-    /// Whether a point is inside: where the winding number is not 0, or for a mesh with holes above one half.
+    /// Whether a point is inside, by the rule.
     pub(super) fn contains(&self, p: &Point3<f64>) -> bool {
         match &self.holes {
-            Some(holes) => self.winding_near(holes, p).abs() > 0.5,
-            None => self.winding(p) != 0,
+            Some(holes) => self.rule.excess(self.winding_near(holes, p)) > 0.0,
+            None => self.rule.holds(self.winding(p)),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::helpers::*;
 use approx::assert_relative_eq;
+use curvlay_layers::curved::trim::Trimmer;
 use proptest::prelude::*;
 
 #[test]
@@ -77,6 +78,11 @@ fn flat_axis(sheet: &Mesh) -> Option<usize> {
 
 /// The area inside of a flat sheet on whole coordinates, by the unit cubes at whose bottom it lies.
 fn area_by_cubes(mesh: &Mesh, sheet: &Mesh, axis: usize) -> f64 {
+    area_where(sheet, axis, |at| winding(mesh, at) > 0.5)
+}
+
+/// The area of the unit cubes above a flat sheet whose middle is inside.
+fn area_where(sheet: &Mesh, axis: usize, is_inside: impl Fn(&P) -> bool) -> f64 {
     let bounds = |k: usize| {
         let all = || sheet.vertices.iter().map(move |p| p[k] as i32);
         all().min().unwrap_or(0)..all().max().unwrap_or(0)
@@ -86,7 +92,7 @@ fn area_by_cubes(mesh: &Mesh, sheet: &Mesh, axis: usize) -> f64 {
     let inside = cubes.filter(|&(i, j)| {
         let mut at = P::origin();
         (at[u], at[v], at[axis]) = (f64::from(i) + 0.5, f64::from(j) + 0.5, sheet.vertices[0][axis] + 0.5);
-        winding(mesh, &at) > 0.5
+        is_inside(&at)
     });
     inside.count() as f64
 }
@@ -104,5 +110,25 @@ proptest! {
         prop_assert_eq!(trimmed.slivers, 0);
         let turned = trim(&mesh.turned(), &sheet);
         prop_assert!((turned.area() - trimmed.area()).abs() < 1e-9);
+    }
+
+    /// What a box has outside of other boxes, which overlap each other and it in any way.
+    #[test]
+    fn a_box_outside_of_others(
+        low in prop::array::uniform3(0_i32..5),
+        size in prop::array::uniform3(1_i32..5),
+        others in boxes(),
+        sheet in sheets(),
+    ) {
+        let solid = cuboid(low.map(f64::from), [0, 1, 2].map(|k| f64::from(low[k] + size[k])));
+        let trimmer = Trimmer::new_outside((&solid.vertices, &solid.triangles), (&others.vertices, &others.triangles));
+        let trimmed = trimmer.unwrap().trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
+        check(&sheet, &trimmed);
+        let whole = trim(&solid, &sheet);
+        prop_assert!(trimmed.area() < whole.area() + 1e-9);
+        if let Some(axis) = flat_axis(&sheet) {
+            let expected = area_where(&sheet, axis, |at| winding(&solid, at) > 0.5 && winding(&others, at) < 0.5);
+            prop_assert!((trimmed.area() - expected).abs() < 1e-9);
+        }
     }
 }

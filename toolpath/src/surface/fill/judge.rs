@@ -52,8 +52,14 @@ pub(super) fn judge_again(
             (None, Some(beside)) => (&vertices[..beside.vertices], &triangles[..beside.triangles]),
             (None, None) => (vertices, triangles),
         };
-        let mesh = SurfaceMesh::new(vertices.to_vec(), triangles.to_vec())?;
-        let of_part = statistics(&mesh, paths, options, *reach_mm, &report)?;
+        // There may be support alone.
+        let of_part = match triangles {
+            [] => PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() },
+            _ => {
+                let mesh = SurfaceMesh::new(vertices.to_vec(), triangles.to_vec())?;
+                statistics(&mesh, paths, options, *reach_mm, &report)?
+            }
+        };
         Ok(support.as_ref().map_or(of_part.clone(), |beside| of_part.and(&beside.statistics)))
     };
     let judged = parallel::map(changed, "fill", progress, |_, &layer| {

@@ -382,6 +382,9 @@ pub fn fill_rest(
     if let Some(stack) = &stack {
         infill::mark(&mut layers, surfaces, options.bead, stack);
     }
+    if layers.iter().flatten().any(|layer| layer.support.is_some()) {
+        infill::mark_support(&mut layers, surfaces, options.bead)?;
+    }
     let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
     let reach = layers
         .iter()

@@ -178,8 +178,8 @@ impl FillTotals {
                     BeadKind::Wall => self.wall_mm += length,
                     BeadKind::Solid => self.solid_mm += length,
                     BeadKind::Skin | BeadKind::Bridge => self.skin_mm += length,
-                    BeadKind::Support | BeadKind::SparseSupport => self.support_mm += length,
-                    BeadKind::Infill => {}
+                    kind if kind.is_support() => self.support_mm += length,
+                    _ => {}
                 }
             }
         }

@@ -4,7 +4,7 @@ use super::super::fill::{FilledLayer, FilledLayers, LayerSurface};
 use super::super::kind::BeadKind;
 use super::super::paths::segments::{Segments, nearest};
 use super::super::paths::{PathPoint, SurfacePath};
-use super::super::stack::{LayerStack, of_layer};
+use super::super::stack::{BuiltLayer, LayerStack, StackError, of_layer};
 use super::thickness;
 use nalgebra::Point3;
 
@@ -27,40 +27,77 @@ pub(in crate::surface) fn mark(
     bead: f64,
     stack: &LayerStack,
 ) {
+    mark_over(layers, surfaces, bead, stack, [BeadKind::Skin, BeadKind::Bridge]);
+}
+
+/// The same of support over its own sparse infill: [`BeadKind::SupportBridge`].
+pub(in crate::surface) fn mark_support(
+    layers: &mut [Option<FilledLayer>],
+    surfaces: &[LayerSurface],
+    bead: f64,
+) -> Result<(), StackError> {
+    let built: Vec<BuiltLayer> =
+        layers.iter().zip(surfaces).map(|(layer, surface)| of_support(layer, surface)).collect();
+    mark_over(layers, surfaces, bead, &LayerStack::new(&built)?, [BeadKind::Support, BeadKind::SupportBridge]);
+    Ok(())
+}
+
+/// The surface of the support of a layer.
+fn of_support<'a>(layer: &Option<FilledLayer>, surface: &LayerSurface<'a>) -> BuiltLayer<'a> {
+    let LayerSurface { vertices, triangles, thickness, .. } = *surface;
+    let from = layer.as_ref().and_then(|layer| layer.support.as_ref()).map(|support| support.triangles);
+    let from = from.unwrap_or(triangles.len());
+    BuiltLayer { vertices, triangles: &triangles[from..], spacing: &thickness[from..], curves: &[] }
+}
+
+/// Points of a kind become bridges where the layer before of the stack is below them, but none of its solid beads.
+fn mark_over(
+    layers: &mut [Option<FilledLayer>],
+    surfaces: &[LayerSurface],
+    bead: f64,
+    stack: &LayerStack,
+    [kind, bridge]: [BeadKind; 2],
+) {
     for above in 1..layers.len() {
+        // Half layers are not everywhere: the whole layer below one may be what is below this one.
+        let lowest = (0..above).rfind(|&k| !surfaces[k].is_half).unwrap_or(0);
         let (before, rest) = layers.split_at_mut(above);
-        let (Some(before), Some(layer)) = (&before[above - 1], &mut rest[0]) else { continue };
-        if before.sparse.area_mm2 <= 0.0 {
+        let (before, Some(layer)) = (&before[lowest..], &mut rest[0]) else { continue };
+        if before.iter().flatten().all(|before| before.sparse.area_mm2 <= 0.0) {
             continue;
         }
-        let (paths, surface, below) = (&before.paths.paths, &surfaces[above], above as u32 - 1);
+        let surface = &surfaces[above];
+        let below = of_layer(lowest as u32).start..of_layer(above as u32 - 1).end;
+        let most = ON * surface.thickness.iter().copied().fold(0.0, f64::max);
+        let paths: Vec<&SurfacePath> = before.iter().flatten().flat_map(|before| &before.paths.paths).collect();
         let solid = Below::new(paths, surface, |path| path.points.first().is_some_and(|point| !point.kind.is_sparse()));
         let points = layer.paths.paths.iter_mut().flat_map(|path| &mut path.points);
-        for point in points.filter(|point| point.kind == BeadKind::Skin) {
-            let (p, reach) = (point.at.position, ON * thickness(surface, point.at.triangle));
-            let is_over = || stack.tree.nearest(&stack.keys, p, of_layer(below), reach, |_, _| true).is_some();
-            if !solid.carries(p, reach) && is_over() {
-                point.kind = BeadKind::Bridge;
+        for point in points.filter(|point| point.kind == kind) {
+            let p = point.at.position;
+            // Where the layer is squeezed the one before is farther away than the thickness here says.
+            let is_over = || stack.tree.nearest(&stack.keys, p, below.clone(), most, |_, _| true).is_some();
+            if !solid.carries(p, ON * thickness(surface, point.at.triangle)) && is_over() {
+                point.kind = bridge;
             }
         }
         for path in &mut layer.paths.paths {
-            path.absorb(BeadKind::Skin, BeadKind::Bridge, SHORT_RUN * bead);
-            path.absorb(BeadKind::Bridge, BeadKind::Skin, SHORT_RUN * bead);
+            path.absorb(kind, bridge, SHORT_RUN * bead);
+            path.absorb(bridge, kind, SHORT_RUN * bead);
         }
     }
 }
 
 /// Beads of the layer before.
 struct Below<'a> {
-    paths: &'a [SurfacePath],
+    paths: Vec<&'a SurfacePath>,
     near: Segments,
 }
 
 impl<'a> Below<'a> {
-    fn new(paths: &'a [SurfacePath], surface: &LayerSurface, wanted: impl Fn(&SurfacePath) -> bool) -> Self {
+    fn new(paths: Vec<&'a SurfacePath>, surface: &LayerSurface, wanted: impl Fn(&SurfacePath) -> bool) -> Self {
         let most = ON * surface.thickness.iter().copied().fold(0.0, f64::max);
         let mut near = Segments::new(4.0 / 3.0 * most);
-        for (number, path) in (0..).zip(paths).filter(|(_, path)| wanted(path)) {
+        for (number, path) in (0..).zip(&paths).filter(|(_, path)| wanted(path)) {
             (0..path.segments())
                 .for_each(|k| near.add(path.segment(k).map(|point| point.at.position), [number, k as u32]));
         }
@@ -117,7 +154,7 @@ impl FilledLayers {
         let mut bridges = Bridges::default();
         for ([before, layer], surface) in self.layers.array_windows().zip(surfaces.iter().skip(1)) {
             let (Some(before), Some(layer)) = (before, layer) else { continue };
-            let below = Below::new(&before.paths.paths, surface, |_| true);
+            let below = Below::new(before.paths.paths.iter().collect(), surface, |_| true);
             layer.paths.paths.iter().for_each(|path| bridges.add(path, surface, &below));
         }
         bridges

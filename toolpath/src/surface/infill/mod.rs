@@ -22,7 +22,7 @@ use super::paths::curve::nearest_in_triangle;
 use super::paths::{LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath};
 use crate::Progress;
 pub use bridge::Bridges;
-pub(super) use bridge::mark;
+pub(super) use bridge::{mark, mark_support};
 use nalgebra::Point3;
 pub(super) use skin::{Sites, sites};
 use split::{Class, Sheet};
