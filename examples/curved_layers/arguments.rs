@@ -61,8 +61,11 @@ pub fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
         return Err("--prevention needs --strategy governed or printed".to_owned());
     }
-    if is_given("mould") && matches.get_one::<Lying>("orient") == Some(&Lying::Best) {
-        return Err("--orient best does not go with --on: the part lies on it as the files have both".to_owned());
+    let with_it = [("mould", "--on: the part lies on it"), ("base", "--base: the part lies across it")];
+    if let Some((_, with)) = with_it.into_iter().find(|(id, _)| is_given(id))
+        && matches.get_one::<Lying>("orient") == Some(&Lying::Best)
+    {
+        return Err(format!("--orient best does not go with {with} as the files have both"));
     }
     if matches.get_one::<Lying>("orient") != Some(&Lying::Best) {
         let posing = ["directions", "orient_voxels", "refine", "least_tipping", "standing_first"];

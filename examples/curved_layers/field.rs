@@ -7,7 +7,7 @@ use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_examples::mesh::UNCERTAIN_SHARE;
+use curvlay_examples::mesh::{Mesh, UNCERTAIN_SHARE};
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, CompleteOptions, CompletePart, Growth, Guides, Impossible, JudgedByNozzle, LayerQuality,
@@ -127,11 +127,19 @@ impl FieldRun {
     }
 }
 
+/// A surface that layers are to be parallel to.
+pub struct Surface {
+    pub name: String,
+    pub mesh: Mesh,
+}
+
 /// What layers are made of.
 pub struct Given<'a> {
     pub part: &'a Part,
     /// What it is built on, if that is not the plate.
     pub mould: Option<&'a Part>,
+    /// The surface that its layers are to be parallel to.
+    pub base: Option<&'a Surface>,
     /// The field, if an earlier run has saved it.
     pub saved: Option<SavedField>,
     /// Places on the plate where beads of an earlier try lay on nothing.
@@ -175,7 +183,7 @@ pub fn run(
     options: &FieldOptions,
     surfaces: Option<&SurfaceOptions>,
     memory: Memory,
-    Given { part, mould, saved, bare }: Given,
+    Given { part, mould, base, saved, bare }: Given,
     bars: &Bars,
 ) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
     let of_part = |error: &dyn std::fmt::Display| failure(format!("{}: {error}", part.name));
@@ -254,6 +262,13 @@ pub fn run(
     clock.note("grow", 0);
     let below = workpiece.cells_below(bare).map_err(layers_failed)?;
     workpiece.guides.support = &below;
+    let heights = base.map(|base| {
+        let vertices: Vec<Point3<f64>> = base.mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+        let heights = workpiece.heights_over(&vertices, &base.mesh.triangles);
+        heights.map_err(|error| failure(format!("{}: {error}", base.name)))
+    });
+    let heights = heights.transpose()?;
+    workpiece.guides.heights = heights.as_deref();
     let (mut support, mut contact, mut straight_cells) = (Vec::new(), Vec::new(), 0);
     let (mut no_support, mut layers_by) = (None, None);
     let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {

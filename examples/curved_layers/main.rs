@@ -45,7 +45,7 @@ use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use curvlay_voxel::inspect::thinner_than;
 use estimate::Memory;
-use field::{FieldOptions, FieldRun, Given};
+use field::{FieldOptions, FieldRun, Given, Surface};
 use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use nalgebra::Point3;
@@ -75,6 +75,9 @@ struct Args {
     /// both stands on the plate
     #[arg(long = "on", value_name = "FILE", help_heading = "Part")]
     mould: Option<PathBuf>,
+    /// Layers parallel to this surface in place of an order that is searched: an open mesh across the part and beyond, with the same origin, unit, scale and axis
+    #[arg(long = "base", value_name = "FILE", conflicts_with_all = ["resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = "Part")]
+    base: Option<PathBuf>,
     /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     profile: Option<PathBuf>,
@@ -192,7 +195,7 @@ impl Args {
 
     /// The files that it reads.
     fn files(&self) -> impl Iterator<Item = Option<&Path>> {
-        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.mould].map(Option::as_deref);
+        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.mould, &self.base].map(Option::as_deref);
         one.into_iter().chain([self.mesh.path()]).chain(self.merge.iter().map(|path| Some(path.as_path())))
     }
 
@@ -217,6 +220,14 @@ impl Args {
     /// What it is built on.
     fn mould(&self) -> Result<Option<Part>, Failure> {
         Ok(self.mould.as_deref().map(|path| self.mesh.load_file(path)).transpose()?)
+    }
+
+    /// The surface that layers are parallel to.
+    fn base(&self) -> Result<Option<Surface>, Failure> {
+        let load = |path: &PathBuf| -> Result<Surface, Failure> {
+            Ok(Surface { name: path.display().to_string(), mesh: self.mesh.load_surface(path)? })
+        };
+        self.base.as_ref().map(load).transpose()
     }
 
     /// Layer height; `None` for the edge of a cell.
@@ -256,6 +267,9 @@ impl Args {
     /// By what the order of the cells is found: by what prints best, unless the run is for research, or the user asks for something that only orders by hulls
     /// have.
     fn layers_by(&self) -> LayersBy {
+        if self.base.is_some() {
+            return LayersBy::Distance;
+        }
         let is_by_hulls = self.grow.strategy().is_some() || self.complete.nozzle_growth.is_some() || self.coherent;
         // A hull that holds a mould holds much of the part.
         let is_for_research = self.height().is_none() && self.mould.is_none();
@@ -453,14 +467,14 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers", args.files(), outputs::is_ours)?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
         ranges::check(&args.merge).map_err(failure)?;
-        let (mut part, mould) = (args.part(saved.as_ref())?, args.mould()?);
+        let (mut part, mould, base) = (args.part(saved.as_ref())?, args.mould()?, args.base()?);
         // All that is read has been read, or can be: what an earlier run has left goes now.
         folder.clear(outputs::is_ours)?;
         let bars = &Bars::new(args.common.quiet);
         pool(&args)?.install(|| {
             let posed = (args.orient == Lying::Best).then(|| args.lay(&mut part, bars)).transpose()?;
-            let (part, mould) = (&part, mould.as_ref());
-            let job = Job { args: &args, setup, part, mould, posed, folder: &folder, bars };
+            let (part, mould, base) = (&part, mould.as_ref(), base.as_ref());
+            let job = Job { args: &args, setup, part, mould, base, posed, folder: &folder, bars };
             job.work(saved)
         })
     })
@@ -490,6 +504,7 @@ struct Job<'a> {
     setup: Setup,
     part: &'a Part,
     mould: Option<&'a Part>,
+    base: Option<&'a Surface>,
     /// The pose of the part, where it was searched.
     posed: Option<Posed>,
     folder: &'a OutputFolder,
@@ -560,11 +575,11 @@ impl Job<'_> {
         bare: &[Point3<f64>],
         mut findings: Findings,
     ) -> Result<Results, Failure> {
-        let Job { args, part, mould, bars, .. } = *self;
+        let Job { args, part, mould, base, bars, .. } = *self;
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
         let options = args.field_options(layers_by, &self.setup.nozzle);
         let (field, surfaces) =
-            field::run(&options, surfaces.as_ref(), args.memory(), Given { part, mould, saved, bare }, bars)?;
+            field::run(&options, surfaces.as_ref(), args.memory(), Given { part, mould, base, saved, bare }, bars)?;
         // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
         if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
             args.path_options(surfaces.height_mm)?;

@@ -180,6 +180,18 @@ impl MeshArgs {
         self.prepare(name, file).map_err(|fault| MeshError { path: path.to_owned(), fault })
     }
 
+    /// Reads a surface with the same unit, scale and axis: its triangles stay as they are.
+    ///
+    /// # Errors
+    /// [`MeshError`] when the file cannot be used.
+    pub fn load_surface(&self, path: &Path) -> Result<Mesh, MeshError> {
+        let MeshFile { mut mesh, states_unit, .. } = read_mesh_file(path)?;
+        let mut placement = self.placement();
+        placement.unit = if states_unit { Unit::Mm } else { placement.unit };
+        placement.apply(&mut mesh).map_err(|fault| MeshError { path: path.to_owned(), fault })?;
+        Ok(mesh)
+    }
+
     /// Places and orients a mesh.
     fn prepare(&self, name: String, file: MeshFile) -> Result<Part, MeshFault> {
         let MeshFile { mut mesh, mut findings, states_unit } = file;

@@ -6,7 +6,7 @@
 use super::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
 use super::cells::Cells;
 use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
-use super::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_directed};
+use super::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_by_heights, grow_directed};
 use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
 use super::standing::carried;
@@ -44,7 +44,12 @@ impl Workpiece<'_> {
                     let CompleteOptions { rule, directed, .. } = options;
                     grow_directed(cells, cell_mm, platform, &rules, Some(&base), rule, directed, progress)
                 }
-                _ => grow_by_distance(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress),
+                _ => match self.guides.heights {
+                    Some(heights) => {
+                        grow_by_heights(cells, cell_mm, platform, &rules, Some(&base), &options.rule, heights, progress)
+                    }
+                    None => grow_by_distance(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress),
+                },
             }
         };
         let grow_in = |cells: &Cells| -> Result<(Growth, LayerField), GrowthError> {

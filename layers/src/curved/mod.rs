@@ -34,6 +34,7 @@ mod mould;
 mod nozzle;
 mod order;
 pub mod orient;
+mod parallel;
 mod peel;
 mod platform;
 mod quality;
@@ -59,7 +60,8 @@ pub use complete::{
     CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet, SupportCells,
 };
 pub use distance::{
-    DirectedOptions, DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance, grow_directed,
+    DirectedOptions, DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance,
+    grow_by_heights, grow_directed,
 };
 pub use growth::{
     Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
@@ -69,6 +71,7 @@ pub use guides::Guides;
 pub use impossible::{Impossible, prove_impossible};
 pub use nozzle::{DIRECTIONS, NozzleCell, NozzleRule, NozzleRuleError, grow_with_nozzle};
 pub use order::LayerOrder;
+pub use parallel::HeightsError;
 pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};

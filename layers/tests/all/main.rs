@@ -15,6 +15,7 @@ mod mould;
 mod nozzle;
 mod on_mould;
 mod orient;
+mod parallel;
 mod planar;
 mod plates;
 mod quality;

@@ -446,7 +446,7 @@ fn columns_below_places() {
     // A block is solid; over a step the column ends in the cell in which that begins.
     let whole = self::part([9, 9, 9], |_| true);
     assert!(below_in(&whole, &mesh_of(&whole), [4.5, 4.5, 5.5]).is_empty());
-    let step = self::part([9, 3, 9], |[x, _, z]| x == 0 || z >= 7 || z < 2);
+    let step = self::part([9, 3, 9], |[x, _, z]| x == 0 || !(2..7).contains(&z));
     assert_eq!(below_in(&step, &mesh_of(&step), [4.5, 1.5, 7.5]), block(3..6, 1..7));
 }
 
@@ -472,7 +472,7 @@ fn support_fills_what_is_below_the_part_in_its_own_cells() {
     let under = plain.cells_below(&places).unwrap();
     let expected: Vec<u32> = (0..6).flat_map(|y| (4..12).map(move |x| x + 12 * y)).collect();
     assert_eq!(under, expected);
-    let part = Workpiece { guides: Guides { support: &under }, ..plain };
+    let part = Workpiece { guides: Guides { support: &under, ..Guides::default() }, ..plain };
     for layers_by in [LayersBy::Distance, LayersBy::Directed] {
         let options = CompleteOptions { layers_by, ..CompleteOptions::default() };
         let made = part.complete_layers(None, 0.5, &options, &go).unwrap();

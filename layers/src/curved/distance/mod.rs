@@ -31,7 +31,7 @@ use super::standing::carried;
 use super::surface::{FieldError, LayerField};
 pub use directed::DirectedOptions;
 use nalgebra::Vector3;
-pub use reach::{DistanceOrder, grow_by_distance, grow_directed};
+pub use reach::{DistanceOrder, grow_by_distance, grow_by_heights, grow_directed};
 
 /// The order of a distance field is cut this often in a layer. Every cell that is not on the base has one beside a face of it whose
 /// distance is less by at least half a cell ([`distance_field`]), so with two steps a layer that one is in an earlier step.

@@ -21,7 +21,7 @@ use super::delayed::{Floors, delay};
 use super::directed::{DirectedOptions, directed};
 use super::lifted::lifted;
 use super::march::distances;
-use super::{HALF_LAYERS, OnBase, STEPS_PER_LAYER, base, beside, in_cells, slope, solved};
+use super::{HALF_LAYERS, ON_BASE, OnBase, STEPS_PER_LAYER, base, beside, in_cells, slope, solved};
 use crate::Progress;
 use nalgebra::{UnitVector3, Vector3};
 use std::ops::ControlFlow;
@@ -146,6 +146,55 @@ pub fn grow_directed(
     let base = &job.base;
     let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), tilt);
     let grown = job.grown(in_cells(cells, lifted(cells, base, &directed)).with_half_layers(Some(HALF_LAYERS)))?;
+    Ok(job.order(grown, 0))
+}
+
+/// Orders the cells as [`grow_by_distance`] does, by how high they lie over a surface: layers are parallel to it. Cells that stand on the platform have their height as well; any other has
+/// a lower one beside a face of it: where it has none, its value is raised. What is not reached is missed.
+///
+/// # Arguments
+/// * `heights`: of each cell of the grid, in cells ([`Workpiece::heights_over`](super::super::Workpiece::heights_over)).
+/// * all others as for [`grow_by_distance`].
+///
+/// # Errors
+/// As for [`grow_by_distance`]; [`GrowthError::Heights`].
+///
+/// # Cost
+/// That of a round of [`grow_by_distance`].
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::{Cells, NozzleRule, Platform, Rules, grow_by_heights};
+/// use std::ops::ControlFlow::Continue;
+/// // A wall of 5 by 4 cells of 5 mm, and a slope that rises by half a cell from cell to cell: 12 steps of half a cell.
+/// let cells = Cells::new([5, 1, 4], &[0b1_1111; 4])?;
+/// let heights: Vec<f64> = (0..20).map(|cell| f64::from(cell / 5) - 0.5 * f64::from(cell % 5)).collect();
+/// let (platform, rules) = (Platform::under(&cells, 40.0)?, Rules::default());
+/// let order = grow_by_heights(&cells, 5.0, &platform, &rules, None, &NozzleRule::default(), &heights, &|_| Continue(()))?;
+/// assert!(order.growth.missed.is_empty());
+/// assert_eq!([4, 0, 15].map(|cell| order.field.value(cell)), [0.5, 2.5, 5.5].map(Some));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[expect(clippy::too_many_arguments, reason = "as grow_by_distance, and the heights")]
+pub fn grow_by_heights(
+    cells: &Cells,
+    cell_mm: f64,
+    platform: &Platform,
+    rules: &Rules,
+    base: Option<&[u32]>,
+    nozzle: &NozzleRule,
+    heights: &[f64],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<DistanceOrder, GrowthError> {
+    let mut job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
+    let len = cells.dims().iter().map(|&side| side as usize).product();
+    if heights.len() != len || cells.iter().any(|cell| !heights[cell as usize].is_finite()) {
+        return Err(GrowthError::Heights { len });
+    }
+    let lowest = cells.iter().map(|cell| heights[cell as usize]).fold(f64::INFINITY, f64::min);
+    let values: Vec<f64> = heights.iter().map(|height| height - lowest + ON_BASE).collect();
+    job.base.iter_mut().for_each(|(cell, value)| *value = values[*cell as usize]);
+    let grown = job.grown(in_cells(cells, lifted(cells, &job.base, &values)))?;
     Ok(job.order(grown, 0))
 }
 

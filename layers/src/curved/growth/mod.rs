@@ -188,6 +188,12 @@ pub enum GrowthError {
         /// The angle from level, in radians.
         tilt: f64,
     },
+    /// Heights of other cells, or such that are none.
+    #[error("heights over a surface must be finite, and one for each of the {len} cells of the grid")]
+    Heights {
+        /// Cells of the grid.
+        len: usize,
+    },
     /// The nozzle cannot be judged by.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),

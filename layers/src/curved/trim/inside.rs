@@ -41,6 +41,25 @@ impl Inside {
         in_parallel(dims[1] as usize * dims[2] as usize, 1, row).concat()
     }
 
+    /// How much of its area looks upwards, less what looks downwards, as a share of all.
+    pub(in crate::curved) fn upward_share(&self) -> f64 {
+        let normal = |triangle: u32| {
+            let [a, b, c] = self.0.corners(triangle);
+            (b - a).cross(&(c - a))
+        };
+        let (mut up, mut all) = (0.0, 0.0);
+        for triangle in 0..self.0.triangles.len() as u32 {
+            let normal = normal(triangle);
+            (up, all) = (up + normal.z, all + normal.norm());
+        }
+        if all > 0.0 { up / all } else { 0.0 }
+    }
+
+    /// The distance of a point from the skin, negative behind it: on the side that the mean normal at the nearest point looks away from, weighted by angles.
+    pub(in crate::curved) fn height(&self, p: &Point3<f64>) -> f64 {
+        self.0.signed_distance(p)
+    }
+
     /// The point of the skin that is nearest.
     pub(in crate::curved) fn nearest(&self, p: &Point3<f64>) -> Point3<f64> {
         self.0.nearest(p)

@@ -7,11 +7,15 @@ use super::triangle::{MIN_ALTITUDE_MM, altitude, closest};
 use super::winding::{Dipoles, Mesh};
 use crate::curved::boxes::{Bounds, Tree};
 use nalgebra::{Point3, Vector3};
+use std::f64::consts::{PI, TAU};
 
 /// Triangles lower than this are left out of a mesh that is closed without them, mm. What they add to a winding number
 /// is nothing but next to them. Flat ones come out of files in single precision up to 1e-5 mm high; a millimetre would
 /// be a part of the solid.
 const STRAY_MM: f64 = 1e-4;
+
+/// Nearest points of two triangles are the same if they are no farther apart than this share of one and the distance: rounding is far less.
+const SAME_POINT: f64 = 1e-9;
 
 /// How far beyond its edge a triangle still counts for a line, as a share of the triangle: a line through an edge that two
 /// triangles share meets at least one of them.
@@ -151,6 +155,24 @@ impl Solid {
         best.map_or(*p, |(.., point)| point)
     }
 
+    /// The distance to the nearest triangle, negative where the mean normal of the triangles at the nearest point, weighted by their angles there, looks away.
+    pub(super) fn signed_distance(&self, p: &Point3<f64>) -> f64 {
+        let distance = self.distance(p);
+        let reach = distance * (1.0 + 1e-9) + f64::MIN_POSITIVE;
+        let nearest = self.nearest(p);
+        let within = Vector3::repeat(reach);
+        let mut normal = Vector3::zeros();
+        self.tree.meeting(&Bounds::of([&(p - within), &(p + within)]), |triangle| {
+            let corners = self.corners(triangle);
+            if (closest(corners, p) - nearest).norm() <= SAME_POINT * (1.0 + distance) {
+                let [a, b, c] = corners;
+                let across = (b - a).cross(&(c - a));
+                normal += across.normalize() * angle_at(corners, &nearest);
+            }
+        });
+        if (p - nearest).dot(&normal) < 0.0 { -distance } else { distance }
+    }
+
     /// The distance to the nearest triangle.
     pub(super) fn distance(&self, p: &Point3<f64>) -> f64 {
         // Most points that are asked for lie on the mesh: few boxes hold them.
@@ -163,6 +185,24 @@ impl Solid {
         let found = self.tree.nearest_sq(p, bound * bound, distance_sq);
         (found < bound * bound).then(|| found.sqrt())
     }
+}
+
+/// The angle of a triangle at one of its points: at a corner its own, along a side half a turn, inside a whole one.
+fn angle_at(corners: [&Point3<f64>; 3], at: &Point3<f64>) -> f64 {
+    let size = (corners[1] - corners[0]).norm() + (corners[2] - corners[0]).norm();
+    let is_here = |corner: &Point3<f64>| (corner - at).norm() <= SAME_POINT * (1.0 + size);
+    let [a, b, c] = corners;
+    for [at, from, to] in [[a, b, c], [b, c, a], [c, a, b]] {
+        if is_here(at) {
+            return (from - at).angle(&(to - at));
+        }
+    }
+    let sides = [[a, b], [b, c], [c, a]];
+    let is_on = |[from, to]: &[&Point3<f64>; 2]| {
+        let side = *to - *from;
+        (at - *from).cross(&side).norm() <= SAME_POINT * (1.0 + size) * side.norm()
+    };
+    if sides.iter().any(is_on) { PI } else { TAU }
 }
 
 /// The places of vertices, each once, and the number of the place of each vertex.
