@@ -7,7 +7,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
-use curvlay_layers::curved::{Cells, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{Cells, LayeredPart, Platform, Rules, Workpiece};
 use curvlay_layers::elastic::{
     ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic, stress_matrix,
 };
@@ -56,8 +56,6 @@ pub struct LoadedLayer {
     pub solved: Option<Solved>,
     /// Time for directions and tapes.
     pub plan_time: Duration,
-    /// Half the height of the layer, in millimetres: from its middle to its top.
-    pub lift: f64,
 }
 
 /// The work of the solver.
@@ -139,7 +137,6 @@ fn follow(
         angle,
         solved: None,
         plan_time,
-        lift: 0.0,
     })
 }
 
@@ -177,73 +174,93 @@ pub fn arc(specimen: &Specimen, options: &TapeOptions, smoothing: f64, bars: &Ba
     })
 }
 
-/// A layer of the user's part.
-pub fn of_part(args: &Args, part: &Part, stress: Option<&[StressSample]>, bars: &Bars) -> Result<LoadedLayer, Failure> {
-    let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
-    let resolution = args.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
-    let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
-    let mesh = &part.mesh;
-    let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
-    let (surface, lift, name) = layer_of(args, part, &solid, bars)?;
-    let (samples, reach, source, solved) = match (&args.stress, stress) {
-        (Some(path), Some(samples)) => {
-            (samples.to_vec(), args.reach_mm, format!("stresses of {}", path.display()), None)
-        }
-        _ => {
-            let (loaded, source) = user_load(args, part, &solid);
-            let (samples, solved) = loaded.samples(bars)?;
-            (samples, REACH_CELLS * solid.grid.cell_mm(), source, Some(solved))
-        }
-    };
-    let layer =
-        follow(surface, &samples, reach, &args.tape_options(), args.smoothing_mm(), bars).map_err(|failure| {
-            args.stress.as_ref().map_or_else(|| failure.clone(), |path| fault(path, &failure.message()))
-        })?;
-    Ok(LoadedLayer { name, source, solved, lift, ..layer })
+/// The layers of the user's part, in the frame of the plate.
+pub struct PartLayers {
+    /// Its cells.
+    pub solid: Voxelisation,
+    /// Their order, and the surfaces.
+    pub layered: LayeredPart,
+    /// Volume of the part in cubic millimetres.
+    pub volume_mm3: f64,
 }
 
-/// Grows the layers of the part, and takes one of them, in the frame of the file.
-fn layer_of(
-    args: &Args,
-    part: &Part,
-    solid: &Voxelisation,
-    bars: &Bars,
-) -> Result<(SurfaceMesh, f64, String), Failure> {
-    let grid = &solid.grid;
-    let vertices: Vec<_> = part.mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
-    let cells = Cells::new(grid.dims(), grid.rows())?;
-    let [low, high] = part.mesh.bounds().unwrap_or([Point3::origin(); 2]);
-    let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
-    let workpiece = Workpiece {
-        vertices: &vertices,
-        triangles: &part.mesh.triangles,
-        cells,
-        cell_mm: grid.cell_mm(),
-        origin: grid.origin(),
-        platform: &Platform::under(&cells, radius)?,
-        rules: Rules::default(),
-        volume_mm3: inspect(&vertices, &part.mesh.triangles)?.volume_mm3(),
-    };
-    let layered = workpiece.layers(None, grid.cell_mm(), &|p| bars.show(p.stage, p.done, p.total))?;
-    let surfaces: Vec<LayerSurface> = layered.surfaces.iter().map(LayerSurface::from).collect();
-    let area = |surface: &LayerSurface| -> f64 {
-        let twice = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| surface.vertices[v as usize]);
-            (b - a).cross(&(c - a)).norm()
+impl PartLayers {
+    /// Grows the layers of a part, each as high as `--layer-height` says, or as a cell.
+    pub fn new(args: &Args, part: &Part, bars: &Bars) -> Result<Self, Failure> {
+        let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
+        let resolution = args.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
+        let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
+        let mesh = &part.mesh;
+        let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
+        let grid = &solid.grid;
+        let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let [low, high] = mesh.bounds().unwrap_or([Point3::origin(); 2]);
+        let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
+        let volume_mm3 = inspect(&vertices, &mesh.triangles)?.volume_mm3();
+        let workpiece = Workpiece {
+            vertices: &vertices,
+            triangles: &mesh.triangles,
+            cells,
+            cell_mm: grid.cell_mm(),
+            origin: grid.origin(),
+            platform: &Platform::under(&cells, radius)?,
+            rules: Rules::default(),
+            volume_mm3,
         };
-        surface.triangles.iter().map(twice).sum()
-    };
-    let largest =
-        (0..surfaces.len()).max_by(|&a, &b| area(&surfaces[a]).total_cmp(&area(&surfaces[b])).then(b.cmp(&a)));
-    let number = args.layer.map(|layer| layer as usize - 1).or(largest);
-    let Some((number, surface)) = number.and_then(|number| Some((number, surfaces.get(number)?))) else {
-        let message = format!("the part has {} layers: --layer is from 1 to that", surfaces.len());
-        return Err(Failure::of_arguments(message));
-    };
-    let back = |vertex: &Point3<f64>| vertex - solid.shift;
-    let mesh = SurfaceMesh::new(surface.vertices.iter().map(back).collect(), surface.triangles.to_vec())?;
-    let name = format!("layer {} of {} of {}", number + 1, surfaces.len(), part.name);
-    Ok((mesh, grid.cell_mm() / 2.0, name))
+        let height_mm = args.layer_height_mm.unwrap_or(grid.cell_mm());
+        let layered = workpiece.layers(None, height_mm, &|p| bars.show(p.stage, p.done, p.total))?;
+        Ok(PartLayers { solid, layered, volume_mm3 })
+    }
+
+    /// As the planner of tool paths takes them.
+    pub fn surfaces(&self) -> Vec<LayerSurface<'_>> {
+        self.layered.surfaces.iter().map(LayerSurface::from).collect()
+    }
+
+    /// Stresses in the part, in the frame of the plate.
+    pub fn stress(
+        &self,
+        args: &Args,
+        part: &Part,
+        given: Option<&[StressSample]>,
+        bars: &Bars,
+    ) -> Result<PartStress, Failure> {
+        let shift = self.solid.shift;
+        let moved = |sample: &StressSample| StressSample { point: sample.point + shift, ..*sample };
+        if let (Some(path), Some(samples)) = (&args.stress, given) {
+            let samples = samples.iter().map(moved).collect();
+            let source = format!("stresses of {}", path.display());
+            return Ok(PartStress { samples, reach_mm: args.reach_mm, source, solved: None });
+        }
+        let (loaded, source) = user_load(args, part, &self.solid);
+        let (samples, solved) = loaded.samples(bars)?;
+        let samples = samples.iter().map(moved).collect();
+        Ok(PartStress { samples, reach_mm: REACH_CELLS * self.solid.grid.cell_mm(), source, solved: Some(solved) })
+    }
+}
+
+/// Stresses in the user's part.
+pub struct PartStress {
+    samples: Vec<StressSample>,
+    reach_mm: f64,
+    /// Where they come from, in words.
+    pub source: String,
+    /// The work of the solver; none with stresses of a file.
+    pub solved: Option<Solved>,
+}
+
+impl PartStress {
+    /// Tapes along these stresses on a surface.
+    pub fn follow(&self, args: &Args, surface: SurfaceMesh, name: String, bars: &Bars) -> Result<LoadedLayer, Failure> {
+        let named = |failure: Failure| match &args.stress {
+            Some(path) => fault(path, &format!("{name}: {}", failure.message())),
+            None => Failure::new(format!("{name}: {}", failure.message())),
+        };
+        let layer = follow(surface, &self.samples, self.reach_mm, &args.tape_options(), args.smoothing_mm(), bars);
+        let layer = layer.map_err(named)?;
+        Ok(LoadedLayer { name, source: self.source.clone(), ..layer })
+    }
 }
 
 /// What holds and loads the user's part: what was asked for, or its base held and its top pushed.
