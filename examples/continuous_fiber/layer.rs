@@ -1,7 +1,7 @@
 //! A layer under load: stresses from a solver or a file, tapes along them.
 
 use super::specimens::Specimen;
-use super::{Args, Boxed, Pull};
+use super::{Args, Boxed, Pull, arcs, predict};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
@@ -9,11 +9,13 @@ use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
 use curvlay_layers::curved::{Cells, LayeredPart, Platform, Rules, Workpiece};
 use curvlay_layers::elastic::{
-    ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic, stress_matrix,
+    Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, layer_normal, load_factor,
+    plies, solve_composite, solve_elastic, stress_matrix,
 };
 use curvlay_toolpath::surface::{
-    DirectionField, LayerStress, LayerSurface, Principal, PrincipalAngle, StressOptions, StressSample, SurfaceMesh,
-    TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd, read_stress_vtk,
+    DirectionField, LayerStress, LayerSurface, LayerTapes, Principal, PrincipalAngle, StressOptions, StressSample,
+    SurfaceMesh, TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd,
+    read_stress_vtk,
 };
 use curvlay_voxel::inspect::inspect;
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -81,12 +83,28 @@ struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
+    fn material(&self) -> Material {
+        Material { young_mpa: self.young_mpa.unwrap_or(Material::default().young_mpa), ..Material::default() }
+    }
+
+    /// The work of the loads in N mm: what they are times how far they go.
+    fn work(&self, elastic: &Elastic) -> f64 {
+        let grid = &self.solid.grid;
+        let of = |load: &Load| match load {
+            Load::Force { region, newtons } => {
+                let moved = elastic.mean_displacement(grid.dims(), grid.cell_mm(), region).unwrap_or([0.0; 3]);
+                (0..3).map(|k| newtons[k] * moved[k]).sum()
+            }
+            _ => 0.0,
+        };
+        self.loads.iter().map(of).sum()
+    }
+
     /// Stresses at the centres of cells, in the frame of the boxes.
     fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, Solved), Failure> {
         let grid = &self.solid.grid;
         let cells = Cells::new(grid.dims(), grid.rows())?;
-        let material =
-            Material { young_mpa: self.young_mpa.unwrap_or(Material::default().young_mpa), ..Material::default() };
+        let material = self.material();
         let cell_mm = grid.cell_mm();
         let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
         let begin = Instant::now();
@@ -237,6 +255,58 @@ impl PartLayers {
         let (samples, solved) = loaded.samples(bars)?;
         let samples = samples.iter().map(moved).collect();
         Ok(PartStress { samples, reach_mm: REACH_CELLS * self.solid.grid.cell_mm(), source, solved: Some(solved) })
+    }
+}
+
+/// What tapes do to the part under its load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reinforced {
+    /// How much stiffer it is: the work of the loads without tapes over that with them, less 1.
+    pub gain: f64,
+    /// What bonds bear in MPa.
+    pub bond_mpa: f64,
+    /// Share of the fibre that bears.
+    pub bearing: f64,
+    /// The multiple of the load at which bonds come apart, without and with tapes.
+    pub apart: [f64; 2],
+    /// Share of the tapes' volume that lies in no cell.
+    pub lost_share: f64,
+}
+
+impl PartLayers {
+    /// Solves the part with its tapes and without.
+    ///
+    /// # Arguments
+    /// * `tapes`: in the frame of the plate; `bearing`: share of their fibre that bears; `bond_mpa`: what bonds bear in peel and in shear.
+    pub fn reinforced(
+        &self,
+        (args, part): (&Args, &Part),
+        tapes: &[LayerTapes],
+        (bearing, bond_mpa): (f64, f64),
+        bars: &Bars,
+    ) -> Result<Reinforced, Failure> {
+        let (loaded, _) = user_load(args, part, &self.solid);
+        let grid = &self.solid.grid;
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let strips: Vec<Strip> = tapes.iter().flat_map(|list| &list.tapes).map(arcs::strip).collect();
+        let found = plies(&cells, grid.cell_mm(), &grid.origin(), &strips)?;
+        let (material, cell_mm) = (loaded.material(), grid.cell_mm());
+        let tape = predict::tape_law(&material, args.tape_thickness_mm, bearing);
+        let model = ElasticPart { cells: &cells, cell_mm, material, supports: &loaded.supports, loads: &loaded.loads };
+        let bond = Bond { peel_mpa: bond_mpa, shear_mpa: bond_mpa };
+        let field = &self.layered.uniform.field;
+        let solve = |list: &[Ply]| -> Result<(f64, f64), Failure> {
+            let progress = |p: curvlay_layers::Progress| bars.show(p.stage, p.done, p.total);
+            let elastic = solve_composite(&model, &tape, list, &ElasticOptions::default(), &progress)?;
+            let bonds = elastic.cells.iter().zip(&elastic.stresses_mpa).filter_map(|(&cell, stress)| {
+                let ply = list.binary_search_by_key(&cell, |ply| ply.cell).ok().map(|k| list[k].normal);
+                Some((bond.index(stress, &ply.or_else(|| layer_normal(&cells, field, cell))?), cell_mm * cell_mm))
+            });
+            Ok((loaded.work(&elastic), load_factor(&bonds.collect::<Vec<_>>(), arcs::APART)))
+        };
+        let ((plain, apart), (taped, with_tapes)) = (solve(&[])?, solve(&found.list)?);
+        let lost_share = if found.tape_mm3 > 0.0 { found.lost_mm3 / found.tape_mm3 } else { 0.0 };
+        Ok(Reinforced { gain: plain / taped - 1.0, bond_mpa, bearing, apart: [apart, with_tapes], lost_share })
     }
 }
 

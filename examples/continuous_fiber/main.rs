@@ -10,6 +10,7 @@
 //! ```
 //! Without a part the layer is one of the arc, pressed as in the dissertation's test. `--help` lists the options.
 
+mod arcs;
 mod drawing;
 mod layer;
 mod motion;
@@ -35,6 +36,7 @@ use curvlay_examples::shapes::jug;
 use curvlay_examples::table::Table;
 use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::AnyWorkcell;
+use curvlay_layers::elastic::Material;
 use curvlay_toolpath::surface::{ConductorOptions, SandwichOptions, StressSample, Tape, TapeHead, TapeOptions};
 use layer::LoadedLayer;
 use motion::Moved;
@@ -76,7 +78,7 @@ pub struct Args {
     #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     cell_mm: Option<f64>,
     /// Stresses instead of the solver's: CSV (x, y, z in mm of the file of the part, six components), VTK (.vtk) or results of CalculiX (.frd)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["supports", "loads", "young_gpa"], help_heading = LOAD)]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["supports", "loads", "young_gpa", "bearing", "bond_mpa"], help_heading = LOAD)]
     stress: Option<PathBuf>,
     /// How far a sample of that file may be from the layer in millimetres
     #[arg(long = "reach", value_name = "MM", default_value_t = 10.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
@@ -91,6 +93,13 @@ pub struct Args {
     /// Young's modulus of the part in GPa [default: 3.5, PLA]; it scales displacements, not stresses
     #[arg(long = "young", value_name = "GPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     young_gpa: Option<f64>,
+    /// Share of the tapes' fibre that bears [default: as in the tensile test of the dissertation, with tow that is ironed on dry]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true, help_heading = LOAD)]
+    bearing: Option<f64>,
+    /// What the bond between layers, and between tape and thermoplastic, bears in MPa, in peel and in shear [default: with which the planar arc of the
+    /// dissertation comes apart where it did]
+    #[arg(long = "bond", value_name = "MPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
+    bond_mpa: Option<f64>,
     /// Wires on the loaded layer: a point x,y,z a line in mm of the file of the part, an empty line between two wires
     #[arg(long = "wire", value_name = "FILE", help_heading = LOAD)]
     wires: Option<PathBuf>,
@@ -218,6 +227,8 @@ impl Args {
             ("--layers", !self.layers.is_empty()),
             ("--layer-height", self.layer_height_mm.is_some()),
             ("--bead", self.bead_mm.is_some()),
+            ("--bearing", self.bearing.is_some()),
+            ("--bond", self.bond_mpa.is_some()),
             ("--cell", self.cell_mm.is_some()),
             ("--stress", self.stress.is_some()),
             ("--support", !self.supports.is_empty()),
@@ -333,14 +344,20 @@ fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
         specimens.push(planned);
     }
     let curved = specimens.iter().find(|planned| planned.specimen.is_curved());
-    let planar = curved.map(|planned| planar::plan(&planned.specimen, nozzle, bars)).transpose()?;
+    let planar = curved.map(|planned| planar::plan(&planned.specimen, args.min_length_mm, nozzle, bars)).transpose()?;
     let planar = planar.unwrap_or_else(|| unreachable!("one of them is curved"));
     let [dumbbell, bar, arc] = &specimens[..] else { unreachable!("there are three") };
-    let predictions = predict(&[
-        (dumbbell.specimen, &dumbbell.schedule),
-        (bar.specimen, &bar.schedule),
-        (arc.specimen, &arc.schedule),
-    ])?;
+    let bearing = predict::bearing(&dumbbell.specimen, &dumbbell.schedule)?;
+    let matrix_gpa = predict::matrix_gpa(&bar.specimen, &bar.schedule)?;
+    let matrix = Material { young_mpa: 1e3 * matrix_gpa, ..Material::default() };
+    let tape = predict::tape_law(&matrix, args.tape_thickness_mm, bearing);
+    let arcs = arcs::run(arc, &planar, matrix_gpa, &tape, bars)?;
+    let tested = [
+        (dumbbell.specimen, &dumbbell.schedule[..]),
+        (bar.specimen, &bar.schedule[..]),
+        (arc.specimen, &arc.schedule[..]),
+    ];
+    let predictions = predict(&tested, arcs)?;
     let layer = layer::arc(&arc.specimen, &args.tape_options(), args.smoothing_mm(), bars)?;
     plan_time += layer.plan_time;
     let wire_options = ConductorOptions { thickness: args.tape_thickness_mm, ..ConductorOptions::default() };

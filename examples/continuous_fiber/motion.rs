@@ -192,7 +192,7 @@ fn cell_of(at: Point3<f64>) -> [i64; 3] {
 
 /// The cell with its roller in the place of the nozzle, mounted as the workcell says, or else so that the most waypoints can be reached on one branch along
 /// each tape, with the clearance that postures keep; the first of the best. And how that is, in radians.
-fn mounted(
+pub fn mounted(
     cell: &SixAxisCell,
     tapes: &[Placed],
     part: &PartCells,
@@ -260,8 +260,6 @@ fn unbroken(
 pub struct TapeMotion {
     /// The workcell with its roller.
     pub cell: SixAxisCell,
-    /// How that is mounted, in radians.
-    pub mount: f64,
     /// The tapes, in the order in which they are laid.
     pub placed: Vec<Placed>,
     /// Their motions.
@@ -273,19 +271,20 @@ pub struct TapeMotion {
 /// Plans the motions along tapes.
 ///
 /// # Arguments
+/// * `cell`, `mount`: with the roller in its place ([`mounted`]).
+/// * `placed`: tapes of which none lies closely over others: the roller looks along the nearest one, also while it lifts off.
 /// * `part`: in the layers that the tapes name: a tape lies on its own and all before it.
-/// * `home`: where each layer's tapes begin and end; `None` for a posture above the part, and for programs as long as ways lead on.
+/// * `home`: where the tapes begin and end; `None` for a posture above the part.
 pub fn along_tapes(
-    cell: &SixAxisCell,
+    (cell, mount): (&SixAxisCell, f64),
     placed: Vec<Placed>,
     part: &PartCells,
     plate_mm: f64,
     home: Option<&[f64; 6]>,
     bars: &Bars,
 ) -> Result<TapeMotion, Failure> {
-    let (cell, mount) = mounted(cell, &placed, part, plate_mm)?;
     let robot = OnCell::new(cell.clone(), Vec::new());
-    let scene = PrintingCell::pressing(GrowingScene::new(&cell, part, plate_mm, &GrowingOptions::default())?);
+    let scene = PrintingCell::pressing(GrowingScene::new(cell, part, plate_mm, &GrowingOptions::default())?);
     let limits = PrintLimits { tolerance_mm: TOLERANCE_MM, ..PrintLimits::of(bounds_of(cell.limits())) };
     let paths: Vec<PrintPath> = placed.iter().map(Placed::path).collect();
     let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
@@ -306,13 +305,12 @@ pub fn along_tapes(
                     "{what} touch at the home posture with the roller in place: give `home_deg`"
                 )));
             }
-            let cuts = (1..plan.runs.len()).filter(|&run| plan.runs[run].layer != plan.runs[run - 1].layer).collect();
-            plan.with_homes(&steered, scene, home, &cuts, &limits, &options, &progress)?
+            plan.with_homes(&steered, scene, home, &BTreeSet::new(), &limits, &options, &progress)?
         }
     };
     let max_turn = turned(&robot, &plan, &directions, mount);
     drop((paths, directions));
-    Ok(TapeMotion { cell, mount, placed, plan, max_turn })
+    Ok(TapeMotion { cell: cell.clone(), placed, plan, max_turn })
 }
 
 impl TapeMotion {
@@ -410,7 +408,8 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
         frame_part: frame,
         layers: &layers,
     };
-    let motion = along_tapes(cell, placed, &part, PLATE_MM, None, bars)?;
+    let (with_roller, mount) = mounted(cell, &placed, &part, PLATE_MM)?;
+    let motion = along_tapes((&with_roller, mount), placed, &part, PLATE_MM, None, bars)?;
     let plan = &motion.plan;
     let mut moved = Moved {
         cell: cell.equipment().name().to_owned(),
@@ -419,7 +418,7 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
         robot_s: plan.robot_s(),
         max_deviation_mm: plan.max_deviation_mm,
         max_turn: motion.max_turn,
-        mount: motion.mount,
+        mount,
         faults: plan.faults.clone(),
         files: BTreeMap::new(),
     };

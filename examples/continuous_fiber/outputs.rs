@@ -1,8 +1,9 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
 
+use super::arcs::ArcTest;
 use super::layer::LoadedLayer;
 use super::layer::Solved;
-use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, deflection_mm};
+use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, Predictions, deflection_mm};
 use super::tapes::Planned;
 use super::{Args, Run, drawing, part_outputs};
 use curvlay_examples::args::{Failure, typed_name};
@@ -169,6 +170,7 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     options(args, &mut summary)?;
     let (specimens, layer) = (&run.specimens, &run.layer);
+    let arcs = &run.predictions.arcs;
     let covers: Vec<[f64; 3]> = specimens.iter().map(Planned::cover).collect();
     let plans = || specimens.iter().flat_map(|planned| &planned.plans).chain([&layer.plan]);
     summary
@@ -180,8 +182,15 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
         .set("cuts", plans().map(TapePlan::cuts).sum::<usize>())?
         .set("modulus_gpa", run.predictions.modulus_gpa)?
         .set("measured_modulus_gpa", MEASURED_GPA[1])?
-        .set("rigidity_nm2", run.predictions.rigidity_nm2)?
-        .set("measured_rigidity_nm2", MEASURED_NM2[1])?;
+        .set("rigidity_perfect_nm2", run.predictions.rigidity_nm2[0])?
+        .set("rigidity_nm2", run.predictions.rigidity_nm2[1])?
+        .set("measured_rigidity_nm2", MEASURED_NM2[1])?
+        .set("bearing_fraction", run.predictions.bearing)?
+        .set("bond_mpa", run.predictions.bond_mpa)?
+        .set("arc_taped_planar_cu", arcs.planar_taped.stiffness_n_mm / arcs.curved.stiffness_n_mm)?
+        .set("arc_cu_apart_n", run.predictions.bond_mpa * arcs.curved.apart_n_mpa)?
+        .set("arc_cr_apart_n", run.predictions.bond_mpa * arcs.curved_taped.apart_n_mpa)?
+        .set("arc_taped_planar_apart_n", run.predictions.bond_mpa * arcs.planar_taped.apart_n_mpa)?;
     if let Some(mean) = layer.angle.mean {
         summary.set("angle_to_principal_deg", mean.to_degrees())?;
     }
@@ -287,9 +296,23 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
     for prediction in &run.predictions.list {
         report.paragraph(&explained(prediction));
     }
-    if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2) {
+    if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2[1]) {
         report.paragraph(&format!("At 7.27 N and supports 200 mm apart the reinforced bar would bend by {mm:.2} mm."));
     }
+    let Predictions { arcs, bond_mpa, .. } = &run.predictions;
+    let gained = |test: &ArcTest| percent(test.stiffness_n_mm / arcs.curved.stiffness_n_mm - 1.0);
+    report.paragraph(&format!(
+        "The arc by the solver: tapes that follow it, {:.0} mm³ of them, make it {} stiffer; tapes in planar layers, {:.0} mm³ of them, {}. With bonds of {bond_mpa:.2} MPa \
+         planar layers come apart at {:.0} N, with tapes at {:.0} N; curved ones at {:.0} N, with tapes at {:.0} N.",
+        arcs.curved_taped.tape_mm3,
+        gained(&arcs.curved_taped),
+        arcs.planar_taped.tape_mm3,
+        gained(&arcs.planar_taped),
+        bond_mpa * arcs.planar.apart_n_mpa,
+        bond_mpa * arcs.planar_taped.apart_n_mpa,
+        bond_mpa * arcs.curved.apart_n_mpa,
+        bond_mpa * arcs.curved_taped.apart_n_mpa
+    ));
     let layer = &run.layer;
     if let Some(mean) = layer.angle.mean {
         report.paragraph(&format!(

@@ -3,10 +3,11 @@
 //! C. Dai 2020, section 5.3.1: a layer of thermoplastic is the substrate of the tapes, the next one embeds them. Tapes lie on the top of their layer, along
 //! the principal stresses there, where beads lie below and above them.
 
-use super::layer::{LoadedLayer, PartLayers, Solved};
+use super::layer::{LoadedLayer, PartLayers, Reinforced, Solved};
 use super::part_motion::{self, PartMotion};
+use super::specimens::Specimen;
 use super::tapes::raise_plan;
-use super::{Args, Given, Stage, wires};
+use super::{Args, Given, Stage, arcs, predict, wires};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::nozzle_of;
@@ -52,6 +53,8 @@ pub struct PartRun {
     pub source: String,
     /// The work of the solver.
     pub solved: Option<Solved>,
+    /// What the tapes do under the load; none with stresses of a file.
+    pub reinforced: Option<Reinforced>,
     /// Thermoplastic; none if it was not asked for.
     pub print: Option<PrintPlan>,
     /// What tapes lie on, and what lies on them; none without thermoplastic.
@@ -167,6 +170,10 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
             tape_bedding(&print.resolved.paths, &tapes, height_mm, &roller, &SupportOptions::default(), &progress)
         })
         .transpose()?;
+    let reinforced = match stress.solved {
+        Some(_) => Some(layers.reinforced((args, part), &tapes, of_dissertation(args, bars)?, bars)?),
+        None => None,
+    };
     let motion = match (&print, &filled) {
         (Some(print), Some(filled)) if args.stage >= Stage::Motion => {
             let work = part_motion::Work {
@@ -195,12 +202,24 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
         wires,
         source: stress.source,
         solved: stress.solved,
+        reinforced,
         print,
         bedding,
         moves,
         motion,
         plan_time,
     })
+}
+
+/// The share of the fibre that bears, and what bonds bear in MPa: as the user says, or as the tests of the dissertation give it.
+fn of_dissertation(args: &Args, bars: &Bars) -> Result<(f64, f64), Failure> {
+    let [dumbbell, _, arc] = Specimen::all();
+    let bearing = match args.bearing {
+        Some(bearing) => bearing,
+        None => predict::bearing(&dumbbell, &sandwich(dumbbell.layers, &SandwichOptions::default())?)?,
+    };
+    let bond = args.bond_mpa.map_or_else(|| arcs::bond_mpa(&arc, predict::MEASURED_N[0], bars), Ok)?;
+    Ok((bearing, bond))
 }
 
 fn area(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> f64 {

@@ -6,7 +6,7 @@
 //! What is written is read again: beads only under the nozzle, tapes only under a hot roller, all in the order of the layers, tapes where they were planned.
 
 use super::layer::PartLayers;
-use super::motion::{Placed, TapeMotion, along_tapes, six_axes};
+use super::motion::{Placed, TapeMotion, along_tapes, mounted, six_axes};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::read_back::ReadBack;
@@ -55,7 +55,8 @@ pub struct Work<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     Beads(Range<usize>),
-    Tapes(Range<usize>),
+    /// Of a list of tapes.
+    Tapes(usize, Range<usize>),
 }
 
 /// What the robot does.
@@ -148,40 +149,43 @@ impl Work<'_> {
         let cuts = self.cuts(cell, &beads);
         let beads = beads.with_homes(&robot, scene, &home, &cuts, &limits, &options, &progress)?;
 
-        // Tapes, by the roller: each list is a layer of its own, which has all that is built by then.
-        let mut groups = vec![Vec::new(); tapes.len()];
-        for (layer, cells) in cells.iter().enumerate() {
-            let group = tapes.iter().position(|list| list.layer as usize >= layer);
-            if let Some(group) = group {
-                groups[group].extend_from_slice(cells);
-            }
+        // Tapes, by the roller. A list is laid on all that is built by then, and planned by itself: the roller must not look along tapes of another layer.
+        let mut built: Vec<Vec<u32>> = vec![Vec::new(); tapes.len()];
+        for (list, built) in tapes.iter().zip(&mut built) {
+            built.extend(cells.iter().take(list.layer as usize + 1).flatten());
         }
-        let grown = PartCells { layers: &groups, ..grown };
-        let placed: Vec<Placed> =
-            (0..).zip(tapes).flat_map(|(group, list)| Placed::list(list, group, head, &frame_part)).collect();
-        let taped = match placed.is_empty() {
-            true => None,
-            false => Some(along_tapes(cell, placed, &grown, plate_mm, Some(&home), bars)?),
+        let place = |list: &LayerTapes| Placed::list(list, 0, head, &frame_part);
+        let all: Vec<Placed> = tapes.iter().flat_map(place).collect();
+        let (with_roller, mount) = match all.is_empty() {
+            true => (cell.clone(), 0.0),
+            false => mounted(cell, &all, &grown, plate_mm)?,
         };
-        let written = Written { cell, beads: &beads, taped: taped.as_ref(), tapes, head, home };
+        let lay = |(list, built): (&LayerTapes, &Vec<u32>)| {
+            let grown = PartCells { layers: std::slice::from_ref(built), ..grown };
+            along_tapes((&with_roller, mount), place(list), &grown, plate_mm, Some(&home), bars)
+        };
+        let taped = tapes.iter().zip(&built).map(lay).collect::<Result<Vec<_>, _>>()?;
+        let written = Written { cell, beads: &beads, taped: &taped, tapes, head, home };
         let items = written.items();
         let files = if takes_stream { written.streams(&items)? } else { written.modules(&items)? };
         let read = written.read(&items, &files, takes_stream)?;
         let shown = written.shown(&items, &frame_part, print);
-        let none = TapeMotionFigures::default();
-        let figures = taped.as_ref().map_or(none, TapeMotionFigures::of);
         let faults = beads.faults.iter().map(|fault| (false, fault.clone()));
-        let of_tapes = taped.iter().flat_map(|taped| &taped.plan.faults).map(|fault| (true, fault.clone()));
+        let of_tapes = taped.iter().zip(tapes).flat_map(|(taped, list)| {
+            let named = |fault: &Fault| (true, Fault { layer: list.layer, ..fault.clone() });
+            taped.plan.faults.iter().map(named).collect::<Vec<_>>()
+        });
+        let most = |of: fn(&TapeMotion) -> f64| taped.iter().map(of).fold(0.0, f64::max);
         Ok(PartMotion {
             cell: cell.equipment().name().to_owned(),
-            runs: [beads.runs.len(), figures.runs],
+            runs: [beads.runs.len(), taped.iter().map(|taped| taped.plan.runs.len()).sum()],
             tapes: tapes.iter().map(|list| list.tapes.len()).sum(),
             faults: faults.chain(of_tapes).collect(),
-            robot_s: beads.robot_s() + figures.robot_s,
-            max_deviation_mm: [beads.max_deviation_mm, figures.max_deviation_mm],
-            max_turn: figures.max_turn,
-            mount: figures.mount,
-            changes: 2 * items.iter().filter(|item| matches!(item, Item::Tapes(_))).count(),
+            robot_s: beads.robot_s() + taped.iter().map(|taped| taped.plan.robot_s()).sum::<f64>(),
+            max_deviation_mm: [beads.max_deviation_mm, most(|taped| taped.plan.max_deviation_mm)],
+            max_turn: most(|taped| taped.max_turn),
+            mount,
+            changes: 2 * items.iter().filter(|item| matches!(item, Item::Tapes(..))).count(),
             files,
             read,
             shown: Some(shown),
@@ -217,33 +221,12 @@ fn nowhere(cell: &SixAxisCell, beads: &print::PrintPlan<6, 1>, tapes: &[LayerTap
     }
 }
 
-/// Figures of the roller.
-#[derive(Default)]
-struct TapeMotionFigures {
-    runs: usize,
-    robot_s: f64,
-    max_deviation_mm: f64,
-    max_turn: f64,
-    mount: f64,
-}
-
-impl TapeMotionFigures {
-    fn of(taped: &TapeMotion) -> Self {
-        TapeMotionFigures {
-            runs: taped.plan.runs.len(),
-            robot_s: taped.plan.robot_s(),
-            max_deviation_mm: taped.plan.max_deviation_mm,
-            max_turn: taped.max_turn,
-            mount: taped.mount,
-        }
-    }
-}
-
 /// What programs are written from.
 struct Written<'a> {
     cell: &'a SixAxisCell,
     beads: &'a print::PrintPlan<6, 1>,
-    taped: Option<&'a TapeMotion>,
+    /// One for each list of tapes.
+    taped: &'a [TapeMotion],
     tapes: &'a [LayerTapes],
     head: &'a TapeHead,
     home: [f64; 6],
@@ -256,9 +239,9 @@ impl Written<'_> {
         for runs in programs::pieces(self.beads) {
             items.push(((self.beads.runs[runs.start].layer, 0), Item::Beads(runs)));
         }
-        for runs in self.taped.iter().flat_map(|taped| programs::pieces(&taped.plan)) {
-            let group = self.taped.map_or(0, |taped| taped.plan.runs[runs.start].layer);
-            items.push(((self.tapes[group as usize].layer, 1), Item::Tapes(runs)));
+        for (number, (list, taped)) in self.tapes.iter().zip(self.taped).enumerate() {
+            let pieces = programs::pieces(&taped.plan).into_iter();
+            items.extend(pieces.map(|runs| ((list.layer, 1), Item::Tapes(number, runs))));
         }
         items.sort_by_key(|(key, _)| *key);
         items.into_iter().map(|(_, item)| item).collect()
@@ -266,20 +249,18 @@ impl Written<'_> {
 
     /// Seconds of an item.
     fn seconds(&self, item: &Item) -> f64 {
-        match (item, self.taped) {
-            (Item::Beads(runs), _) => self.beads.legs(runs.clone()).map(|leg| leg.duration()).sum(),
-            (Item::Tapes(runs), Some(taped)) => taped.plan.legs(runs.clone()).map(|leg| leg.duration()).sum(),
-            (Item::Tapes(_), None) => 0.0,
+        match item {
+            Item::Beads(runs) => self.beads.legs(runs.clone()).map(|leg| leg.duration()).sum(),
+            Item::Tapes(list, runs) => self.taped[*list].plan.legs(runs.clone()).map(|leg| leg.duration()).sum(),
         }
     }
 
     fn steps(&self, item: &Item, is_stream: bool) -> Box<dyn Iterator<Item = Step> + '_> {
-        match (item, self.taped) {
-            (Item::Beads(runs), _) if is_stream => Box::new(programs::stream(self.cell, self.beads, runs.clone())),
-            (Item::Beads(runs), _) => Box::new(programs::targets(self.cell, self.beads, runs.clone())),
-            (Item::Tapes(runs), Some(taped)) if is_stream => Box::new(taped.stream(runs.clone(), self.head)),
-            (Item::Tapes(runs), Some(taped)) => Box::new(taped.targets(runs.clone(), self.head)),
-            (Item::Tapes(_), None) => Box::new(std::iter::empty()),
+        match item {
+            Item::Beads(runs) if is_stream => Box::new(programs::stream(self.cell, self.beads, runs.clone())),
+            Item::Beads(runs) => Box::new(programs::targets(self.cell, self.beads, runs.clone())),
+            Item::Tapes(list, runs) if is_stream => Box::new(self.taped[*list].stream(runs.clone(), self.head)),
+            Item::Tapes(list, runs) => Box::new(self.taped[*list].targets(runs.clone(), self.head)),
         }
     }
 
@@ -344,7 +325,7 @@ impl Written<'_> {
         // Targets of beads that follow each other are one part; each stream begins with a move.
         let mut merged: Vec<(bool, Vec<&Item>)> = Vec::new();
         for item in items {
-            let is_tape = matches!(item, Item::Tapes(_));
+            let is_tape = matches!(item, Item::Tapes(..));
             match merged.last_mut() {
                 Some((false, list)) if !is_tape && !is_stream => list.push(item),
                 _ => merged.push((is_tape, vec![item])),
@@ -355,22 +336,20 @@ impl Written<'_> {
             read.wrong.push("beads and tapes are not in the order of the layers".to_owned());
             return Ok(read);
         }
-        for (part, (is_tape, list)) in parts.iter().zip(&merged) {
-            let runs = |item: &&Item| match item {
-                Item::Beads(runs) | Item::Tapes(runs) => runs.clone(),
-            };
-            let wanted = list.iter().flat_map(runs);
-            match (is_tape, self.taped) {
-                (true, Some(taped)) => self.read_tapes(part.steps, taped, wanted.collect(), &mut read),
-                _ => {
-                    let (first, last) = (list.first().map(runs), list.last().map(runs));
-                    let Some((first, last)) = first.zip(last) else { continue };
+        for (part, (_, list)) in parts.iter().zip(&merged) {
+            let (Some(first), Some(last)) = (list.first(), list.last()) else { continue };
+            match (first, last) {
+                (Item::Tapes(number, runs), _) => {
+                    self.read_tapes(part.steps, &self.taped[*number], runs.clone(), &mut read);
+                }
+                (Item::Beads(first), Item::Beads(last)) => {
                     let all = part.steps.iter().map(|step| Ok::<_, ReadError>(*step));
                     let print = (self.cell, self.beads, &self.home);
                     read.beads.add(print, first.start..last.end, all).map_err(refused)?;
                     let on = |step: &&Step| **step == Step::Extruder(true);
                     read.laid[0] += part.steps.iter().filter(on).count();
                 }
+                _ => {}
             }
         }
         if read.laid[0] != self.beads.runs.len() {
@@ -380,10 +359,9 @@ impl Written<'_> {
     }
 
     /// The tapes of a layer in a program: heat before pressure, one cut each, in order and where they were planned.
-    fn read_tapes(&self, steps: &[Step], taped: &TapeMotion, runs: Vec<usize>, read: &mut ReadAgain) {
+    fn read_tapes(&self, steps: &[Step], taped: &TapeMotion, mut runs: Range<usize>, read: &mut ReadAgain) {
         let mut wrong = |what: &str| read.wrong.push(what.to_owned());
         let (mut is_ready, mut is_hot, mut presses, mut cuts) = (false, self.head.celsius <= 0.0, false, 0);
-        let mut runs = runs.into_iter();
         let mut line: Vec<Point3<f64>> = Vec::new();
         let mut off_mm: f64 = 0.0;
         let mut laid = 0;
@@ -459,21 +437,20 @@ impl Written<'_> {
         let knots = |plan: &print::PrintPlan<6, 1>| -> usize {
             plan.legs(0..plan.runs.len()).map(|leg| leg.knots().len()).sum()
         };
-        let all = knots(self.beads) + self.taped.map_or(0, |taped| knots(&taped.plan));
+        let all = knots(self.beads) + self.taped.iter().map(|taped| knots(&taped.plan)).sum::<usize>();
         let mut played = Played::new(self.cell, *frame_part, all);
         for item in items {
-            match (item, self.taped) {
-                (Item::Beads(runs), _) => shown::play(&mut played, self.beads, runs.clone(), &print.resolved.paths),
-                (Item::Tapes(runs), Some(taped)) => {
-                    for leg in taped.plan.legs(runs.clone()) {
-                        let list = &self.tapes[leg.run.layer as usize];
-                        let size = list.tapes.first().map_or([0.0; 2], |tape| [tape.width, tape.thickness]);
+            match item {
+                Item::Beads(runs) => shown::play(&mut played, self.beads, runs.clone(), &print.resolved.paths),
+                Item::Tapes(number, runs) => {
+                    let list = &self.tapes[*number];
+                    let size = list.tapes.first().map_or([0.0; 2], |tape| [tape.width, tape.thickness]);
+                    for leg in self.taped[*number].plan.legs(runs.clone()) {
                         let kind = if leg.kind == LegKind::Print { TAPE_KIND } else { viewer::Step::TRAVEL };
                         let path = (print.resolved.paths.len() + leg.run.path) as u32;
                         played.add((list.layer, path), &leg.knots(), |_| Some((kind, size)));
                     }
                 }
-                (Item::Tapes(_), None) => {}
             }
         }
         played.finish()

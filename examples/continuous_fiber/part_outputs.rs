@@ -1,5 +1,6 @@
 //! What a run on a part leaves behind: findings, a table, `summary.json`, the machine file, programs, `tapes.csv`, pictures and the report.
 
+use super::layer::Reinforced;
 use super::outputs::{STRAIGHT_MM, layer_pictures, radius, tape_lines};
 use super::part::{PartRun, TapedLayer};
 use super::part_motion::{MAX_OFF_MM, PartMotion};
@@ -25,6 +26,9 @@ const WORST_COVERED: f64 = 0.8;
 const ROLLER_DEPTH: f64 = 0.25;
 /// Share of the length of the beads that may lie on nothing, as in `curved_layers`.
 const ALLOWED_UNSUPPORTED: f64 = 0.01;
+
+/// Share of the tapes' volume that may lie outside of the solver's cells.
+const LOST: f64 = 0.01;
 
 /// Whether a file is one that the example writes for a part.
 pub fn is_ours(name: &str) -> bool {
@@ -63,6 +67,7 @@ pub fn find(args: &Args, run: &PartRun, findings: &mut Findings) {
         }
     }
     find_bedding(args, run, findings);
+    run.reinforced.iter().for_each(|reinforced| find_apart(reinforced, findings));
     run.motion.iter().for_each(|motion| find_motion(motion, findings));
 }
 
@@ -155,14 +160,31 @@ fn find_bedding(args: &Args, run: &PartRun, findings: &mut Findings) {
     }
 }
 
+fn find_apart(reinforced: &Reinforced, findings: &mut Findings) {
+    let Reinforced { apart: [plain, taped], bond_mpa, lost_share, .. } = *reinforced;
+    if taped < 1.0 {
+        let amount = format!("at {} of it, {} without tapes", percent(taped), percent(plain));
+        findings
+            .explain(Severity::Told, "layers come apart under the load", amount, "")
+            .cause(format!("peel and shear across layers are more than bonds of {bond_mpa:.2} MPa bear"))
+            .try_to("layers along the load: another --up, or curved_layers");
+    }
+    if lost_share > LOST {
+        findings.add(Severity::Told, "the solver does not see all of the tapes", percent(lost_share), "");
+    }
+}
+
 fn find_motion(motion: &PartMotion, findings: &mut Findings) {
     for is_tape in [false, true] {
         let list: Vec<_> = motion.faults.iter().filter(|fault| fault.0 == is_tape).collect();
         let Some((_, first)) = list.first() else { continue };
         let what = if is_tape { "the robot does not lay all tapes" } else { "the robot does not print all beads" };
         let amount = format!("{} places, first: {} {}", list.len(), first.kind.name(), first.what);
-        let name = if is_tape { "tape" } else { "path" };
-        findings.add(Severity::Failed, what, amount, format!("{name} {}, point {}", first.path + 1, first.waypoint));
+        let place = match is_tape {
+            true => format!("tape {} of layer {}, point {}", first.path + 1, first.layer + 1, first.waypoint),
+            false => format!("path {}, point {}", first.path + 1, first.waypoint),
+        };
+        findings.add(Severity::Failed, what, amount, place);
     }
     if motion.runs[1] > motion.tapes {
         let amount = format!("{} motions for {} tapes", motion.runs[1], motion.tapes);
@@ -284,6 +306,20 @@ fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> R
             .set("elastic_iterations", solved.iterations)?
             .set_seconds("elastic_s", solved.time)?;
     }
+    if let Some(reinforced) = &run.reinforced {
+        summary
+            .set("stiffness_gain", reinforced.gain)?
+            .set("bearing_fraction", reinforced.bearing)?
+            .set("bond_mpa", reinforced.bond_mpa)?;
+        // JSON has no infinity: what nothing loads does not come apart.
+        for (key, factor) in
+            [("apart_factor", reinforced.apart[1]), ("apart_factor_without_tapes", reinforced.apart[0])]
+        {
+            if factor.is_finite() {
+                summary.set(key, factor)?;
+            }
+        }
+    }
     summary.set_seconds("plan_s", run.plan_time)?;
     if let Some(print) = &run.print {
         summary
@@ -342,6 +378,17 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
         run.source
     ));
     report.table("Layers with tapes; bedded is the share of the layer that has beads below and above", &table(run));
+    if let Some(reinforced) = &run.reinforced {
+        report.paragraph(&format!(
+            "With its tapes, of whose fibre {} bears, the part is {} stiffer against this load than without. Bonds of {:.2} MPa in peel and in shear come apart at {:.2} times \
+             the load, without tapes at {:.2} times.",
+            percent(reinforced.bearing),
+            percent(reinforced.gain),
+            reinforced.bond_mpa,
+            reinforced.apart[1],
+            reinforced.apart[0]
+        ));
+    }
     if let Some(bedding) = &run.bedding {
         report.paragraph(&format!(
             "Of {:.0} mm² of tape {} lie on nothing, and {} are covered by nothing, by a check of strands as wide as a layer is high among the beads as they \

@@ -28,7 +28,7 @@ mod transfer;
 
 pub use composite::{Bond, Plies, Ply, Strip, load_factor, plies, solve_composite, traction};
 pub use error::{ElasticError, Given};
-pub use follow::{FollowError, FollowOptions, LoadAngle, LoadField, load_angle, load_field};
+pub use follow::{FollowError, FollowOptions, LoadAngle, LoadField, layer_normal, load_angle, load_field};
 pub use given::{Load, Region, Support};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
 pub use orthotropic::{Orthotropic, laminate};
@@ -98,6 +98,27 @@ impl Elastic {
     /// The displacement of a node in millimetres, by its number.
     pub fn displacement(&self, node: u32) -> Option<[f64; 3]> {
         self.nodes.binary_search(&node).ok().map(|at| self.displacements_mm[at])
+    }
+
+    /// The mean displacement of the nodes in a region, in millimetres; `None` where there are none.
+    ///
+    /// # Arguments
+    /// * `dims`: cells of the grid; `cell_mm`: their edge.
+    ///
+    /// # Cost
+    /// `O(n)` for `n` nodes.
+    pub fn mean_displacement(&self, dims: [u32; 3], cell_mm: f64, region: &Region) -> Option<[f64; 3]> {
+        let [nx, ny] = [dims[0] + 1, dims[1] + 1];
+        let is_in = |node: u32| {
+            let at = [node % nx, node / nx % ny, node / nx / ny].map(|k| f64::from(k) * cell_mm);
+            (0..3).all(|k| (region.low_mm[k]..=region.high_mm[k]).contains(&at[k]))
+        };
+        let (mut sum, mut count) = ([0.0; 3], 0u32);
+        for (_, u) in self.nodes.iter().zip(&self.displacements_mm).filter(|(node, _)| is_in(**node)) {
+            (0..3).for_each(|k| sum[k] += u[k]);
+            count += 1;
+        }
+        (count > 0).then(|| sum.map(|k| k / f64::from(count)))
     }
 
     /// The stress of a cell in MPa, by its number.

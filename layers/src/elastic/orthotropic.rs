@@ -154,6 +154,10 @@ pub fn laminate(a: &Matrix6<f64>, b: &Matrix6<f64>, share: f64) -> Matrix6<f64> 
 
 /// The axes of a ply: the direction of its fibre as far as it lies in the plane, across it, and its normal; `None` where these are no axes.
 pub(super) fn axes(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Option<Matrix3<f64>> {
+    // NaN would pass the limits of `try_normalize`.
+    if !direction.iter().chain(normal).all(|x| x.is_finite()) {
+        return None;
+    }
     let normal = normal.try_normalize(1e-12)?;
     let along = (direction - normal * direction.dot(&normal)).try_normalize(1e-9)?;
     Some(Matrix3::from_columns(&[along, normal.cross(&along), normal]))

@@ -56,8 +56,8 @@ fn a_bar_at_an_angle_to_the_fibre() {
         let (held, free) = (Some(0.0), None);
         let supports = [
             at([0.0, 0.0, 0.0], [held; 3]),
-            at([0.0, 4.0, 0.0], [held, free, held]),
-            at([0.0, 0.0, 3.0], [free, held, free]),
+            at([12.0, 0.0, 0.0], [free, held, held]),
+            at([0.0, 4.0, 0.0], [free, free, held]),
         ];
         // Pulled at both ends.
         let pull = |x: f64, mpa: f64| Load::Traction { region: Region::plane(0, x), mpa: [mpa, 0.0, 0.0] };
