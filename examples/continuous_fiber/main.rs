@@ -216,6 +216,19 @@ impl Args {
         SandwichOptions { offset, ..SandwichOptions::default() }
     }
 
+    /// Whether the arm and the roller of a workcell can lay these tapes.
+    fn check_roller(&self, cell: &AnyWorkcell) -> Result<(), Failure> {
+        motion::six_axes(cell)?;
+        let (tape, roller) = (self.tape_width_mm, cell.equipment().model().roller.unwrap_or_default().width_mm);
+        if tape > roller {
+            let message = format!(
+                "--tape-width: tapes of {tape} mm under a roller of {roller} mm: take {roller} or less, or give a wider `roller.width_mm` in the workcell"
+            );
+            return Err(Failure::of_arguments(message));
+        }
+        Ok(())
+    }
+
     /// The files that it reads.
     fn files(&self) -> [Option<&Path>; 4] {
         [self.mesh.path(), self.stress.as_deref(), self.wires.as_deref(), self.workcell.as_deref()]
@@ -323,6 +336,9 @@ impl Given {
             None => error.into(),
         })?;
         let part = args.mesh.path().map(|_| args.mesh.load("part", jug)).transpose()?;
+        if part.is_some() && args.stage >= Stage::Motion {
+            args.check_roller(&cell)?;
+        }
         let stress = args.stress.as_deref().map(layer::read_stress).transpose()?;
         let wires = args.wires.as_deref().map_or(Ok(Vec::new()), wires::read)?;
         Ok(Given { cell, part, stress, wires })
@@ -382,6 +398,8 @@ fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
 const SPECIMEN: [f64; 2] = [0.95, 0.02];
 /// The mean angle to the principal direction over the worst-stressed tenth, in degrees.
 const ANGLE_DEG: f64 = 15.0;
+/// Share of the worst-stressed tenth of a layer below which tapes do not reinforce it as they should.
+const WORST_COVERED: f64 = 0.8;
 /// A prediction that differs by more than this share is told.
 const NEAR: f64 = 0.1;
 
@@ -409,6 +427,15 @@ fn judge_layer(layer: &LoadedLayer, findings: &mut Findings) {
     if let Some(degrees) = degrees.filter(|degrees| *degrees > ANGLE_DEG) {
         let what = "tapes leave the principal direction over the worst-stressed tenth of the layer";
         findings.add(Severity::Told, what, format!("{degrees:.1} degrees in the mean"), "--smoothing, --min-radius");
+    }
+    let covered = layer.angle.covered_fraction;
+    if layer.plan.empty.is_none() && covered < WORST_COVERED {
+        let what = format!(
+            "less than {} of the worst-stressed tenth of {} lies under a tape",
+            percent(WORST_COVERED),
+            layer.name
+        );
+        findings.add(Severity::Told, what, percent(covered), "");
     }
     let left: f64 = layer.plan.left_out.iter().map(|piece| piece.length_mm).sum();
     if left > 0.0 {

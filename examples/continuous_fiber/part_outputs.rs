@@ -3,8 +3,8 @@
 use super::layer::Reinforced;
 use super::outputs::{STRAIGHT_MM, layer_pictures, radius, tape_lines};
 use super::part::{PartRun, TapedLayer};
-use super::part_motion::{MAX_OFF_MM, PartMotion};
-use super::{ANGLE_DEG, Args, outputs};
+use super::part_motion::{MAX_OFF_MM, PartMotion, TAPE_KIND};
+use super::{ANGLE_DEG, Args, WORST_COVERED, outputs};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::motion::read_back::MAX_FILAMENT_SHARE;
@@ -16,12 +16,10 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{self, Model};
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
-use curvlay_toolpath::surface::TapePlace;
+use curvlay_toolpath::surface::{LayerTapes, TapeHead, TapePlace};
 use std::io::Write;
 use std::time::Instant;
 
-/// Share of the worst-stressed tenth of a layer below which tapes do not reinforce it as they should.
-const WORST_COVERED: f64 = 0.8;
 /// How deep the roller may be in the beads below, as a share of the layer height: as the nozzle may.
 const ROLLER_DEPTH: f64 = 0.25;
 /// Share of the length of the beads that may lie on nothing, as in `curved_layers`.
@@ -72,9 +70,12 @@ pub fn find(args: &Args, run: &PartRun, findings: &mut Findings) {
 }
 
 fn find_tapes(run: &PartRun, findings: &mut Findings) {
-    for layer in run.taped.iter().filter(|layer| layer.loaded.plan.empty.is_some()) {
-        let why = layer.loaded.plan.empty.map_or(String::new(), |empty| empty.to_string());
-        findings.add(Severity::Told, format!("no tape lies on {}", layer.loaded.name), why, "");
+    let empty: Vec<&TapedLayer> = run.taped.iter().filter(|layer| layer.loaded.plan.empty.is_some()).collect();
+    if let Some(first) = empty.first() {
+        let why = first.loaded.plan.empty.map_or(String::new(), |empty| empty.to_string());
+        let numbers: Vec<String> = empty.iter().map(|layer| (layer.number + 1).to_string()).collect();
+        let what = format!("no tape lies on {} of the layers that should carry some", empty.len());
+        findings.explain(Severity::Told, what, numbers.join(", "), "").cause(format!("{}: {why}", first.loaded.name));
     }
     let has_tapes = |layer: &TapedLayer| layer.loaded.plan.empty.is_none();
     let worst = |layer: &&TapedLayer| has_tapes(layer) && layer.loaded.angle.covered_fraction < WORST_COVERED;
@@ -262,7 +263,7 @@ pub fn table(run: &PartRun) -> Table {
             percent(plan.cover.overlap_fraction),
             percent(angle.covered_fraction),
             angle.mean.map_or(String::new(), |mean| format!("{:.1}", mean.to_degrees())),
-            radius(plan.min_radius_mm),
+            if plan.tapes.is_empty() { String::new() } else { radius(plan.min_radius_mm) },
         ]);
     }
     table
@@ -432,7 +433,7 @@ fn model(run: &PartRun) -> Option<Model> {
     let print = run.print.as_ref()?;
     let (steps, robot) = match run.motion.as_ref().and_then(|motion| motion.shown.clone()) {
         Some((steps, robot)) => (steps, Some(robot)),
-        None => (shown::steps(&print.resolved.paths, &print.deposition.moves), None),
+        None => (with_tapes(run, shown::steps(&print.resolved.paths, &print.deposition.moves)), None),
     };
     let mut kinds = shown::kinds();
     kinds.push("tape".to_owned());
@@ -441,4 +442,37 @@ fn model(run: &PartRun) -> Option<Model> {
         .iter()
         .map(|layer| viewer::Mesh { vertices: layer.vertices.to_vec(), triangles: layer.triangles.to_vec() });
     Some(Model { name: run.name.clone(), layers: layers.collect(), kinds, steps, robot, ..Model::default() })
+}
+
+/// The tapes of each layer behind its beads, as a machine file has them.
+fn with_tapes(run: &PartRun, beads: Vec<viewer::Step>) -> Vec<viewer::Step> {
+    let mut steps = Vec::with_capacity(beads.len());
+    let mut lists = run.tapes.iter().peekable();
+    let mut path = run.print.as_ref().map_or(0, |print| print.resolved.paths.len()) as u32;
+    let mut lay = |list: &LayerTapes, steps: &mut Vec<viewer::Step>| {
+        for tape in &list.tapes {
+            for (k, (point, normal)) in tape.points.iter().zip(&tape.normals).enumerate() {
+                let way = k.checked_sub(1).map_or(0.0, |before| (point - tape.points[before]).norm());
+                steps.push(viewer::Step {
+                    tip: point + normal.into_inner() * (list.lift + tape.thickness),
+                    direction: normal.into_inner(),
+                    width: tape.width,
+                    height: tape.thickness,
+                    kind: if k == 0 { viewer::Step::TRAVEL } else { TAPE_KIND },
+                    layer: list.layer,
+                    path,
+                    seconds: way / TapeHead::default().lay_feed,
+                });
+            }
+            path += 1;
+        }
+    };
+    for step in beads {
+        while let Some(list) = lists.next_if(|list| list.layer < step.layer) {
+            lay(list, &mut steps);
+        }
+        steps.push(step);
+    }
+    lists.for_each(|list| lay(list, &mut steps));
+    steps
 }

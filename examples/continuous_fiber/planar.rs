@@ -41,8 +41,8 @@ pub fn plan(specimen: &Specimen, blade_mm: f64, nozzle: Option<&Nozzle>, bars: &
     let [_, width] = specimen.tape_mm;
     let options = TapeOptions { width, spacing: width, min_length: width, ..TapeOptions::default() };
     let (mut longest_tape_mm, mut tapes): (f64, Vec<Tape>) = (0.0, Vec::new());
-    for layer in &layers {
-        let surface = SurfaceMesh::new(layer.vertices.clone(), layer.triangles.clone())?;
+    for strip in (0..count as u32).map(|k| specimen.strip_at((f64::from(k) + 0.5) * height)) {
+        let surface = SurfaceMesh::new(strip.vertices, strip.triangles)?;
         let field = DirectionField::from_fn(&surface, |_| Vector3::x())?;
         let plan = lay_tapes(&field, &options, &progress)?;
         longest_tape_mm = plan.tapes.iter().map(Tape::length).fold(longest_tape_mm, f64::max);

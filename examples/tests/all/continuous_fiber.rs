@@ -376,11 +376,22 @@ fn bad_input_is_told_in_one_line() {
     }
     let error = run("bead", &[&mesh[2..], &["--stage", "paths", "--bead", "80"]].concat()).unwrap_err();
     assert!(error.contains("a bead of 80.000 mm fits nowhere") && error.contains("--bead"), "{error}");
+    // A roller that is narrower than the tapes, and an arm with a table, before anything is planned.
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("cells/irb1200-table.json");
+    let error = run("table", &[&mesh[2..], &["--workcell", table.to_str().unwrap()]].concat()).unwrap_err();
+    assert!(error.contains("--workcell") && error.contains("six axes"), "{error}");
+    let error = run("wide", &[&mesh[2..], &["--tape-width", "9"]].concat()).unwrap_err();
+    assert!(error.contains("tapes of 9 mm under a roller of 8 mm") && error.contains("roller.width_mm"), "{error}");
     // A radius that no tape meets, or tapes longer than the layer, are no error: an empty plan that says why.
     let (path, _) = run("long", &[&mesh[..], &["--min-length", "66"]].concat()).unwrap();
     let summary = summary(&path);
     assert_eq!(summary["tapes"], 0);
-    assert!(summary["findings"].as_str().unwrap().contains("no tape lies on layer 2 of 4 of bad.obj: "));
+    assert!(
+        summary["findings"]
+            .as_str()
+            .unwrap()
+            .contains("no tape lies on 1 of the layers that should carry some: 2\n  cause: layer 2 of 4 of bad.obj: ")
+    );
     assert!(summary.get("angle_to_principal_deg").is_none() && !path.join("part.gcode").exists());
     // Longer than every specimen: they get none either, which fails their check.
     let (path, outcome) = run("longest", &["--stage", "tapes", "--min-length", "5000"]).unwrap();

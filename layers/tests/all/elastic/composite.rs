@@ -254,11 +254,10 @@ proptest! {
 
     /// The laminate of two laws is what a stack of many thin sheets of both does: here two sheets, solved for strains and stresses one by one.
     #[test]
-    fn a_laminate_is_a_stack(share in 0.01..0.99f64, strain in prop::array::uniform6(-1.0..1.0f64), turn in -3.0..3.0f64) {
+    fn a_laminate_is_a_stack(share in 0.01..0.99f64, strain in prop::array::uniform6(-1.0..1.0f64)) {
         let a = ply().law().unwrap();
         let b = Orthotropic { young_mpa: [2000.0, 3000.0, 1000.0], shear_mpa: [700.0, 500.0, 900.0], poisson: [0.2, 0.3, 0.1] };
         let b = b.law().unwrap();
-        let _ = turn;
         // Unknown: strains across of both sheets. Stresses across are equal, and the strains have the given mean.
         let (along, across) = ([0, 1, 3], [2, 4, 5]);
         let mut m: DMatrix<f64> = DMatrix::zeros(6, 6);
