@@ -300,7 +300,7 @@ impl Written<'_> {
         if items.is_empty() {
             return Ok(BTreeMap::new());
         }
-        let options = RapidOptions { name: "part".to_owned(), ..RapidOptions::of_workcell(self.cell.equipment()) };
+        let options = RapidOptions { name: "fiber".to_owned(), ..RapidOptions::of_workcell(self.cell.equipment()) };
         Ok(programs::rapid_files(items.iter().flat_map(|item| self.steps(item, false)), &options)?)
     }
 
@@ -313,7 +313,7 @@ impl Written<'_> {
                 let reader = UrScriptReader::new(&file[..]).map_err(refused)?;
                 steps.extend(reader.collect::<Result<Vec<_>, _>>().map_err(refused)?);
             }
-        } else if let Some(main) = files.get("part.mod") {
+        } else if let Some(main) = files.get("fiber.mod") {
             let open = |name: &str| {
                 files.get(name).map(|file| &file[..]).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))
             };

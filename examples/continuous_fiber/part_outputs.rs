@@ -30,7 +30,7 @@ const LOST: f64 = 0.01;
 
 /// Whether a file is one that the example writes for a part.
 pub fn is_ours(name: &str) -> bool {
-    let is_module = |name: &str| is_numbered(name, "part_", 3, ".mod") || name == "part.mod";
+    let is_module = |name: &str| is_numbered(name, "fiber_", 3, ".mod") || name == "fiber.mod";
     name == "part.gcode" || is_numbered(name, "part_", 3, ".script") || is_module(name)
 }
 

@@ -223,11 +223,12 @@ fn a_whole_part_is_one_program() {
     check_keys(&path);
     assert_eq!(outcome, Outcome::Done, "{}", summary["findings"]);
     let figure = |key: &str| summary[key].as_f64().unwrap();
-    let tapes = figure("tapes");
-    assert!(tapes >= 4.0 && figure("cuts") == tapes && figure("tape_runs") == tapes);
+    let count = |key: &str| summary[key].as_u64().unwrap();
+    let tapes = count("tapes");
+    assert!(tapes >= 4 && count("cuts") == tapes && count("tape_runs") == tapes);
     assert!(figure("tape_on_nothing_share") <= 0.01 && figure("tape_uncovered_share") <= 0.01);
-    let (beads, laid, cuts) = (figure("program_beads"), figure("program_tapes"), figure("program_cuts"));
-    assert!(beads == figure("bead_runs") && laid == tapes && cuts == tapes && figure("head_changes") == 4.0);
+    let (beads, laid, cuts) = (count("program_beads"), count("program_tapes"), count("program_cuts"));
+    assert!(beads == count("bead_runs") && laid == tapes && cuts == tapes && count("head_changes") == 4);
     assert!(figure("program_tape_off_mm") < 0.11 && figure("motion_turn_deg") < 2.1);
     // The machine file.
     let order: String = moves(&path.join("part.gcode"))
@@ -290,9 +291,9 @@ fn an_abb_arm_gets_rapid() {
     let summary = summary(&path);
     assert_eq!(outcome, Outcome::Done, "{}", summary["findings"]);
     assert_eq!((&summary["program_tapes"], &summary["program_cuts"]), (&summary["tapes"], &summary["cuts"]));
-    let part = fs::read_to_string(path.join("part_001.mod")).unwrap();
+    let part = fs::read_to_string(path.join("fiber_001.mod")).unwrap();
     assert!(
-        path.join("part.mod").exists() && part.contains("WaitDI diTapeHot,1;") && part.contains("WaitDI diTapeFed,1;")
+        path.join("fiber.mod").exists() && part.contains("WaitDI diTapeHot,1;") && part.contains("WaitDI diTapeFed,1;")
     );
     // What switches the head stands behind a move that stops.
     let lines: Vec<&str> = part.lines().map(str::trim).collect();

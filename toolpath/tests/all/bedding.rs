@@ -179,7 +179,6 @@ proptest! {
         let paths = [layer(0, &ends), layer(1, &above)].concat();
         let list = tape(0, y, [1.0, 39.0], width);
         let bedding = found(&paths, std::slice::from_ref(&list));
-        // The core of a bead is half a millimetre wide.
         let reach = 1.5 * H;
         let count = (width / H).ceil();
         let bare = |beads: &[(f64, f64)], apart: f64| {
@@ -189,9 +188,10 @@ proptest! {
                 for step in 0..3800 {
                     let x = 1.0 + 0.01 * (f64::from(step) + 0.5);
                     let near = beads.iter().enumerate().any(|(bead, (from, to))| {
-                        let dy = ((aside - 0.5 - bead as f64).abs() - 0.25).max(0.0);
+                        let dy = aside - 0.5 - bead as f64;
                         let dx = (from - x).max(x - to).max(0.0);
-                        (dx * dx + dy * dy + apart * apart).sqrt() <= reach
+                        // The core ends in a round.
+                        (dx.hypot(dy) - 0.25).max(0.0).hypot(apart) <= reach
                     });
                     area += if near { 0.0 } else { 0.01 * width / count };
                 }

@@ -165,10 +165,7 @@ fn step(
         } else if tokens.is_word(token, FULL_SCALE) {
             tokens.marks("=")?;
             *full_scale = Some(tokens.positive("a speed of the filament", 1.0)?);
-        } else if signal_of(tokens, token).is_some() {
-            tokens.marks("=")?;
-            tokens.whole()?;
-        } else if input_of(tokens, token).is_some() {
+        } else if signal_of(tokens, token).is_some() || input_of(tokens, token).is_some() {
             tokens.marks("=")?;
             tokens.whole()?;
         } else if tokens.is_word(token, "while") {
