@@ -151,10 +151,7 @@ fn cube(c: impl Fn(usize, usize, usize, usize) -> f64, h: f64) -> DMatrix<f64> {
         all.extend((0..3).map(|k| Vector3::ith(k, -2.0 * at[k] * 2.0 / h)));
         all
     };
-    let mut table = vec![0.0; 81];
-    for n in 0..81 {
-        table[n] = c(n / 27, n / 9 % 3, n / 3 % 3, n % 3);
-    }
+    let table: Vec<f64> = (0..81).map(|n| c(n / 27, n / 9 % 3, n / 3 % 3, n % 3)).collect();
     let mut all: DMatrix<f64> = DMatrix::zeros(33, 33);
     let point = (1.0f64 / 3.0).sqrt();
     for k in 0..8 {
@@ -421,7 +418,7 @@ fn bonds() {
         let more = stress.map(|k| factor * k);
         assert!((bond.index(&more, &Vector3::z()) - factor * bond.index(&stress, &Vector3::z())).abs() < 1e-12);
     }
-    assert_eq!(load_factor(&[], 0.1), f64::INFINITY);
-    assert_eq!(load_factor(&[(0.0, 3.0)], 0.1), f64::INFINITY);
-    assert_eq!(load_factor(&[(2.0, 1.0), (4.0, 1.0)], 0.0), 0.25);
+    assert!(load_factor(&[], 0.1).is_infinite());
+    assert!(load_factor(&[(0.0, 3.0)], 0.1).is_infinite());
+    assert!((load_factor(&[(2.0, 1.0), (4.0, 1.0)], 0.0) - 0.25).abs() < 1e-12);
 }
