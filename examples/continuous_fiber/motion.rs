@@ -293,6 +293,8 @@ pub fn along_tapes(
     let steered =
         Steered { robot: &robot, heading: |waypoint: &Waypoint| directions.heading(waypoint) - mount, slack: SLACK };
     let plan = plan_print(&steered, scene.clone(), &paths, &limits, &options, &progress)?;
+    // A tape without its end is not cut, and one without its start is not fed: it is laid whole or not at all.
+    let plan = plan.without(&unfinished(&plan, &placed));
     let plan = match home {
         None => from_home(&plan, &BTreeSet::new(), &steered, scene, (&limits, &options), &progress)?,
         Some(home) => {
@@ -311,6 +313,19 @@ pub fn along_tapes(
     let max_turn = turned(&robot, &plan, &directions, mount);
     drop((paths, directions));
     Ok(TapeMotion { cell: cell.clone(), placed, plan, max_turn })
+}
+
+/// The motions along tapes that do not go from their first waypoint to their last, by their number among all motions.
+fn unfinished(plan: &PrintPlan<6, 1>, placed: &[Placed]) -> BTreeSet<usize> {
+    let is_whole = |run: &Run<6, 1>| {
+        let mut passed = run.passes.iter().filter_map(|(_, waypoint)| *waypoint);
+        let first = passed.next();
+        let last = passed.last();
+        first == Some(0) && last == Some(placed[run.path].waypoints.len() - 1)
+    };
+    let legs = plan.legs(0..plan.runs.len()).enumerate();
+    let of_part = legs.filter(|(_, leg)| leg.kind == LegKind::Print && !is_whole(leg.run));
+    of_part.map(|(number, _)| number).collect()
 }
 
 impl TapeMotion {

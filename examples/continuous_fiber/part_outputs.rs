@@ -178,18 +178,22 @@ fn find_apart(reinforced: &Reinforced, findings: &mut Findings) {
 fn find_motion(motion: &PartMotion, findings: &mut Findings) {
     for is_tape in [false, true] {
         let list: Vec<_> = motion.faults.iter().filter(|fault| fault.0 == is_tape).collect();
-        let Some((_, first)) = list.first() else { continue };
+        let missing = if is_tape { motion.tapes.saturating_sub(motion.runs[1]) } else { 0 };
+        if list.is_empty() && missing == 0 {
+            continue;
+        }
         let what = if is_tape { "the robot does not lay all tapes" } else { "the robot does not print all beads" };
-        let amount = format!("{} places, first: {} {}", list.len(), first.kind.name(), first.what);
-        let place = match is_tape {
-            true => format!("tape {} of layer {}, point {}", first.path + 1, first.layer + 1, first.waypoint),
-            false => format!("path {}, point {}", first.path + 1, first.waypoint),
-        };
-        findings.add(Severity::Failed, what, amount, place);
-    }
-    if motion.runs[1] > motion.tapes {
-        let amount = format!("{} motions for {} tapes", motion.runs[1], motion.tapes);
-        findings.add(Severity::Failed, "tapes are laid in pieces", amount, "");
+        let left_out = if is_tape { format!("{missing} of {} left out, ", motion.tapes) } else { String::new() };
+        let first =
+            list.first().map_or(String::new(), |(_, fault)| format!(", first: {} {}", fault.kind.name(), fault.what));
+        let place = list.first().map_or(String::new(), |(_, fault)| match is_tape {
+            true => format!("tape {} of layer {}, point {}", fault.path + 1, fault.layer + 1, fault.waypoint),
+            false => format!("path {}, point {}", fault.path + 1, fault.waypoint),
+        });
+        let amount = format!("{left_out}{} places{first}", list.len());
+        findings
+            .explain(Severity::Failed, what, amount, place)
+            .try_to("a workcell with more room, another --up, or smaller `roller` bodies");
     }
     let read = &motion.read;
     for wrong in &read.wrong {
