@@ -320,7 +320,7 @@ fn unfinished(plan: &PrintPlan<6, 1>, placed: &[Placed]) -> BTreeSet<usize> {
     let is_whole = |run: &Run<6, 1>| {
         let mut passed = run.passes.iter().filter_map(|(_, waypoint)| *waypoint);
         let first = passed.next();
-        let last = passed.last();
+        let last = passed.next_back();
         first == Some(0) && last == Some(placed[run.path].waypoints.len() - 1)
     };
     let legs = plan.legs(0..plan.runs.len()).enumerate();

@@ -74,10 +74,10 @@ pub struct Plies {
 /// use curvlay_layers::curved::Cells;
 /// use curvlay_layers::elastic::{Strip, plies};
 /// use curvlay_layers::nalgebra::{Point3, Vector3};
-/// // A tape on the face between two layers of cells: half of it in each.
+/// // A tape whose middle lies on the face between two layers of cells: half of it in each.
 /// let rows = [0b1111; 8];
 /// let cells = Cells::new([4, 4, 2], &rows)?;
-/// let points = [Point3::new(0.5, 2.0, 1.0), Point3::new(3.5, 2.0, 1.0)];
+/// let points = [Point3::new(0.5, 2.0, 0.95), Point3::new(3.5, 2.0, 0.95)];
 /// let strip = Strip { points: &points, normals: &[Vector3::z_axis(); 2], width_mm: 2.0, thickness_mm: 0.1 };
 /// let plies = plies(&cells, 1.0, &Point3::origin(), &[strip])?;
 /// let volume = |upper: bool| plies.list.iter().filter(|ply| (ply.cell >= 16) == upper).map(|ply| ply.share).sum::<f64>();
