@@ -1,19 +1,21 @@
 //! A layer under load: stresses from a solver or a file, tapes along them.
 
 use super::specimens::Specimen;
-use super::{Args, Boxed, Pull};
+use super::{Args, Boxed, Pull, arcs, predict};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
-use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{Cells, Guides, LayeredPart, Platform, Rules, Workpiece};
 use curvlay_layers::elastic::{
-    ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic, stress_matrix,
+    Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, layer_normal, load_factor,
+    plies, solve_composite, solve_elastic, stress_matrix,
 };
 use curvlay_toolpath::surface::{
-    DirectionField, LayerStress, LayerSurface, Principal, PrincipalAngle, StressOptions, StressSample, SurfaceMesh,
-    TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd, read_stress_vtk,
+    DirectionField, LayerStress, LayerSurface, LayerTapes, Principal, PrincipalAngle, StressOptions, StressSample,
+    SurfaceMesh, TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd,
+    read_stress_vtk,
 };
 use curvlay_voxel::inspect::inspect;
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -56,8 +58,6 @@ pub struct LoadedLayer {
     pub solved: Option<Solved>,
     /// Time for directions and tapes.
     pub plan_time: Duration,
-    /// Half the height of the layer, in millimetres: from its middle to its top.
-    pub lift: f64,
 }
 
 /// The work of the solver.
@@ -83,12 +83,28 @@ struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
+    fn material(&self) -> Material {
+        Material { young_mpa: self.young_mpa.unwrap_or(Material::default().young_mpa), ..Material::default() }
+    }
+
+    /// The work of the loads in N mm: what they are times how far they go.
+    fn work(&self, elastic: &Elastic) -> f64 {
+        let grid = &self.solid.grid;
+        let of = |load: &Load| match load {
+            Load::Force { region, newtons } => {
+                let moved = elastic.mean_displacement(grid.dims(), grid.cell_mm(), region).unwrap_or([0.0; 3]);
+                (0..3).map(|k| newtons[k] * moved[k]).sum()
+            }
+            _ => 0.0,
+        };
+        self.loads.iter().map(of).sum()
+    }
+
     /// Stresses at the centres of cells, in the frame of the boxes.
     fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, Solved), Failure> {
         let grid = &self.solid.grid;
         let cells = Cells::new(grid.dims(), grid.rows())?;
-        let material =
-            Material { young_mpa: self.young_mpa.unwrap_or(Material::default().young_mpa), ..Material::default() };
+        let material = self.material();
         let cell_mm = grid.cell_mm();
         let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
         let begin = Instant::now();
@@ -139,7 +155,6 @@ fn follow(
         angle,
         solved: None,
         plan_time,
-        lift: 0.0,
     })
 }
 
@@ -177,74 +192,146 @@ pub fn arc(specimen: &Specimen, options: &TapeOptions, smoothing: f64, bars: &Ba
     })
 }
 
-/// A layer of the user's part.
-pub fn of_part(args: &Args, part: &Part, stress: Option<&[StressSample]>, bars: &Bars) -> Result<LoadedLayer, Failure> {
-    let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
-    let resolution = args.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
-    let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
-    let mesh = &part.mesh;
-    let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
-    let (surface, lift, name) = layer_of(args, part, &solid, bars)?;
-    let (samples, reach, source, solved) = match (&args.stress, stress) {
-        (Some(path), Some(samples)) => {
-            (samples.to_vec(), args.reach_mm, format!("stresses of {}", path.display()), None)
-        }
-        _ => {
-            let (loaded, source) = user_load(args, part, &solid);
-            let (samples, solved) = loaded.samples(bars)?;
-            (samples, REACH_CELLS * solid.grid.cell_mm(), source, Some(solved))
-        }
-    };
-    let layer =
-        follow(surface, &samples, reach, &args.tape_options(), args.smoothing_mm(), bars).map_err(|failure| {
-            args.stress.as_ref().map_or_else(|| failure.clone(), |path| fault(path, &failure.message()))
-        })?;
-    Ok(LoadedLayer { name, source, solved, lift, ..layer })
+/// The layers of the user's part, in the frame of the plate.
+pub struct PartLayers {
+    /// Its cells.
+    pub solid: Voxelisation,
+    /// Their order, and the surfaces.
+    pub layered: LayeredPart,
+    /// Volume of the part in cubic millimetres.
+    pub volume_mm3: f64,
 }
 
-/// Grows the layers of the part, and takes one of them, in the frame of the file.
-fn layer_of(
-    args: &Args,
-    part: &Part,
-    solid: &Voxelisation,
-    bars: &Bars,
-) -> Result<(SurfaceMesh, f64, String), Failure> {
-    let grid = &solid.grid;
-    let vertices: Vec<_> = part.mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
-    let cells = Cells::new(grid.dims(), grid.rows())?;
-    let [low, high] = part.mesh.bounds().unwrap_or([Point3::origin(); 2]);
-    let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
-    let workpiece = Workpiece {
-        vertices: &vertices,
-        triangles: &part.mesh.triangles,
-        cells,
-        cell_mm: grid.cell_mm(),
-        origin: grid.origin(),
-        platform: &Platform::under(&cells, radius)?,
-        rules: Rules::default(),
-        volume_mm3: inspect(&vertices, &part.mesh.triangles)?.volume_mm3(),
-        guides: Guides::default(),
-    };
-    let layered = workpiece.layers(None, grid.cell_mm(), &|p| bars.show(p.stage, p.done, p.total))?;
-    let surfaces: Vec<LayerSurface> = layered.surfaces.iter().map(LayerSurface::from).collect();
-    let area = |surface: &LayerSurface| -> f64 {
-        let twice = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| surface.vertices[v as usize]);
-            (b - a).cross(&(c - a)).norm()
+impl PartLayers {
+    /// Grows the layers of a part, each as high as `--layer-height` says, or as a cell.
+    pub fn new(args: &Args, part: &Part, bars: &Bars) -> Result<Self, Failure> {
+        let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
+        let resolution = args.cell_mm.map_or(Resolution::Count(CELLS), Resolution::Cell);
+        let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
+        let mesh = &part.mesh;
+        let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
+        let grid = &solid.grid;
+        let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let [low, high] = mesh.bounds().unwrap_or([Point3::origin(); 2]);
+        let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
+        let volume_mm3 = inspect(&vertices, &mesh.triangles)?.volume_mm3();
+        let workpiece = Workpiece {
+            vertices: &vertices,
+            triangles: &mesh.triangles,
+            cells,
+            cell_mm: grid.cell_mm(),
+            origin: grid.origin(),
+            platform: &Platform::under(&cells, radius)?,
+            rules: Rules::default(),
+            volume_mm3,
+            guides: Guides::default(),
         };
-        surface.triangles.iter().map(twice).sum()
-    };
-    let largest =
-        (0..surfaces.len()).max_by(|&a, &b| area(&surfaces[a]).total_cmp(&area(&surfaces[b])).then(b.cmp(&a)));
-    let number = args.layer.map(|layer| layer as usize - 1).or(largest);
-    let Some((number, surface)) = number.and_then(|number| Some((number, surfaces.get(number)?))) else {
-        let message = format!("the part has {} layers: --layer is from 1 to that", surfaces.len());
-        return Err(Failure::of_arguments(message));
-    };
-    let back = |vertex: &Point3<f64>| vertex - solid.shift;
-    let mesh = SurfaceMesh::new(surface.vertices.iter().map(back).collect(), surface.triangles.to_vec())?;
-    let name = format!("layer {} of {} of {}", number + 1, surfaces.len(), part.name);
-    Ok((mesh, grid.cell_mm() / 2.0, name))
+        let height_mm = args.layer_height_mm.unwrap_or(grid.cell_mm());
+        let layered = workpiece.layers(None, height_mm, &|p| bars.show(p.stage, p.done, p.total))?;
+        Ok(PartLayers { solid, layered, volume_mm3 })
+    }
+
+    /// As the planner of tool paths takes them.
+    pub fn surfaces(&self) -> Vec<LayerSurface<'_>> {
+        self.layered.surfaces.iter().map(LayerSurface::from).collect()
+    }
+
+    /// Stresses in the part, in the frame of the plate.
+    pub fn stress(
+        &self,
+        args: &Args,
+        part: &Part,
+        given: Option<&[StressSample]>,
+        bars: &Bars,
+    ) -> Result<PartStress, Failure> {
+        let shift = self.solid.shift;
+        let moved = |sample: &StressSample| StressSample { point: sample.point + shift, ..*sample };
+        if let (Some(path), Some(samples)) = (&args.stress, given) {
+            let samples = samples.iter().map(moved).collect();
+            let source = format!("stresses of {}", path.display());
+            return Ok(PartStress { samples, reach_mm: args.reach_mm, source, solved: None });
+        }
+        let (loaded, source) = user_load(args, part, &self.solid);
+        let (samples, solved) = loaded.samples(bars)?;
+        let samples = samples.iter().map(moved).collect();
+        Ok(PartStress { samples, reach_mm: REACH_CELLS * self.solid.grid.cell_mm(), source, solved: Some(solved) })
+    }
+}
+
+/// What tapes do to the part under its load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reinforced {
+    /// How much stiffer it is: the work of the loads without tapes over that with them, less 1.
+    pub gain: f64,
+    /// What bonds bear in MPa.
+    pub bond_mpa: f64,
+    /// Share of the fibre that bears.
+    pub bearing: f64,
+    /// The multiple of the load at which bonds come apart, without and with tapes.
+    pub apart: [f64; 2],
+    /// Share of the tapes' volume that lies in no cell.
+    pub lost_share: f64,
+}
+
+impl PartLayers {
+    /// Solves the part with its tapes and without.
+    ///
+    /// # Arguments
+    /// * `tapes`: in the frame of the plate; `bearing`: share of their fibre that bears; `bond_mpa`: what bonds bear in peel and in shear.
+    pub fn reinforced(
+        &self,
+        (args, part): (&Args, &Part),
+        tapes: &[LayerTapes],
+        (bearing, bond_mpa): (f64, f64),
+        bars: &Bars,
+    ) -> Result<Reinforced, Failure> {
+        let (loaded, _) = user_load(args, part, &self.solid);
+        let grid = &self.solid.grid;
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let strips: Vec<Strip> = tapes.iter().flat_map(|list| &list.tapes).map(arcs::strip).collect();
+        let found = plies(&cells, grid.cell_mm(), &grid.origin(), &strips)?;
+        let (material, cell_mm) = (loaded.material(), grid.cell_mm());
+        let tape = predict::tape_law(&material, args.tape_thickness_mm, bearing);
+        let model = ElasticPart { cells: &cells, cell_mm, material, supports: &loaded.supports, loads: &loaded.loads };
+        let bond = Bond { peel_mpa: bond_mpa, shear_mpa: bond_mpa };
+        let field = &self.layered.uniform.field;
+        let solve = |list: &[Ply]| -> Result<(f64, f64), Failure> {
+            let progress = |p: curvlay_layers::Progress| bars.show(p.stage, p.done, p.total);
+            let elastic = solve_composite(&model, &tape, list, &ElasticOptions::default(), &progress)?;
+            let bonds = elastic.cells.iter().zip(&elastic.stresses_mpa).filter_map(|(&cell, stress)| {
+                let ply = list.binary_search_by_key(&cell, |ply| ply.cell).ok().map(|k| list[k].normal);
+                Some((bond.index(stress, &ply.or_else(|| layer_normal(&cells, field, cell))?), cell_mm * cell_mm))
+            });
+            Ok((loaded.work(&elastic), load_factor(&bonds.collect::<Vec<_>>(), arcs::APART)))
+        };
+        let ((plain, apart), (taped, with_tapes)) = (solve(&[])?, solve(&found.list)?);
+        let lost_share = if found.tape_mm3 > 0.0 { found.lost_mm3 / found.tape_mm3 } else { 0.0 };
+        Ok(Reinforced { gain: plain / taped - 1.0, bond_mpa, bearing, apart: [apart, with_tapes], lost_share })
+    }
+}
+
+/// Stresses in the user's part.
+pub struct PartStress {
+    samples: Vec<StressSample>,
+    reach_mm: f64,
+    /// Where they come from, in words.
+    pub source: String,
+    /// The work of the solver; none with stresses of a file.
+    pub solved: Option<Solved>,
+}
+
+impl PartStress {
+    /// Tapes along these stresses on a surface.
+    pub fn follow(&self, args: &Args, surface: SurfaceMesh, name: String, bars: &Bars) -> Result<LoadedLayer, Failure> {
+        let named = |failure: Failure| match &args.stress {
+            Some(path) => fault(path, &format!("{name}: {}", failure.message())),
+            None => Failure::new(format!("{name}: {}", failure.message())),
+        };
+        let layer = follow(surface, &self.samples, self.reach_mm, &args.tape_options(), args.smoothing_mm(), bars);
+        let layer = layer.map_err(named)?;
+        Ok(LoadedLayer { name, source: self.source.clone(), ..layer })
+    }
 }
 
 /// What holds and loads the user's part: what was asked for, or its base held and its top pushed.

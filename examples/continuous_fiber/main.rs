@@ -1,19 +1,23 @@
 //! Continuous fibre between layers: the specimens of the dissertation with their tapes, machine files, the motion of a UR3 and what stiffness theory
-//! says beside the measured; and a layer of a part under load with tapes along its principal stresses.
+//! says beside the measured; and a whole part with tapes in chosen layers along its principal stresses, as a machine file and a robot program.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), chapter 5, after C.-C. Li, C. Dai, W.-H. Liao and C. C. L. Wang, "Towards
 //! direct deposition of continuous-fibers on curved surfaces", 2020; section 6.2.3 for paths that follow stresses.
 //! ```sh
 //! cargo run --release --example continuous_fiber
-//! cargo run --release --example continuous_fiber -- part.stl --tape-width 1.1 --min-radius 5
-//! cargo run --release --example continuous_fiber -- part.stl --layer 12 --stress stress.csv
+//! cargo run --release --example continuous_fiber -- part.stl --layers 4,8,12 --tape-width 1.1 --min-radius 5
+//! cargo run --release --example continuous_fiber -- part.stl --every 3 --stress stress.csv
 //! ```
-//! Without `--mesh` the layer is one of the arc, pressed as in the dissertation's test. `--help` lists the options.
+//! Without a part the layer is one of the arc, pressed as in the dissertation's test. `--help` lists the options.
 
+mod arcs;
 mod drawing;
 mod layer;
 mod motion;
 mod outputs;
+mod part;
+mod part_motion;
+mod part_outputs;
 mod planar;
 mod predict;
 mod specimens;
@@ -29,11 +33,14 @@ use curvlay_examples::motion::{UR3_CELL, nozzle_of};
 use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
+use curvlay_examples::table::Table;
 use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::AnyWorkcell;
+use curvlay_layers::elastic::Material;
 use curvlay_toolpath::surface::{ConductorOptions, SandwichOptions, StressSample, Tape, TapeHead, TapeOptions};
 use layer::LoadedLayer;
 use motion::Moved;
+use part::PartRun;
 use planar::Planar;
 use predict::{Predictions, predict};
 use rayon::ThreadPoolBuilder;
@@ -52,14 +59,26 @@ pub struct Args {
     /// How far to go
     #[arg(long, value_name = "NAME", default_value = "motion")]
     stage: Stage,
-    /// The layer of the part, from 1 [default: the largest]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true, help_heading = LOAD)]
-    layer: Option<u32>,
-    /// Edge of the cells of the part, of its layers and of the solver in millimetres [default: some 60,000 cells]
+    /// Layers of the part that carry tapes, from 1, such as 4,8,12; the last layer carries none, since nothing would cover them
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true, conflicts_with = "every", help_heading = LOAD)]
+    layers: Vec<u32>,
+    /// Tapes on every n-th layer instead: n, 2n, 3n, ...
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true, help_heading = LOAD)]
+    every: u32,
+    /// Height of the layers in millimetres [default: the edge of a cell]
+    #[arg(long = "layer-height", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
+    layer_height_mm: Option<f64>,
+    /// Width of a bead in millimetres [default: 1 for each 0.6 of layer height]
+    #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
+    bead_mm: Option<f64>,
+    /// Share of the tapes' area that may lie on nothing, and that may stay uncovered
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share, allow_negative_numbers = true, help_heading = LOAD)]
+    allow_bare: f64,
+    /// Edge of the cells of the part and of the solver in millimetres [default: some 60,000 cells]
     #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     cell_mm: Option<f64>,
     /// Stresses instead of the solver's: CSV (x, y, z in mm of the file of the part, six components), VTK (.vtk) or results of CalculiX (.frd)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["supports", "loads", "young_gpa"], help_heading = LOAD)]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["supports", "loads", "young_gpa", "bearing", "bond_mpa"], help_heading = LOAD)]
     stress: Option<PathBuf>,
     /// How far a sample of that file may be from the layer in millimetres
     #[arg(long = "reach", value_name = "MM", default_value_t = 10.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
@@ -74,6 +93,13 @@ pub struct Args {
     /// Young's modulus of the part in GPa [default: 3.5, PLA]; it scales displacements, not stresses
     #[arg(long = "young", value_name = "GPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     young_gpa: Option<f64>,
+    /// Share of the tapes' fibre that bears [default: as in the tensile test of the dissertation, with tow that is ironed on dry]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true, help_heading = LOAD)]
+    bearing: Option<f64>,
+    /// What the bond between layers, and between tape and thermoplastic, bears in MPa, in peel and in shear [default: with which the planar arc of the
+    /// dissertation comes apart where it did]
+    #[arg(long = "bond", value_name = "MPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
+    bond_mpa: Option<f64>,
     /// Wires on the loaded layer: a point x,y,z a line in mm of the file of the part, an empty line between two wires
     #[arg(long = "wire", value_name = "FILE", help_heading = LOAD)]
     wires: Option<PathBuf>,
@@ -107,7 +133,7 @@ pub struct Args {
     /// Temperature of the roller in degrees Celsius
     #[arg(long = "heat", value_name = "CELSIUS", default_value_t = 210.0, value_parser = curvlay_examples::args::celsius, allow_negative_numbers = true, help_heading = TAPES)]
     celsius: f64,
-    /// Workcell that lays the tapes of the arc, a JSON file with six axes [default: a UR3 that holds the mould under a roller]
+    /// Workcell that prints the part, or lays the tapes of the arc, a JSON file with six axes [default: a UR3 that holds the mould under a roller]
     #[arg(long, value_name = "FILE")]
     workcell: Option<PathBuf>,
     #[command(flatten)]
@@ -124,7 +150,7 @@ pub enum Stage {
     Tapes,
     /// The layers of thermoplastic as well.
     Paths,
-    /// The motion of the robot along the tapes of the arc as well.
+    /// The motion of the robot as well: of the whole part, or along the tapes of the arc.
     Motion,
 }
 
@@ -190,6 +216,19 @@ impl Args {
         SandwichOptions { offset, ..SandwichOptions::default() }
     }
 
+    /// Whether the arm and the roller of a workcell can lay these tapes.
+    fn check_roller(&self, cell: &AnyWorkcell) -> Result<(), Failure> {
+        motion::six_axes(cell)?;
+        let (tape, roller) = (self.tape_width_mm, cell.equipment().model().roller.unwrap_or_default().width_mm);
+        if tape > roller {
+            let message = format!(
+                "--tape-width: tapes of {tape} mm under a roller of {roller} mm: take {roller} or less, or give a wider `roller.width_mm` in the workcell"
+            );
+            return Err(Failure::of_arguments(message));
+        }
+        Ok(())
+    }
+
     /// The files that it reads.
     fn files(&self) -> [Option<&Path>; 4] {
         [self.mesh.path(), self.stress.as_deref(), self.wires.as_deref(), self.workcell.as_deref()]
@@ -198,7 +237,11 @@ impl Args {
     /// Options of a layer of a part without a part.
     fn check(&self) -> Result<(), Failure> {
         let of_part = [
-            ("--layer", self.layer.is_some()),
+            ("--layers", !self.layers.is_empty()),
+            ("--layer-height", self.layer_height_mm.is_some()),
+            ("--bead", self.bead_mm.is_some()),
+            ("--bearing", self.bearing.is_some()),
+            ("--bond", self.bond_mpa.is_some()),
             ("--cell", self.cell_mm.is_some()),
             ("--stress", self.stress.is_some()),
             ("--support", !self.supports.is_empty()),
@@ -226,32 +269,56 @@ pub struct Run {
     findings: Findings,
 }
 
+/// What was planned.
+pub enum Planning {
+    /// The specimens, and the arc under load.
+    Specimens(Box<Run>),
+    /// The user's part.
+    Part(Box<PartRun>),
+}
+
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
         args.check()?;
         let folder = args.common.folder("continuous_fiber", args.files(), outputs::is_ours)?;
-        let (run, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
-        curvlay_examples::table::Table::print_all([&outputs::tapes(&run), &outputs::predictions(&run)])?;
+        let (planning, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        match &planning {
+            Planning::Specimens(run) => Table::print_all([&outputs::tapes(run), &outputs::predictions(run)])?,
+            Planning::Part(run) => Table::print_all([&part_outputs::table(run)])?,
+        }
         Ok(outcome)
     })
 }
 
 /// Plans everything and writes the files.
-pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Outcome), Failure> {
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Planning, Outcome), Failure> {
     let start = Instant::now();
     let given = Given::read(args)?;
-    folder.clear(outputs::is_ours)?;
     let pool = ThreadPoolBuilder::new().num_threads(args.common.threads).build()?;
-    let mut run = pool.install(|| plan(args, &given, bars))?;
+    let Some(part) = &given.part else {
+        folder.clear(outputs::is_ours)?;
+        let mut run = pool.install(|| plan(args, &given, bars))?;
+        bars.finish();
+        outputs::write(args, &run, folder, start)?;
+        run.findings.say();
+        let outcome = run.findings.outcome();
+        return Ok((Planning::Specimens(Box::new(run)), outcome));
+    };
+    let mut findings = Findings::default();
+    part.find(&mut findings);
+    // Whether its layers are there is known only now.
+    let run = pool.install(|| part::plan(args, part, &given, bars))?;
     bars.finish();
-    outputs::write(args, &run, folder, start)?;
-    run.findings.say();
-    let outcome = run.findings.outcome();
-    Ok((run, outcome))
+    part_outputs::find(args, &run, &mut findings);
+    folder.clear(outputs::is_ours)?;
+    part_outputs::write(args, &run, &findings, folder, start)?;
+    findings.say();
+    let outcome = findings.outcome();
+    Ok((Planning::Part(Box::new(run)), outcome))
 }
 
 /// The files of the user, all of them read before anything is removed.
-struct Given {
+pub struct Given {
     cell: AnyWorkcell,
     part: Option<Part>,
     stress: Option<Vec<StressSample>>,
@@ -269,6 +336,9 @@ impl Given {
             None => error.into(),
         })?;
         let part = args.mesh.path().map(|_| args.mesh.load("part", jug)).transpose()?;
+        if part.is_some() && args.stage >= Stage::Motion {
+            args.check_roller(&cell)?;
+        }
         let stress = args.stress.as_deref().map(layer::read_stress).transpose()?;
         let wires = args.wires.as_deref().map_or(Ok(Vec::new()), wires::read)?;
         Ok(Given { cell, part, stress, wires })
@@ -276,9 +346,8 @@ impl Given {
 }
 
 fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
-    let Given { cell, part, stress, wires } = given;
+    let Given { cell, wires, .. } = given;
     let mut findings = Findings::default();
-    part.iter().for_each(|part| part.find(&mut findings));
 
     let nozzle = nozzle_of(cell.equipment())?;
     let nozzle = (args.stage >= Stage::Paths).then_some(&nozzle);
@@ -291,21 +360,27 @@ fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
         specimens.push(planned);
     }
     let curved = specimens.iter().find(|planned| planned.specimen.is_curved());
-    let planar = curved.map(|planned| planar::plan(&planned.specimen, nozzle, bars)).transpose()?;
+    let planar = curved.map(|planned| planar::plan(&planned.specimen, args.min_length_mm, nozzle, bars)).transpose()?;
     let planar = planar.unwrap_or_else(|| unreachable!("one of them is curved"));
     let [dumbbell, bar, arc] = &specimens[..] else { unreachable!("there are three") };
-    let predictions = predict(&[
-        (dumbbell.specimen, &dumbbell.schedule),
-        (bar.specimen, &bar.schedule),
-        (arc.specimen, &arc.schedule),
-    ])?;
-    let layer = match part {
-        Some(part) => layer::of_part(args, part, stress.as_deref(), bars)?,
-        None => layer::arc(&arc.specimen, &args.tape_options(), args.smoothing_mm(), bars)?,
-    };
+    let bearing = predict::bearing(&dumbbell.specimen, &dumbbell.schedule)?;
+    let matrix_gpa = predict::matrix_gpa(&bar.specimen, &bar.schedule)?;
+    let matrix = Material { young_mpa: 1e3 * matrix_gpa, ..Material::default() };
+    let tape = predict::tape_law(&matrix, args.tape_thickness_mm, bearing);
+    let arcs = arcs::run(arc, &planar, matrix_gpa, &tape, bars)?;
+    let tested = [
+        (dumbbell.specimen, &dumbbell.schedule[..]),
+        (bar.specimen, &bar.schedule[..]),
+        (arc.specimen, &arc.schedule[..]),
+    ];
+    let predictions = predict(&tested, arcs)?;
+    let layer = layer::arc(&arc.specimen, &args.tape_options(), args.smoothing_mm(), bars)?;
     plan_time += layer.plan_time;
     let wire_options = ConductorOptions { thickness: args.tape_thickness_mm, ..ConductorOptions::default() };
-    let on_layer = |path: &PathBuf| wires::on_layer(path, wires, &layer.surface, &wire_options);
+    let on_layer = |path: &PathBuf| -> Result<Vec<Tape>, Failure> {
+        let numbered = wires.iter().enumerate();
+        numbered.map(|(number, wire)| wires::on_layer(path, number, wire, &layer.surface, &wire_options)).collect()
+    };
     let wires = args.wires.as_ref().map_or(Ok(Vec::new()), on_layer)?;
     let moved = (args.stage == Stage::Motion).then(|| motion::plan(arc, cell, &args.head(), bars)).transpose()?;
     for planned in &specimens {
@@ -323,6 +398,8 @@ fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
 const SPECIMEN: [f64; 2] = [0.95, 0.02];
 /// The mean angle to the principal direction over the worst-stressed tenth, in degrees.
 const ANGLE_DEG: f64 = 15.0;
+/// Share of the worst-stressed tenth of a layer below which tapes do not reinforce it as they should.
+const WORST_COVERED: f64 = 0.8;
 /// A prediction that differs by more than this share is told.
 const NEAR: f64 = 0.1;
 
@@ -350,6 +427,15 @@ fn judge_layer(layer: &LoadedLayer, findings: &mut Findings) {
     if let Some(degrees) = degrees.filter(|degrees| *degrees > ANGLE_DEG) {
         let what = "tapes leave the principal direction over the worst-stressed tenth of the layer";
         findings.add(Severity::Told, what, format!("{degrees:.1} degrees in the mean"), "--smoothing, --min-radius");
+    }
+    let covered = layer.angle.covered_fraction;
+    if layer.plan.empty.is_none() && covered < WORST_COVERED {
+        let what = format!(
+            "less than {} of the worst-stressed tenth of {} lies under a tape",
+            percent(WORST_COVERED),
+            layer.name
+        );
+        findings.add(Severity::Told, what, percent(covered), "");
     }
     let left: f64 = layer.plan.left_out.iter().map(|piece| piece.length_mm).sum();
     if left > 0.0 {

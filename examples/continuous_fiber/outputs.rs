@@ -1,9 +1,11 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
 
+use super::arcs::ArcTest;
+use super::layer::LoadedLayer;
 use super::layer::Solved;
-use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, deflection_mm};
+use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, Predictions, deflection_mm};
 use super::tapes::Planned;
-use super::{Args, Run, drawing};
+use super::{Args, Run, drawing, part_outputs};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::{OutputFolder, is_numbered};
@@ -16,7 +18,7 @@ use std::io::{self, Write};
 use std::time::Instant;
 
 /// Steering radii from here on are written as this: JSON has no infinity, and so straight is straight.
-const STRAIGHT_MM: f64 = 1e6;
+pub const STRAIGHT_MM: f64 = 1e6;
 
 /// Whether a file is one that the example writes.
 pub fn is_ours(name: &str) -> bool {
@@ -27,6 +29,7 @@ pub fn is_ours(name: &str) -> bool {
     ["dumbbell", "bar", "arc"].into_iter().any(specimen)
         || ["report.html", "tapes.csv", "arc_planar.gcode", "layer.gcode", "layer.png", "layer_stress.png"]
             .contains(&name)
+        || part_outputs::is_ours(name)
 }
 
 pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> Result<(), Failure> {
@@ -44,7 +47,7 @@ pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> R
     written("arc_planar.gcode", &run.planar.moves)?;
     let head = args.head();
     let loaded = [(Tool::Roller, &run.layer.plan.tapes), (Tool::Conductor, &run.wires)]
-        .map(|(tool, tapes)| head.moves(&LayerTapes { layer: 0, tool, lift: run.layer.lift, tapes: tapes.clone() }));
+        .map(|(tool, tapes)| head.moves(&LayerTapes { layer: 0, tool, lift: 0.0, tapes: tapes.clone() }));
     written("layer.gcode", &loaded.into_iter().collect::<Result<Vec<_>, _>>()?.concat())?;
     for (name, bytes) in run.moved.iter().flat_map(|moved| &moved.files) {
         folder.write(name, bytes)?;
@@ -60,38 +63,35 @@ pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> R
     Ok(())
 }
 
-/// A line for each point of each tape.
-fn write_tapes(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm")?;
-    let mut list = |part: &str, layer: u32, plan: &TapePlan| -> io::Result<()> {
-        for (number, (tape, radii)) in plan.tapes.iter().zip(&plan.radii).enumerate() {
-            for ((p, n), radius) in tape.points.iter().zip(&tape.normals).zip(radii) {
-                write!(
-                    out,
-                    "{part},{},{},{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}",
-                    layer + 1,
-                    number + 1,
-                    p.x,
-                    p.y,
-                    p.z,
-                    n.x,
-                    n.y,
-                    n.z
-                )?;
-                writeln!(out, ",{:.3}", radius.min(STRAIGHT_MM))?;
-            }
-        }
-        Ok(())
-    };
-    for planned in &run.specimens {
-        for (layer, plan) in planned.tapes.iter().zip(&planned.plans) {
-            list(planned.specimen.name, layer.layer, plan)?;
-        }
-    }
-    list("layer", 0, &run.layer.plan)
+/// The first line of `tapes.csv`.
+pub fn tape_header(out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm")
 }
 
-fn radius(mm: f64) -> String {
+/// A line for each point of each tape of a layer, which is counted from 0.
+pub fn tape_lines(out: &mut dyn Write, part: &str, layer: u32, plan: &TapePlan) -> io::Result<()> {
+    for (number, (tape, radii)) in plan.tapes.iter().zip(&plan.radii).enumerate() {
+        for ((p, n), radius) in tape.points.iter().zip(&tape.normals).zip(radii) {
+            let numbers = [layer + 1, number as u32 + 1].map(|number| number.to_string()).join(",");
+            write!(out, "{part},{numbers},{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}", p.x, p.y, p.z, n.x, n.y, n.z)?;
+            writeln!(out, ",{:.3}", radius.min(STRAIGHT_MM))?;
+        }
+    }
+    Ok(())
+}
+
+fn write_tapes(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    tape_header(out)?;
+    for planned in &run.specimens {
+        for (layer, plan) in planned.tapes.iter().zip(&planned.plans) {
+            tape_lines(out, planned.specimen.name, layer.layer, plan)?;
+        }
+    }
+    tape_lines(out, "layer", 0, &run.layer.plan)
+}
+
+/// A steering radius in words.
+pub fn radius(mm: f64) -> String {
     if mm < STRAIGHT_MM { format!("{mm:.1}") } else { "straight".to_owned() }
 }
 
@@ -153,19 +153,24 @@ impl Pictures {
             let caption = format!("{}: the tape on a layer in its middle", planned.specimen.title);
             list.push((format!("{name}.png"), caption, drawing::specimen(planned, args.min_radius_mm)));
         }
-        let layer = &run.layer;
-        let caption = format!("{}: greatest principal stress in the layer, {}", layer.name, layer.source);
-        list.push(("layer_stress.png".to_owned(), caption, drawing::stress(layer)));
-        let caption = format!("{}: tapes by steering radius", layer.name);
-        list.push(("layer.png".to_owned(), caption, drawing::tapes(layer, &run.wires, args.min_radius_mm)));
+        list.extend(layer_pictures(&run.layer, &run.wires, args.min_radius_mm));
         Pictures(list)
     }
+}
+
+/// Stresses of a layer, and its tapes: names, captions and bytes.
+pub fn layer_pictures(layer: &LoadedLayer, wires: &[Tape], min_radius_mm: f64) -> Vec<(String, String, Vec<u8>)> {
+    let caption = format!("{}: greatest principal stress in the layer, {}", layer.name, layer.source);
+    let stress = ("layer_stress.png".to_owned(), caption, drawing::stress(layer));
+    let caption = format!("{}: tapes by steering radius", layer.name);
+    vec![stress, ("layer.png".to_owned(), caption, drawing::tapes(layer, wires, min_radius_mm))]
 }
 
 fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     options(args, &mut summary)?;
     let (specimens, layer) = (&run.specimens, &run.layer);
+    let arcs = &run.predictions.arcs;
     let covers: Vec<[f64; 3]> = specimens.iter().map(Planned::cover).collect();
     let plans = || specimens.iter().flat_map(|planned| &planned.plans).chain([&layer.plan]);
     summary
@@ -177,8 +182,15 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
         .set("cuts", plans().map(TapePlan::cuts).sum::<usize>())?
         .set("modulus_gpa", run.predictions.modulus_gpa)?
         .set("measured_modulus_gpa", MEASURED_GPA[1])?
-        .set("rigidity_nm2", run.predictions.rigidity_nm2)?
-        .set("measured_rigidity_nm2", MEASURED_NM2[1])?;
+        .set("rigidity_perfect_nm2", run.predictions.rigidity_nm2[0])?
+        .set("rigidity_nm2", run.predictions.rigidity_nm2[1])?
+        .set("measured_rigidity_nm2", MEASURED_NM2[1])?
+        .set("bearing_fraction", run.predictions.bearing)?
+        .set("bond_mpa", run.predictions.bond_mpa)?
+        .set("arc_taped_planar_cu", arcs.planar_taped.stiffness_n_mm / arcs.curved.stiffness_n_mm)?
+        .set("arc_cu_apart_n", run.predictions.bond_mpa * arcs.curved.apart_n_mpa)?
+        .set("arc_cr_apart_n", run.predictions.bond_mpa * arcs.curved_taped.apart_n_mpa)?
+        .set("arc_taped_planar_apart_n", run.predictions.bond_mpa * arcs.planar_taped.apart_n_mpa)?;
     if let Some(mean) = layer.angle.mean {
         summary.set("angle_to_principal_deg", mean.to_degrees())?;
     }
@@ -217,7 +229,8 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     Ok(summary)
 }
 
-fn options(args: &Args, summary: &mut Summary) -> Result<(), Failure> {
+/// The options of a run.
+pub fn options(args: &Args, summary: &mut Summary) -> Result<(), Failure> {
     let mesh = args.mesh.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
@@ -283,9 +296,23 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
     for prediction in &run.predictions.list {
         report.paragraph(&explained(prediction));
     }
-    if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2) {
+    if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2[1]) {
         report.paragraph(&format!("At 7.27 N and supports 200 mm apart the reinforced bar would bend by {mm:.2} mm."));
     }
+    let Predictions { arcs, bond_mpa, .. } = &run.predictions;
+    let gained = |test: &ArcTest| percent(test.stiffness_n_mm / arcs.curved.stiffness_n_mm - 1.0);
+    report.paragraph(&format!(
+        "The arc by the solver: tapes that follow it, {:.0} mm³ of them, make it {} stiffer; tapes in planar layers, {:.0} mm³ of them, {}. With bonds of {bond_mpa:.2} MPa \
+         planar layers come apart at {:.0} N, with tapes at {:.0} N; curved ones at {:.0} N, with tapes at {:.0} N.",
+        arcs.curved_taped.tape_mm3,
+        gained(&arcs.curved_taped),
+        arcs.planar_taped.tape_mm3,
+        gained(&arcs.planar_taped),
+        bond_mpa * arcs.planar.apart_n_mpa,
+        bond_mpa * arcs.planar_taped.apart_n_mpa,
+        bond_mpa * arcs.curved.apart_n_mpa,
+        bond_mpa * arcs.curved_taped.apart_n_mpa
+    ));
     let layer = &run.layer;
     if let Some(mean) = layer.angle.mean {
         report.paragraph(&format!(

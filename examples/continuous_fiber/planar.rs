@@ -1,6 +1,7 @@
 //! The arc in planar layers, as a printer without a robot makes it (figure 5.3(b) of the dissertation): thermoplastic alone.
 //!
-//! A tape of 68 mm fits into none of these layers: they are cut off by the arc's own sides. How long one could be is found by laying tapes on each.
+//! A tape of 68 mm fits into none of these layers: they are cut off by the arc's own sides. How long one could be is found by laying tapes on each; the test of
+//! the arcs compares them with tapes that follow the arc.
 
 use super::specimens::Specimen;
 use super::tapes::BEAD_MM;
@@ -22,10 +23,15 @@ pub struct Planar {
     pub moves: Vec<Move>,
     /// The longest tape along it that a layer has room for, in millimetres; 0 for none.
     pub longest_tape_mm: f64,
+    /// Tapes along it on the top of each layer, as long as a head can cut them.
+    pub tapes: Vec<Tape>,
 }
 
 /// Cuts the arc, which stands on its ends, and plans its print.
-pub fn plan(specimen: &Specimen, nozzle: Option<&Nozzle>, bars: &Bars) -> Result<Planar, Failure> {
+///
+/// # Arguments
+/// * `blade_mm`: the shortest tape of the head.
+pub fn plan(specimen: &Specimen, blade_mm: f64, nozzle: Option<&Nozzle>, bars: &Bars) -> Result<Planar, Failure> {
     let standing = specimen.standing_mm();
     let count = (standing / specimen.layer_mm).round().max(1.0);
     let height = standing / count;
@@ -34,15 +40,20 @@ pub fn plan(specimen: &Specimen, nozzle: Option<&Nozzle>, bars: &Bars) -> Result
     // Any tape that fits, however short.
     let [_, width] = specimen.tape_mm;
     let options = TapeOptions { width, spacing: width, min_length: width, ..TapeOptions::default() };
-    let mut longest_tape_mm: f64 = 0.0;
-    for layer in &layers {
-        let surface = SurfaceMesh::new(layer.vertices.clone(), layer.triangles.clone())?;
+    let (mut longest_tape_mm, mut tapes): (f64, Vec<Tape>) = (0.0, Vec::new());
+    for strip in (0..count as u32).map(|k| specimen.strip_at((f64::from(k) + 0.5) * height)) {
+        let surface = SurfaceMesh::new(strip.vertices, strip.triangles)?;
         let field = DirectionField::from_fn(&surface, |_| Vector3::x())?;
         let plan = lay_tapes(&field, &options, &progress)?;
         longest_tape_mm = plan.tapes.iter().map(Tape::length).fold(longest_tape_mm, f64::max);
+        let on_top = |tape: &Tape| {
+            let points = tape.points.iter().map(|point| point + Vector3::z() * (height / 2.0)).collect();
+            Tape { points, ..tape.clone() }
+        };
+        tapes.extend(plan.tapes.iter().filter(|tape| tape.length() >= blade_mm).map(on_top));
     }
     let moves = nozzle.map(|nozzle| moves(&layers, height, nozzle, bars)).transpose()?.unwrap_or_default();
-    Ok(Planar { layers: layers.len(), moves, longest_tape_mm })
+    Ok(Planar { layers: layers.len(), moves, longest_tape_mm, tapes })
 }
 
 fn moves(layers: &[Mesh], height: f64, nozzle: &Nozzle, bars: &Bars) -> Result<Vec<Move>, Failure> {

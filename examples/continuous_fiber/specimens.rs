@@ -157,13 +157,22 @@ impl Specimen {
 
     /// The plane section of an arc at a height above its ends: between its two cylinders and its two end faces.
     pub fn section_at(&self, z: f64) -> Mesh {
+        self.section_of(z, self.section_mm()[0])
+    }
+
+    /// The strip of that section on which a tape of the specimen's width has room.
+    pub fn strip_at(&self, z: f64) -> Mesh {
+        self.section_of(z, self.tape_mm[1])
+    }
+
+    fn section_of(&self, z: f64, width: f64) -> Mesh {
         let Shape::Arc { radius, half_angle, .. } = self.shape else {
             return Mesh { vertices: Vec::new(), triangles: Vec::new() };
         };
         let over = radius * half_angle.cos() + z;
         let chord = |r: f64| (r * r - over * over).max(0.0).sqrt();
         let (inner, outer) = (chord(radius), chord(radius + self.section_mm()[1]).min(over * half_angle.tan()));
-        let half_width = |_: f64| self.section_mm()[0] / 2.0;
+        let half_width = |_: f64| width / 2.0;
         let place = |x: f64, y: f64| Point3::new(x, y, z);
         let mut parts = Vec::new();
         if inner <= 0.0 {

@@ -106,6 +106,22 @@ pub fn plan(
     Ok(Planned { specimen, schedule, tapes, plans, filled, print, moves, plan_time })
 }
 
+/// A plan whose layers are raised by the tapes below them: paths, travels, and what is laid.
+pub fn raise_plan(
+    mut plan: PrintPlan,
+    schedule: &[SandwichLayer],
+    options: &PrintOptions,
+) -> Result<PrintPlan, Failure> {
+    let PrintPlan { resolved, travels, .. } = &mut plan;
+    for (way, path) in travels.ways.iter_mut().zip(&resolved.paths) {
+        let raised = schedule[path.layer as usize].raised;
+        way.iter_mut().for_each(|pose| pose.tip += pose.direction.into_inner() * raised);
+    }
+    raise(&mut resolved.paths, schedule)?;
+    plan.deposition = deposit_along(&plan.resolved.paths, &plan.travels.ways, &options.deposition)?;
+    Ok(plan)
+}
+
 /// A curve of a layer: its points, its widths, and whether it is closed.
 type Curve = (Vec<Point3<f64>>, Vec<f64>, bool);
 
@@ -145,14 +161,7 @@ fn thermoplastic(
         // The mould is no layer of the part.
         plan.resolved.paths.iter_mut().for_each(|path| path.layer -= 1);
     }
-    let PrintPlan { resolved, travels, .. } = &mut plan;
-    for (way, path) in travels.ways.iter_mut().zip(&resolved.paths) {
-        let raised = schedule[path.layer as usize].raised;
-        way.iter_mut().for_each(|pose| pose.tip += pose.direction.into_inner() * raised);
-    }
-    raise(&mut resolved.paths, schedule)?;
-    plan.deposition = deposit_along(&plan.resolved.paths, &plan.travels.ways, &options.deposition)?;
-    Ok(plan)
+    raise_plan(plan, schedule, &options)
 }
 
 fn surface<'a>((mesh, height): (&'a Mesh, &'a Vec<f64>)) -> LayerSurface<'a> {

@@ -29,15 +29,16 @@ pub fn read(path: &Path) -> Result<Vec<Vec<Point3<f64>>>, Failure> {
     if wires.is_empty() { Err(fault(path, &"there is no wire in it")) } else { Ok(wires) }
 }
 
-/// The wires of a file on a layer.
+/// A wire of a file on a layer.
+///
+/// # Arguments
+/// * `number`: which of the file, from 0.
 pub fn on_layer(
     path: &Path,
-    wires: &[Vec<Point3<f64>>],
+    number: usize,
+    wire: &[Point3<f64>],
     surface: &SurfaceMesh,
     options: &ConductorOptions,
-) -> Result<Vec<Tape>, Failure> {
-    let lay = |(number, wire): (usize, &Vec<Point3<f64>>)| {
-        conductor(surface, wire, options).map_err(|error| fault(path, &format!("wire {}: {error}", number + 1)))
-    };
-    wires.iter().enumerate().map(lay).collect()
+) -> Result<Tape, Failure> {
+    conductor(surface, wire, options).map_err(|error| fault(path, &format!("wire {}: {error}", number + 1)))
 }

@@ -140,6 +140,7 @@ pub fn bare_cell(arm: &str, platform_mm: f64) -> WorkcellModel {
             block_diameter_mm: 20.0,
             block_top_mm: 61.0,
         },
+        roller: None,
         plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
         positioner: None,
         home_deg: None,

@@ -9,7 +9,7 @@ use crate::findings::{Findings, Severity};
 use crate::mesh::Mesh;
 use crate::output::is_numbered;
 use crate::viewer::{self, Robot, Step};
-use curvlay_kinematics::program::{RapidOptions, write_rapid, write_urscript};
+use curvlay_kinematics::program::{RapidOptions, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
 use curvlay_layers::planar::{FlatLayers, cells_by_flat_layer};
@@ -21,8 +21,6 @@ use curvlay_voxel::{Resolution, VoxelOptions, voxelise};
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::io::{self, Write};
-use std::sync::{Arc, Mutex};
 
 /// The least diameter of a plate that the workcell leaves open, and how much wider than the part it is, in millimetres.
 const PLATE_MM: f64 = 60.0;
@@ -336,36 +334,9 @@ impl Work<'_> {
                 moved.files.insert(format!("{name}.script"), file);
             } else {
                 let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
-                let mut files: Vec<(String, Shared)> = Vec::new();
-                write_rapid(programs::targets(cell, motion, piece), &options, |name| {
-                    let file = Shared::default();
-                    files.push((name.to_owned(), file.clone()));
-                    Ok(file)
-                })?;
-                moved.files.extend(files.into_iter().map(|(name, file)| (name, file.take())));
+                moved.files.extend(programs::rapid_files(programs::targets(cell, motion, piece), &options)?);
             }
         }
         Ok(moved)
-    }
-}
-
-/// Bytes that a writer fills while it is elsewhere.
-#[derive(Clone, Default)]
-struct Shared(Arc<Mutex<Vec<u8>>>);
-
-impl Shared {
-    fn take(&self) -> Vec<u8> {
-        self.0.lock().map(|mut bytes| std::mem::take(&mut *bytes)).unwrap_or_default()
-    }
-}
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.lock().map_err(|_| io::Error::other("a writer panicked"))?.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
     }
 }

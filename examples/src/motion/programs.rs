@@ -1,13 +1,15 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions, UrScriptOptions,
-    print_pieces, print_stream, print_targets,
+    FILAMENT_FULL_SCALE_MM_S, PrintKnot, RapidOptions, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
+    UrScriptOptions, WriteError, print_pieces, print_stream, print_targets, write_rapid,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
 use std::ops::Range;
+use std::sync::{Arc, Mutex};
 
 /// Postures by which the nozzle lifts off, and by which it comes down, in a program of targets.
 pub const LIFT_POSTURES: u32 = 4;
@@ -125,11 +127,50 @@ pub fn targets<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
         let knot =
             |&(k, _): &(usize, _)| PrintKnot { time_s: times[k], joints: joints[k], filament_mm: run.filament_mm[k] };
         let (arrival, departure) = plan.homes.get(number).map_or((None, None), |(a, d)| (a.as_ref(), d.as_ref()));
-        let before = arrival.map(|arrival| TargetMotion { knots: Vec::new(), onward: arrival.postures(LIFT_POSTURES) });
+        let before =
+            arrival.map(|arrival| TargetMotion { onward: arrival.postures(LIFT_POSTURES), ..Default::default() });
         let travel = plan.travels.get(number).and_then(Option::as_ref);
         let home = departure.map(|departure| departure.postures(LIFT_POSTURES));
         let onward = travel.map(|travel| travel.postures(LIFT_POSTURES)).or(home).unwrap_or_default();
-        before.into_iter().chain([TargetMotion { knots: run.passes.iter().map(knot).collect(), onward }])
+        before.into_iter().chain([TargetMotion { knots: run.passes.iter().map(knot).collect(), onward, head: None }])
     });
     print_targets(cell, motions, TargetOptions::default())
+}
+
+/// The files of a RAPID program, by name: the main module and its parts.
+///
+/// # Errors
+/// As of [`write_rapid`].
+pub fn rapid_files(
+    steps: impl IntoIterator<Item = Step>,
+    options: &RapidOptions,
+) -> Result<BTreeMap<String, Vec<u8>>, WriteError> {
+    let mut files: Vec<(String, Shared)> = Vec::new();
+    write_rapid(steps, options, |name| {
+        let file = Shared::default();
+        files.push((name.to_owned(), file.clone()));
+        Ok(file)
+    })?;
+    Ok(files.into_iter().map(|(name, file)| (name, file.take())).collect())
+}
+
+/// Bytes that a writer fills while it is elsewhere.
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl Shared {
+    fn take(&self) -> Vec<u8> {
+        self.0.lock().map(|mut bytes| std::mem::take(&mut *bytes)).unwrap_or_default()
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().map_err(|_| io::Error::other("a writer panicked"))?.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }

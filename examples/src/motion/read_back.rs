@@ -64,7 +64,7 @@ impl ReadBack {
         let mut ends: [Option<[f64; 6]>; 2] = [None; 2];
         for step in steps {
             match step? {
-                Step::Signal { .. } => {}
+                Step::Signal { .. } | Step::Wait(_) => {}
                 Step::FilamentSpeed(mm_s) => fed = mm_s,
                 Step::Extruder(on) => {
                     if on && !is_on && !is_stream {

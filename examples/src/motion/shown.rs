@@ -6,6 +6,7 @@ use curvlay_toolpath::surface::{BeadKind, Move, MoveKind, ToolPath};
 use curvlay_trajectory::Trajectory;
 use curvlay_trajectory::print::{LegKind, PrintPlan};
 use nalgebra::{Isometry3, Point3, Vector3};
+use std::ops::Range;
 
 /// Most moments at which a robot is shown; between them it goes evenly.
 const STANCES: usize = 8_000;
@@ -143,9 +144,20 @@ pub fn played<const N: usize, const F: usize, W: Workcell<N, F>>(
     plan: &PrintPlan<N, F>,
     paths: &[ToolPath],
 ) -> (Vec<Step>, Robot) {
-    let legs = || plan.legs(0..plan.runs.len());
-    let mut played = Played::new(cell, *frame_part, legs().map(|leg| leg.knots().len()).sum());
-    for leg in legs() {
+    let knots = plan.legs(0..plan.runs.len()).map(|leg| leg.knots().len()).sum();
+    let mut played = Played::new(cell, *frame_part, knots);
+    play(&mut played, plan, 0..plan.runs.len(), paths);
+    played.finish()
+}
+
+/// Adds some runs of a plan, and the ways to, between and from them.
+pub fn play<const N: usize, const F: usize, W: Workcell<N, F>>(
+    played: &mut Played<'_, W>,
+    plan: &PrintPlan<N, F>,
+    runs: Range<usize>,
+    paths: &[ToolPath],
+) {
+    for leg in plan.legs(runs) {
         let waypoints = paths.get(leg.run.path).map_or(&[][..], |path| &path.waypoints);
         let prints = leg.kind == LegKind::Print;
         let mut passes = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
@@ -160,7 +172,6 @@ pub fn played<const N: usize, const F: usize, W: Workcell<N, F>>(
         };
         played.add((leg.run.layer, leg.run.path as u32), &leg.knots(), bead);
     }
-    played.finish()
 }
 
 /// Trajectories one after the other, for a path without beads.

@@ -426,7 +426,7 @@ fn a_robot_prints_a_block() {
             Step::Extruder(on) => is_on = *on,
             Step::FilamentSpeed(mm_s) => speed = *mm_s,
             Step::Servo { seconds, .. } => pushed += if is_on { speed * seconds } else { 0.0 },
-            Step::Move(_) | Step::Signal { .. } => {}
+            Step::Move(_) | Step::Signal { .. } | Step::Wait(_) => {}
         }
         assert!(is_on || speed == 0.0 || matches!(step, Step::FilamentSpeed(_)));
     }

@@ -221,9 +221,11 @@ impl<'a> Checker<'a> {
                 }
                 (self.in_flight, self.streamed) = (false, Some(*joints));
             }
-            Step::Extruder(_) | Step::Signal { .. } if self.in_flight => {
+            Step::Extruder(_) | Step::Signal { .. } | Step::Wait(_) if self.in_flight => {
                 return Err(WriteError::SignalInFlight { index: self.index });
             }
+            // The arm rests while it waits.
+            Step::Wait(_) => self.streamed = None,
             Step::Extruder(_) | Step::Signal { .. } => {}
             Step::FilamentSpeed(mm_s) => {
                 within(self.index, "filament_mm_s", *mm_s, 0.0, self.limits.filament_mm_s.min(LARGEST))?;

@@ -3,8 +3,8 @@
 use super::check::{Checker, LARGEST};
 use super::tokens::Tokens;
 use super::{
-    ConfData, ExternalAxes, Goal, HeadSignal, Move, ProgramLimits, ReadError, Speed, Step, Target, WriteError, Zone,
-    until_error,
+    ConfData, ExternalAxes, Goal, HeadInput, HeadSignal, Move, ProgramLimits, ReadError, Speed, Step, Target,
+    WriteError, Zone, until_error,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::io::{BufRead, Write};
@@ -33,7 +33,7 @@ const UNIT: f64 = 1e-9;
 /// A header, then a line a step, 24 cells each: `kind`, pose `x_mm` to `qz` (quaternion with the scalar first), `cf1`,
 /// `cf4`, `cf6`, `cfx` ([`ConfData`]), joints `j1` to `j6`, external axes `tilt` and `turn`, `mm_s`, `rad_s`, `zone_mm`
 /// (`stop` or a radius), `seconds`. `kind` is `line`, `swing`, `joints`, `servo`, `on`, `off` or `filament`, whose speed
-/// is in `mm_s`, or a signal of a tape head such as `tape_cut_on` ([`HeadSignal::urscript`]); a cell that the kind does not need is empty, as is that of an axis that is not there. Millimetres,
+/// is in `mm_s`, or a signal of a tape head such as `tape_cut_on` ([`HeadSignal::urscript`]), or a wait for its input such as `wait_tape_hot` ([`HeadInput::urscript`]); a cell that the kind does not need is empty, as is that of an axis that is not there. Millimetres,
 /// radians, seconds; each number has the digits that bring the same double back.
 ///
 /// # Errors
@@ -131,6 +131,10 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
             write!(text, "{}_{}", signal.urscript(), if *on { "on" } else { "off" })?;
             empty(text, COLUMNS - 1);
         }
+        Step::Wait(input) => {
+            write!(text, "wait_{}", input.urscript())?;
+            empty(text, COLUMNS - 1);
+        }
         Step::FilamentSpeed(mm_s) => {
             text.extend_from_slice(b"filament");
             empty(text, SPEED - POSE);
@@ -164,8 +168,11 @@ impl<R: BufRead> CsvReader<R> {
     }
 }
 
-/// `tape_cut_on`: the step of such a kind.
+/// `tape_cut_on` or `wait_tape_hot`: the step of such a kind.
 fn signal_of(kind: &[u8]) -> Option<Step> {
+    if let Some(name) = kind.strip_prefix(b"wait_") {
+        return HeadInput::ALL.into_iter().find(|input| input.urscript().as_bytes() == name).map(Step::Wait);
+    }
     let (name, on) = match kind.strip_suffix(b"_on") {
         Some(name) => (name, true),
         None => (kind.strip_suffix(b"_off")?, false),
@@ -236,7 +243,7 @@ impl<R: BufRead> Row<R> {
                 return Err(unexpected(
                     &self.lines,
                     0,
-                    "line, swing, joints, servo, on, off, filament or a signal of a tape head",
+                    "line, swing, joints, servo, on, off, filament, or a signal or a wait of a tape head",
                     other,
                 ));
             }

@@ -164,7 +164,7 @@ impl Follower<'_> {
                 self.is_on = *on;
             }
             Step::FilamentSpeed(feed) => self.feed = *feed,
-            Step::Signal { .. } => {}
+            Step::Signal { .. } | Step::Wait(_) => {}
         }
     }
 

@@ -69,7 +69,7 @@ pub use rapid::{
 };
 pub use seconds::program_seconds;
 pub use servo::{ResampleError, ServoRate, TimedJoints, resample};
-pub use signal::{HeadSignal, TimedSignal};
+pub use signal::{HeadInput, HeadSignal, TimedSignal};
 pub use strokes::{StrokeOptions, lifted, strokes};
 pub use tokens::ReadError;
 pub use turns::{TurnChoice, TurnError, TurnPath, choose_turns};
@@ -195,6 +195,8 @@ pub enum Step {
         /// On or off.
         on: bool,
     },
+    /// The robot rests until an input of a tape head is on.
+    Wait(HeadInput),
 }
 
 /// What `next` returns of a stream of steps that ends after the last one and after the first error; `over` is its note

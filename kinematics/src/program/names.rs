@@ -28,7 +28,7 @@ const RAPID_INSTALLED: &str = "\
 const URSCRIPT_RESERVED: &str = "\
     and break case continue def default elif else end enter_critical exit_critical False for global halt if in join \
     kill local loop mod not or pause pass return run sec struct switch sync thread True until while xor movej movel \
-    roller conductor tape_heat tape_feed tape_press tape_cut \
+    roller conductor tape_heat tape_feed tape_press tape_cut tool_ready tape_hot tape_fed get_standard_digital_in \
     movep movec servoj stopj stopl pose_trans filament_full_scale nozzle pose_inv set_tcp set_payload \
     set_standard_digital_out set_standard_analog_out p sleep work";
 

@@ -154,12 +154,17 @@ pub struct TargetMotion<const N: usize> {
     pub knots: Vec<PrintKnot<N>>,
     /// The way on, without extrusion: each is a move by joints that stops.
     pub onward: Vec<[f64; N]>,
+    /// Signals of a tape head along the motion, in the order of their times, for one that lays tape: the extruder stays off. `None` for a
+    /// motion that extrudes.
+    pub head: Option<Vec<TimedSignal>>,
 }
 
 /// The steps of a print as targets on the part: by joints to each motion, along it in straight lines from waypoint to waypoint
 /// at the speed of the plan, the table along, and on by joints.
 ///
 /// The extruder is on along each motion, and the filament has the speed that lays what the plan lays between two waypoints.
+/// Along a motion of a tape head the extruder stays off; each signal comes at the first knot at or after its time, where the arm stops, so that a cut
+/// is where it was planned. Such motions are not merged.
 /// A motion without knots gives no steps but those of its way on. A posture with a table beyond its limits
 /// ([`Workcell::controller_pose`]) is left out with the moves that begin or end there.
 ///
@@ -180,7 +185,7 @@ pub struct TargetMotion<const N: usize> {
 /// let file = include_str!("../../../examples/cells/ur3.json");
 /// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
 /// let at = |time_s: f64| PrintKnot { time_s, joints: [0.1 * time_s, -1.0, -1.5, 0.3, 0.2, 0.0], filament_mm: 2.0 * time_s };
-/// let motion = TargetMotion { knots: vec![at(0.0), at(0.5), at(1.0)], onward: vec![[0.0; 6]] };
+/// let motion = TargetMotion { knots: vec![at(0.0), at(0.5), at(1.0)], onward: vec![[0.0; 6]], head: None };
 /// let steps: Vec<Step> = print_targets(&cell, [motion], TargetOptions::default()).collect();
 /// assert_eq!(steps.len(), 8);
 /// assert_eq!((steps[1], steps[6]), (Step::Extruder(true), Step::Extruder(false)));
@@ -208,7 +213,12 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         let to = Move { goal: Goal::Line(to.target), table: to.table.map(ExternalAxes::from), speed, zone };
         Some((filament_mm_s, to))
     };
-    motions.into_iter().flat_map(move |TargetMotion { knots, onward }| {
+    motions.into_iter().flat_map(move |TargetMotion { knots, onward, head }| {
+        if let Some(signals) = head {
+            let mut steps = along_tape(&knots, signals, &joints_move, &line, corner_mm);
+            steps.extend(onward.iter().filter_map(joints_move));
+            return steps;
+        }
         let knots = if options.merge_mm > 0.0 { merged(cell, &knots, &options) } else { knots };
         let last = knots.len().saturating_sub(2);
         let zone = |k: usize| if k == last { Zone::Stop } else { Zone::Blend(corner_mm) };
@@ -231,6 +241,35 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         steps.extend(onward.iter().filter_map(joints_move));
         steps
     })
+}
+
+/// The steps of a motion of a tape head.
+fn along_tape<const N: usize>(
+    knots: &[PrintKnot<N>],
+    signals: Vec<TimedSignal>,
+    joints_move: &impl Fn(&[f64; N]) -> Option<Step>,
+    line: &impl Fn([&PrintKnot<N>; 2], Zone) -> Option<(f64, Move)>,
+    corner_mm: f64,
+) -> Vec<Step> {
+    let Some(first) = knots.first() else { return Vec::new() };
+    let mut due = signals.into_iter().peekable();
+    let mut by = |until_s: f64, steps: &mut Vec<Step>| {
+        while let Some(TimedSignal { signal, on, .. }) = due.next_if(|signal| signal.time_s <= until_s) {
+            steps.push(Step::Signal { signal, on });
+        }
+        due.peek().map(|next| next.time_s)
+    };
+    let mut steps: Vec<Step> = joints_move(&first.joints).into_iter().collect();
+    let mut next_s = by(0.0, &mut steps);
+    for (k, pair) in knots.windows(2).enumerate() {
+        let at_s = pair[1].time_s - first.time_s;
+        let stops = k + 2 == knots.len() || next_s.is_some_and(|next_s| next_s <= at_s);
+        let zone = if stops { Zone::Stop } else { Zone::Blend(corner_mm) };
+        steps.extend(line([&pair[0], &pair[1]], zone).map(|(_, to)| Step::Move(to)));
+        next_s = by(at_s, &mut steps);
+    }
+    by(f64::INFINITY, &mut steps);
+    steps
 }
 
 /// Some motions of a print that make a program.

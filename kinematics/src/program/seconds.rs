@@ -77,7 +77,7 @@ impl Clock {
                 self.seconds += seconds;
                 (self.place, self.joints) = (work_tool(joints, None), Some((*joints, None)));
             }
-            Step::Extruder(_) | Step::FilamentSpeed(_) | Step::Signal { .. } => {}
+            Step::Extruder(_) | Step::FilamentSpeed(_) | Step::Signal { .. } | Step::Wait(_) => {}
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::model::{
     ArmGeometry, ArmPart, CalibrationModel, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel,
-    PositionerGeometry, PositionerPart, VERSION,
+    PositionerGeometry, PositionerPart, RollerModel, VERSION,
 };
 use crate::arm::robots::{ARMS, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
@@ -381,6 +381,17 @@ pub(super) fn nozzle(model: &NozzleModel) -> Result<Isometry3<f64>, WorkcellErro
         return Err(wrong("nozzle.block_top_mm", top, must));
     }
     Ok(nozzle_frame(&tip, &flow))
+}
+
+pub(super) fn roller(model: &RollerModel) -> Result<(), WorkcellError> {
+    let diameter = positive("roller.diameter_mm", model.diameter_mm)?;
+    positive("roller.width_mm", model.width_mm)?;
+    positive("roller.block_diameter_mm", model.block_diameter_mm)?;
+    let top = positive("roller.block_top_mm", model.block_top_mm)?;
+    if top <= diameter {
+        return Err(wrong("roller.block_top_mm", top, format!("above the diameter of the roller, {diameter}")));
+    }
+    model.mount_deg.map_or(Ok(()), |degrees| finite("roller.mount_deg", degrees).map(|_| ()))
 }
 
 pub(super) fn plate(model: &PlateModel) -> Result<(), WorkcellError> {

@@ -2,11 +2,11 @@
 
 use super::check::{self, Table, WorkcellError, each, finite, positive};
 use super::links::{self, LinkBodies, LinkMeshReader};
-use super::model::{Held, MountModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
+use super::model::{Held, MountModel, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
 use crate::arm::{Arm, ArmModel};
 use crate::positioner::Positioner;
 use crate::scene::{Body, Mount, Scene, SceneModel, Shape};
-use nalgebra::{Isometry3, Point3, UnitVector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// The body of the nozzle's cone in the scene.
@@ -46,6 +46,8 @@ pub struct Equipment {
     bodies: Vec<Body>,
     part: (Mount, Isometry3<f64>),
     nozzle: (Mount, Isometry3<f64>),
+    /// The roller in the place of the nozzle, and its angle from the x axis of the nozzle frame to the direction of the tape.
+    roller: Option<(RollerModel, f64)>,
 }
 
 impl Equipment {
@@ -62,6 +64,7 @@ impl Equipment {
             (Held::Nozzle, Some(_)) => ((Mount::Table, part), in_hand(nozzle)),
             (Held::Part, Some(_)) => return Err(WorkcellError::HeldPartOnTable),
         };
+        model.roller.as_ref().map_or(Ok(()), check::roller)?;
         check::plate(&model.plate)?;
         let [to_part, to_tip] = [&part.1, &nozzle.1].map(|frame| frame.translation.vector.norm());
         let plate_mm = model.plate.diameter_mm.unwrap_or(SOME_PLATE_MM) / 2.0;
@@ -78,7 +81,8 @@ impl Equipment {
         for (index, solid) in model.solids.iter().enumerate() {
             bodies.push(body(&format!("solids[{index}]"), solid, positioner.is_some(), &part, &nozzle)?);
         }
-        let equipment = Equipment { arm, arm_model, positioner, links, link_bodies, bodies, part, nozzle, model };
+        let equipment =
+            Equipment { arm, arm_model, positioner, links, link_bodies, bodies, part, nozzle, roller: None, model };
         equipment.check_names()?;
         Scene::new(equipment.scene(SOME_PLATE_MM))?;
         Ok((equipment, table))
@@ -105,6 +109,24 @@ impl Equipment {
             }
         }
         Ok(())
+    }
+
+    /// The same with a roller in the place of the nozzle: it is the body [`NOZZLE`] of the scene, its block the body [`HOT_END`].
+    ///
+    /// # Arguments
+    /// * `heading`: from the x axis of the nozzle frame to the direction of the tape, about the axis of the nozzle, in radians.
+    ///
+    /// # Errors
+    /// [`WorkcellError`] names the field of `roller`.
+    pub(super) fn with_roller(&self, roller: RollerModel, heading: f64) -> Result<Self, WorkcellError> {
+        check::roller(&roller)?;
+        let heading = check::finite("roller.mount_deg", heading.to_degrees())?.to_radians();
+        Ok(Equipment { roller: Some((roller, heading)), ..self.clone() })
+    }
+
+    /// The roller in the place of the nozzle, and its heading in radians; `None` where the nozzle is there.
+    pub fn roller(&self) -> Option<&(RollerModel, f64)> {
+        self.roller.as_ref()
     }
 
     /// The numbers that the workcell was made from.
@@ -159,6 +181,26 @@ impl Equipment {
         self.model.plate.diameter_mm.unwrap_or(wanted_mm)
     }
 
+    /// How deep a roller is in the plate at most, whatever its heading: by the end of its width where it leans across the tape, by its round where it
+    /// leans along.
+    fn roller_in_plate(roller: &RollerModel, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Option<PlateContact> {
+        let lean = (1.0 - axis.z * axis.z).max(0.0).sqrt();
+        let radius = 0.5 * roller.diameter_mm;
+        // The middle of the roller, and what reaches down from it.
+        let round = radius - axis.z * radius - tip.z;
+        let end = 0.5 * roller.width_mm * lean - tip.z;
+        let block = |height: f64| 0.5 * roller.block_diameter_mm * lean - tip.z - axis.z * height;
+        let depths = [
+            (NOZZLE, round + 0.5 * roller.width_mm * lean),
+            (NOZZLE, end),
+            (HOT_END, block(roller.diameter_mm)),
+            (HOT_END, block(roller.block_top_mm)),
+        ];
+        let deepest = depths.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (body, depth_mm) = deepest;
+        (depth_mm > 0.0 || depth_mm.is_nan()).then_some(PlateContact { body, depth_mm })
+    }
+
     /// How deep the nozzle is in the plate, which has no edge here, and which of [`NOZZLE`] and [`HOT_END`] is deepest; `None` where
     /// it is above. The block ends at its top, so that the nozzle may lie flat; the edge of the cone is within the block.
     ///
@@ -166,6 +208,9 @@ impl Equipment {
     /// * `tip`, `axis`: where the nozzle is in the part frame, in millimetres, the axis away from the tip. Numbers that are not
     ///   finite have a depth that is not a number.
     pub fn depth_in_plate(&self, tip: &Point3<f64>, axis: &UnitVector3<f64>) -> Option<PlateContact> {
+        if let Some((roller, _)) = &self.roller {
+            return Self::roller_in_plate(roller, tip, axis);
+        }
         let nozzle = &self.model.nozzle;
         let lean = (1.0 - axis.z * axis.z).max(0.0).sqrt();
         let block_radius = 0.5 * nozzle.block_diameter_mm;
@@ -184,16 +229,12 @@ impl Equipment {
     /// the diameter of the file, or `wanted_mm` if the file leaves it open. The margin is 0 and nothing is allowed to
     /// touch; set both as the motion in question needs it.
     pub fn scene(&self, wanted_mm: f64) -> SceneModel {
-        let nozzle = &self.model.nozzle;
-        let (height, flat) = (nozzle.cone_height_mm, nozzle.tip_flat_mm / 2.0);
-        let wide = flat + height * nozzle.cone_half_angle_deg.to_radians().tan();
-        let cone = Shape::Hull { points: ring(flat, 0.0).chain(ring(wide, height)).collect(), radius: 0.0 };
-        let block = Shape::cylinder(nozzle.block_diameter_mm / 2.0, height, nozzle.block_top_mm);
+        let (tool, block) = self.tool_shapes();
         let plate = Shape::cylinder(self.plate_diameter_mm(wanted_mm) / 2.0, -self.model.plate.thickness_mm, 0.0);
         let body = |name: &str, (mount, mount_body), shape| Body { name: name.into(), mount, mount_body, shape };
         let mut bodies = self.bodies.clone();
         bodies.extend([
-            body(NOZZLE, self.nozzle, cone),
+            body(NOZZLE, self.nozzle, tool),
             body(HOT_END, self.nozzle, block),
             body(PLATE, self.part, plate),
         ]);
@@ -204,6 +245,27 @@ impl Equipment {
             link_allowance: self.model.arm.allowance_mm,
             ..SceneModel::of(self.arm)
         }
+    }
+
+    /// Cone and block of the nozzle, or roller and block of the tape head, in the nozzle frame.
+    fn tool_shapes(&self) -> (Shape, Shape) {
+        if let Some((roller, heading)) = &self.roller {
+            let (radius, half) = (roller.diameter_mm / 2.0, roller.width_mm / 2.0);
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *heading);
+            // The ring about z becomes one about the axle, which lies across the tape.
+            let ends = [-half, half]
+                .into_iter()
+                .flat_map(|y| ring(radius, 0.0).map(move |p| Point3::new(p.x, y, p.y + radius)));
+            let points = ends.map(|point| turn * point).collect();
+            let block = Shape::cylinder(roller.block_diameter_mm / 2.0, roller.diameter_mm, roller.block_top_mm);
+            return (Shape::Hull { points, radius: 0.0 }, block);
+        }
+        let nozzle = &self.model.nozzle;
+        let (height, flat) = (nozzle.cone_height_mm, nozzle.tip_flat_mm / 2.0);
+        let wide = flat + height * nozzle.cone_half_angle_deg.to_radians().tan();
+        let cone = Shape::Hull { points: ring(flat, 0.0).chain(ring(wide, height)).collect(), radius: 0.0 };
+        let block = Shape::cylinder(nozzle.block_diameter_mm / 2.0, height, nozzle.block_top_mm);
+        (cone, block)
     }
 }
 

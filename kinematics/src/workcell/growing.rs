@@ -252,7 +252,11 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> GrowingScene<'a, N, 
             return Err(GrowingError::NoLinks);
         }
         model.bodies.push(body);
-        let allowed = nozzle_pairs(&[PART, PLATE]);
+        let mut allowed = nozzle_pairs(&[PART, PLATE]);
+        if equipment.roller().is_some() {
+            // The block of a tape head stands above the roller: it keeps off what is built.
+            allowed.retain(|pair| pair[0] != HOT_END);
+        }
         let model = SceneModel { margin: options.margin_mm, ..model };
         let with = |clearance: f64| Scene::new(SceneModel { clearance, allowed: allowed.clone(), ..model.clone() });
         // Of these the first looks at the grid.

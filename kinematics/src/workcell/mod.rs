@@ -38,6 +38,7 @@
 //!         block_diameter_mm: 20.0,
 //!         block_top_mm: 60.0,
 //!     },
+//!     roller: None,
 //!     plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
 //!     positioner: None,
 //!     home_deg: None,
@@ -74,8 +75,8 @@ pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, Pa
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
     ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
-    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ShapeModel, SolidModel, StandModel,
-    VERSION, WorkcellModel,
+    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, RollerModel, ShapeModel, SolidModel,
+    StandModel, VERSION, WorkcellModel,
 };
 pub use six::SixAxisCell;
 

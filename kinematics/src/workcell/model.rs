@@ -25,6 +25,9 @@ pub struct WorkcellModel {
     pub part: FrameModel,
     /// The nozzle: on the flange, or in the base if the arm holds the part.
     pub nozzle: NozzleModel,
+    /// The roller of a tape head that takes the place of the nozzle; absent: none is known.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub roller: Option<RollerModel>,
     /// The plate on which the part grows.
     pub plate: PlateModel,
     /// The table that carries the part, where there is one.
@@ -311,6 +314,33 @@ pub struct NozzleModel {
     pub block_diameter_mm: f64,
     /// Where the block ends, above the tip.
     pub block_top_mm: f64,
+}
+
+/// A tape head in the place of the nozzle: a roller that lies across the tape and touches it where the tip of the nozzle would be, and the block that
+/// carries it, which begins above the roller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct RollerModel {
+    /// Diameter of the roller.
+    pub diameter_mm: f64,
+    /// Its width, across the tape.
+    pub width_mm: f64,
+    /// Diameter of the block.
+    pub block_diameter_mm: f64,
+    /// Where the block ends, above the line of contact.
+    pub block_top_mm: f64,
+    /// How the head is mounted: from the x axis of the nozzle frame to the direction of the tape, about the axis of the nozzle. Absent: where the most
+    /// tapes are in reach.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub mount_deg: Option<f64>,
+}
+
+impl Default for RollerModel {
+    /// A roller of 20 mm under a block of 25 mm, 8 mm wide: for tapes of 5 mm (C. Dai 2020, section 5.3.2) with some room at both sides. The sizes are ours,
+    /// since the dissertation gives none.
+    fn default() -> Self {
+        RollerModel { diameter_mm: 20.0, width_mm: 8.0, block_diameter_mm: 25.0, block_top_mm: 61.0, mount_deg: None }
+    }
 }
 
 /// The plate on which the part grows.

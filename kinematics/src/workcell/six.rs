@@ -2,7 +2,7 @@
 
 use super::check::WorkcellError;
 use super::equipment::Equipment;
-use super::model::Held;
+use super::model::{Held, RollerModel};
 use super::{ControllerPose, Following, FreeRange, Stance, Workcell};
 use crate::arm::Branch;
 use crate::cell::{Cell, Waypoint};
@@ -28,6 +28,32 @@ impl SixAxisCell {
             Held::Nozzle => Cell::nozzle_in_hand(arm, nozzle, part)?,
         };
         Ok(SixAxisCell { equipment, cell })
+    }
+
+    /// The same cell with the roller of a tape head in the place of the nozzle: reach and frames are the same, the bodies of the scene and what they touch
+    /// are those of the roller.
+    ///
+    /// # Arguments
+    /// * `heading`: from the x axis of the nozzle frame to the direction of the tape, about the axis of the nozzle, in radians.
+    ///
+    /// # Errors
+    /// [`WorkcellError`] names the field of `roller`.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_kinematics::workcell::{AnyWorkcell, HOT_END, NOZZLE, RollerModel, Workcell};
+    /// # #[cfg(feature = "serde")] {
+    /// let file = include_str!("../../../examples/cells/ur3.json");
+    /// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+    /// let roller = RollerModel { diameter_mm: 30.0, ..RollerModel::default() };
+    /// let with_roller = cell.with_roller(roller, 0.0)?;
+    /// assert_eq!(with_roller.equipment().roller().map(|(roller, _)| roller.diameter_mm), Some(30.0));
+    /// assert!(cell.with_roller(RollerModel { width_mm: 0.0, ..roller }, 0.0).is_err());
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_roller(&self, roller: RollerModel, heading: f64) -> Result<Self, WorkcellError> {
+        Ok(SixAxisCell { equipment: self.equipment.with_roller(roller, heading)?, cell: self.cell })
     }
 
     /// Its kinematics.

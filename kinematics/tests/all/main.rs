@@ -22,6 +22,7 @@ mod program_rapid;
 mod program_servo;
 mod program_signals;
 mod program_urscript;
+mod roller;
 mod rows;
 mod scene;
 mod scene_cubic;

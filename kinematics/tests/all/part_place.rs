@@ -221,6 +221,7 @@ fn ur3() -> SixAxisCell {
             block_diameter_mm: 20.0,
             block_top_mm: 60.0,
         },
+        roller: None,
         plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
         positioner: None,
         home_deg: None,

@@ -64,7 +64,7 @@ fn steps(table: bool, stream: bool) -> impl Strategy<Value = Vec<Step>> {
         let (mut before, mut last) = (None, 0.0);
         for k in 0..steps.len() {
             let switches = match steps[k] {
-                Step::Extruder(_) | Step::Signal { .. } => true,
+                Step::Extruder(_) | Step::Signal { .. } | Step::Wait(_) => true,
                 Step::FilamentSpeed(mm_s) => std::mem::replace(&mut last, mm_s) * mm_s <= 0.0,
                 Step::Move(_) | Step::Servo { .. } => {
                     before = Some(k);
@@ -154,7 +154,7 @@ fn finite(steps: &[Step]) -> bool {
             goal && zone && table && to.speed.mm_s.is_finite() && to.speed.rad_s.is_finite()
         }
         Step::Servo { joints, seconds } => joints.iter().all(|x| x.is_finite()) && seconds.is_finite(),
-        Step::Extruder(_) | Step::Signal { .. } => true,
+        Step::Extruder(_) | Step::Signal { .. } | Step::Wait(_) => true,
         Step::FilamentSpeed(mm_s) => mm_s.is_finite(),
     })
 }
@@ -720,7 +720,7 @@ fn files_that_are_none_say_where() {
     let head = "def a():\nwork=p[0,0,0,0,0,0]\nset_tcp(p[0,0,0,0,0,0])\n";
     assert_eq!(
         script(&format!("{head}  movec(1)\nend")),
-        "line 4, column 3: expected movel, movep, movej, servoj, stopj, a signal or end, found `movec`"
+        "line 4, column 3: expected movel, movep, movej, servoj, stopj, a signal, a wait or end, found `movec`"
     );
     assert_eq!(
         script(&format!("{head}movej([0,0,1e999,0,0,0],a=1,v=1,r=0)")),
@@ -771,7 +771,9 @@ fn a_stream_passes_through_its_samples() {
                     tick += 1;
                 }
                 Step::Extruder(on) => switched.push((*on, 5.0 + f64::from(tick) * rate.seconds())),
-                Step::Move(_) | Step::FilamentSpeed(_) | Step::Signal { .. } => panic!("not of this stream: {step:?}"),
+                Step::Move(_) | Step::FilamentSpeed(_) | Step::Signal { .. } | Step::Wait(_) => {
+                    panic!("not of this stream: {step:?}")
+                }
             }
         }
         // The end lies on a step, and is not lost to rounding.

@@ -25,7 +25,7 @@ fn is_finite(step: &Step) -> bool {
             goal && zone && table && to.speed.mm_s.is_finite() && to.speed.rad_s.is_finite()
         }
         Step::Servo { joints, seconds } => joints.iter().all(|x| x.is_finite()) && seconds.is_finite(),
-        Step::Extruder(_) | Step::Signal { .. } => true,
+        Step::Extruder(_) | Step::Signal { .. } | Step::Wait(_) => true,
         Step::FilamentSpeed(mm_s) => mm_s.is_finite(),
     }
 }

@@ -79,7 +79,7 @@ proptest! {
                     on = now;
                 }
                 Step::FilamentSpeed(now) => speed = now,
-                Step::Move(_) | Step::Signal { .. } => prop_assert!(false, "a second move, or a signal of nobody"),
+                Step::Move(_) | Step::Signal { .. } | Step::Wait(_) => prop_assert!(false, "a second move, or a signal of nobody"),
             }
         }
         prop_assert_eq!(f64::from(tick), (total / rate.seconds() + 1e-12).floor());
@@ -165,7 +165,7 @@ fn motion() -> TargetMotion<8> {
             filament_mm: 1.5 * t,
         }
     };
-    TargetMotion { knots: (0..5).map(knot).collect(), onward: vec![[0.1; 8], [0.2; 8]] }
+    TargetMotion { knots: (0..5).map(knot).collect(), onward: vec![[0.1; 8], [0.2; 8]], head: None }
 }
 
 #[test]
@@ -198,12 +198,12 @@ fn targets_are_where_the_joints_are_and_as_fast_as_the_plan() {
 fn targets_of_little() {
     let (cell, options) = (over_table(), TargetOptions::default());
     let steps = |motion: TargetMotion<8>| print_targets(&cell, [motion], options).collect::<Vec<_>>();
-    assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![] }), []);
-    assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![[0.0; 8]] }).len(), 1);
-    assert_eq!(steps(TargetMotion { knots: motion().knots[..1].to_vec(), onward: vec![] }).len(), 4);
+    assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![], head: None }), []);
+    assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![[0.0; 8]], head: None }).len(), 1);
+    assert_eq!(steps(TargetMotion { knots: motion().knots[..1].to_vec(), onward: vec![], head: None }).len(), 4);
     // Standing still takes the least speeds; filament that is drawn back is none.
     let still = |time_s, filament_mm| PrintKnot { time_s, filament_mm, ..motion().knots[0] };
-    let slow = steps(TargetMotion { knots: vec![still(0.0, 1.0), still(1.0, 0.0)], onward: vec![] });
+    let slow = steps(TargetMotion { knots: vec![still(0.0, 1.0), still(1.0, 0.0)], onward: vec![], head: None });
     let Step::Move(Move { speed, .. }) = slow[3] else { panic!("{:?}", slow[3]) };
     assert_eq!((slow[2], speed), (Step::FilamentSpeed(0.0), Speed { mm_s: 0.01, rad_s: 0.5 }));
 }
@@ -332,7 +332,7 @@ fn a_straight_path_is_a_few_lines_of_urscript() {
     let options = UrScriptOptions::of_workcell(cell.equipment());
     assert!(options.part_in_hand && options.arm.is_some());
     let lines = |knots: Vec<PrintKnot<6>>, targets: TargetOptions| {
-        let motion = TargetMotion { knots, onward: vec![] };
+        let motion = TargetMotion { knots, onward: vec![], head: None };
         let mut out = Vec::new();
         let written = write_urscript(print_targets(&cell, [motion], targets), &options, &mut out).unwrap();
         (String::from_utf8(out).unwrap(), written)
@@ -380,7 +380,7 @@ proptest! {
             })
             .collect();
         let options = TargetOptions { merge_mm, merge_share: 0.2, merge_rad: 0.01, same_speed, ..TargetOptions::default() };
-        let motion = TargetMotion { knots: knots.clone(), onward: vec![] };
+        let motion = TargetMotion { knots: knots.clone(), onward: vec![], head: None };
         let steps: Vec<Step> = print_targets(&cell, [motion], options).collect();
         let poses: Vec<_> = knots.iter().map(|knot| cell.controller_pose(&knot.joints).unwrap().target.pose).collect();
         // A speed of the filament holds until the next one.

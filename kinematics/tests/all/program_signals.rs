@@ -30,7 +30,9 @@ fn tape() -> Vec<Step> {
     vec![
         moved(0.0),
         switch(Roller, true),
+        Step::Wait(HeadInput::ToolReady),
         switch(Heat, true),
+        Step::Wait(HeadInput::Hot),
         switch(Feed, true),
         switch(Feed, false),
         switch(Press, true),
@@ -115,6 +117,36 @@ fn urscript_has_a_variable_for_each() {
 }
 
 #[test]
+fn programs_wait_for_the_head() {
+    let text = script(&tape(), &UrScriptOptions::default()).unwrap();
+    let ready =
+        text.find("  tool_ready=1\n  while (not get_standard_digital_in(tool_ready)):\n    sync()\n  end\n").unwrap();
+    let hot = text.find("  tape_hot=2\n  while (not get_standard_digital_in(tape_hot)):\n    sync()\n  end\n").unwrap();
+    assert!(text.find("(roller,True)").unwrap() < ready && text.find("(tape_heat,True)").unwrap() < hot);
+    let files = rapid(&tape(), &RapidOptions::default()).unwrap();
+    let part = String::from_utf8(files["curvlay_001.mod"].clone()).unwrap();
+    assert!(part.contains("SetDO doTapeHeat,1;\n    WaitDI diTapeHot,1;\n"), "{part}");
+    // A stream stops before it waits.
+    let servo = |angle: f64| Step::Servo { joints: [angle; 6], seconds: 0.008 };
+    let steps = [servo(0.0), Step::Wait(HeadInput::Hot), servo(0.0)];
+    let text = script(&steps, &UrScriptOptions::default()).unwrap();
+    assert!(text.find("stopj").unwrap() < text.find("while").unwrap());
+    // Inputs of another wiring; each its own, and one that is there.
+    let wired = UrScriptOptions { head_inputs: [7, 0, 1], ..UrScriptOptions::default() };
+    assert!(script(&tape(), &wired).unwrap().contains("  tape_hot=0\n"));
+    let twice = UrScriptOptions { head_inputs: [3, 1, 3], ..UrScriptOptions::default() };
+    assert!(matches!(script(&tape(), &twice), Err(WriteError::Conflict { what: "head_inputs", .. })));
+    let beyond = UrScriptOptions { head_inputs: [8, 0, 1], ..UrScriptOptions::default() };
+    assert!(matches!(script(&tape(), &beyond), Err(WriteError::Option { what: "head_inputs", .. })));
+    let Step::Move(to) = moved(0.1) else { unreachable!() };
+    let flying = [Step::Move(Move { zone: Zone::Blend(5.0), ..to }), Step::Wait(HeadInput::Hot)];
+    assert!(matches!(script(&flying, &UrScriptOptions::default()), Err(WriteError::SignalInFlight { index: 1 })));
+    let bad = "def x():\n  work=p[0,0,0,0,0,0]\n  set_tcp(p[0,0,0,0,0,0])\n  while (not get_standard_digital_in(door)):\n    sync()\n  end\nend\n";
+    let error = UrScriptReader::new(bad.as_bytes()).unwrap().next().unwrap().unwrap_err();
+    assert!(error.to_string().contains("tool_ready, tape_hot or tape_fed"), "{error}");
+}
+
+#[test]
 fn a_signal_waits_for_a_stop() {
     let Step::Move(to) = moved(0.1) else { unreachable!() };
     let flying = Step::Move(Move { zone: Zone::Blend(5.0), ..to });
@@ -134,10 +166,11 @@ proptest! {
 
     /// All three formats bring the same steps back; URScript and RAPID switch off behind them what is on.
     #[test]
-    fn signals_come_back(list in prop::collection::vec((any_signal(), any::<bool>(), -3.0..3.0f64, any::<bool>()), 1..20)) {
+    fn signals_come_back(list in prop::collection::vec((any_signal(), any::<bool>(), -3.0..3.0f64, 0..4u8), 1..20)) {
         let mut steps = vec![moved(0.0)];
-        for (signal, on, angle, is_extruder) in list {
-            steps.push(if is_extruder { Step::Extruder(on) } else { switch(signal, on) });
+        for (signal, on, angle, kind) in list {
+            let wait = HeadInput::ALL[usize::from(on)];
+            steps.push([Step::Extruder(on), Step::Wait(wait), switch(signal, on), switch(signal, !on)][usize::from(kind)]);
             steps.push(moved((angle * 1e3).round() / 1e3));
         }
         let mut csv = Vec::new();
@@ -145,7 +178,7 @@ proptest! {
         let again: Vec<Step> = CsvReader::new(csv.as_slice()).unwrap().map(Result::unwrap).collect();
         prop_assert_eq!(&again, &steps);
         let signals = |steps: &[Step]| -> Vec<Step> {
-            steps.iter().copied().filter(|step| matches!(step, Step::Signal { .. } | Step::Extruder(_))).collect()
+            steps.iter().copied().filter(|step| !matches!(step, Step::Move(_))).collect()
         };
         let text = script(&steps, &UrScriptOptions::default()).unwrap();
         let again: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().map(Result::unwrap).collect();
@@ -208,4 +241,54 @@ proptest! {
             prop_assert!(came - due > -1e-9 && came - due < period + 1e-9, "{} {}", came, due);
         }
     }
+}
+
+/// A motion of a tape head as targets: no extruder, signals where the arm stops, the cut at its own knot.
+#[test]
+fn a_tape_is_laid_by_targets() {
+    use curvlay_kinematics::workcell::AnyWorkcell;
+    let file = include_str!("../../../examples/cells/ur3.json");
+    let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes()).unwrap() else { panic!("it has a table") };
+    let knot = |k: u32| PrintKnot {
+        time_s: 3.0 + f64::from(k),
+        joints: [0.02 * f64::from(k), -1.0, -1.5, 0.3, 0.2, 0.0],
+        filament_mm: 0.0,
+    };
+    let at = |time_s: f64, signal: HeadSignal, on: bool| TimedSignal { time_s, signal, on };
+    let signals = vec![
+        at(0.0, HeadSignal::Press, true),
+        at(2.0, HeadSignal::Cut, true),
+        at(4.0, HeadSignal::Cut, false),
+        at(4.0, HeadSignal::Press, false),
+    ];
+    let motion = TargetMotion { knots: (0..5).map(knot).collect(), onward: vec![[0.0; 6]], head: Some(signals) };
+    let steps: Vec<Step> =
+        print_targets(&cell, [motion], TargetOptions { merge_mm: 1.0, ..TargetOptions::default() }).collect();
+    let kinds: String = steps
+        .iter()
+        .map(|step| match step {
+            Step::Move(Move { goal: Goal::Joints(_), .. }) => 'j',
+            Step::Move(Move { zone: Zone::Stop, .. }) => 's',
+            Step::Move(_) => 'b',
+            Step::Signal { signal: HeadSignal::Press, .. } => 'P',
+            Step::Signal { signal: HeadSignal::Cut, .. } => 'C',
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(kinds, "jPbsCbsCPj");
+    assert!(rapid(&steps, &RapidOptions::default()).is_ok());
+    // Signals behind the end come at it; without knots there are none.
+    let late = TargetMotion {
+        knots: (0..2).map(knot).collect(),
+        head: Some(vec![at(9.0, HeadSignal::Cut, true)]),
+        ..Default::default()
+    };
+    let steps: Vec<Step> = print_targets(
+        &cell,
+        [late, TargetMotion { head: Some(Vec::new()), ..Default::default() }],
+        TargetOptions::default(),
+    )
+    .collect();
+    assert_eq!(steps.len(), 3);
+    assert_eq!(steps[2], switch(HeadSignal::Cut, true));
 }

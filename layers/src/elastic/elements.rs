@@ -14,14 +14,15 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// All cells alike, but for rows and columns of fixed components, which are 0.
+    /// The same without rows and columns of fixed components, which are 0.
     ///
     /// * `fixed`: for each node the bits of the components that are fixed.
-    pub(super) fn fine(cube: &Stiffness, corners: &[[u32; 8]], fixed: &[u8]) -> Self {
+    pub(super) fn fine(cubes: &Elements, corners: &[[u32; 8]], fixed: &[u8]) -> Self {
         let mask =
             |nodes: &[u32; 8]| (0..8).fold(0u32, |mask, k| mask | u32::from(fixed[nodes[k] as usize]) << (3 * k));
-        let (keys, of_cell) = pooled(corners.iter().map(mask));
-        let matrices = keys.iter().map(|mask| {
+        let (keys, of_cell) = pooled(cubes.of_cell.iter().copied().zip(corners.iter().map(mask)));
+        let matrices = keys.iter().map(|(cube, mask)| {
+            let cube = &cubes.matrices[*cube as usize];
             let is_free = |row: usize| mask >> row & 1 == 0;
             Stiffness::from_fn(|i, j| if is_free(i) && is_free(j) { cube[(i, j)] } else { 0.0 })
         });

@@ -30,6 +30,23 @@ pub enum ElasticError {
         /// Poisson's ratio.
         poisson: f64,
     },
+    /// An orthotropic material that is none: a modulus that is not above 0 and finite, or Poisson's ratios with which a strain would give work.
+    #[error(
+        "an orthotropic material whose moduli are not all above 0 and finite, or whose Poisson's ratios are too large for them"
+    )]
+    Orthotropic,
+    /// A ply that cannot be.
+    #[error("ply {ply} is of no cell, its direction is its normal or none, or its share is not above 0 and at most 1")]
+    Ply {
+        /// Which, from 0.
+        ply: usize,
+    },
+    /// A strip that cannot be.
+    #[error("strip {strip} has no two finite points with a normal each, or no finite width and thickness above 0")]
+    Strip {
+        /// Which, from 0.
+        strip: usize,
+    },
     /// The tolerance or the number of iterations is none.
     #[error(
         "a tolerance of {tolerance} within {max_iterations} iterations: it must lie above 0 and below 1, with one iteration at least"

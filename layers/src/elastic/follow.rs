@@ -267,6 +267,27 @@ impl Stresses {
     }
 }
 
+/// Which way layers grow at a cell, of length 1: the gradient of the field; `None` where it has none, at waits on all sides, and for a cell that is not there.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::curved::surface::plain_field;
+/// use curvlay_layers::curved::{Cells, LayerOrder};
+/// use curvlay_layers::elastic::layer_normal;
+/// let rows = [0b11; 4];
+/// let cells = Cells::new([2, 2, 2], &rows)?;
+/// let mut order = LayerOrder::new();
+/// (0..2).for_each(|z| order.push(4 * z..4 * z + 4));
+/// let level = plain_field(&cells, &order)?;
+/// assert!(layer_normal(&cells, &level, 0).is_some_and(|normal| (normal.z - 1.0).abs() < 1e-12));
+/// assert_eq!(layer_normal(&cells, &level, 8), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn layer_normal(cells: &Cells, field: &LayerField, cell: u32) -> Option<Vector3<f64>> {
+    let is_there = cell < cells.dims().iter().product() && cells.contains(cells.position(cell));
+    if is_there { gradient(cells, field, cell)?.try_normalize(NO_DIRECTION) } else { None }
+}
+
 /// The gradient of a field in layers a cell, along each axis where a neighbour has a value and no wait lies between.
 fn gradient(cells: &Cells, field: &LayerField, cell: u32) -> Option<Vector3<f64>> {
     let value = field.value(cell)?;

@@ -30,7 +30,7 @@ impl Material {
     }
 
     /// Stress from strain; the strains are xx, yy, zz, xy, yz, zx, the last three as angles.
-    fn law(&self) -> Matrix6<f64> {
+    pub(super) fn law_of(&self) -> Matrix6<f64> {
         let Material { young_mpa: e, poisson: nu } = *self;
         let shear = e / (2.0 * (1.0 + nu));
         let lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
@@ -42,36 +42,35 @@ impl Material {
         }
         law
     }
+}
 
-    /// The stiffness of a cube with an edge of `edge` mm, in N/mm.
-    ///
-    /// E. L. Wilson, R. L. Taylor, W. P. Doherty, J. Ghaboussi, "Incompatible displacement models", in *Numerical and Computer Methods in
-    /// Structural Mechanics*, 1973: a brick of 8 nodes with three inner modes `1 - xi²` a component, taken out by static
-    /// condensation. Without them a brick is too stiff in bending; on cubes they pass the patch test.
-    pub(super) fn stiffness(&self, edge: f64) -> Stiffness {
-        let law = self.law();
-        let point = 1.0 / 3f64.sqrt(); // two Gauss points an axis integrate all of it exactly
-        let mut outer = Stiffness::zeros();
-        let mut mixed = SMatrix::<f64, 24, 9>::zeros();
-        let mut inner = SMatrix::<f64, 9, 9>::zeros();
-        let volume = (edge / 2.0).powi(3);
-        for k in 0..8 {
-            let at = corner(k).map(|sign| sign * point);
-            let (b, g) = (strain(at, edge), inner_strain(at, edge));
-            outer += b.transpose() * law * b * volume;
-            mixed += b.transpose() * law * g * volume;
-            inner += g.transpose() * law * g * volume;
-        }
-        let condensed = inner.cholesky().map(|inner| mixed * inner.solve(&mixed.transpose()));
-        let stiffness = outer - condensed.unwrap_or_else(Stiffness::zeros);
-        (stiffness + stiffness.transpose()) / 2.0
+/// The stiffness of a cube with an edge of `edge` mm, in N/mm.
+///
+/// E. L. Wilson, R. L. Taylor, W. P. Doherty, J. Ghaboussi, "Incompatible displacement models", in *Numerical and Computer Methods in
+/// Structural Mechanics*, 1973: a brick of 8 nodes with three inner modes `1 - xi²` a component, taken out by static
+/// condensation. Without them a brick is too stiff in bending; on cubes they pass the patch test.
+pub(super) fn stiffness(law: &Matrix6<f64>, edge: f64) -> Stiffness {
+    let point = 1.0 / 3f64.sqrt(); // two Gauss points an axis integrate all of it exactly
+    let mut outer = Stiffness::zeros();
+    let mut mixed = SMatrix::<f64, 24, 9>::zeros();
+    let mut inner = SMatrix::<f64, 9, 9>::zeros();
+    let volume = (edge / 2.0).powi(3);
+    for k in 0..8 {
+        let at = corner(k).map(|sign| sign * point);
+        let (b, g) = (strain(at, edge), inner_strain(at, edge));
+        outer += b.transpose() * law * b * volume;
+        mixed += b.transpose() * law * g * volume;
+        inner += g.transpose() * law * g * volume;
     }
+    let condensed = inner.cholesky().map(|inner| mixed * inner.solve(&mixed.transpose()));
+    let stiffness = outer - condensed.unwrap_or_else(Stiffness::zeros);
+    (stiffness + stiffness.transpose()) / 2.0
+}
 
-    /// The stress at the centre of a cube in MPa, from the displacements of its corners: xx, yy, zz, xy, yz, zx. The inner modes strain nothing
-    /// there.
-    pub(super) fn stress_at_centre(&self, edge: f64) -> Strain {
-        self.law() * strain(Vector3::zeros(), edge)
-    }
+/// The stress at the centre of a cube in MPa, from the displacements of its corners: xx, yy, zz, xy, yz, zx. The inner modes strain nothing
+/// there.
+pub(super) fn stress_at_centre(law: &Matrix6<f64>, edge: f64) -> Strain {
+    law * strain(Vector3::zeros(), edge)
 }
 
 /// The signs of a corner: -1 or 1 along each axis.
@@ -177,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_cube_resists_all_but_rigid_motions() {
-        let stiffness = Material { young_mpa: 2.0, poisson: 0.3 }.stiffness(0.5);
+        let stiffness = stiffness(&Material { young_mpa: 2.0, poisson: 0.3 }.law_of(), 0.5);
         let eigenvalues = SymmetricEigen::new(stiffness).eigenvalues;
         let zero = eigenvalues.iter().filter(|value| value.abs() < 1e-12).count();
         assert_eq!(zero, 6);
@@ -194,7 +193,7 @@ mod tests {
             let at = corner(k); // a cube of edge 2 around the origin
             bent[3 * k] = at.x * at.z;
         }
-        let energy = (bent.transpose() * material.stiffness(2.0) * bent)[0] / 2.0;
+        let energy = (bent.transpose() * stiffness(&material.law_of(), 2.0) * bent)[0] / 2.0;
         let exact = 0.5 * 3.0 * 8.0 / 3.0; // half of E times the integral of z² over the cube
         assert!((energy - exact).abs() < 1e-12, "{energy} {exact}");
     }

@@ -1,8 +1,8 @@
 //! Stresses in a part under load, on its cells.
 //!
-//! Each cell of the part is a brick of 8 nodes, as it is in topology optimisation: N. Aage, E. Andreassen, B. S. Lazarov, "Topology optimization using
-//! PETSc", Struct. Multidiscip. Optim. 51(3), 2015. The bricks bend as they should (inner modes, [`Material`]), all have
-//! one stiffness, and the equations are solved by conjugate gradients with a V-cycle of geometric multigrid as preconditioner.
+//! Of one isotropic material ([`solve_elastic`]), or with tapes of fibre in it ([`solve_composite`]). Each cell of the part is a brick of 8 nodes, as it is in topology optimisation: N. Aage, E. Andreassen, B. S. Lazarov, "Topology optimization using
+//! PETSc", Struct. Multidiscip. Optim. 51(3), 2015. The bricks bend as they should (inner modes, [`Material`]), have few
+//! stiffnesses, and the equations are solved by conjugate gradients with a V-cycle of geometric multigrid as preconditioner.
 //!
 //! Symbols: `K` is the stiffness, `u` the displacements, `f` the forces: `K u = f`.
 //!
@@ -11,6 +11,7 @@
 //! half off its border on, in a beam that is bent displacements within 1 % with two cells across (tests). In the outermost cells of a
 //! slanted or round border they may be off by far more.
 
+mod composite;
 mod elements;
 mod error;
 mod follow;
@@ -20,23 +21,28 @@ mod material;
 mod multigrid;
 mod nodes;
 mod operator;
+mod orthotropic;
 mod parallel;
 mod solve;
 mod transfer;
 
+pub use composite::{Bond, Plies, Ply, Strip, load_factor, plies, solve_composite, traction};
 pub use error::{ElasticError, Given};
-pub use follow::{FollowError, FollowOptions, LoadAngle, LoadField, load_angle, load_field};
+pub use follow::{FollowError, FollowOptions, LoadAngle, LoadField, layer_normal, load_angle, load_field};
 pub use given::{Load, Region, Support};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
+pub use orthotropic::{Orthotropic, laminate};
 
 use crate::Progress;
 use crate::curved::Cells;
 use elements::Elements;
 use given::Places;
 use multigrid::{Multigrid, free, minus};
+use nalgebra::Matrix6;
 use nodes::{NONE, Points};
 use operator::{Operator, Triple};
 use solve::{Outcome, conjugate_gradients};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// A part, what holds it and what loads it.
@@ -94,6 +100,27 @@ impl Elastic {
         self.nodes.binary_search(&node).ok().map(|at| self.displacements_mm[at])
     }
 
+    /// The mean displacement of the nodes in a region, in millimetres; `None` where there are none.
+    ///
+    /// # Arguments
+    /// * `dims`: cells of the grid; `cell_mm`: their edge.
+    ///
+    /// # Cost
+    /// `O(n)` for `n` nodes.
+    pub fn mean_displacement(&self, dims: [u32; 3], cell_mm: f64, region: &Region) -> Option<[f64; 3]> {
+        let [nx, ny] = [dims[0] + 1, dims[1] + 1];
+        let is_in = |node: u32| {
+            let at = [node % nx, node / nx % ny, node / nx / ny].map(|k| f64::from(k) * cell_mm);
+            (0..3).all(|k| (region.low_mm[k]..=region.high_mm[k]).contains(&at[k]))
+        };
+        let (mut sum, mut count) = ([0.0; 3], 0u32);
+        for (_, u) in self.nodes.iter().zip(&self.displacements_mm).filter(|(node, _)| is_in(**node)) {
+            (0..3).for_each(|k| sum[k] += u[k]);
+            count += 1;
+        }
+        (count > 0).then(|| sum.map(|k| k / f64::from(count)))
+    }
+
     /// The stress of a cell in MPa, by its number.
     pub fn stress(&self, cell: u32) -> Option<[f64; 6]> {
         self.cells.binary_search(&cell).ok().map(|at| self.stresses_mpa[at])
@@ -137,6 +164,34 @@ pub fn solve_elastic(
     options: &ElasticOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Elastic, ElasticError> {
+    solve(part, &Laws { plain: part.material.law_of(), others: BTreeMap::new() }, options, progress)
+}
+
+/// Stress from strain in the cells of a part.
+struct Laws {
+    /// In all cells but others.
+    plain: Matrix6<f64>,
+    /// By cell.
+    others: BTreeMap<u32, Matrix6<f64>>,
+}
+
+impl Laws {
+    /// Those that differ, and which of them each cell has.
+    fn pooled(&self, cells: &Points) -> (Vec<Matrix6<f64>>, Vec<u32>) {
+        let law = |cell: &u32| self.others.get(cell).unwrap_or(&self.plain);
+        let bits = |law: &Matrix6<f64>| -> [u64; 36] { std::array::from_fn(|k| law.as_slice()[k].to_bits()) };
+        let (keys, of_cell) = elements::pooled(cells.ids.iter().map(|cell| bits(law(cell))));
+        (keys.iter().map(|bits| Matrix6::from_fn(|i, j| f64::from_bits(bits[i + 6 * j]))).collect(), of_cell)
+    }
+}
+
+/// See [`solve_elastic`].
+fn solve(
+    part: &ElasticPart,
+    laws: &Laws,
+    options: &ElasticOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Elastic, ElasticError> {
     check(part, options)?;
     let Discrete { cells, nodes, corners } = Discrete::of(part.cells)?;
     let places = Places { cells: &cells, nodes: &nodes, corners: &corners, cell_mm: part.cell_mm };
@@ -147,13 +202,14 @@ pub fn solve_elastic(
     if !report(0) {
         return Err(ElasticError::Cancelled);
     }
-    let cube = part.material.stiffness(part.cell_mm);
-    let alike = Elements { matrices: vec![cube], of_cell: vec![0; cells.len()] };
-    let operator = Operator::new(&alike, &cells, &nodes);
+    let (laws, law_of) = laws.pooled(&cells);
+    let cubes = parallel::map(laws.len(), |law| material::stiffness(&laws[law], part.cell_mm));
+    let unfixed = Elements { matrices: cubes, of_cell: law_of.clone() };
+    let operator = Operator::new(&unfixed, &cells, &nodes);
     // What is left once the supports that are moved have been.
     let b: Vec<Triple> =
         parallel::map(nodes.len(), |node| free(&fixed, node, minus(forces[node], operator.at(node, &moved))));
-    let elements = Elements::fine(&cube, &corners, &fixed);
+    let elements = Elements::fine(&unfixed, &corners, &fixed);
     let ids = (nodes.ids.clone(), cells.ids.clone());
     let mut multigrid = Multigrid::new(operator, elements, cells, nodes, &fixed);
     let hundredths = |residual: f64| (100.0 * residual.ln() / options.tolerance.ln()).clamp(0.0, 100.0) as u64;
@@ -167,10 +223,10 @@ pub fn solve_elastic(
         return Err(ElasticError::NoConvergence { iterations: outcome.iterations, residual: outcome.residual });
     }
     u.iter_mut().zip(&moved).for_each(|(u, moved)| multigrid::add(u, *moved));
-    let law = part.material.stress_at_centre(part.cell_mm);
+    let at_centre = parallel::map(laws.len(), |law| material::stress_at_centre(&laws[law], part.cell_mm));
     let stress = |cell: usize| {
         let of_corners = corners[cell].iter().flat_map(|&node| u[node as usize]);
-        (law * nalgebra::SVector::<f64, 24>::from_iterator(of_corners)).into()
+        (at_centre[law_of[cell] as usize] * nalgebra::SVector::<f64, 24>::from_iterator(of_corners)).into()
     };
     let stresses_mpa = parallel::map(corners.len(), stress);
     let Outcome { iterations, residual, .. } = outcome;

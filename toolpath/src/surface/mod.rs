@@ -52,13 +52,14 @@ pub use deposition::{
     Deposition, DepositionError, DepositionOptions, FeedLimits, Move, MoveKind, PathSchedule, deposit, deposit_along,
 };
 pub use fiber::{
-    CentreLine, ConductorError, ConductorOptions, DirectionError, DirectionField, EmptyPlan, LayUp, LayerStress,
-    LayerTapes, LeftOutTape, OffsetError, Principal, PrincipalAngle, STRESS_CSV_HEADER, SandwichError, SandwichLayer,
-    SandwichOptions, Singularity, StiffnessError, StressError, StressFileError, StressOptions, StressSample,
-    StripeError, Stripes, Tape, TapeCover, TapeError, TapeHead, TapeHeadError, TapeInSection, TapeLimit, TapeOptions,
-    TapePlan, angle_to_principal, arch_stiffness_n_mm, conductor, lay_tapes, lay_tapes_along, offset_lines, plan_tapes,
-    raise, read_stress_csv, read_stress_frd, read_stress_vtk, sandwich, stripes, three_point_rigidity_nm2, with_tapes,
-    write_stress_csv,
+    BeddingError, CentreLine, ConductorError, ConductorOptions, DirectionError, DirectionField, EmptyPlan, LayUp,
+    LayerStress, LayerTapes, LeftOutTape, OffsetError, Principal, PrincipalAngle, Roller, STRESS_CSV_HEADER,
+    SandwichError, SandwichLayer, SandwichOptions, Singularity, StiffnessError, StressError, StressFileError,
+    StressOptions, StressSample, StripeError, Stripes, Tape, TapeBedding, TapeCover, TapeError, TapeHead,
+    TapeHeadError, TapeInSection, TapeLimit, TapeOptions, TapePlace, TapePlan, angle_to_principal, arch_stiffness_n_mm,
+    bedded_surface, conductor, lay_tapes, lay_tapes_along, offset_lines, plan_tapes, raise, read_stress_csv,
+    read_stress_frd, read_stress_vtk, sandwich, sandwich_on, stripes, tape_bedding, three_point_rigidity_nm2,
+    with_tapes, write_stress_csv,
 };
 pub use fill::{
     FillError, FillEstimate, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerSurface, LeftOutParts,

@@ -60,6 +60,36 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Layers that are chosen one by one: those of the other schedule give the same, whatever their order.
+    #[test]
+    fn chosen_layers_are_the_schedule(layers in 2u32..40, base in 1u32..8, every in 1u32..8, turn in 0usize..40) {
+        let options = options(base, every, 1);
+        prop_assume!(sandwich(layers, &options).is_ok());
+        let wanted = sandwich(layers, &options).unwrap();
+        let mut chosen: Vec<u32> = (0..layers).filter(|&layer| wanted[layer as usize].carries_tape).collect();
+        chosen.push(chosen[0]);
+        let by = turn % chosen.len();
+        chosen.rotate_left(by);
+        prop_assert_eq!(sandwich_on(layers, &chosen, options.offset).unwrap(), wanted);
+    }
+}
+
+#[test]
+fn layers_that_cannot_carry_tapes() {
+    for (layer, layers) in [(4, 5), (5, 5), (u32::MAX, 5), (0, 1), (0, 0)] {
+        assert_eq!(
+            sandwich_on(layers, &[0, layer].map(|k| if layers < 2 { layer } else { k }), 0.0),
+            Err(SandwichError::NoSuchLayer { layer, layers })
+        );
+    }
+    let error = sandwich_on(5, &[11], 0.0).unwrap_err();
+    assert_eq!(error.to_string(), "tapes on layer 12 of 5: it must be from 1 to 4, so that a layer covers them");
+    assert!(matches!(sandwich_on(5, &[1], f64::NAN), Err(SandwichError::Offset { .. })));
+    assert!(sandwich_on(5, &[], 0.0).unwrap().iter().all(|layer| !layer.carries_tape));
+}
+
 fn lean() -> UnitVector3<f64> {
     UnitVector3::new_normalize(Vector3::new(0.0, 0.6, 0.8))
 }

@@ -109,7 +109,7 @@ impl<I: Iterator<Item = Step>> LinkTranslator<I> {
                 let command = if on { ExtruderCommand::Start } else { ExtruderCommand::Stop };
                 self.waiting.push_back(LinkMessage::Extruder(command));
             }
-            Step::Signal { .. } => return unsupported("signals of a tape head"),
+            Step::Signal { .. } | Step::Wait(_) => return unsupported("signals of a tape head"),
             Step::FilamentSpeed(speed) => self.waiting.push_back(LinkMessage::Extruder(ExtruderCommand::Rpm(speed))),
         }
         Ok(())

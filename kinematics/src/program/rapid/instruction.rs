@@ -4,7 +4,7 @@ use super::RapidAcceleration;
 use super::data::{Data, truth};
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ExternalAxes, Goal, HeadSignal, Move, ReadError, Speed, Step, Zone};
+use crate::program::{ExternalAxes, Goal, HeadInput, HeadSignal, Move, ReadError, Speed, Step, Zone};
 use std::io::BufRead;
 
 /// What an instruction comes to.
@@ -28,7 +28,7 @@ const KNOWN: &str = "MoveL, MoveJ, MoveAbsJ, SetDO, SetAO, another instruction t
 const TRIGGER_OPTIONS: [&str; 7] = ["t2", "t3", "t4", "t5", "t6", "t7", "t8"];
 
 /// Instructions with arguments that change nothing in the steps; with a reason to say so, a warning.
-const PASSED: [(&str, Option<&str>); 12] = [
+const PASSED: [(&str, Option<&str>); 11] = [
     ("ActUnit", None),
     ("DeactUnit", None),
     ("GripLoad", None),
@@ -36,7 +36,6 @@ const PASSED: [(&str, Option<&str>); 12] = [
     ("SingArea", Some("SingArea is not followed: how a singularity is passed is the controller's")),
     ("WaitTime", Some("WaitTime is passed over: steps have no pauses")),
     ("WaitRob", Some("WaitRob is passed over: steps have no pauses")),
-    ("WaitDI", Some("WaitDI is passed over: steps wait for no inputs")),
     ("WaitDO", Some("WaitDO is passed over: steps have no pauses")),
     ("Stop", Some("Stop is passed over: steps have no pauses")),
     ("TPErase", None),
@@ -100,6 +99,20 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
             let mm_s = group_speed(tokens, data, place, &word)?;
             tokens.marks(";")?;
             Ok(Op::Step(Step::FilamentSpeed(mm_s)))
+        }
+        "waitdi" => {
+            let name = tokens.name("the signal")?;
+            let Some(input) = HeadInput::ALL.into_iter().find(|input| input.rapid().eq_ignore_ascii_case(&name)) else {
+                skip(tokens)?;
+                data.warn(place, "WaitDI is passed over: steps wait for the inputs of a tape head alone");
+                return Ok(Op::Nothing);
+            };
+            tokens.marks(",")?;
+            if !digital_value(tokens)? {
+                return Err(tokens.unexpected_at(place, "a wait for 1", &word));
+            }
+            tokens.marks(";")?;
+            Ok(Op::Step(Step::Wait(input)))
         }
         "triggequip" | "triggio" => {
             let (name, trigger) = trigger(tokens, data, place, &word)?;

@@ -3,7 +3,7 @@
 use super::{FILAMENT_STEP, FilamentOutput, RapidAcceleration, RapidOptions, RapidSwitching, TOOL0, TRIGGERS, WOBJ0};
 use crate::program::check::{check_frame, check_option, check_payload};
 use crate::program::names::{Language, check_distinct, check_form, check_name};
-use crate::program::{HeadSignal, WriteError};
+use crate::program::{HeadInput, HeadSignal, WriteError};
 use nalgebra::Isometry3;
 
 /// Longest name of a program: with `_`, seven digits and `_run` it is as long as a word may be.
@@ -81,8 +81,9 @@ fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
         names.push(("work_object.unit", unit));
     }
     names.extend(HeadSignal::ALL.map(|signal| ("signal of a tape head", signal.rapid())));
+    names.extend(HeadInput::ALL.map(|input| ("input of a tape head", input.rapid())));
     check_distinct(&names)?;
-    for &(what, name) in &names[1..names.len() - HeadSignal::ALL.len()] {
+    for &(what, name) in &names[1..names.len() - HeadSignal::ALL.len() - HeadInput::ALL.len()] {
         let ours = name.len() > options.name.len()
             && name.as_bytes()[..options.name.len()].eq_ignore_ascii_case(options.name.as_bytes())
             && name.as_bytes()[options.name.len()] == b'_';

@@ -64,7 +64,7 @@ impl<R: BufRead> Part<R> {
 /// * `TriggL`, `TriggJ` with triggers that a `TriggEquip` or `TriggIO` above has set up for these signals: steps before the move for those at
 ///   its `\Start`, behind it for the others. A lag is passed over; a distance other than 0, and a `\Time`, with a warning.
 /// * `ActUnit`, `DeactUnit`, `GripLoad`, `TPWrite`, `TPErase`, `ConfJ`, `ConfL` change no step. `ConfJ\Off`,
-///   `ConfL\Off`, `SingArea`, `SpeedRefresh`, `WaitTime`, `WaitRob`, `WaitDI`, `WaitDO` and `Stop`
+///   `ConfL\Off`, `SingArea`, `SpeedRefresh`, `WaitTime`, `WaitRob`, `WaitDI` (but for the [inputs of a tape head](crate::program::HeadInput::rapid)), `WaitDO` and `Stop`
 ///   are passed over with a warning. `AccSet`, `PathAccLim` and `WorldAccLim` change no step: they are
 ///   [`RapidProgram::acceleration`].
 /// * A sign may stand before any number. A quaternion of few digits (its length within 0.01 of 1) is normalised, with a

@@ -21,7 +21,7 @@ pub(super) fn place(step: &Step) -> Option<Place> {
     match step {
         Step::Extruder(on) => Some(if *on { Place::Begin } else { Place::End }),
         Step::FilamentSpeed(mm_s) => Some(if *mm_s > 0.0 { Place::Begin } else { Place::End }),
-        Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } => None,
+        Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => None,
     }
 }
 

@@ -10,7 +10,7 @@ use crate::program::check::Checker;
 use crate::program::seconds::Clock;
 use crate::program::text::Text;
 use crate::program::{
-    ExternalAxes, Goal, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
+    ExternalAxes, Goal, HeadInput, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
 };
 use nalgebra::{Isometry3, Point3};
 use std::io::Write;
@@ -142,12 +142,18 @@ pub fn write_rapid<W: Write>(
                 head[signal.number()] = *on;
                 write_signal(&mut current.text, *signal, *on);
             }
+            Step::Wait(input) => {
+                current.send_waiting(&mut waiting, options);
+                write_wait(&mut current.text, *input);
+            }
             Step::Servo { .. } => return Err(checker.unsupported("stream of joints", "RAPID")),
         }
         let most = options.moves_per_module;
         // Not over the begin of a stroke: there the nozzle would wait on the part.
-        let signal_next =
-            matches!(steps.peek(), Some(Step::Extruder(_) | Step::FilamentSpeed(_) | Step::Signal { .. }));
+        let signal_next = matches!(
+            steps.peek(),
+            Some(Step::Extruder(_) | Step::FilamentSpeed(_) | Step::Signal { .. } | Step::Wait(_))
+        );
         let presses = head[HeadSignal::Press.number()];
         let idle = at_rest && !on.unwrap_or(fed) && !presses && !signal_next;
         let early = current.moves > most - most / 4 && idle;
@@ -182,7 +188,7 @@ impl Used {
         match signal {
             Step::Extruder(to) => (self.switch, *on) = (true, Some(*to)),
             Step::FilamentSpeed(mm_s) => (self.filament, *fed) = (true, *mm_s > 0.0),
-            Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } => {}
+            Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => {}
         }
     }
 }
@@ -260,6 +266,10 @@ fn write_signal(text: &mut Text, signal: HeadSignal, on: bool) {
     text.word("    SetDO ").word(signal.rapid()).word(if on { ",1;\n" } else { ",0;\n" });
 }
 
+fn write_wait(text: &mut Text, input: HeadInput) {
+    text.word("    WaitDI ").word(input.rapid()).word(",1;\n");
+}
+
 /// A signal of the extruder or the filament between two moves.
 fn write_switch(text: &mut Text, signal: &Step, options: &RapidOptions) {
     match signal {
@@ -272,7 +282,7 @@ fn write_switch(text: &mut Text, signal: &Step, options: &RapidOptions) {
             write_filament_value(text, *mm_s, options);
             text.word(";\n");
         }
-        Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } => {}
+        Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => {}
     }
 }
 

@@ -8,7 +8,7 @@ mod write;
 pub use read::UrScriptReader;
 pub use write::{UrScriptWritten, write_urscript};
 
-use super::{HeadSignal, Payload, ProgramLimits};
+use super::{HeadInput, HeadSignal, Payload, ProgramLimits};
 use crate::arm::Arm;
 use crate::scene::Mount;
 use crate::workcell::{Equipment, tool_frame};
@@ -83,6 +83,9 @@ pub struct UrScriptOptions {
     /// The standard digital outputs of a tape head, 0 to 7, in the order of [`HeadSignal::ALL`]; none is another's or the
     /// extruder's. Default [`HeadSignal::UR_OUTPUTS`].
     pub head_outputs: [u8; 6],
+    /// The standard digital inputs of a tape head, 0 to 7, in the order of [`HeadInput::ALL`], each its own. Default
+    /// [`HeadInput::UR_INPUTS`].
+    pub head_inputs: [u8; 3],
     /// The standard analog output of the filament's speed, 0 or 1. Default 0.
     pub filament_output: u8,
     /// Speed of the filament at which that output is at 1, mm/s: faster is refused. Default
@@ -112,6 +115,7 @@ impl Default for UrScriptOptions {
             gain: 2000.0,
             output: 0,
             head_outputs: HeadSignal::UR_OUTPUTS,
+            head_inputs: HeadInput::UR_INPUTS,
             starts: false,
             filament_output: 0,
             filament_full_scale_mm_s: FILAMENT_FULL_SCALE_MM_S,

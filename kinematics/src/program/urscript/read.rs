@@ -3,7 +3,9 @@
 use super::{FRAMES, FULL_SCALE, MM_PER_M};
 use crate::program::check::LARGEST;
 use crate::program::tokens::{Token, Tokens};
-use crate::program::{ConfData, Goal, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, until_error};
+use crate::program::{
+    ConfData, Goal, HeadInput, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, until_error,
+};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::io::BufRead;
 
@@ -13,7 +15,8 @@ use std::io::BufRead;
 /// What [`write_urscript`](super::write_urscript) writes, in any layout, with comments, and with a sign before any
 /// number: a function without arguments; `work=p[..]` or, with the part in the hand, `nozzle=p[..]`; `set_tcp`;
 /// `set_payload`; then `movel`, `movep`, `movej`, `servoj`, `stopj`, `set_standard_digital_out`,
-/// `set_standard_analog_out` and `filament_full_scale=`, and outputs of a tape head by name (`tape_cut=6`). All else is an error with line and column, and so is a number
+/// `set_standard_analog_out` and `filament_full_scale=`, outputs of a tape head by name (`tape_cut=6`), and
+/// waits for its inputs (`while (not get_standard_digital_in(tape_hot)): sync() end`). All else is an error with line and column, and so is a number
 /// that no writer of ours takes (beyond 1e6 mm, rad, mm/s or s).
 ///
 /// What the file does not say comes back as the default: configuration data, and of [`Speed`] what the instruction
@@ -162,9 +165,11 @@ fn step(
         } else if tokens.is_word(token, FULL_SCALE) {
             tokens.marks("=")?;
             *full_scale = Some(tokens.positive("a speed of the filament", 1.0)?);
-        } else if signal_of(tokens, token).is_some() {
+        } else if signal_of(tokens, token).is_some() || input_of(tokens, token).is_some() {
             tokens.marks("=")?;
             tokens.whole()?;
+        } else if tokens.is_word(token, "while") {
+            return wait(tokens).map(Some);
         } else if tokens.is_word(token, "stopj") {
             tokens.marks("(")?;
             tokens.number()?;
@@ -181,7 +186,7 @@ fn step(
                 more => Err(tokens.unexpected("the end of the file", more)),
             };
         } else {
-            return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal or end", token));
+            return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal, a wait or end", token));
         }
     }
 }
@@ -189,6 +194,26 @@ fn step(
 /// The signal of a tape head whose name stands there.
 fn signal_of<R: BufRead>(tokens: &Tokens<R>, token: Token) -> Option<HeadSignal> {
     HeadSignal::ALL.into_iter().find(|signal| tokens.is_word(token, signal.urscript()))
+}
+
+/// The input of a tape head whose name stands there.
+fn input_of<R: BufRead>(tokens: &Tokens<R>, token: Token) -> Option<HeadInput> {
+    HeadInput::ALL.into_iter().find(|input| tokens.is_word(token, input.urscript()))
+}
+
+/// `(not get_standard_digital_in(tape_hot)): sync() end`
+fn wait(tokens: &mut Tokens<impl BufRead>) -> Result<Step, ReadError> {
+    tokens.marks("(")?;
+    tokens.expect_word("not")?;
+    tokens.expect_word("get_standard_digital_in")?;
+    tokens.marks("(")?;
+    let token = tokens.next()?;
+    let input = input_of(tokens, token).ok_or_else(|| tokens.unexpected("tool_ready, tape_hot or tape_fed", token))?;
+    tokens.marks(")):")?;
+    tokens.expect_word("sync")?;
+    tokens.marks("()")?;
+    tokens.expect_word("end")?;
+    Ok(Step::Wait(input))
 }
 
 fn step_of(goal: Goal, speed: Speed, radius: f64) -> Step {

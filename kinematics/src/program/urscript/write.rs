@@ -4,7 +4,7 @@ use super::{DECIMALS, FRAMES, FULL_SCALE, MM_PER_M, Straight, UrScriptOptions};
 use crate::program::check::{Checker, LEAST, check_frame, check_option, check_payload};
 use crate::program::names::{Language, check_name};
 use crate::program::text::Text;
-use crate::program::{Goal, HeadSignal, Move, ProgramLimits, Step, WriteError, Zone};
+use crate::program::{Goal, HeadInput, HeadSignal, Move, ProgramLimits, Step, WriteError, Zone};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -93,6 +93,7 @@ pub fn write_urscript(
             Step::Extruder(on) => program.switch(*on),
             Step::FilamentSpeed(mm_s) => program.feed(*mm_s),
             Step::Signal { signal, on } => program.signal(*signal, *on),
+            Step::Wait(input) => program.wait(*input),
         }
         program.keep_small();
         if program.text.0.len() > CHUNK {
@@ -151,6 +152,8 @@ struct Program<'a> {
     feeding: bool,
     /// Signals of the head: on or off once they were used.
     head: [Option<bool>; HeadSignal::ALL.len()],
+    /// Inputs of the head that the program has named.
+    inputs: [bool; HeadInput::ALL.len()],
 }
 
 impl<'a> Program<'a> {
@@ -179,6 +182,7 @@ impl<'a> Program<'a> {
             extruding: false,
             feeding: false,
             head: [None; HeadSignal::ALL.len()],
+            inputs: [false; HeadInput::ALL.len()],
         }
     }
 
@@ -242,6 +246,18 @@ impl<'a> Program<'a> {
         }
         text.word("  set_standard_digital_out(").word(signal.urscript());
         text.word(if on { ",True)\n" } else { ",False)\n" });
+    }
+
+    /// A loop that passes when the input is on; the arm stands.
+    fn wait(&mut self, input: HeadInput) {
+        self.settle(None);
+        self.stop_stream();
+        let is_named = std::mem::replace(&mut self.inputs[input.number()], true);
+        if !is_named {
+            let number = f64::from(self.options.head_inputs[input.number()]);
+            self.text.word("  ").word(input.urscript()).word("=").fixed(number, 0).word("\n");
+        }
+        self.text.word("  while (not get_standard_digital_in(").word(input.urscript()).word(")):\n    sync()\n  end\n");
     }
 
     fn feed(&mut self, mm_s: f64) {
@@ -395,6 +411,12 @@ fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
             "the controller has outputs 0 to 7",
         ),
         (
+            "head_inputs",
+            options.head_inputs.into_iter().max().map_or(0.0, f64::from),
+            [0.0, 7.0],
+            "the controller has inputs 0 to 7",
+        ),
+        (
             "filament_output",
             f64::from(options.filament_output),
             [0.0, 1.0],
@@ -411,6 +433,14 @@ fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
         if options.head_outputs[..k].contains(output) || *output == options.output {
             let need = "two signals have the same output; give each its own";
             return Err(WriteError::Conflict { what: "head_outputs", need });
+        }
+    }
+    for (k, input) in options.head_inputs.iter().enumerate() {
+        if options.head_inputs[..k].contains(input) {
+            return Err(WriteError::Conflict {
+                what: "head_inputs",
+                need: "two inputs are the same; give each its own",
+            });
         }
     }
     for (what, value, [least, most], need) in ranges {

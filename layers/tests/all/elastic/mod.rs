@@ -1,6 +1,7 @@
 //! Stresses under load: closed forms, an assembled twin, what is refused.
 
 mod closed_forms;
+mod composite;
 mod dense_twin;
 mod errors;
 mod follow;

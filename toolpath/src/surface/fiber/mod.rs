@@ -8,8 +8,10 @@
 //! * `stripes`: lines along a field (Knöppel et al. 2015); `lines`: level lines of whole numbers.
 //! * `offsets`: guide curves and their geodesic offsets; `insert`: a curve as edges of the mesh.
 //! * `plan`: tapes along lines; `station`: lines in small steps; `strip`: tapes in cells. `measure`: what tapes cover.
+//! * `sandwich`: which layers carry tapes; `head`: the moves of a tape head; `bedding`: what tapes lie on, and what lies on them.
 //! * `near`: nearest points and normals. `walk`: straight ways over a layer.
 
+mod bedding;
 mod conductor;
 mod direction;
 mod files;
@@ -31,6 +33,7 @@ mod stripes;
 mod tape;
 mod walk;
 
+pub use bedding::{BeddingError, Roller, TapeBedding, TapePlace, bedded_surface, tape_bedding};
 pub use conductor::{ConductorError, ConductorOptions, conductor};
 pub use direction::{DirectionError, DirectionField, Singularity};
 pub use files::{
@@ -43,7 +46,7 @@ pub use offsets::{OffsetError, offset_lines};
 pub use plan::{
     EmptyPlan, LeftOutTape, TapeError, TapeLimit, TapeOptions, TapePlan, lay_tapes, lay_tapes_along, plan_tapes,
 };
-pub use sandwich::{SandwichError, SandwichLayer, SandwichOptions, raise, sandwich};
+pub use sandwich::{SandwichError, SandwichLayer, SandwichOptions, raise, sandwich, sandwich_on};
 pub use stiffness::{LayUp, StiffnessError, TapeInSection, arch_stiffness_n_mm, three_point_rigidity_nm2};
 pub use stress::{LayerStress, Principal, StressError, StressOptions, StressSample};
 pub use stripes::{StripeError, Stripes, stripes};

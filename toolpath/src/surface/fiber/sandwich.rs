@@ -52,6 +52,14 @@ pub enum SandwichError {
         /// What was given.
         offset: f64,
     },
+    /// A layer that cannot carry tapes: there is no such layer, or it is the last one.
+    #[error("tapes on layer {} of {layers}: it must be from 1 to {}, so that a layer covers them", u64::from(*layer) + 1, layers.saturating_sub(1))]
+    NoSuchLayer {
+        /// The layer, from 0.
+        layer: u32,
+        /// Layers of the part.
+        layers: u32,
+    },
     /// Nothing is between base and cover.
     #[error("{layers} layers carry no tape: {base} below and {cover} above it are {} already", base + cover)]
     TooFew {
@@ -112,13 +120,54 @@ pub fn sandwich(layers: u32, options: &SandwichOptions) -> Result<Vec<SandwichLa
         return Err(SandwichError::TooFew { layers, base, cover });
     }
     let carries = |layer: u32| layer + 1 >= base && layer < end && (layer + 1 - base).is_multiple_of(every);
+    Ok(scheduled(layers, carries, offset))
+}
+
+/// The schedule of a part whose layers with tapes are chosen one by one.
+///
+/// # Arguments
+/// * `layers`: how many the part has; `carrying`: those that carry tapes, from 0, in any order; twice is once.
+/// * `offset`: as [`SandwichOptions::offset`].
+///
+/// # Errors
+/// [`SandwichError::NoSuchLayer`] for a layer that is not there or has none above it, [`SandwichError::Offset`].
+///
+/// # Cost
+/// `O(n + m log m)` for `n` layers and `m` with tapes.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::surface::{SandwichError, sandwich_on};
+/// let schedule = sandwich_on(5, &[3, 1], 0.08)?;
+/// let carrying: Vec<bool> = schedule.iter().map(|layer| layer.carries_tape).collect();
+/// assert_eq!(carrying, [false, true, false, true, false]);
+/// assert!((schedule[4].raised - 2.0 * 0.08).abs() < 1e-12);
+/// // Nothing would cover tapes on the last layer.
+/// assert_eq!(sandwich_on(5, &[4], 0.0), Err(SandwichError::NoSuchLayer { layer: 4, layers: 5 }));
+/// # Ok::<(), SandwichError>(())
+/// ```
+pub fn sandwich_on(layers: u32, carrying: &[u32], offset: f64) -> Result<Vec<SandwichLayer>, SandwichError> {
+    if !(0.0..=MOST_OFFSET).contains(&offset) {
+        return Err(SandwichError::Offset { offset });
+    }
+    if let Some(&layer) = carrying.iter().find(|layer| layer.saturating_add(1) >= layers) {
+        return Err(SandwichError::NoSuchLayer { layer, layers });
+    }
+    let mut carrying = carrying.to_vec();
+    carrying.sort_unstable();
+    carrying.dedup();
+    Ok(scheduled(layers, |layer| carrying.binary_search(&layer).is_ok(), offset))
+}
+
+/// Layers with what raises them.
+fn scheduled(layers: u32, carries: impl Fn(u32) -> bool, offset: f64) -> Vec<SandwichLayer> {
     let mut below = 0u32;
     let layer = |number: u32| {
         let layer = SandwichLayer { carries_tape: carries(number), raised: f64::from(below) * offset };
         below += u32::from(layer.carries_tape);
         layer
     };
-    Ok((0..layers).map(layer).collect())
+    (0..layers).map(layer).collect()
 }
 
 /// Raises tool paths by what their layer is raised, along the direction of each waypoint.
