@@ -1098,6 +1098,53 @@ fn a_part_is_printed_on_another() {
     assert_eq!(fs::read(&field).unwrap(), fs::read(Path::new(&again).join("field.txt")).unwrap());
 }
 
+/// Over a slope across the part the layers are planes like it. A surface beside the part, or a closed one, is refused before anything is written.
+#[test]
+fn layers_are_parallel_to_a_surface() {
+    let scratch = Scratch::new("base");
+    let [mesh, slope, out] = ["part.stl", "slope.obj", "out"].map(|name| scratch.path(name));
+    fs::write(&mesh, boxes(&[[[0.0; 3], [24.0, 16.0, 12.0]]])).unwrap();
+    // It rises by 20 degrees along x.
+    let rise = 20_f64.to_radians().tan();
+    let corner = |x: f64, y: f64, lift: f64| format!("v {x} {y} {}\n", 6.0 + lift + rise * (x - 12.0));
+    let sheet = |lift: f64| {
+        let corners = [[-20.0, -20.0], [50.0, -20.0], [50.0, 40.0], [-20.0, 40.0]].map(|[x, y]| corner(x, y, lift));
+        corners.concat() + "f 1 2 3\nf 1 3 4\n"
+    };
+    fs::write(&slope, sheet(0.0)).unwrap();
+    let args = ["--mesh", &mesh, "--cell", "1.5", "--layer-height", "0.6", "--bead", "1", "--quiet", "--out", &out];
+    let output = run(&[&args[..], &["--base", &slope, "--also", "csv"]].concat());
+    let (stderr, _) = told(&output, &out);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    documented(&out);
+    let figures = summary(&out);
+    assert_eq!((&figures["layers_by_used"], &figures["missed_cells"]), (&"distance".into(), &Value::from(0)));
+    assert!((figures["filled_share"].as_f64().unwrap() - 1.0).abs() < 0.03, "{figures}");
+    // Beads of a layer lie on one plane across the slope.
+    let text = fs::read_to_string(Path::new(&out).join("toolpath.csv")).unwrap();
+    let mut planes = std::collections::BTreeMap::<u32, [f64; 2]>::new();
+    for line in text.lines().filter(|line| line.starts_with("print")) {
+        let columns: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| columns[k].parse::<f64>().unwrap();
+        let height = (number(3) - rise * number(1)) / (1.0 + rise * rise).sqrt();
+        let ends = planes.entry(columns[10].parse().unwrap()).or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+        *ends = [ends[0].min(height), ends[1].max(height)];
+    }
+    assert!(planes.len() > 20 && planes.values().all(|[low, high]| high - low < 0.3), "{planes:?}");
+
+    fs::remove_dir_all(&out).unwrap();
+    for (text, why) in [(sheet(40.0), "the surface does not touch the part"), (String::new(), "the file is empty")] {
+        fs::write(&slope, text).unwrap();
+        let (status, line) = status_and_line(&run(&[&args[..], &["--base", &slope]].concat()));
+        assert!(status == 1 && line.contains(why) && line.contains("slope.obj"), "{status} {line}");
+        assert!(!Path::new(&out).join("summary.json").exists());
+    }
+    let (status, line) = status_and_line(&run(&[&args[..], &["--base", &mesh]].concat()));
+    assert!(status == 1 && line.contains("no upper side"), "{status} {line}");
+    let (status, _) = status_and_line(&run(&[&args[..], &["--base", &slope, "--layers-by", "hull"]].concat()));
+    assert_eq!(status, 2);
+}
+
 /// A robot prints over a block without touching it.
 #[test]
 fn a_robot_prints_on_a_block() {
