@@ -244,6 +244,7 @@ proptest! {
 }
 
 /// A motion of a tape head as targets: no extruder, signals where the arm stops, the cut at its own knot.
+#[cfg(feature = "serde")] // the cell is read from a file of the examples
 #[test]
 fn a_tape_is_laid_by_targets() {
     use curvlay_kinematics::workcell::AnyWorkcell;

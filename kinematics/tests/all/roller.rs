@@ -1,4 +1,5 @@
 //! A roller in the place of the nozzle: its bodies, and what they may touch.
+#![cfg(feature = "serde")] // the cells are read from the files of the examples
 
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::Shape;
