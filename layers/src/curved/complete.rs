@@ -13,7 +13,9 @@ use super::distance_part::by_distance;
 use super::growth::{Growth, GrowthError};
 use super::nozzle::{NozzleRule, grow_with_nozzle};
 use super::strategy::Strategy;
-use super::support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh};
+use super::support::{
+    CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh, missed_bound,
+};
 use super::surface::{LayerField, extend, uniform_field_with_nozzle};
 use super::trim::Trimmer;
 use super::workpiece::{BORDER_EDGE, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece, begin};
@@ -345,11 +347,13 @@ impl Workpiece<'_> {
             // What the nozzle leaves can lie between what it has built, where no column gets: then all that the hull rule misses is supported.
             let given = self.guides.support;
             for below in [&growth, &by_hull_alone] {
-                let left = support.as_ref().map_or(growth.missed.len(), |best: &Supported| best.growth.missed.len());
-                if left > 0 || (support.is_none() && !given.is_empty()) {
+                let fewest = match &support {
+                    Some(Supported { growth, .. }) => growth.missed.len(),
+                    None => missed_bound(growth.missed.len(), given),
+                };
+                if fewest > 0 {
                     begin("support", progress)?;
-                    let fewest = left + usize::from(support.is_none() && !given.is_empty());
-                    match add_support(&self.cells, platform, rules, (below, given), options, &grow, progress)? {
+                    match add_support(&self.cells, platform, rules, below, given, options, &grow, progress)? {
                         Ok(found) if found.growth.missed.len() < fewest => support = Some(found),
                         Ok(_) => why_not = Some(NoSupport::NoHelp),
                         // That columns were placed counts, below whichever cells.

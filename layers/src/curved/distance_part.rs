@@ -11,7 +11,7 @@ use super::growth::{Growth, GrowthError};
 use super::nozzle::grow_with_nozzle;
 use super::standing::carried;
 use super::strategy::Strategy;
-use super::support::{NoSupport, SupportError, SupportOptions, Supported, add_support};
+use super::support::{NoSupport, SupportError, SupportOptions, Supported, add_support, missed_bound};
 use super::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
 use super::workpiece::{LayersError, Workpiece, begin};
 use crate::Progress;
@@ -68,7 +68,7 @@ impl Workpiece<'_> {
             if let Some(options) = &options.support {
                 begin("support", progress)?;
                 let options = SupportOptions { rounds: options.rounds.min(SUPPORT_ROUNDS), ..*options };
-                match add_support(&self.cells, platform, &rules, (&growth, given), &options, &grow, progress)? {
+                match add_support(&self.cells, platform, &rules, &growth, given, &options, &grow, progress)? {
                     Ok(found) => (supported, no_support) = (Some(found), None),
                     Err(why) => no_support = Some(why),
                 }
@@ -76,7 +76,7 @@ impl Workpiece<'_> {
         }
         if let Some(mut found) = supported.take() {
             let field = regrown(&mut found, &self.cells, &grow_in)?;
-            if found.growth.missed.len() < growth.missed.len() + usize::from(!given.is_empty()) {
+            if found.growth.missed.len() < missed_bound(growth.missed.len(), given) {
                 (supported, distances) = (Some(found), field);
             } else {
                 no_support = Some(NoSupport::NoHelp);

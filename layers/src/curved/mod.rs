@@ -29,12 +29,12 @@ mod distance;
 mod distance_part;
 mod growth;
 mod guides;
+mod heights;
 mod impossible;
 mod mould;
 mod nozzle;
 mod order;
 pub mod orient;
-mod parallel;
 mod peel;
 mod platform;
 mod quality;
@@ -68,10 +68,10 @@ pub use growth::{
     grow, grow_as_printed,
 };
 pub use guides::Guides;
+pub use heights::HeightsError;
 pub use impossible::{Impossible, prove_impossible};
 pub use nozzle::{DIRECTIONS, NozzleCell, NozzleRule, NozzleRuleError, grow_with_nozzle};
 pub use order::LayerOrder;
-pub use parallel::HeightsError;
 pub use peel::{PeelError, SheetField, peel};
 pub use platform::{Platform, PlatformError};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};

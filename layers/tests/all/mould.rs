@@ -304,7 +304,7 @@ fn support_stands_on_the_mould() {
     let growth = grow(&cells).unwrap();
     assert!(!growth.missed.is_empty());
     let options = SupportOptions { width: 1, ..SupportOptions::default() };
-    let supported = add_support(&cells, platform, &rules, (&growth, &[]), &options, &grow, &go).unwrap().unwrap();
+    let supported = add_support(&cells, platform, &rules, &growth, &[], &options, &grow, &go).unwrap().unwrap();
     assert_eq!(supported.support, [13, 20, 27, 34]);
     assert!(supported.growth.missed.is_empty());
 }

@@ -4,9 +4,9 @@ use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
-    CellMesh, Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, Guides, LayersBy, LayersError, NoSupport,
-    NozzleRule, NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy, SupportError, SupportOptions,
-    Supported, Workpiece, add_support, audit, cell_mesh, grow,
+    CellMesh, Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, Guides, LayersBy, LayersError, MissedCell,
+    MissedReason, NoSupport, NozzleRule, NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy,
+    SupportError, SupportOptions, Supported, Workpiece, add_support, audit, cell_mesh, grow,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;
@@ -29,7 +29,7 @@ fn grown(part: &Part, cells: &Cells, rules: &Rules) -> Result<Growth, GrowthErro
 fn supported(part: &Part, rules: &Rules, options: &SupportOptions) -> (Growth, Result<Supported, NoSupport>) {
     let growth = grown(part, &part.cells(), rules).unwrap();
     let again = |cells: &Cells| grown(part, cells, rules);
-    let supported = add_support(&part.cells(), &part.platform, rules, (&growth, &[]), options, &again, &go).unwrap();
+    let supported = add_support(&part.cells(), &part.platform, rules, &growth, &[], options, &again, &go).unwrap();
     (growth, supported)
 }
 
@@ -160,13 +160,13 @@ fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed(
     let again = |cells: &Cells| grown(&part, cells, &Rules::default());
     let with = |width: u32, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)| {
         let options = SupportOptions { width, ..SupportOptions::default() };
-        add_support(&part.cells(), &part.platform, &Rules::default(), (&growth, &[]), &options, &again, progress)
+        add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &[], &options, &again, progress)
     };
     for width in [0, 65] {
         assert_eq!(with(width, &go), Err(SupportError::Width { width }));
     }
     let with_options =
-        |options| add_support(&part.cells(), &part.platform, &Rules::default(), (&growth, &[]), &options, &again, &go);
+        |options| add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &[], &options, &again, &go);
     for (contact, width) in [(0, 3), (4, 3)] {
         let refused = with_options(SupportOptions { contact, width, ..SupportOptions::default() });
         assert_eq!(refused, Err(SupportError::Contact { contact, width }));
@@ -177,7 +177,7 @@ fn support_that_cannot_be_is_refused_and_none_is_needed_where_nothing_is_missed(
     assert_eq!(with(3, &stop), Err(SupportError::Growth(GrowthError::Cancelled)));
     let fails = |_: &Cells| Err(GrowthError::NothingOnPlatform);
     let failed =
-        add_support(&part.cells(), &part.platform, &Rules::default(), (&growth, &[]), &Default::default(), &fails, &go);
+        add_support(&part.cells(), &part.platform, &Rules::default(), &growth, &[], &Default::default(), &fails, &go);
     assert_eq!(failed, Err(SupportError::Growth(GrowthError::NothingOnPlatform)));
 }
 
@@ -324,7 +324,7 @@ fn support_that_does_not_help_says_so() {
     let growth = Strategy::Incremental.grow(&part.cells(), &part.platform, &rules, &go).unwrap();
     let same = |_: &Cells| Ok(growth.clone());
     let tried =
-        add_support(&part.cells(), &part.platform, &rules, (&growth, &[]), &SupportOptions::default(), &same, &go);
+        add_support(&part.cells(), &part.platform, &rules, &growth, &[], &SupportOptions::default(), &same, &go);
     assert_eq!(tried.unwrap(), Err(NoSupport::NoHelp));
 }
 
@@ -398,7 +398,7 @@ fn given_cells_hold_support() {
     let again = |cells: &Cells| grown(&part, cells, &rules);
     let with = |given: &[u32], gap: u32| {
         let options = SupportOptions { gap, ..SupportOptions::default() };
-        add_support(&cells, &part.platform, &rules, (&growth, given), &options, &again, &go)
+        add_support(&cells, &part.platform, &rules, &growth, given, &options, &again, &go)
     };
     let column: Vec<u32> = (0..7).map(|z| cells.id([4, 1, z])).collect();
     let touching = cells.id([4, 1, 7]);
@@ -417,6 +417,30 @@ fn given_cells_hold_support() {
     assert_eq!(supported.support, column);
     assert_eq!(with(&[999], 0), Err(SupportError::Growth(GrowthError::OtherCells { cell: 999 })));
     assert_eq!(with(&[], 0), Ok(Err(NoSupport::NotNeeded)));
+}
+
+/// Bug: a cell that was missed all the same held support, and a field that was saved with it could not be read again.
+#[test]
+fn a_missed_cell_holds_no_support() {
+    let floats = |[x, y, z]: [u32; 3]| x == 8 && y == 1 && z == 3;
+    let part = part([9, 3, 9], |at| at[0] == 0 || at[2] >= 7 || floats(at));
+    let (cells, rules) = (part.cells(), Rules::default());
+    let floating = cells.id([8, 1, 3]);
+    let growth = grown(&part, &cells, &rules).unwrap();
+    assert_eq!(growth.missed_cells(), [floating]);
+    let again = |cells: &Cells| grown(&part, cells, &rules);
+    // No round places a column below it, only what is given.
+    let options = SupportOptions { rounds: 1, ..SupportOptions::default() };
+    let given = [floating, cells.id([4, 1, 7])];
+    let grow = |united: &Cells| {
+        let mut growth = again(united)?;
+        growth.missed.retain(|missed| missed.cell != floating);
+        growth.missed.push(MissedCell { cell: floating, reason: MissedReason::OutOfReach });
+        Ok(growth)
+    };
+    let found = add_support(&cells, &part.platform, &rules, &growth, &given, &options, &grow, &go).unwrap().unwrap();
+    assert_eq!(found.growth.missed_cells(), [floating]);
+    assert_eq!(found.contact, given[1..]);
 }
 
 /// Columns go straight down from where the part ends to where it begins again, and so do those around. Places with more of the part below them have none.

@@ -19,6 +19,7 @@
 //! ([`SupportOptions::gap`]). The cells of a gap are grown and audited like all others, and stay empty when it comes to surfaces. That is the rule by which
 //! a gap counts as support: a cell is carried by what lies no more than so many empty levels below it.
 
+mod below;
 mod column;
 mod mesh;
 
@@ -154,7 +155,8 @@ pub struct Supported {
 /// Adds support below what an order misses, until nothing is missed or no more support can be added.
 ///
 /// # Arguments
-/// * `growth`, `given`: the growth is of `cells`; what it misses is to be supported. These cells hold support in any case: those of the part beside its material.
+/// * `growth`: of `cells`; what it misses is to be supported.
+/// * `given`: cells that hold support in any case, those of the part beside its material.
 /// * `grow`: grows the part with its support, e.g. by the strategy of the first growth.
 /// * `progress`: called with the stage `support`, the rounds done and those allowed; may cancel.
 ///
@@ -181,16 +183,18 @@ pub struct Supported {
 /// let growth = grow(&cells)?;
 /// assert_eq!(growth.missed.len(), 2);
 /// let options = SupportOptions { width: 1, ..SupportOptions::default() };
-/// let supported = add_support(&cells, &platform, &rules, (&growth, &[]), &options, &grow, &|_| Continue(()))?.expect("support");
+/// let supported = add_support(&cells, &platform, &rules, &growth, &[], &options, &grow, &|_| Continue(()))?.expect("support");
 /// assert!(supported.growth.missed.is_empty());
 /// assert_eq!(supported.support, [6, 13, 20, 27, 34]); // five cells below the hanging end
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[expect(clippy::too_many_arguments, reason = "a part, its order and what is given of its support")]
 pub fn add_support(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,
-    (growth, given): (&Growth, &[u32]),
+    growth: &Growth,
+    given: &[u32],
     options: &SupportOptions,
     grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
@@ -211,8 +215,7 @@ pub fn add_support(
     let straight_cells = straight_columns(cells, &missed) + outside;
     let none = || CellSet::none(cells);
     let mut columns = Columns { support: none(), gap: none(), contact: none() };
-    // With support that is given as many may be missed as without.
-    let mut fewest = missed.len() + usize::from(!given.is_empty());
+    let mut fewest = missed_bound(missed.len(), given);
     let mut best: Option<Supported> = None;
     let mut why_not = NoSupport::Forbidden;
     for round in 1..=options.rounds {
@@ -242,6 +245,11 @@ pub fn add_support(
     Ok(best.ok_or(why_not))
 }
 
+/// Support is worth it if fewer cells are missed with it than this: fewer than without, or no more where it was asked for.
+pub(super) fn missed_bound(missed: usize, given: &[u32]) -> usize {
+    missed + usize::from(!given.is_empty())
+}
+
 impl Supported {
     /// Takes the support out that its growth misses; whether there was any. Missed cells are then those of the part.
     pub(super) fn remove_missed(&mut self, cells: &Cells) -> bool {
@@ -253,12 +261,13 @@ impl Supported {
         let mut united = CellSet::of(cells);
         support.iter().chain(&*gap).for_each(|&cell| _ = united.insert(cell));
         *rows = united.rows().flatten().copied().collect();
-        let is_beside = |cell: u32| {
-            let beside = Neighbours::FaceOrEdge.offsets().iter().filter_map(|&step| moved(cells, cell, step));
-            beside.into_iter().any(|beside| support.binary_search(&beside).is_ok())
-        };
         let is_less = support.len() + gap.len() < before;
-        contact.retain(|&cell| !is_less || cells.position(cell)[2] == 0 || is_beside(cell));
+        let is_beside = |cell: u32| {
+            let mut beside = Neighbours::FaceOrEdge.offsets().iter().filter_map(|&step| moved(cells, cell, step));
+            beside.any(|beside| support.binary_search(&beside).is_ok())
+        };
+        let is_left = |cell: u32| !is_less || cells.position(cell)[2] == 0 || is_beside(cell);
+        contact.retain(|&cell| is_built(growth, cell) && is_left(cell));
         is_less
     }
 }

@@ -43,13 +43,10 @@ impl Inside {
 
     /// How much of its area looks upwards, less what looks downwards, as a share of all.
     pub(in crate::curved) fn upward_share(&self) -> f64 {
-        let normal = |triangle: u32| {
-            let [a, b, c] = self.0.corners(triangle);
-            (b - a).cross(&(c - a))
-        };
         let (mut up, mut all) = (0.0, 0.0);
         for triangle in 0..self.0.triangles.len() as u32 {
-            let normal = normal(triangle);
+            let [a, b, c] = self.0.corners(triangle);
+            let normal = (b - a).cross(&(c - a));
             (up, all) = (up + normal.z, all + normal.norm());
         }
         if all > 0.0 { up / all } else { 0.0 }

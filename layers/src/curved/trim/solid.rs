@@ -157,18 +157,18 @@ impl Solid {
 
     /// The distance to the nearest triangle, negative where the mean normal of the triangles at the nearest point, weighted by their angles there, looks away.
     pub(super) fn signed_distance(&self, p: &Point3<f64>) -> f64 {
-        let distance = self.distance(p);
-        let reach = distance * (1.0 + 1e-9) + f64::MIN_POSITIVE;
         let nearest = self.nearest(p);
-        let within = Vector3::repeat(reach);
+        let distance = (p - nearest).norm();
+        let around = Vector3::repeat(SAME_POINT * (1.0 + distance));
         let mut normal = Vector3::zeros();
-        self.tree.meeting(&Bounds::of([&(p - within), &(p + within)]), |triangle| {
+        self.tree.meeting(&Bounds::of([&(nearest - around), &(nearest + around)]), |triangle| {
             let corners = self.corners(triangle);
-            if (closest(corners, p) - nearest).norm() <= SAME_POINT * (1.0 + distance) {
-                let [a, b, c] = corners;
-                let across = (b - a).cross(&(c - a));
-                normal += across.normalize() * angle_at(corners, &nearest);
-            }
+            let is_here = (closest(corners, p) - nearest).norm() <= around.x;
+            let [a, b, c] = corners;
+            // Triangles without area look nowhere.
+            let across = (b - a).cross(&(c - a)).try_normalize(f64::MIN_POSITIVE);
+            normal +=
+                across.filter(|_| is_here).map_or_else(Vector3::zeros, |across| across * angle_at(corners, &nearest));
         });
         if (p - nearest).dot(&normal) < 0.0 { -distance } else { distance }
     }

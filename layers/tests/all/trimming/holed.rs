@@ -122,6 +122,21 @@ fn two_walls_with_nothing_around_them() {
     assert_relative_eq!(trimmed.area(), 28.0, max_relative = 0.05);
 }
 
+/// A box less a smaller one that lacks a triangle of its lid, far above the sheet: nearly as if it were closed.
+#[test]
+fn what_a_box_has_outside_of_one_with_a_hole() {
+    let solid = cuboid([0.0; 3], [20.0; 3]);
+    let mut other = cuboid([5.0, 5.0, -5.0], [15.0, 15.0, 60.0]);
+    let lid = |t: &[u32; 3]| t.iter().all(|&corner| other.vertices[corner as usize].z > 59.0);
+    let first = other.triangles.iter().position(lid).unwrap();
+    other.triangles.remove(first);
+    let trimmer = Trimmer::new_outside((&solid.vertices, &solid.triangles), (&other.vertices, &other.triangles));
+    let sheet = field(30.0, 30, |_, _| 4.0);
+    let trimmed = trimmer.unwrap().trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
+    check(&sheet, &trimmed);
+    assert!(trimmed.holed && (trimmed.area() - 300.0).abs() < 0.5, "{}", trimmed.area());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 

@@ -144,6 +144,22 @@ fn layers_are_parallel_to_a_plane() {
     assert_eq!(made.unwrap().support.unwrap().contact, given);
 }
 
+/// Bug: a triangle without area at the nearest point had a normal that is no number, and every cell counted as above.
+#[test]
+fn triangles_without_area_look_nowhere() {
+    let block = Block::new();
+    let (mut vertices, mut triangles) = sheet(60.0, |_, _| 5.0);
+    let middle = vertices.len() as u32;
+    vertices.push(Point3::new(6.0, 4.5, 5.0));
+    vertices.push(Point3::new(9.0, 4.5, 5.0));
+    vertices.push(Point3::new(3.0, 4.5, 5.0));
+    triangles.push([middle, middle + 1, middle + 2]);
+    let heights = block.workpiece(None).heights_over(&vertices, &triangles).unwrap();
+    for (cell, height) in (0..).zip(heights) {
+        assert!((height - (centre(cell).z - 5.0)).abs() < 1e-9, "{cell}: {height}");
+    }
+}
+
 #[test]
 fn errors_name_the_cause() {
     let block = Block::new();
