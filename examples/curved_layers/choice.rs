@@ -6,7 +6,6 @@ use curvlay_examples::args::typed_name;
 use curvlay_examples::findings::percent;
 use curvlay_examples::table::Table;
 use curvlay_layers::curved;
-use curvlay_toolpath::surface::ToolPath;
 use nalgebra::Point3;
 use std::time::Duration;
 
@@ -25,23 +24,7 @@ pub fn bare_places(results: &Results, args: &Args) -> Vec<Point3<f64>> {
     let is_too_much = run.support.unsupported_share() > args.allow.allow_unsupported;
     let beads = if is_too_much { 1.0 } else { args.allow.allow_unsupported_beads };
     let long = run.support.unsupported.iter().filter(|piece| piece.length() > beads * paths.bead_mm);
-    let places = long.flat_map(|piece| middles(&run.resolved.paths[piece.path], piece.arcs, paths.bead_mm / 2.0));
-    places.collect()
-}
-
-/// The middle of a bead every so often along a piece of it.
-fn middles(path: &ToolPath, [from, to]: [f64; 2], step_mm: f64) -> Vec<Point3<f64>> {
-    let whole = path.waypoints.last().map_or(0.0, |last| last.arc);
-    let count = ((to - from) / step_mm).ceil().max(1.0);
-    let middle = |k: u32| {
-        let arc = from + (to - from) * f64::from(k) / count;
-        let arc = if arc > whole { arc - whole } else { arc };
-        let pair = path.waypoints.windows(2).find(|pair| arc <= pair[1].arc)?;
-        let share = (arc - pair[0].arc) / (pair[1].arc - pair[0].arc).max(f64::MIN_POSITIVE);
-        let [a, b] = [0, 1].map(|k| pair[k].tip - pair[k].direction.into_inner() * (pair[k].height / 2.0));
-        Some(a + (b - a) * share.clamp(0.0, 1.0))
-    };
-    (0..=count as u32).filter_map(middle).collect()
+    long.flat_map(|piece| piece.middles(&run.resolved.paths, paths.bead_mm / 2.0)).collect()
 }
 
 /// The order that was taken, and the others that were tried.

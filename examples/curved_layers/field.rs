@@ -128,7 +128,7 @@ impl FieldRun {
 }
 
 /// A surface that layers are to be parallel to.
-pub struct Surface {
+pub struct BaseSurface {
     pub name: String,
     pub mesh: Mesh,
 }
@@ -139,7 +139,7 @@ pub struct Given<'a> {
     /// What it is built on, if that is not the plate.
     pub mould: Option<&'a Part>,
     /// The surface that its layers are to be parallel to.
-    pub base: Option<&'a Surface>,
+    pub base: Option<&'a BaseSurface>,
     /// The field, if an earlier run has saved it.
     pub saved: Option<SavedField>,
     /// Places on the plate where beads of an earlier try lay on nothing.

@@ -45,7 +45,7 @@ use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use curvlay_voxel::inspect::thinner_than;
 use estimate::Memory;
-use field::{FieldOptions, FieldRun, Given, Surface};
+use field::{BaseSurface, FieldOptions, FieldRun, Given};
 use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use nalgebra::Point3;
@@ -223,9 +223,9 @@ impl Args {
     }
 
     /// The surface that layers are parallel to.
-    fn base(&self) -> Result<Option<Surface>, Failure> {
-        let load = |path: &PathBuf| -> Result<Surface, Failure> {
-            Ok(Surface { name: path.display().to_string(), mesh: self.mesh.load_surface(path)? })
+    fn base(&self) -> Result<Option<BaseSurface>, Failure> {
+        let load = |path: &PathBuf| -> Result<BaseSurface, Failure> {
+            Ok(BaseSurface { name: path.display().to_string(), mesh: self.mesh.load_surface(path)? })
         };
         self.base.as_ref().map(load).transpose()
     }
@@ -504,7 +504,7 @@ struct Job<'a> {
     setup: Setup,
     part: &'a Part,
     mould: Option<&'a Part>,
-    base: Option<&'a Surface>,
+    base: Option<&'a BaseSurface>,
     /// The pose of the part, where it was searched.
     posed: Option<Posed>,
     folder: &'a OutputFolder,

@@ -31,8 +31,10 @@ pub fn table(job: &Job, results: &Results) -> Table {
         }
         row("layers", layers);
     }
-    if let Some(choice) = choice {
-        row("order", choice.reason());
+    match (choice, &args.base) {
+        (_, Some(path)) => row("order", format!("layers parallel to {}", path.display())),
+        (Some(choice), None) => row("order", choice.reason()),
+        (None, None) => {}
     }
     let infill = args.settings.infill();
     if paths.is_some() && !infill.is_solid() {

@@ -344,7 +344,7 @@ const ABB_CELL: &str = r#"{
 }"#;
 
 #[test]
-fn bad_input_is_told_in_one_line() {
+fn bad_input_fails_with_one_line() {
     let file = block("bad.obj");
     let mesh = ["--stage", "tapes", "--cell", "2", "--layers", "2", "--mesh", file.to_str().unwrap()];
     let stress = |name: &str, text: &str| {
@@ -360,9 +360,9 @@ fn bad_input_is_told_in_one_line() {
         (stress("empty.csv", head), "empty.csv"),
         ("no/such.csv".to_owned(), "no/such.csv"),
     ];
-    for (number, (path, told)) in cases.iter().enumerate() {
+    for (number, (path, message)) in cases.iter().enumerate() {
         let error = run(&format!("bad_{number}"), &[&mesh[..], &["--stress", path]].concat()).unwrap_err();
-        assert!(error.contains(told) && !error.contains('\n'), "{error}");
+        assert!(error.contains(message) && !error.contains('\n'), "{error}");
         assert!(!place(&format!("bad_{number}")).exists());
     }
     let loads = ["--load", "59,-inf,-inf,inf,inf,inf:0,0,-20"];
@@ -370,10 +370,11 @@ fn bad_input_is_told_in_one_line() {
     assert!(error.contains("no support") && error.contains("hold a region"), "{error}");
     // A layer that is not there, or that nothing covers; nothing is written.
     let four = &mesh[..5];
-    for (layers, told) in [("4", "tapes on layer 4 of 4: it must be from 1 to 3"), ("2,9", "tapes on layer 9 of 4")] {
+    for (layers, message) in [("4", "tapes on layer 4 of 4: it must be from 1 to 3"), ("2,9", "tapes on layer 9 of 4")]
+    {
         let path = file.to_str().unwrap();
         let error = run("no_layer", &[four, &[layers, "--mesh", path]].concat()).unwrap_err();
-        assert!(error.starts_with("--layers: ") && error.contains(told) && !place("no_layer").exists(), "{error}");
+        assert!(error.starts_with("--layers: ") && error.contains(message) && !place("no_layer").exists(), "{error}");
     }
     let error = run("bead", &[&mesh[2..], &["--stage", "paths", "--bead", "80"]].concat()).unwrap_err();
     assert!(error.contains("a bead of 80.000 mm fits nowhere") && error.contains("--bead"), "{error}");

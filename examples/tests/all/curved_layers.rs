@@ -1120,6 +1120,7 @@ fn layers_are_parallel_to_a_surface() {
     let figures = summary(&out);
     assert_eq!((&figures["layers_by_used"], &figures["missed_cells"]), (&"distance".into(), &Value::from(0)));
     assert!((figures["filled_share"].as_f64().unwrap() - 1.0).abs() < 0.03, "{figures}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("layers parallel to "));
     // Beads of a layer lie on one plane across the slope.
     let text = fs::read_to_string(Path::new(&out).join("toolpath.csv")).unwrap();
     let mut planes = std::collections::BTreeMap::<u32, [f64; 2]>::new();

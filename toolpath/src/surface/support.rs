@@ -79,6 +79,34 @@ impl UnsupportedPiece {
     pub fn length(&self) -> f64 {
         self.arcs[1] - self.arcs[0]
     }
+
+    /// Middles of the bead along it, from end to end: where something has to be put below it.
+    ///
+    /// # Arguments
+    /// * `paths`: those that were checked.
+    /// * `step_mm`: how far apart they are at most, by length along the curve; only its ends for what is no length.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
+    /// use curvlay_toolpath::surface::{BeadKind, ToolPath, UnsupportedPiece, Waypoint};
+    /// let at = |x| Waypoint {
+    ///     tip: Point3::new(x, 0.0, 5.0), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+    /// };
+    /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(30.0)] };
+    /// let piece = UnsupportedPiece { path: 0, arcs: [10.0, 12.0], tip: Point3::new(11.0, 0.0, 5.0) };
+    /// assert_eq!(piece.middles(&[path], 1.0), [10.0, 11.0, 12.0].map(|x| Point3::new(x, 0.0, 4.5)));
+    /// ```
+    pub fn middles(&self, paths: &[ToolPath], step_mm: f64) -> Vec<Point3<f64>> {
+        let Some(path) = paths.get(self.path).filter(|path| path.waypoints.len() > 1) else { return Vec::new() };
+        let pieces = (self.length() / step_mm).ceil();
+        let pieces = if step_mm > 0.0 && pieces <= MOST_PLACES { pieces.max(1.0) } else { 1.0 };
+        let middle = |k: u32| {
+            let ([a, b], share) = place_at(path, self.arcs[0] + self.length() * f64::from(k) / pieces);
+            Section::of(a).toward(&Section::of(b), share).middle
+        };
+        (0..=pieces as u32).map(middle).collect()
+    }
 }
 
 /// What the check found.
@@ -481,15 +509,20 @@ fn waypoint_after(path: &ToolPath, arc: f64) -> usize {
     path.waypoints.partition_point(|waypoint| waypoint.arc < arc).clamp(1, path.waypoints.len() - 1)
 }
 
-/// The tip at a length along a path; beyond the end of a closed one from its start.
-fn tip_at(path: &ToolPath, arc: f64) -> Point3<f64> {
+/// The waypoints around a place at a length along a path, and the share of the way between them; beyond the end of a closed one from its start.
+fn place_at(path: &ToolPath, arc: f64) -> ([&Waypoint; 2], f64) {
     let waypoints = &path.waypoints;
     let [first, last] = [&waypoints[0], &waypoints[waypoints.len() - 1]].map(|end| end.arc);
     let arc = if arc > last { arc - (last - first) } else { arc };
     let after = waypoint_after(path, arc);
     let [a, b] = [after - 1, after].map(|k| &waypoints[k]);
     let length = b.arc - a.arc;
-    let share = if length > 0.0 { ((arc - a.arc) / length).clamp(0.0, 1.0) } else { 0.0 };
+    ([a, b], if length > 0.0 { ((arc - a.arc) / length).clamp(0.0, 1.0) } else { 0.0 })
+}
+
+/// The tip there.
+fn tip_at(path: &ToolPath, arc: f64) -> Point3<f64> {
+    let ([a, b], share) = place_at(path, arc);
     a.tip + (b.tip - a.tip) * share
 }
 

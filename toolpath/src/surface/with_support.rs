@@ -106,7 +106,7 @@ impl FilledLayer {
     fn without_beads() -> FilledLayer {
         FilledLayer {
             paths: LayerPaths::default(),
-            statistics: PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() },
+            statistics: PathStatistics::of_no_area(),
             uniform: false,
             reach_mm: 0.0,
             sparse: super::infill::SparseFill::default(),

@@ -168,12 +168,41 @@ fn a_piece_over_the_start_of_a_closed_path_is_one() {
     let mut path = bead(1, &square);
     assert_eq!(of_path(&checked(&[under.clone(), path.clone()]), 1).len(), 2);
     path.closed = true;
-    let support = checked(&[under, path]);
+    let paths = [under, path];
+    let support = checked(&paths);
     let [piece] = support.unsupported[..] else { panic!("one piece: {support:?}") };
     let held = 10.0 + 2.0 * (1.2_f64.powi(2) - 0.8_f64.powi(2)).sqrt();
     assert!((piece.length() - (40.0 - held)).abs() <= 0.08, "{piece:?}");
     // Its middle is on the far side.
     assert!(piece.tip.x.abs() < 0.1 && (piece.tip.y - 5.0).abs() < 0.1, "{piece:?}");
+}
+
+/// From end to end, over the start of a closed path, no farther apart than asked for; half the height of the bead behind the tip, whichever way the nozzle points.
+#[test]
+fn middles_of_a_piece() {
+    let square = [[0.0, 0.0, 2.0], [10.0, 0.0, 2.0], [10.0, 10.0, 2.0], [0.0, 10.0, 2.0], [0.0, 0.0, 2.0]];
+    let path = ToolPath { closed: true, ..bead(1, &square) };
+    let piece = UnsupportedPiece { path: 0, arcs: [28.0, 43.0], tip: Point3::origin() };
+    let middles = piece.middles(std::slice::from_ref(&path), 2.0);
+    let expected = |k: usize| match 28.0 + 1.875 * k as f64 {
+        arc if arc <= 30.0 => [30.0 - arc, 10.0],
+        arc if arc <= 40.0 => [0.0, 40.0 - arc],
+        arc => [arc - 40.0, 0.0],
+    };
+    assert_eq!(middles.len(), 9);
+    for (k, middle) in middles.iter().enumerate() {
+        let [x, y] = expected(k);
+        assert!((middle - Point3::new(x, y, 2.0)).norm() < 1e-9, "{k}: {middle} {x} {y}");
+    }
+    // Sideways, and with steps that are none.
+    let mut leaning = path;
+    leaning.waypoints.iter_mut().for_each(|at| at.direction = Vector3::x_axis());
+    for step in [0.0, f64::NAN, -1.0, 100.0] {
+        let [from, to] = piece.middles(std::slice::from_ref(&leaning), step)[..] else { panic!("two ends") };
+        assert!((from - Point3::new(2.0 - HEIGHT / 2.0, 10.0, 2.0 + HEIGHT / 2.0)).norm() < 1e-9, "{from}");
+        assert!((to - Point3::new(3.0 - HEIGHT / 2.0, 0.0, 2.0 + HEIGHT / 2.0)).norm() < 1e-9, "{to}");
+    }
+    assert!(UnsupportedPiece { path: 7, ..piece }.middles(&[leaning], 1.0).is_empty());
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Tapes in parts: closed forms of laminates, an assembled twin, and what comes apart.
 
 use super::Solid;
+use super::dense_twin::{assert_same, cube, slow};
 use crate::common::{go, random_rows};
 use curvlay_layers::curved::Cells;
 use curvlay_layers::elastic::{
     Bond, Elastic, ElasticError, ElasticOptions, ElasticPart, Load, Material, Orthotropic, Ply, Region, Strip, Support,
     laminate, load_factor, plies, solve_composite, solve_elastic, supported_cells, traction,
 };
-use curvlay_layers::nalgebra::{DMatrix, DVector, Matrix6, Point3, UnitVector3, Vector3};
+use curvlay_layers::nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Point3, UnitVector3, Vector3};
 use proptest::prelude::*;
 
 const MATRIX: Material = Material { young_mpa: 1200.0, poisson: 0.3 };
@@ -139,37 +140,14 @@ fn tensor(law: &Matrix6<f64>, axes: [Vector3<f64>; 3]) -> impl Fn(usize, usize, 
     }
 }
 
-/// A cube from the definition, with every component of the tensor: `integral of C_ijkl d_j N_m d_l N_n`, inner modes taken out.
-fn cube(c: impl Fn(usize, usize, usize, usize) -> f64, h: f64) -> DMatrix<f64> {
-    let gradients = |at: [f64; 3]| {
-        let mut all: Vec<Vector3<f64>> = Vec::new();
-        for corner in 0..8 {
-            let s = [0, 1, 2].map(|k| if corner >> k & 1 == 1 { 1.0 } else { -1.0 });
-            let f = [0, 1, 2].map(|k| 1.0 + s[k] * at[k]);
-            all.push(Vector3::new(s[0] * f[1] * f[2], f[0] * s[1] * f[2], f[0] * f[1] * s[2]) / 8.0 * (2.0 / h));
-        }
-        all.extend((0..3).map(|k| Vector3::ith(k, -2.0 * at[k] * 2.0 / h)));
-        all
-    };
+/// A cube with every component of the tensor: `C_ijkl a_j b_l` for gradients `a` and `b`.
+fn cube_of(c: impl Fn(usize, usize, usize, usize) -> f64, h: f64) -> DMatrix<f64> {
     let table: Vec<f64> = (0..81).map(|n| c(n / 27, n / 9 % 3, n / 3 % 3, n % 3)).collect();
-    let mut all: DMatrix<f64> = DMatrix::zeros(33, 33);
-    let point = (1.0f64 / 3.0).sqrt();
-    for k in 0..8 {
-        let slopes = gradients([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { point } else { -point }));
-        for (m, a) in slopes.iter().enumerate() {
-            for (n, b) in slopes.iter().enumerate() {
-                for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-                    for (p, q) in (0..3).flat_map(|p| (0..3).map(move |q| (p, q))) {
-                        all[(3 * m + i, 3 * n + p)] +=
-                            table[27 * i + 9 * j + 3 * p + q] * a[j] * b[q] * (h / 2.0).powi(3);
-                    }
-                }
-            }
-        }
-    }
-    let inner = all.view((24, 24), (9, 9)).clone_owned().try_inverse().unwrap();
-    let mixed = all.view((0, 24), (24, 9)).clone_owned();
-    all.view((0, 0), (24, 24)).clone_owned() - &mixed * inner * mixed.transpose()
+    let component = |a: &Vector3<f64>, b: &Vector3<f64>, i: usize, p: usize| -> f64 {
+        let pairs = (0..3).flat_map(|j| (0..3).map(move |q| (j, q)));
+        pairs.map(|(j, q)| table[27 * i + 9 * j + 3 * p + q] * a[j] * b[q]).sum()
+    };
+    cube(|a, b| Matrix3::from_fn(|i, p| component(a, b, i, p)), h)
 }
 
 const H: f64 = 1.5;
@@ -208,45 +186,13 @@ proptest! {
         let options = ElasticOptions { tolerance: 1e-11, max_iterations: 3000 };
         let elastic = solve_composite(&part, &ply(), &list, &options, &go).unwrap();
 
-        let corners = |cell: u32| {
-            let [x, y, z] = cells.position(cell);
-            [0, 1, 2, 3, 4, 5, 6, 7].map(|k| solid.node([x + (k & 1), y + (k >> 1 & 1), z + (k >> 2)]))
-        };
-        let mut nodes: Vec<u32> = cells.iter().flat_map(corners).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let place = |node: u32| nodes.binary_search(&node).unwrap();
-        let mut k: DMatrix<f64> = DMatrix::zeros(3 * nodes.len(), 3 * nodes.len());
-        let mut f: DVector<f64> = DVector::zeros(3 * nodes.len());
         let plain = Orthotropic::isotropic(&MATRIX).law().unwrap();
-        let unturned = [Vector3::x(), Vector3::y(), Vector3::z()];
-        for cell in cells.iter() {
-            let turn = with.iter().find(|(other, _)| *other == cell).map(|(_, turn)| *turn);
-            let cube = match turn {
-                Some(turn) => cube(tensor(&laminate(&ply().law().unwrap(), &plain, share(turn)), axes(turn)), H),
-                None => cube(tensor(&plain, unturned), H),
-            };
-            let at = corners(cell).map(place);
-            for (i, j) in (0..24).flat_map(|i| (0..24).map(move |j| (i, j))) {
-                k[(3 * at[i / 3] + i % 3, 3 * at[j / 3] + j % 3)] += cube[(i, j)];
-            }
-            for node in at {
-                (0..3).for_each(|axis| f[3 * node + axis] += force[axis] * H.powi(3) / 8.0);
-            }
-        }
-        let level = (nx + 1) * (ny + 1);
-        for row in (0..nodes.len()).filter(|&at| nodes[at] < level).flat_map(|at| [3 * at, 3 * at + 1, 3 * at + 2]) {
-            k.row_mut(row).fill(0.0);
-            k.column_mut(row).fill(0.0);
-            (k[(row, row)], f[row]) = (1.0, 0.0);
-        }
-        let u = k.lu().solve(&f).unwrap();
-        let largest = u.amax();
-        for (at, found) in elastic.displacements_mm.iter().enumerate() {
-            for axis in 0..3 {
-                prop_assert!((u[3 * at + axis] - found[axis]).abs() <= 1e-7 * largest, "{at}: {found:?}");
-            }
-        }
+        let unturned = cube_of(tensor(&plain, [Vector3::x(), Vector3::y(), Vector3::z()]), H);
+        let of_cell = |cell: u32| match with.iter().find(|(other, _)| *other == cell) {
+            Some(&(_, turn)) => cube_of(tensor(&laminate(&ply().law().unwrap(), &plain, share(turn)), axes(turn)), H),
+            None => unturned.clone(),
+        };
+        assert_same(&elastic, &slow(&solid, &cells, H, of_cell, Vector3::from(force)));
     }
 
     /// The laminate of two laws is what a stack of many thin sheets of both does: here two sheets, solved for strains and stresses one by one.

@@ -21,11 +21,8 @@ fn gradients(at: [f64; 3], h: f64) -> Vec<Vector3<f64>> {
     all
 }
 
-/// The stiffness of a cube from the definition: for each pair of shape functions the integral of
-/// `lambda a_i b_j + mu (a_j b_i + delta_ij a.b)`, and the inner ones taken out.
-fn cube(material: &Material, h: f64) -> DMatrix<f64> {
-    let Material { young_mpa: e, poisson: nu } = *material;
-    let (mu, lambda) = (e / 2.0 / (1.0 + nu), e * nu / (1.0 + nu) / (1.0 - 2.0 * nu));
+/// The stiffness of a cube from the definition: for each pair of shape functions the integral of `block(a, b)`, of their gradients, and the inner ones taken out.
+pub fn cube(block: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Matrix3<f64>, h: f64) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(33, 33);
     let point = (1.0f64 / 3.0).sqrt();
     for k in 0..8 {
@@ -33,9 +30,8 @@ fn cube(material: &Material, h: f64) -> DMatrix<f64> {
         let slopes = gradients(at, h);
         for (m, a) in slopes.iter().enumerate() {
             for (n, b) in slopes.iter().enumerate() {
-                let block = lambda * a * b.transpose() + mu * (b * a.transpose() + Matrix3::identity() * a.dot(b));
                 let mut sum = all.view_mut((3 * m, 3 * n), (3, 3));
-                sum += block * (h / 2.0).powi(3);
+                sum += block(a, b) * (h / 2.0).powi(3);
             }
         }
     }
@@ -44,13 +40,13 @@ fn cube(material: &Material, h: f64) -> DMatrix<f64> {
     all.view((0, 0), (24, 24)).clone_owned() - &mixed * inner * mixed.transpose()
 }
 
-/// Displacements of all nodes of the grid that are corners of cells, by dense elimination.
-fn slow(
+/// Displacements of all nodes of the grid that are corners of cells, by dense elimination, under a force on each cubic millimetre. `cube` gives the stiffness of a cell.
+pub fn slow(
     solid: &Solid,
     cells: &Cells,
     h: f64,
-    material: &Material,
-    push: &[(u32, Vector3<f64>)],
+    cube: impl Fn(u32) -> DMatrix<f64>,
+    force: Vector3<f64>,
 ) -> Vec<(u32, Vector3<f64>)> {
     let corners = |cell: u32| {
         let [x, y, z] = cells.position(cell);
@@ -61,16 +57,16 @@ fn slow(
     nodes.dedup();
     let place = |node: u32| nodes.binary_search(&node).unwrap();
     let mut k = DMatrix::zeros(3 * nodes.len(), 3 * nodes.len());
-    let cube = cube(material, h);
+    let mut f = DVector::zeros(3 * nodes.len());
     for cell in cells.iter() {
-        let at = corners(cell).map(place);
+        let (at, cube) = (corners(cell).map(place), cube(cell));
         for (i, j) in (0..24).flat_map(|i| (0..24).map(move |j| (i, j))) {
             k[(3 * at[i / 3] + i % 3, 3 * at[j / 3] + j % 3)] += cube[(i, j)];
         }
-    }
-    let mut f = DVector::zeros(3 * nodes.len());
-    for &(node, force) in push {
-        (0..3).for_each(|axis| f[3 * place(node) + axis] += force[axis]);
+        // Each cell hangs with an eighth of its load on each corner.
+        for node in at {
+            (0..3).for_each(|axis| f[3 * node + axis] += force[axis] * h.powi(3) / 8.0);
+        }
     }
     // The nodes at z = 0 are fixed.
     let level = (solid.dims[0] + 1) * (solid.dims[1] + 1);
@@ -81,6 +77,16 @@ fn slow(
     }
     let u = k.lu().solve(&f).unwrap();
     nodes.iter().enumerate().map(|(at, &node)| (node, Vector3::new(u[3 * at], u[3 * at + 1], u[3 * at + 2]))).collect()
+}
+
+/// Displacements are those of the twin.
+pub fn assert_same(elastic: &Elastic, known: &[(u32, Vector3<f64>)]) {
+    let largest = known.iter().map(|(_, u)| u.amax()).fold(0.0, f64::max);
+    assert_eq!(elastic.nodes.len(), known.len());
+    for ((node, u), (at, found)) in known.iter().zip(elastic.nodes.iter().zip(&elastic.displacements_mm)) {
+        assert_eq!(node, at);
+        assert!((u - Vector3::from(*found)).amax() <= 1e-7 * largest, "{node}: {u:?} {found:?}");
+    }
 }
 
 const H: f64 = 1.5;
@@ -112,23 +118,13 @@ proptest! {
         let cells = solid.cells();
         let material = Material { young_mpa: 700.0, poisson };
         let elastic = fast(&cells, material, force);
-        // Each cell hangs with an eighth of its load on each corner.
-        let share = Vector3::from(force) * H.powi(3) / 8.0;
-        let push: Vec<(u32, Vector3<f64>)> = cells
-            .iter()
-            .flat_map(|cell| {
-                let [x, y, z] = cells.position(cell);
-                [0, 1, 2, 3, 4, 5, 6, 7].map(|k| solid.node([x + (k & 1), y + (k >> 1 & 1), z + (k >> 2)]))
-            })
-            .map(|node| (node, share))
-            .collect();
-        let known = slow(&solid, &cells, H, &material, &push);
-        let largest = known.iter().map(|(_, u)| u.amax()).fold(0.0, f64::max);
-        prop_assert_eq!(elastic.nodes.len(), known.len());
-        for ((node, u), (at, found)) in known.iter().zip(elastic.nodes.iter().zip(&elastic.displacements_mm)) {
-            prop_assert_eq!(node, at);
-            prop_assert!((u - Vector3::from(*found)).amax() <= 1e-7 * largest, "{node}: {u:?} {found:?}");
-        }
+        let Material { young_mpa: e, poisson: nu } = material;
+        let (mu, lambda) = (e / 2.0 / (1.0 + nu), e * nu / (1.0 + nu) / (1.0 - 2.0 * nu));
+        let block = |a: &Vector3<f64>, b: &Vector3<f64>| {
+            lambda * a * b.transpose() + mu * (b * a.transpose() + Matrix3::identity() * a.dot(b))
+        };
+        let cube = cube(block, H);
+        assert_same(&elastic, &slow(&solid, &cells, H, |_| cube.clone(), Vector3::from(force)));
     }
 }
 

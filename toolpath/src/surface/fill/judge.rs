@@ -54,7 +54,7 @@ pub(super) fn judge_again(
         };
         // There may be support alone.
         let of_part = match triangles {
-            [] => PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() },
+            [] => PathStatistics::of_no_area(),
             _ => {
                 let mesh = SurfaceMesh::new(vertices.to_vec(), triangles.to_vec())?;
                 statistics(&mesh, paths, options, *reach_mm, &report)?

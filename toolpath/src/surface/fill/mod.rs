@@ -236,9 +236,7 @@ fn fill_at(
         };
         mark("curves", 1)?;
         let statistics = match &solid {
-            None if solid_mm2.is_some_and(|area| area <= 0.0) => {
-                PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() }
-            }
+            None if solid_mm2.is_some_and(|area| area <= 0.0) => PathStatistics::of_no_area(),
             solid => {
                 // Where curves cross is asked on the whole mesh in any case, so that paths do not depend on whether coverage is asked for.
                 let of_curves = PathOptions { coverage: options.coverage && solid.is_none(), ..*options };

@@ -3,6 +3,11 @@
 use super::{Gap, PathStatistics};
 
 impl PathStatistics {
+    /// Of a surface without area: nothing is left to fill.
+    pub(in crate::surface) fn of_no_area() -> PathStatistics {
+        PathStatistics { filled_fraction: 1.0, ..PathStatistics::default() }
+    }
+
     /// The figures of both: sums, shares by area, and the larger of what is largest. Ways from the curves of one to those of the other are not
     /// counted.
     pub(in crate::surface) fn and(&self, other: &PathStatistics) -> PathStatistics {
