@@ -458,7 +458,7 @@ impl Written<'_> {
 }
 
 /// The kind of a tape in the viewer: behind those of beads.
-pub const TAPE_KIND: u8 = 7;
+pub const TAPE_KIND: u8 = shown::BEAD_KINDS;
 
 /// A part of a program: under the nozzle, or from the call of a roller to its leaving.
 struct ProgramPart<'a> {

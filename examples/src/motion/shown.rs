@@ -26,6 +26,9 @@ const KINDS: [(BeadKind, &str); 8] = [
     (BeadKind::SupportBridge, "support bridge"),
 ];
 
+/// How many kinds of beads there are: the first number that is free for other kinds.
+pub const BEAD_KINDS: u8 = KINDS.len() as u8;
+
 /// The names of the kinds of beads.
 pub fn kinds() -> Vec<String> {
     KINDS.map(|(_, name)| name.to_owned()).to_vec()

@@ -248,7 +248,7 @@ function start(columns) {
   const touch = () => { dirty = true; };
 
   // ---- colours
-  const KINDS = ['#5b8fb9', '#2f9e8f', '#b8a642', '#7d8f3c', '#8c6d4f', '#8a8f98', '#6b9e2f', '#b9c7a0'];
+  const KINDS = ['#5b8fb9', '#2f9e8f', '#b8a642', '#7d8f3c', '#8c6d4f', '#8a8f98', '#6b9e2f', '#b9c7a0', '#3c3f46'];
   const rgb = hex => [1, 3, 5].map(at => parseInt(hex.slice(at, at + 2), 16));
   const ramp = t => {
     const steps = header.ramp, at = Math.min(Math.max(t, 0), 1) * (steps.length - 1), i = Math.min(Math.floor(at), steps.length - 2);
@@ -294,7 +294,7 @@ function start(columns) {
       KINDS.forEach((hex, at) => texel(at, rgb(hex)));
       header.kinds.forEach((kind, at) => {
         if (!used.has(at)) return;
-        make(legend, 'i').style.background = KINDS[at % KINDS.length];
+        make(legend, 'i').style.background = KINDS[at];
         legend.append(kind);
       });
     }

@@ -2,6 +2,7 @@
 //! a system without named pipes) the test says so and ends.
 
 use super::common::place;
+use curvlay_examples::motion::shown;
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_examples::report::Report;
 use curvlay_examples::viewer::{Mark, Marks, Mesh, Model, Nozzle, Robot, SCRIPT, Stance, Step};
@@ -10,6 +11,15 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+
+/// Bug: a kind of bead was added, and tapes, whose number stood there, were shown as it.
+#[test]
+fn each_kind_of_bead_and_the_tape_has_a_colour() {
+    let colours = SCRIPT.split_once("const KINDS = [").unwrap().1.split_once(']').unwrap().0;
+    let colours: std::collections::BTreeSet<&str> = colours.split(", ").collect();
+    assert_eq!(colours.len(), shown::kinds().len() + 1);
+    assert_eq!(usize::from(shown::BEAD_KINDS), shown::kinds().len());
+}
 
 /// Three layers of a square, 20 mm wide, each a wall and a zigzag, with travels between them.
 fn model() -> Model {
