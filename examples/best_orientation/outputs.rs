@@ -105,7 +105,7 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
         .set("unit", typed_name(args.mesh.unit))?
         .set("scale", args.mesh.scale)?
         .set("up", typed_name(args.mesh.up))?
-        .set("directions", orient.directions)?
+        .set("directions", orient.orient_directions)?
         .set("orient_voxels", orient.orient_voxels)?
         .set("refine", orient.refine)?
         .set("least_tipping_deg", orient.least_tipping)?

@@ -61,14 +61,18 @@ pub fn check_arguments(matches: &ArgMatches) -> Result<(), String> {
     if is_given("prevention") && !matches!(strategy, Some(Strategy::Governed | Strategy::Printed)) {
         return Err("--prevention needs --strategy governed or printed".to_owned());
     }
-    let with_it = [("mould", "--on: the part lies on it"), ("base", "--base: the part lies across it")];
+    let with_it = [
+        ("mould", "--on: the part lies on it"),
+        ("base", "--base: the part lies across it"),
+        ("directions", "--directions: the part lies in them"),
+    ];
     if let Some((_, with)) = with_it.into_iter().find(|(id, _)| is_given(id))
         && matches.get_one::<Lying>("orient") == Some(&Lying::Best)
     {
         return Err(format!("--orient best does not go with {with} as the files have both"));
     }
     if matches.get_one::<Lying>("orient") != Some(&Lying::Best) {
-        let posing = ["directions", "orient_voxels", "refine", "least_tipping", "standing_first"];
+        let posing = ["orient_directions", "orient_voxels", "refine", "least_tipping", "standing_first"];
         if let Some(id) = posing.into_iter().find(|id| is_given(id)) {
             return Err(format!("--{} needs --orient best", id.replace('_', "-")));
         }

@@ -2,12 +2,13 @@
 
 use crate::estimate::{self, Memory};
 use crate::failure;
+use crate::guide::{GivenDirections, Guide};
 use crate::mould::{Mould, Standing};
 use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_examples::mesh::{Mesh, UNCERTAIN_SHARE};
+use curvlay_examples::mesh::UNCERTAIN_SHARE;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
     AuditReport, Cells, CompleteOptions, CompletePart, Growth, Guides, Impossible, JudgedByNozzle, LayerQuality,
@@ -82,6 +83,8 @@ pub struct FieldRun {
     pub audit: AuditReport,
     /// Cells that the order by the hull rule alone missed, by rising number.
     pub missed_by_hull: Vec<u32>,
+    /// Directions that were given, and how far they are followed.
+    pub given: Option<GivenDirections>,
     /// How many cells have support since beads of another try lay on nothing above them.
     pub below_beads: usize,
     /// The cells that are support, by rising number, and what straight columns would take.
@@ -127,19 +130,13 @@ impl FieldRun {
     }
 }
 
-/// A surface that layers are to be parallel to.
-pub struct BaseSurface {
-    pub name: String,
-    pub mesh: Mesh,
-}
-
 /// What layers are made of.
 pub struct Given<'a> {
     pub part: &'a Part,
     /// What it is built on, if that is not the plate.
     pub mould: Option<&'a Part>,
-    /// The surface that its layers are to be parallel to.
-    pub base: Option<&'a BaseSurface>,
+    /// What its layers are guided by.
+    pub guide: Option<&'a Guide>,
     /// The field, if an earlier run has saved it.
     pub saved: Option<SavedField>,
     /// Places on the plate where beads of an earlier try lay on nothing.
@@ -183,7 +180,7 @@ pub fn run(
     options: &FieldOptions,
     surfaces: Option<&SurfaceOptions>,
     memory: Memory,
-    Given { part, mould, base, saved, bare }: Given,
+    Given { part, mould, guide, saved, bare }: Given,
     bars: &Bars,
 ) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
     let of_part = |error: &dyn std::fmt::Display| failure(format!("{}: {error}", part.name));
@@ -262,13 +259,9 @@ pub fn run(
     clock.note("grow", 0);
     let below = workpiece.cells_below(bare).map_err(layers_failed)?;
     workpiece.guides.support = &below;
-    let heights = base.map(|base| {
-        let vertices: Vec<Point3<f64>> = base.mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
-        let heights = workpiece.heights_over(&vertices, &base.mesh.triangles);
-        heights.map_err(|error| failure(format!("{}: {error}", base.name)))
-    });
-    let heights = heights.transpose()?;
-    workpiece.guides.heights = heights.as_deref();
+    let guided = guide.map(|guide| guide.in_cells(&workpiece, solid.shift, complete)).transpose()?.unwrap_or_default();
+    workpiece.guides.heights = guided.heights.as_deref();
+    workpiece.guides.directions = guided.directions.as_deref();
     let (mut support, mut contact, mut straight_cells) = (Vec::new(), Vec::new(), 0);
     let (mut no_support, mut layers_by) = (None, None);
     let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
@@ -369,6 +362,7 @@ pub fn run(
         strategy,
         audit,
         missed_by_hull,
+        given: guided.given,
         below_beads: below.len(),
         support,
         contact_mm3,

@@ -72,6 +72,7 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if report.dropped_triangles > 0 {
         findings.add(Noted, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
     }
+    run.given.iter().for_each(|given| given.find(findings));
     if run.part_is_estimated {
         let is_open = run.mesh.open_edges.count > 0;
         let why = if is_open { "the mesh is open" } else { "bodies of the mesh pass through each other" };

@@ -14,6 +14,7 @@ mod complete;
 mod estimate;
 mod field;
 mod findings;
+mod guide;
 mod machine;
 mod motion;
 mod mould;
@@ -45,7 +46,8 @@ use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
 use curvlay_voxel::inspect::thinner_than;
 use estimate::Memory;
-use field::{BaseSurface, FieldOptions, FieldRun, Given};
+use field::{FieldOptions, FieldRun, Given};
+use guide::Guide;
 use machine::MachineRun;
 use motion::{Motion, MotionArgs, Print, ProgramFormat};
 use nalgebra::Point3;
@@ -78,6 +80,14 @@ struct Args {
     /// Layers parallel to this surface in place of an order that is searched: an open mesh across the part and beyond, with the same origin, unit, scale and axis
     #[arg(long = "base", value_name = "FILE", conflicts_with_all = ["resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = "Part")]
     base: Option<PathBuf>,
+    /// Layers that follow these directions in place of an order that is searched, as far as layers may lean: a file with six numbers a line, `x y z i j k`, a place with the unit, scale and axis of the part and the
+    /// way in which the part is to grow there. Each place of the part has the direction nearest to it inside the part, evened out where two meet
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["base", "resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = "Part")]
+    directions: Option<PathBuf>,
+    /// Layers as level as the skin allows in place of an order that is searched: it hangs out over them by no more than this angle, in degrees above 0 and below 90, as far as layers may lean; 45 is
+    /// what beads hold
+    #[arg(long = "max-overhang", value_name = "DEGREES", value_parser = overhang, allow_negative_numbers = true, conflicts_with_all = ["base", "directions", "resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = CELLS)]
+    max_overhang_deg: Option<f64>,
     /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     profile: Option<PathBuf>,
@@ -195,7 +205,8 @@ impl Args {
 
     /// The files that it reads.
     fn files(&self) -> impl Iterator<Item = Option<&Path>> {
-        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.mould, &self.base].map(Option::as_deref);
+        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.mould, &self.base, &self.directions]
+            .map(Option::as_deref);
         one.into_iter().chain([self.mesh.path()]).chain(self.merge.iter().map(|path| Some(path.as_path())))
     }
 
@@ -220,14 +231,6 @@ impl Args {
     /// What it is built on.
     fn mould(&self) -> Result<Option<Part>, Failure> {
         Ok(self.mould.as_deref().map(|path| self.mesh.load_file(path)).transpose()?)
-    }
-
-    /// The surface that layers are parallel to.
-    fn base(&self) -> Result<Option<BaseSurface>, Failure> {
-        let load = |path: &PathBuf| -> Result<BaseSurface, Failure> {
-            Ok(BaseSurface { name: path.display().to_string(), mesh: self.mesh.load_surface(path)? })
-        };
-        self.base.as_ref().map(load).transpose()
     }
 
     /// Layer height; `None` for the edge of a cell.
@@ -267,8 +270,8 @@ impl Args {
     /// By what the order of the cells is found: by what prints best, unless the run is for research, or the user asks for something that only orders by hulls
     /// have.
     fn layers_by(&self) -> LayersBy {
-        if self.base.is_some() {
-            return LayersBy::Distance;
+        if let Some(layers_by) = Guide::layers_by(self) {
+            return layers_by;
         }
         let is_by_hulls = self.grow.strategy().is_some() || self.complete.nozzle_growth.is_some() || self.coherent;
         // A hull that holds a mould holds much of the part.
@@ -467,14 +470,14 @@ fn main() -> ExitCode {
         let folder = args.common.folder("curved_layers", args.files(), outputs::is_ours)?;
         let saved = args.resume.as_deref().map(surfaces::load).transpose()?;
         ranges::check(&args.merge).map_err(failure)?;
-        let (mut part, mould, base) = (args.part(saved.as_ref())?, args.mould()?, args.base()?);
+        let (mut part, mould, guide) = (args.part(saved.as_ref())?, args.mould()?, Guide::of(&args)?);
         // All that is read has been read, or can be: what an earlier run has left goes now.
         folder.clear(outputs::is_ours)?;
         let bars = &Bars::new(args.common.quiet);
         pool(&args)?.install(|| {
             let posed = (args.orient == Lying::Best).then(|| args.lay(&mut part, bars)).transpose()?;
-            let (part, mould, base) = (&part, mould.as_ref(), base.as_ref());
-            let job = Job { args: &args, setup, part, mould, base, posed, folder: &folder, bars };
+            let (part, mould, guide) = (&part, mould.as_ref(), guide.as_ref());
+            let job = Job { args: &args, setup, part, mould, guide, posed, folder: &folder, bars };
             job.work(saved)
         })
     })
@@ -504,7 +507,7 @@ struct Job<'a> {
     setup: Setup,
     part: &'a Part,
     mould: Option<&'a Part>,
-    base: Option<&'a BaseSurface>,
+    guide: Option<&'a Guide>,
     /// The pose of the part, where it was searched.
     posed: Option<Posed>,
     folder: &'a OutputFolder,
@@ -575,11 +578,11 @@ impl Job<'_> {
         bare: &[Point3<f64>],
         mut findings: Findings,
     ) -> Result<Results, Failure> {
-        let Job { args, part, mould, base, bars, .. } = *self;
+        let Job { args, part, mould, guide, bars, .. } = *self;
         let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
         let options = args.field_options(layers_by, &self.setup.nozzle);
         let (field, surfaces) =
-            field::run(&options, surfaces.as_ref(), args.memory(), Given { part, mould, base, saved, bare }, bars)?;
+            field::run(&options, surfaces.as_ref(), args.memory(), Given { part, mould, guide, saved, bare }, bars)?;
         // Where the edge of a cell is the layer height, it is known only now; nothing has been written yet.
         if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
             args.path_options(surfaces.height_mm)?;
@@ -768,6 +771,11 @@ fn support_distance(text: &str) -> Result<f64, String> {
 }
 
 /// The least width of a bead in beads, for clap.
+fn overhang(text: &str) -> Result<f64, String> {
+    let degrees = above_zero(text).ok().filter(|degrees| *degrees < 90.0);
+    degrees.ok_or_else(|| "must be above 0 and below 90".to_owned())
+}
+
 fn least_width(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()

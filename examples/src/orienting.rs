@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 pub struct OrientArgs {
     /// Directions that are tried, spread over the sphere; the part's flat resting faces are tried as well
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(0..=10_000), allow_negative_numbers = true)]
-    pub directions: u32,
+    pub orient_directions: u32,
     /// Cells that a pose is tried with at first
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000), allow_negative_numbers = true)]
     pub orient_voxels: u64,
@@ -47,7 +47,7 @@ impl OrientArgs {
     /// As the library takes it.
     pub fn options(&self, rules: Rules, platform_diameter_mm: f64) -> OrientOptions {
         OrientOptions {
-            directions: self.directions,
+            directions: self.orient_directions,
             min_tipping: self.least_tipping.to_radians(),
             platform_diameter_mm,
             rules,

@@ -148,6 +148,11 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("support_gap_cells", args.complete.support_gap)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("base", args.base.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()))?
+        .set(
+            "guiding_directions",
+            args.directions.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()),
+        )?
+        .set("max_overhang_deg", args.max_overhang_deg.map_or("none".to_owned(), |degrees| degrees.to_string()))?
         .set("on", run.mould.as_ref().map_or("none", |mould| &mould.name))?
         .set("buried_mm3", run.buried_mm3)?
         .set("strategy", typed_name(args.grow.strategy))?

@@ -1,7 +1,9 @@
 //! Summary for the operator: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
+use crate::choice::Choice;
 use crate::findings::counted;
+use crate::guide::Guide;
 use crate::motion::of_run;
 use crate::{Job, Results, Stage};
 use curvlay_examples::findings::{Severity, percent};
@@ -31,10 +33,8 @@ pub fn table(job: &Job, results: &Results) -> Table {
         }
         row("layers", layers);
     }
-    match (choice, &args.base) {
-        (_, Some(path)) => row("order", format!("layers parallel to {}", path.display())),
-        (Some(choice), None) => row("order", choice.reason()),
-        (None, None) => {}
+    if let Some(order) = Guide::words(args).or_else(|| choice.as_ref().map(Choice::reason)) {
+        row("order", order);
     }
     let infill = args.settings.infill();
     if paths.is_some() && !infill.is_solid() {

@@ -97,6 +97,11 @@ const DOUBTED_MM: f64 = 2_000.0;
 pub const LARGE_MM: f64 = 10_000.0;
 
 impl Placement {
+    /// A place of the file, turned and scaled, in millimetres.
+    pub fn place(&self, place: [f64; 3]) -> Point3<f64> {
+        Point3::from(self.up.turned(place)) * (self.unit.millimetres() * self.scale)
+    }
+
     /// Turns and scales `mesh`. A part farther than [`LARGE_MM`] from the origin is moved there, its middle over it in x
     /// and y and its lowest point at z = 0: before scaling, so that no digit is lost.
     ///

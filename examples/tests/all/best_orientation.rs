@@ -51,7 +51,7 @@ fn hook(name: &str) -> String {
     path.to_string_lossy().into_owned()
 }
 
-const FEW: [&str; 6] = ["--directions", "30", "--orient-voxels", "1000", "--refine", "4"];
+const FEW: [&str; 6] = ["--orient-directions", "30", "--orient-voxels", "1000", "--refine", "4"];
 
 #[test]
 fn a_hook_is_turned_over_and_written() {
@@ -113,7 +113,9 @@ fn threads_change_nothing() {
 
 #[test]
 fn arguments_out_of_range_are_refused() {
-    for words in [["--directions", "20000"], ["--orient-voxels", "9"], ["--least-tipping", "91"], ["--eps", "-1"]] {
+    for words in
+        [["--orient-directions", "20000"], ["--orient-voxels", "9"], ["--least-tipping", "91"], ["--eps", "-1"]]
+    {
         assert!(arguments(&words).is_err(), "{words:?}");
     }
 }

@@ -1146,6 +1146,95 @@ fn layers_are_parallel_to_a_surface() {
     assert_eq!(status, 2);
 }
 
+/// Layers lie across the directions of a file, in the unit and axis of the part. What cannot be used is refused before anything is written, and what is not followed is told.
+#[test]
+fn layers_follow_directions() {
+    let scratch = Scratch::new("directions");
+    let [mesh, file, out] = ["part.stl", "ways.csv", "out"].map(|name| scratch.path(name));
+    // A mast of 12 by 12 by 40 mm along y of its file, which is in centimetres.
+    fs::write(&mesh, boxes(&[[[0.0; 3], [1.2, 4.0, 1.2]]])).unwrap();
+    // It leans by 20 degrees to what becomes x; one place is beside the part, one direction too steep.
+    fs::write(&file, "x y z i j k\n0.6 2 0.6 0.342 0.940 0\n0.6,3,0.6,0.342,0.940,0\n9 9 9 0 1 0\n0.6 3.9 0.6 9 1 0\n")
+        .unwrap();
+    let place = ["--unit", "cm", "--up", "y", "--mesh", &mesh, "--cell", "1.5", "--layer-height", "0.6", "--bead", "1"];
+    let args = [&place[..], &["--quiet", "--out", &out, "--directions", &file]].concat();
+    let output = run(&[&args[..], &["--also", "csv"]].concat());
+    let (stderr, _) = told(&output, &out);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    documented(&out);
+    assert!(stderr.contains("outside of the part, and count for nothing: 1 of 4"), "{stderr}");
+    assert!(stderr.contains("more than 39 degrees") && stderr.contains(": 1 of 4"), "{stderr}");
+    let figures = summary(&out);
+    assert_eq!((&figures["layers_by_used"], &figures["missed_cells"]), (&"directed".into(), &Value::from(0)));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("layers across the directions of "));
+    let text = fs::read_to_string(Path::new(&out).join("toolpath.csv")).unwrap();
+    let mut leans = Vec::new();
+    for line in text.lines().filter(|line| line.starts_with("print")) {
+        let number = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
+        if (20.0..28.0).contains(&number(3)) {
+            leans.push(number(4).atan2(number(6)).to_degrees());
+        }
+    }
+    leans.sort_by(f64::total_cmp);
+    let median = leans[leans.len() / 2];
+    assert!((median - 20.0).abs() < 4.0, "{median}");
+
+    fs::remove_dir_all(&out).unwrap();
+    for (text, why) in [
+        ("0.6 2 0.6 0 0 0\n", "line 1 must have"),
+        ("0.6 2 0.6 0 1 0\n0.6 NaN 0.6 0 1 0\n", "line 2 must have"),
+        ("0.6 2 0.6 0 1\n", "line 1 must be six numbers"),
+        ("6 20 6 0 1 0\n", "none of the 1 places lies in the part"),
+    ] {
+        fs::write(&file, text).unwrap();
+        let (status, line) = status_and_line(&run(&args));
+        assert!(status == 1 && line.contains(why) && line.contains("ways.csv"), "{status} {line}");
+        assert!(!Path::new(&out).join("summary.json").exists());
+    }
+    for words in [&["--layers-by", "hull"][..], &["--orient", "best"], &["--max-overhang", "30"]] {
+        let (status, line) = status_and_line(&run(&[&args[..], words].concat()));
+        assert_eq!(status, 2, "{line}");
+    }
+}
+
+/// The skin of a bar that leans by 55 degrees hangs out over its layers by 30 degrees: they lean by 25.
+#[test]
+fn layers_are_as_level_as_the_overhang_allows() {
+    let scratch = Scratch::new("overhang");
+    let [mesh, out] = ["bar.obj", "out"].map(|name| scratch.path(name));
+    let shear = 55_f64.to_radians().tan();
+    let corner = |k: usize| {
+        let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(|k| k as f64);
+        format!("v {} {} {}\n", 12.0 * x + shear * 20.0 * z, 8.0 * y, 20.0 * z)
+    };
+    let squares = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
+    let faces = squares.map(|square| format!("f {square}\n")).concat();
+    fs::write(&mesh, (0..8).map(corner).collect::<String>() + &faces).unwrap();
+    let args = ["--mesh", &mesh, "--cell", "1", "--layer-height", "0.5", "--bead", "0.8", "--quiet", "--out", &out];
+    let output = run(&[&args[..], &["--max-overhang", "30", "--also", "csv"]].concat());
+    let (stderr, _) = told(&output, &out);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    documented(&out);
+    let figures = summary(&out);
+    assert_eq!((&figures["max_overhang_deg"], &figures["missed_cells"]), (&"30".into(), &Value::from(0)));
+    assert!(figures["unsupported_share"].as_f64().unwrap() < 0.001, "{figures}");
+    let text = fs::read_to_string(Path::new(&out).join("toolpath.csv")).unwrap();
+    let mut leans = Vec::new();
+    for line in text.lines().filter(|line| line.starts_with("print")) {
+        let number = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
+        if (8.0..16.0).contains(&number(3)) {
+            leans.push(number(4).atan2(number(6)).to_degrees());
+        }
+    }
+    leans.sort_by(f64::total_cmp);
+    let median = leans[leans.len() / 2];
+    assert!((median - 25.0).abs() < 5.0, "{median}");
+    for angle in ["0", "90", "-5", "x"] {
+        let (status, _) = status_and_line(&run(&[&args[..], &["--max-overhang", angle]].concat()));
+        assert_eq!(status, 2);
+    }
+}
+
 /// A robot prints over a block without touching it.
 #[test]
 fn a_robot_prints_on_a_block() {

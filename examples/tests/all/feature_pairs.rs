@@ -20,7 +20,7 @@ const FEATURES: [(&str, &[&str]); 6] = [
     ("infill", &["--density", "40", "--walls", "1", "--skin", "1"]),
     ("resume", &["--resume", "FIELD"]),
     ("ranges", &["--resume", "FIELD", "--merge", "RANGES"]),
-    ("orient", &["--orient", "best", "--directions", "6", "--orient-voxels", "200", "--refine", "1"]),
+    ("orient", &["--orient", "best", "--orient-directions", "6", "--orient-voxels", "200", "--refine", "1"]),
     ("motion", &["--stage", "motion"]),
 ];
 

@@ -191,8 +191,17 @@ fn a_part_is_laid_in_its_best_pose() {
         folder("oriented", &[[[0, 0, 0], [10, 10, 40]], [[0, 0, 30], [40, 10, 40]], [[30, 0, 10], [40, 10, 40]]]);
     let path = |name: &str| place.join(name).display().to_string();
     let common_args = ["--cell", "2", "--stage", "surfaces", "--mesh", &mesh];
-    let best =
-        ["--orient", "best", "--directions", "12", "--orient-voxels", "800", "--refine", "0", "--standing-first"];
+    let best = [
+        "--orient",
+        "best",
+        "--orient-directions",
+        "12",
+        "--orient-voxels",
+        "800",
+        "--refine",
+        "0",
+        "--standing-first",
+    ];
     let output = run(&[&common_args[..], &best, &["--out", &path("best")]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", line(&output));
     let summary = common::summary(&place.join("best"));
@@ -205,7 +214,7 @@ fn a_part_is_laid_in_its_best_pose() {
     assert_eq!(output.status.code(), Some(0), "{}", line(&output));
     assert_eq!(fs::read(place.join("again/layers.obj")).unwrap(), layers);
 
-    let output = run(&[&common_args[..], &["--directions", "12", "--out", &path("best")]].concat());
+    let output = run(&[&common_args[..], &["--orient-directions", "12", "--out", &path("best")]].concat());
     assert_eq!(
         (output.status.code(), line(&output).contains("needs --orient best")),
         (Some(2), true),

@@ -42,7 +42,8 @@ impl Workpiece<'_> {
             match layers_by {
                 LayersBy::Directed => {
                     let CompleteOptions { rule, directed, .. } = options;
-                    grow_directed(cells, cell_mm, platform, &rules, Some(&base), rule, directed, progress)
+                    let given = self.guides.directions;
+                    grow_directed(cells, cell_mm, platform, &rules, Some(&base), rule, given, directed, progress)
                 }
                 _ => match self.guides.heights {
                     Some(heights) => {

@@ -1,5 +1,7 @@
 //! What an order of a part is guided by, besides the shape of the part.
 
+use nalgebra::Vector3;
+
 /// What guides an order. By default nothing does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Guides<'a> {
@@ -9,4 +11,7 @@ pub struct Guides<'a> {
     /// How high each cell of the grid lies over a surface, in cells, by its number ([`Workpiece::heights_over`](super::Workpiece::heights_over)): layers of an order by distance
     /// ([`LayersBy::Distance`](super::LayersBy::Distance)) are parallel to it. None: they follow the distance from what the part stands on.
     pub heights: Option<&'a [f64]>,
+    /// A direction for each cell of the grid, by its number ([`Workpiece::directions_at`](super::Workpiece::directions_at)), of length 0 where there is none: a directed order
+    /// ([`LayersBy::Directed`](super::LayersBy::Directed)) follows them, as far as layers may lean. None: it follows the distance from what the part stands on.
+    pub directions: Option<&'a [Vector3<f64>]>,
 }

@@ -25,6 +25,7 @@ mod cells;
 mod coherent_part;
 mod complete;
 mod contact;
+mod directions;
 mod distance;
 mod distance_part;
 mod growth;
@@ -59,6 +60,7 @@ pub use cells::{Cells, CellsError};
 pub use complete::{
     CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet, SupportCells,
 };
+pub use directions::{CellDirections, DirectionAt, DirectionsError};
 pub use distance::{
     DirectedOptions, DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance,
     grow_by_heights, grow_directed,

@@ -35,8 +35,18 @@ fn grown(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
 }
 
 fn directed(part: &Part, nozzle: &NozzleRule) -> DistanceOrder {
-    grow_directed(&part.cells(), 1.0, &part.platform, &Rules::default(), None, nozzle, &DirectedOptions::default(), &go)
-        .unwrap()
+    grow_directed(
+        &part.cells(),
+        1.0,
+        &part.platform,
+        &Rules::default(),
+        None,
+        nozzle,
+        None,
+        &DirectedOptions::default(),
+        &go,
+    )
+    .unwrap()
 }
 
 /// Faults of an order by distance, in words; nothing if it passes.
@@ -179,7 +189,7 @@ fn an_arch_closes_as_a_valley() {
     // How far its layers lean is an option.
     let leaning = |tilt: f64| {
         let (cells, rules, options) = (arch.cells(), Rules::default(), DirectedOptions { max_tilt: Some(tilt) });
-        grow_directed(&cells, 1.0, &arch.platform, &rules, None, &nozzle, &options, &go)
+        grow_directed(&cells, 1.0, &arch.platform, &rules, None, &nozzle, None, &options, &go)
     };
     for tilt in [-0.1, 1.6, f64::NAN] {
         assert!(

@@ -308,6 +308,20 @@ proptest! {
     }
 }
 
+/// A sheet without cells lets cells that were held back have another try, before those of the next sheet are candidates.
+#[test]
+fn a_sheet_without_cells_is_a_step_of_the_threshold() {
+    let platform = Platform::polygon(&[[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]]).unwrap();
+    let part = Part { dims: [6, 2, 2], rows: vec![49, 14, 59, 35], platform };
+    let rules = Rules { eps: 0.0, eps_is_inside: false, neighbours: Neighbours::OneNorm, flat: false };
+    let field = some_field(&part, &Rules { eps: 0.3, ..rules }, 1, 11_075_432_241_669_120_658);
+    // No cell has the value 4; cell 19, of 3, is held back in its own sheet.
+    assert!(field.value(19) == 3 && part.cells().iter().all(|cell| field.value(cell) != 4));
+    let growth = grow_as_printed(&part.cells(), &part.platform, &rules, Prevention::Incremental, &field, &go).unwrap();
+    assert_eq!(layers(&growth.order)[..5], [&[0, 7][..], &[12], &[9], &[4], &[19]]);
+    assert_eq!(layers(&growth.order), &slow_printed(&part, &rules, Prevention::Incremental, &field).layers[..]);
+}
+
 /// Shapes that shadow much: a column with arms that hang down, a ring that leans, a bowl whose rim is bent inwards.
 fn shapes() -> [(&'static str, Part); 3] {
     let part = |dims: [u32; 3], solid: &dyn Fn(Vector3<f64>) -> bool| {

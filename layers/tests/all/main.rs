@@ -4,6 +4,7 @@
 mod audit;
 mod cells_by_surface;
 mod common;
+mod directions;
 mod distance;
 mod elastic;
 mod field_file;

@@ -6,6 +6,7 @@
 //!
 //! 1. `g = grad d / |grad d|`, turned upright where it leans by more than the limit ([`DirectedOptions`]): the layers then lean out less than the part does, by 45 degrees at most
 //!    where that goes sideways.
+//!    Directions that are given take the place of the distance's: each cell has the one nearest to it inside the part, evened out where two meet.
 //! 2. `g` is evened out in [`ROUNDS`] rounds, each cell with its face neighbours, so that the ground of the valley is round.
 //! 3. `f` is the least squares of `f(b) - f(a) - (g(a) + g(b)) . (b - a) / 2` over all pairs of cells with a common face, and the distance on the base: Poisson's equation,
 //!    solved by conjugate gradients with the diagonal as preconditioner (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952).
@@ -20,6 +21,7 @@ use super::super::growth::GrowthError;
 use super::super::nozzle::NozzleRule;
 use super::{OnBase, beside, slope};
 use nalgebra::Vector3;
+use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// A valley is so much wider open than the cone, in radians, that the flat of the tip has room at its ground: 6 degrees on each side. With 2 degrees
@@ -29,6 +31,9 @@ const SLACK: f64 = 0.105;
 
 /// Rounds in which directions are evened out: they then reach about two cells. Fewer leave the ground of valleys sharp; with 8 more beads lie on nothing.
 const ROUNDS: u32 = 5;
+
+/// Rounds in which directions between given ones are evened out: over some ten cells.
+const ROUNDS_OF_GIVEN: u32 = 50;
 
 /// Equations are solved until what is left of them, weighted by the preconditioner, is so much of what it was at first.
 const SOLVED: f64 = 1e-10;
@@ -46,11 +51,11 @@ pub struct DirectedOptions {
 }
 
 impl DirectedOptions {
-    /// How far the layers lean for a nozzle.
+    /// How far the layers lean from level at most for a nozzle, in radians.
     ///
     /// # Errors
     /// [`GrowthError::LayerTilt`].
-    pub(super) fn tilt_for(&self, nozzle: &NozzleRule) -> Result<f64, GrowthError> {
+    pub fn tilt_for(&self, nozzle: &NozzleRule) -> Result<f64, GrowthError> {
         match self.max_tilt {
             Some(tilt) if !(0.0..FRAC_PI_2).contains(&tilt) => Err(GrowthError::LayerTilt { tilt }),
             Some(tilt) => Ok(tilt),
@@ -64,8 +69,14 @@ fn default_tilt(nozzle: &NozzleRule) -> f64 {
     (FRAC_PI_2 - nozzle.half_angle - SLACK).max(FRAC_PI_4 - SLACK)
 }
 
-/// The directed field of these distances, by cell number; NaN where they are.
-pub(super) fn directed(cells: &Cells, base: &[OnBase], distances: &[f64], max_tilt: f64) -> Vec<f64> {
+/// The directed field of these distances, by cell number; NaN where they are. It follows the directions that are `given`, by cell number, if any are.
+pub(super) fn directed(
+    cells: &Cells,
+    base: &[OnBase],
+    distances: &[f64],
+    given: Option<&[Vector3<f64>]>,
+    max_tilt: f64,
+) -> Vec<f64> {
     let solid: Vec<u32> = cells.iter().filter(|&cell| !distances[cell as usize].is_nan()).collect();
     let mut number = vec![None; distances.len()];
     solid.iter().zip(0..).for_each(|(&cell, k)| number[cell as usize] = Some(k));
@@ -73,14 +84,18 @@ pub(super) fn directed(cells: &Cells, base: &[OnBase], distances: &[f64], max_ti
     let faces: Vec<[Option<u32>; 6]> = solid.iter().map(of_cell).collect();
     let distances_of: Vec<f64> = solid.iter().map(|&cell| distances[cell as usize]).collect();
     let slope_at = |k: usize| slope(distances_of[k], faces[k].map(|other| Some(distances_of[other? as usize])));
-    let mut directions: Vec<Vector3<f64>> = (0..solid.len()).map(|k| leaning(slope_at(k), max_tilt)).collect();
+    let mut wanted: Vec<Vector3<f64>> = (0..solid.len()).map(slope_at).collect();
+    if let Some(given) = given {
+        extend(&faces, solid.iter().map(|&cell| given[cell as usize]), &mut wanted);
+    }
+    let mut directions: Vec<Vector3<f64>> = wanted.into_iter().map(|wanted| leaning(wanted, max_tilt)).collect();
     for _ in 0..ROUNDS {
         let around =
             |k: usize| faces[k].iter().flatten().map(|&other| directions[other as usize]).sum::<Vector3<f64>>();
         directions = (0..solid.len()).map(|k| leaning(directions[k] + around(k), max_tilt)).collect();
     }
     let is_base: Vec<bool> = solid.iter().map(|cell| base.binary_search_by_key(cell, |base| base.0).is_ok()).collect();
-    let system = System { faces: &faces, is_base: &is_base };
+    let system = System { faces: &faces, is_known: &is_base };
     let fitted = system.solve(&system.right_side(&directions), distances_of);
     let mut values = vec![f64::NAN; distances.len()];
     solid.iter().zip(fitted).for_each(|(&cell, value)| values[cell as usize] = value);
@@ -97,10 +112,42 @@ fn leaning(way: Vector3<f64>, max_tilt: f64) -> Vector3<f64> {
     side.map_or(Vector3::z(), |side| side * max_tilt.sin() + Vector3::z() * max_tilt.cos())
 }
 
-/// The normal equations: for each cell off the base the sum, over its face neighbours, of its value less theirs.
+/// Puts directions that are given in the place of others: those of the cells that have one, and all others the nearest to it, in steps from face to face. Where two such regions meet they
+/// are evened out. Cells that are joined to none with a direction keep theirs.
+fn extend(faces: &[[Option<u32>; 6]], given: impl Iterator<Item = Vector3<f64>>, directions: &mut Vec<Vector3<f64>>) {
+    let mut reached: VecDeque<u32> = VecDeque::new();
+    let mut is_free = vec![false; faces.len()];
+    let mut is_reached = is_free.clone();
+    for ((given, direction), cell) in given.zip(directions.iter_mut()).zip(0..) {
+        if given != Vector3::zeros() {
+            *direction = given;
+            is_reached[cell as usize] = true;
+            reached.push_back(cell);
+        }
+    }
+    while let Some(cell) = reached.pop_front() {
+        for &other in faces[cell as usize].iter().flatten() {
+            if !std::mem::replace(&mut is_reached[other as usize], true) {
+                directions[other as usize] = directions[cell as usize];
+                is_free[other as usize] = true;
+                reached.push_back(other);
+            }
+        }
+    }
+    for _ in 0..ROUNDS_OF_GIVEN {
+        let mean = |cell: usize| {
+            let around = faces[cell].iter().flatten().map(|&other| directions[other as usize]);
+            let count = 1 + faces[cell].iter().flatten().count();
+            around.fold(directions[cell], |sum, other| sum + other) / count as f64
+        };
+        *directions = (0..faces.len()).map(|cell| if is_free[cell] { mean(cell) } else { directions[cell] }).collect();
+    }
+}
+
+/// The normal equations: for each cell whose value is not known the sum, over its face neighbours, of its value less theirs.
 struct System<'a> {
     faces: &'a [[Option<u32>; 6]],
-    is_base: &'a [bool],
+    is_known: &'a [bool],
 }
 
 impl System<'_> {
@@ -113,18 +160,18 @@ impl System<'_> {
             };
             (0..6).filter_map(|face| Some(below(face, self.faces[cell][face]?))).sum()
         };
-        (0..self.faces.len()).map(|cell| if self.is_base[cell] { 0.0 } else { wanted(cell) }).collect()
+        (0..self.faces.len()).map(|cell| if self.is_known[cell] { 0.0 } else { wanted(cell) }).collect()
     }
 
-    /// The sums of some values; 0 on the base.
+    /// The sums of some values; 0 where they are known.
     fn applied(&self, values: &[f64]) -> Vec<f64> {
         let sum = |cell: usize| -> f64 {
             self.faces[cell].iter().flatten().map(|&other| values[cell] - values[other as usize]).sum()
         };
-        (0..values.len()).map(|cell| if self.is_base[cell] { 0.0 } else { sum(cell) }).collect()
+        (0..values.len()).map(|cell| if self.is_known[cell] { 0.0 } else { sum(cell) }).collect()
     }
 
-    /// The values with these sums, those of the base kept, by conjugate gradients from `values` on.
+    /// The values with these sums, known ones kept, by conjugate gradients from `values` on.
     fn solve(&self, right_side: &[f64], mut values: Vec<f64>) -> Vec<f64> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let neighbours = |faces: &[Option<u32>; 6]| faces.iter().flatten().count().max(1) as f64;
@@ -175,7 +222,7 @@ mod tests {
     fn field(dims: [u32; 3], rows: &[u64], max_tilt: f64) -> (Vec<f64>, impl Fn([u32; 3]) -> u32 + use<>) {
         let cells = Cells::new(dims, rows).unwrap();
         let base = on_plate(cells.iter().filter(|&cell| cell < dims[0] * dims[1]));
-        let values = directed(&cells, &base, &distances(&cells, &base, &|_| 0.0), max_tilt);
+        let values = directed(&cells, &base, &distances(&cells, &base, &|_| 0.0), None, max_tilt);
         (values, move |[x, y, z]: [u32; 3]| x + dims[0] * (y + dims[1] * z))
     }
 
@@ -222,6 +269,26 @@ mod tests {
         assert!((distance(17, 17) - distance(15, 17)).atan2(distance(16, 18) - distance(16, 16)) > 1.0);
     }
 
+    /// Between two given directions of a bar each cell turns as much as the one before; a bar beside it keeps its own.
+    #[test]
+    fn between_given_directions_they_change_evenly() {
+        let rows = [0b1_1111_1111u64, 0, 0b1_1111_1111];
+        let cells = Cells::new([9, 3, 1], &rows).unwrap();
+        let faces: Vec<[Option<u32>; 6]> = cells
+            .iter()
+            .map(|cell| beside(&cells, cell).map(|other| other.map(|other| if other < 9 { other } else { other - 9 })))
+            .collect();
+        let mut given = vec![Vector3::zeros(); 18];
+        (given[1], given[7]) = (Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.6, 0.0, 0.4));
+        let mut directions = vec![Vector3::new(0.1, 0.2, 0.3); 18];
+        extend(&faces, given.into_iter(), &mut directions);
+        for (x, direction) in directions[..9].iter().enumerate() {
+            let along = (x as f64 - 1.0).clamp(0.0, 6.0) / 10.0;
+            assert!((direction - Vector3::new(along, 0.0, 1.0 - along)).norm() < 1e-2, "{x}: {direction}");
+        }
+        assert!(directions[9..].iter().all(|direction| *direction == Vector3::new(0.1, 0.2, 0.3)));
+    }
+
     proptest! {
         /// The values solve the normal equations, as elimination does.
         #[test]
@@ -234,7 +301,7 @@ mod tests {
             let cells = Cells::new(dims, &solid).unwrap();
             let base: Vec<OnBase> = (0..12).zip(heights).collect();
             let distances = distances(&cells, &base, &|_| 0.0);
-            let values = directed(&cells, &base, &distances, 0.7);
+            let values = directed(&cells, &base, &distances, None, 0.7);
             let known: Vec<u32> = cells.iter().filter(|&cell| !distances[cell as usize].is_nan()).collect();
             let faces = |k: usize| beside(&cells, known[k]).map(|other| other.and_then(|o| known.iter().position(|&c| c == o)));
             let all: Vec<[Option<u32>; 6]> =

@@ -96,7 +96,7 @@ fn solved(cells: &Cells, base: &[OnBase], floor: &dyn Fn(u32) -> f64) -> LayerFi
 }
 
 /// The cells beside the faces of a cell: below and above along each axis.
-fn beside(cells: &Cells, cell: u32) -> [Option<u32>; 6] {
+pub(super) fn beside(cells: &Cells, cell: u32) -> [Option<u32>; 6] {
     let place = cells.position(cell);
     std::array::from_fn(|face| {
         let mut at = place;

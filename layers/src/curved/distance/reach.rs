@@ -107,11 +107,13 @@ pub fn grow_by_distance(
 /// missed, and support carries it.
 ///
 /// # Arguments
+/// * `given`: a direction for each cell of the grid that the field follows in place of the distance, as far as layers may lean; of length 0 where there is none. Each other cell has the one nearest to it
+///   inside the part, evened out where two meet ([`Workpiece::directions_at`](super::super::Workpiece::directions_at)).
 /// * `options`: how far its layers lean.
 /// * all others as for [`grow_by_distance`].
 ///
 /// # Errors
-/// As for [`grow_by_distance`]; [`GrowthError::LayerTilt`].
+/// As for [`grow_by_distance`]; [`GrowthError::LayerTilt`], [`GrowthError::Directions`].
 ///
 /// # Cost
 /// That of a round of [`grow_by_distance`], and of a linear system: `n` times the length of the part in cells, some 0.2 s for 60,000 cells, one thread.
@@ -126,11 +128,11 @@ pub fn grow_by_distance(
 /// let cells = Cells::new([6, 1, 12], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 20.0)?, Rules::default());
 /// let (nozzle, options) = (NozzleRule::default(), DirectedOptions::default());
-/// let order = grow_directed(&cells, 5.0, &platform, &rules, None, &nozzle, &options, &|_| Continue(()))?;
+/// let order = grow_directed(&cells, 5.0, &platform, &rules, None, &nozzle, None, &options, &|_| Continue(()))?;
 /// assert!(order.growth.missed.is_empty() && order.field.half_layers().is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[expect(clippy::too_many_arguments, reason = "as grow_by_distance, and its options")]
+#[expect(clippy::too_many_arguments, reason = "as grow_by_distance, directions and options")]
 pub fn grow_directed(
     cells: &Cells,
     cell_mm: f64,
@@ -138,13 +140,19 @@ pub fn grow_directed(
     rules: &Rules,
     base: Option<&[u32]>,
     nozzle: &NozzleRule,
+    given: Option<&[Vector3<f64>]>,
     options: &DirectedOptions,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
     let tilt = options.tilt_for(nozzle)?;
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let base = &job.base;
-    let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), tilt);
+    let len = grid_len(cells);
+    let is_unsound = |given: &[Vector3<f64>]| given.len() != len || given.iter().flatten().any(|k| !k.is_finite());
+    if given.is_some_and(is_unsound) {
+        return Err(GrowthError::Directions { len });
+    }
+    let directed = directed(cells, base, &distances(cells, base, &|_| 0.0), given, tilt);
     let grown = job.grown(in_cells(cells, lifted(cells, base, &directed)).with_half_layers(Some(HALF_LAYERS)))?;
     Ok(job.order(grown, 0))
 }
@@ -187,7 +195,7 @@ pub fn grow_by_heights(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
     let mut job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
-    let len = cells.dims().iter().map(|&side| side as usize).product();
+    let len = grid_len(cells);
     if heights.len() != len || cells.iter().any(|cell| !heights[cell as usize].is_finite()) {
         return Err(GrowthError::Heights { len });
     }
@@ -196,6 +204,11 @@ pub fn grow_by_heights(
     job.base.iter_mut().for_each(|(cell, value)| *value = values[*cell as usize]);
     let grown = job.grown(in_cells(cells, lifted(cells, &job.base, &values)))?;
     Ok(job.order(grown, 0))
+}
+
+/// How many cells a grid has, empty ones included.
+fn grid_len(cells: &Cells) -> usize {
+    cells.dims().iter().map(|&side| side as usize).product()
 }
 
 struct Job<'a> {

@@ -194,6 +194,12 @@ pub enum GrowthError {
         /// Cells of the grid.
         len: usize,
     },
+    /// Directions of other cells, or such that are none.
+    #[error("directions of growth must be finite, and one for each of the {len} cells of the grid")]
+    Directions {
+        /// Cells of the grid.
+        len: usize,
+    },
     /// The nozzle cannot be judged by.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),

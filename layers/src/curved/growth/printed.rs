@@ -80,8 +80,10 @@ pub fn grow_as_printed(
     let total = cells.count() as u64;
     let mut built = CellSet::none(cells);
     first.iter().for_each(|&cell| _ = built.insert(cell));
-    let thresholds: BTreeSet<u32> = cells.iter().map(|cell| governor.value(cell)).collect();
-    for threshold in thresholds {
+    let sheets: BTreeSet<u32> = cells.iter().map(|cell| governor.value(cell)).collect();
+    let mut next_sheet = sheets.first().copied();
+    while let Some(threshold) = next_sheet {
+        let layers_before = front.order.len();
         let mut last: Vec<u32> = built.iter().collect();
         loop {
             let next = candidates(&front, &last, offsets, |cell| governor.value(cell) <= threshold);
@@ -108,6 +110,11 @@ pub fn grow_as_printed(
                 return Err(GrowthError::Cancelled);
             }
         }
+        // A sheet without cells tries those that were held back again; where nothing came of one, nothing does before the next with cells.
+        let has_built = front.order.len() > layers_before;
+        let least = threshold.checked_add(1).filter(|&least| sheets.last().is_some_and(|&last| least <= last));
+        next_sheet =
+            least.and_then(|least| if has_built { Some(least) } else { sheets.range(least..).next().copied() });
     }
     Ok(front.finish(cells, platform, rules, statistics))
 }
