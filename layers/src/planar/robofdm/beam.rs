@@ -116,7 +116,10 @@ impl Candidate {
             parts: state.nodes.len() + trial.parts.len() - 1,
             seam: state.seam() - seam + trial.seam(),
         };
-        let counts = risky - trial.risky() >= least && state.trial_passes(self.node, &trial) && trial.is_sound();
+        let counts = risky - trial.risky() >= least
+            && state.trial_passes(self.node, &trial)
+            && trial.is_sound()
+            && state.holds_when_cut(self.node, &self.plane);
         counts.then_some((rank, trial))
     }
 }
@@ -292,9 +295,5 @@ pub fn beam_search(
         }
     }
     let after = state.risky();
-    Ok(Decomposition {
-        parts: state.printed()?,
-        risky_before_mm2: before,
-        risky_after_phases_mm2: [first, first, after],
-    })
+    Decomposition::of(&state, before, [first, first, after], &tell)
 }
