@@ -18,7 +18,7 @@ use super::parallel::mapped;
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
-use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain};
+use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain, polished};
 use crate::Progress;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
@@ -294,6 +294,7 @@ pub fn beam_search(
             state = own;
         }
     }
+    state = polished(state, before, &tell)?;
     let after = state.risky();
     Decomposition::of(&state, before, [first, first, after], &tell)
 }

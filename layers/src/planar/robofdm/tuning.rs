@@ -248,7 +248,7 @@ pub fn tune(
         state = whole;
     }
     after[1] = state.risky();
-    state = finely_decomposed(&state, before, &tell)?;
+    state = polished(finely_decomposed(&state, before, &tell)?, before, &tell)?;
     after[2] = state.risky();
     Decomposition::of(&state, before, after, &tell)
 }
@@ -275,6 +275,19 @@ pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Resu
         }
     }
     Ok(best.unwrap_or_else(|| state.clone()))
+}
+
+/// Cuts a state on as long as that pays at the finest distance of planes: merging makes parts through which planes were not tried yet, and a beam
+/// may end before all of its last state were.
+pub(super) fn polished(mut state: State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
+    let (mut known, least) = (Promises::new(), least_gain(state.options.halvings) * before);
+    while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
+        tell("cuts", state.nodes.len(), state.options.max_parts)?;
+        if !state.cut_finely(&mut known, least, true) {
+            break;
+        }
+    }
+    Ok(state)
 }
 
 /// The best cut of one of the riskiest parts, again and again.
