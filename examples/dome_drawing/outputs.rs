@@ -51,7 +51,7 @@ pub fn write_again(args: &Args, plan: &Plan, printed: &Printed, folder: &OutputF
     write_program(args, plan, printed, folder)?;
     let mut report = Report::new("A drawing on a dome");
     findings.report(&mut report);
-    report.paragraph(&format!("The program of a plan that an earlier run saved. {}", program_words(args, printed)));
+    report.paragraph(&format!("A plan that an earlier run saved, printed on {}", program_words(args, printed)));
     report.table("This run, beside the thesis", &table_again(args, plan, printed));
     report.viewer(&build(args, plan, printed));
     folder.write("report.html", report.to_html())?;
@@ -381,7 +381,7 @@ fn build(args: &Args, plan: &Plan, printed: &Printed) -> Model {
 fn program_words(args: &Args, printed: &Printed) -> String {
     let (print, run) = (&printed.program.print, &printed.run);
     format!(
-        "An {} holds the platform under a fixed nozzle. The program has {} strokes in {} poses; {} strokes are not printed. It takes {:.0} \
+        "a platform that an {} holds under a fixed nozzle. The program has {} strokes in {} poses; {} strokes are not printed. It takes {:.0} \
          minutes at the speeds of its moves, {:.0} of them with the extruder on, without accelerations and the loading of modules.",
         args.setup.arm_name(),
         print.strokes.len(),
@@ -404,7 +404,7 @@ fn report(
     findings.report(&mut report);
     report.paragraph(&format!(
         "The entities of the design are joined to contours; what an earlier contour fills is removed from later ones; what is left is \
-         drawn in beads, and projected onto a platform. {}",
+         drawn in beads, and projected onto {}",
         program_words(args, printed)
     ));
     report.table("This run, beside the thesis", &table(args, planned, plan, printed));

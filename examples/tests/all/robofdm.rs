@@ -179,12 +179,12 @@ fn a_pedestal_is_printed_below_the_first_part() {
     let file = fs::read(path.join("parts.gcode")).unwrap();
     let moves = GcodeReader::new(&file[..], ReadOptions::default()).unwrap().collect::<Result<Vec<Move>, _>>().unwrap();
     let laid = moves.iter().filter_map(|step| match step {
-        Move::Print { to, .. } => Some(to.z),
+        Move::Print { tip, .. } => Some(tip.z),
         _ => None,
     });
     let (low, high) = laid.clone().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)));
-    // A tee of 24 mm on 6 mm.
-    assert!((0.0..1.6).contains(&low) && (28.5..30.5).contains(&high), "{low} {high}");
+    // A tee of 27 mm on 6 mm.
+    assert!((0.0..1.6).contains(&low) && (31.5..33.5).contains(&high), "{low} {high}");
     // Without one the part stands on the plate, and no file of the pedestal stays.
     let (path, _) = run("pedestal", &[&words[..7], &["--pedestal", "0"]].concat()).unwrap();
     assert!(!path.join("pedestal.stl").exists() && summary(&path)["pedestal_mm"].as_f64().unwrap() < 1e-9);
