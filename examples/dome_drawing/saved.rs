@@ -267,8 +267,7 @@ impl Plan {
 
     /// As a file has it: a stroke a line.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let rest = Plan { strokes: Vec::new(), ..self.clone_without_strokes() };
-        let head = serde_json::to_string(&rest).map_err(io::Error::other)?;
+        let head = serde_json::to_string(&self.without_strokes()).map_err(io::Error::other)?;
         let head = head.strip_suffix("]}").unwrap_or(&head);
         writeln!(out, "{head}")?;
         for (k, stroke) in self.strokes.iter().enumerate() {
@@ -278,7 +277,7 @@ impl Plan {
         writeln!(out, "]}}")
     }
 
-    fn clone_without_strokes(&self) -> Plan {
+    fn without_strokes(&self) -> Plan {
         Plan {
             format: self.format.clone(),
             version: self.version,

@@ -204,7 +204,8 @@ impl Groups {
         if a != b {
             self.parent[b] = a;
             self.volume[a] += self.volume[b];
-            self.moment[a] = self.moment[a] + self.moment[b];
+            let moment = self.moment[b];
+            self.moment[a] += moment;
             self.farthest[a] = self.farthest[a].max(self.farthest[b]);
             self.stands[a] |= self.stands[b];
         }
@@ -242,9 +243,9 @@ fn hold(parts: &[Joined], part: usize, strength: &SeamStrength, lowered: &Vector
         farthest: parts.iter().map(|part| part.body.farthest(&centre)).collect(),
         stands: parts.iter().enumerate().map(|(at, other)| other.on_platform && at != part).collect(),
     };
-    for at in 0..parts.len() {
+    for (at, other) in parts.iter().enumerate() {
         if at != part {
-            parts[at].on.iter().for_each(|&on| groups.join(on, at));
+            other.on.iter().for_each(|&on| groups.join(on, at));
         }
         let group = groups.root(part);
         if at < part || groups.stands[group] {
