@@ -16,6 +16,7 @@ mod outputs;
 mod pictures;
 mod plan;
 mod robot;
+mod saved;
 mod setup;
 pub mod stream;
 
@@ -25,6 +26,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::output::OutputFolder;
 use plan::Planned;
 use robot::Printed;
+use saved::Plan;
 use setup::Setup;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -126,6 +128,9 @@ pub struct Args {
     /// writes its own as `setup.json` [default: as in the thesis]
     #[arg(long = "setup", value_name = "FILE")]
     setup_file: Option<PathBuf>,
+    /// `plan.json` that an earlier run saved: its program is written and checked again, without the design and without planning
+    #[arg(long = "plan", value_name = "FILE", conflicts_with_all = DESIGN)]
+    plan_file: Option<PathBuf>,
     /// What is in it.
     #[arg(skip)]
     setup: Setup,
@@ -135,6 +140,35 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 }
+
+/// What a plan has settled.
+const DESIGN: [&str; 25] = [
+    "file",
+    "dxf",
+    "svg",
+    "load",
+    "design",
+    "unit",
+    "dpi",
+    "layer",
+    "diameter_mm",
+    "centre_mm",
+    "bead_mm",
+    "fill",
+    "angle_deg",
+    "no_zigzag",
+    "on_line",
+    "surface",
+    "projection",
+    "platform_diameter_mm",
+    "step_mm",
+    "join_mm",
+    "min_area_mm2",
+    "layers",
+    "layer_height_mm",
+    "nozzle_height_mm",
+    "setup_file",
+];
 
 /// Designs made in code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -264,9 +298,16 @@ impl Args {
     }
 
     /// The files that it reads.
-    fn files(&self) -> [Option<&Path>; 5] {
+    fn files(&self) -> [Option<&Path>; 6] {
         let surface = (!matches!(self.surface.as_str(), "dome" | "sphere")).then(|| Path::new(&self.surface));
-        [self.dxf.as_deref(), self.svg.as_deref(), self.load.as_deref(), surface, self.setup_file.as_deref()]
+        [
+            self.dxf.as_deref(),
+            self.svg.as_deref(),
+            self.load.as_deref(),
+            surface,
+            self.setup_file.as_deref(),
+            self.plan_file.as_deref(),
+        ]
     }
 }
 
@@ -274,30 +315,67 @@ fn main() -> ExitCode {
     run_with_args(|args: Args| {
         let args = args.sorted()?;
         let folder = args.common.folder("dome_drawing", args.files(), outputs::is_ours)?;
-        let (planned, printed, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
-        outputs::table(&args, &planned, &printed).print()?;
+        if let Some(path) = &args.plan_file {
+            let (plan, printed, outcome) = work_again(&args, path, &Bars::new(args.common.quiet), &folder)?;
+            outputs::table_again(&args, &plan, &printed).print()?;
+            return Ok(outcome);
+        }
+        let (planned, plan, printed, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
+        outputs::table(&args, &planned, &plan, &printed).print()?;
         Ok(outcome)
     })
 }
 
 /// Plans the print, checks it, and writes the files.
-pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Planned, Printed, Outcome), Failure> {
+pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Planned, Plan, Printed, Outcome), Failure> {
     let start = Instant::now();
     let args = &Args { setup: Setup::read(args.setup_file.as_deref())?, ..args.clone() };
     let mut planned = plan::plan(args, bars)?;
-    let program = robot::program(args, &planned, bars)?;
+    let plan = Plan::of(args, &planned);
+    let program = robot::program(args, &plan, bars)?;
     let seconds = start.elapsed();
     plan::measure(args, &mut planned, bars)?;
-    let printed = robot::check(args, &planned, program, seconds, bars)?;
+    let printed = robot::check(args, &plan, program, seconds, bars)?;
     bars.update("write", 0, 1);
     folder.clear(outputs::is_ours)?;
-    let outcome = outputs::write(args, &planned, &printed, folder)?;
-    if let Some(address) = &args.stream {
-        if outcome != Outcome::Done {
-            return Err(Failure::new("the program is not streamed, for it has faults".to_owned()));
-        }
-        robot::stream(args, address, &printed, &stream::commands_of_stdin(), bars)?;
-    }
+    let outcome = outputs::write(args, &planned, &plan, &printed, folder)?;
+    streamed(args, &printed, outcome.clone(), bars)?;
     bars.finish();
-    Ok((planned, printed, outcome))
+    Ok((planned, plan, printed, outcome))
+}
+
+/// Writes the program of a saved plan again, checks it, and writes the files.
+pub fn work_again(
+    args: &Args,
+    path: &Path,
+    bars: &Bars,
+    folder: &OutputFolder,
+) -> Result<(Plan, Printed, Outcome), Failure> {
+    let start = Instant::now();
+    bars.update("read", 0, 5);
+    let plan = Plan::read(path)?;
+    let args = &Args {
+        setup: plan.setup.clone(),
+        layer_height_mm: plan.layer_height_mm,
+        nozzle_height_mm: plan.nozzle_height_mm,
+        ..args.clone()
+    };
+    let program = robot::program(args, &plan, bars)?;
+    let printed = robot::check(args, &plan, program, start.elapsed(), bars)?;
+    bars.update("write", 0, 1);
+    folder.clear(outputs::is_ours)?;
+    let outcome = outputs::write_again(args, &plan, &printed, folder)?;
+    streamed(args, &printed, outcome.clone(), bars)?;
+    bars.finish();
+    Ok((plan, printed, outcome))
+}
+
+/// Streams a program without faults, if that was asked for.
+fn streamed(args: &Args, printed: &Printed, outcome: Outcome, bars: &Bars) -> Result<(), Failure> {
+    let Some(address) = &args.stream else { return Ok(()) };
+    if outcome != Outcome::Done {
+        return Err(Failure::new("the program is not streamed, for it has faults".to_owned()));
+    }
+    robot::stream(args, address, printed, &stream::commands_of_stdin(), bars)?;
+    Ok(())
 }

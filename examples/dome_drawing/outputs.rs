@@ -1,7 +1,8 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, `strokes.csv`, the program, pictures, and `report.html`.
 
-use super::plan::{OnSurface, Planned};
+use super::plan::Planned;
 use super::robot::{EVEN, NAME, Printed, on_platform};
+use super::saved::{Plan, PlanKind};
 use super::{Args, input, pictures};
 use curvlay_examples::args::{Failure, Outcome, typed_name};
 use curvlay_examples::findings::{Findings, Severity, percent};
@@ -10,9 +11,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{Mesh, Model, Step};
-use curvlay_kinematics::nalgebra::Point3;
-use curvlay_toolpath::drawing::{SpacePath, StrokeKind, save_drawing, write_dxf, write_paths_dxf};
-use std::io::{self, Write};
+use curvlay_toolpath::drawing::{save_drawing, write_dxf, write_paths_dxf};
 
 /// Share of the design that beads may leave open, and share that they may cover twice, without a finding; what the filled design of the
 /// thesis should reach.
@@ -25,30 +24,81 @@ pub fn is_ours(name: &str) -> bool {
         let number = name.strip_prefix(NAME)?.strip_prefix('_')?.strip_suffix(".mod")?;
         (!number.is_empty() && number.chars().all(|c| c.is_ascii_digit())).then_some(())
     };
-    ["strokes.csv", "strokes.dxf", "report.html", "design.drawing", "design.dxf", "setup.json"].contains(&name)
+    ["plan.json", "strokes.csv", "strokes.dxf", "report.html", "design.drawing", "design.dxf", "setup.json"]
+        .contains(&name)
         || ["", "_link", "_move"].iter().any(|part| name == format!("{NAME}{part}.mod"))
         || part().is_some()
         || pictures::NAMES.iter().any(|picture| name == format!("{picture}.png"))
 }
 
-pub fn write(args: &Args, planned: &Planned, printed: &Printed, folder: &OutputFolder) -> Result<Outcome, Failure> {
-    let mut findings = findings(args, planned, printed);
-    findings.say();
+/// The program, and what it is written from.
+fn write_program(args: &Args, plan: &Plan, printed: &Printed, folder: &OutputFolder) -> Result<(), Failure> {
     for (name, bytes) in &printed.program.files {
         folder.write(name, bytes)?;
     }
     folder.write("setup.json", args.setup.to_json())?;
+    folder.write_with("plan.json", |out| plan.write(out))?;
+    folder.write_with("strokes.csv", |out| plan.write_csv(out))?;
+    folder.write_with("strokes.dxf", |mut out| write_paths_dxf(&mut out, &plan.in_space()))?;
+    Ok(())
+}
+
+/// What a run with `--plan` leaves behind.
+pub fn write_again(args: &Args, plan: &Plan, printed: &Printed, folder: &OutputFolder) -> Result<Outcome, Failure> {
+    let mut findings = Findings::default();
+    program_findings(args, printed, &mut findings);
+    findings.say();
+    write_program(args, plan, printed, folder)?;
+    let mut report = Report::new("A drawing on a dome");
+    findings.report(&mut report);
+    report.paragraph(&format!("A plan that an earlier run saved, printed on {}", program_words(args, printed)));
+    report.table("This run, beside the thesis", &table_again(args, plan, printed));
+    report.viewer(&build(args, plan, printed));
+    folder.write("report.html", report.to_html())?;
+    let mut summary = Summary::new();
+    summary
+        .set("version", env!("CARGO_PKG_VERSION"))?
+        .set("design", plan.name.as_str())?
+        .set("setup", args.setup.name())?
+        .set("threads", args.common.threads)?;
+    program_summary(args, plan, printed, &mut summary)?;
+    findings.summary(&mut summary)?;
+    summary.set_seconds("seconds", printed.seconds)?;
+    summary.write(folder).map_err(|error: OutputError| Failure::from(error))?;
+    Ok(findings.outcome())
+}
+
+/// The table of a run with `--plan`.
+pub fn table_again(args: &Args, plan: &Plan, printed: &Printed) -> Table {
+    let mut table = Table::new(["", "this run", "thesis"]);
+    let points = plan.points();
+    table.row(["contour points".to_owned(), points[0].to_string(), "66661".to_owned()]);
+    table.row(["fill points".to_owned(), points[1].to_string(), "27758".to_owned()]);
+    program_rows(args, printed, &mut table);
+    table
+}
+
+pub fn write(
+    args: &Args,
+    planned: &Planned,
+    plan: &Plan,
+    printed: &Printed,
+    folder: &OutputFolder,
+) -> Result<Outcome, Failure> {
+    let mut findings = findings(args, planned, printed);
+    findings.say();
+    write_program(args, plan, printed, folder)?;
     folder.write_with("design.drawing", |mut out| save_drawing(&mut out, &planned.drawing))?;
     folder.write_with("design.dxf", |mut out| write_dxf(&mut out, &planned.drawing))?;
-    folder.write_with("strokes.csv", |out| write_strokes(planned, out))?;
-    folder.write_with("strokes.dxf", |mut out| write_paths_dxf(&mut out, &in_space(planned)))?;
     let drawn = pictures::draw(planned);
     for (name, png) in pictures::NAMES.iter().zip(&drawn) {
         folder.write(&format!("{name}.png"), png)?;
     }
-    folder.write("report.html", report(args, planned, printed, &findings, &drawn).to_html())?;
+    folder.write("report.html", report(args, planned, plan, printed, &findings, &drawn).to_html())?;
     // The summary comes last: where it is, all is there.
-    summary(args, planned, printed, &findings)?.write(folder).map_err(|error: OutputError| Failure::from(error))?;
+    summary(args, planned, plan, printed, &findings)?
+        .write(folder)
+        .map_err(|error: OutputError| Failure::from(error))?;
     Ok(findings.outcome())
 }
 
@@ -90,6 +140,21 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
         let amount = format!("{}, {:.1} mm2", planned.filled.too_narrow, planned.filled.too_narrow_mm2);
         findings.add(Severity::Told, "regions are too narrow for a bead", amount, "--bead");
     }
+    program_findings(args, printed, &mut findings);
+    let fills = !matches!(args.fill, super::FillKind::None) && !planned.overlaps.regions.is_empty();
+    if fills && planned.coverage.covered < COVERED {
+        let amount = format!("{} of the area", percent(1.0 - planned.coverage.covered));
+        findings.add(Severity::Told, "the beads leave gaps", amount, "--bead");
+    }
+    if fills && planned.coverage.overlap > OVERLAP {
+        let amount = format!("{} of the area", percent(planned.coverage.overlap));
+        findings.add(Severity::Told, "beads lie on each other", amount, "--bead");
+    }
+    findings
+}
+
+/// What is wrong with the program.
+fn program_findings(args: &Args, printed: &Printed, findings: &mut Findings) {
     let print = &printed.program.print;
     for fault in print.faults.iter().take(5) {
         findings.add(Severity::Failed, "a stroke is not printed", fault.to_string(), "");
@@ -124,49 +189,6 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
         let amount = format!("{} of its limit", percent(run.joint_speed));
         findings.add(Severity::Told, "the robot slows down where a joint is at its limit of speed", amount, "");
     }
-    let fills = !matches!(args.fill, super::FillKind::None) && !planned.overlaps.regions.is_empty();
-    if fills && planned.coverage.covered < COVERED {
-        let amount = format!("{} of the area", percent(1.0 - planned.coverage.covered));
-        findings.add(Severity::Told, "the beads leave gaps", amount, "--bead");
-    }
-    if fills && planned.coverage.overlap > OVERLAP {
-        let amount = format!("{} of the area", percent(planned.coverage.overlap));
-        findings.add(Severity::Told, "beads lie on each other", amount, "--bead");
-    }
-    findings
-}
-
-fn kind(kind: StrokeKind) -> &'static str {
-    match kind {
-        StrokeKind::Outline => "outline",
-        StrokeKind::Fill => "fill",
-        StrokeKind::Open => "open",
-    }
-}
-
-/// A line for each point.
-fn write_strokes(planned: &Planned, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "stroke,kind,layer,width_mm,x_mm,y_mm,z_mm,nx,ny,nz")?;
-    for (number, on_surface) in planned.strokes.iter().enumerate() {
-        let stroke = planned.flat(on_surface);
-        for at in &on_surface.points {
-            let (p, n) = (at.position, at.normal);
-            write!(out, "{number},{},{},{:.4}", kind(stroke.kind), on_surface.layer + 1, stroke.width)?;
-            writeln!(out, ",{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}", p.x, p.y, p.z, n.x, n.y, n.z)?;
-        }
-    }
-    Ok(())
-}
-
-/// The strokes on the surface, a layer of the file for each kind and layer of beads.
-fn in_space(planned: &Planned) -> Vec<SpacePath> {
-    let path = |on_surface: &OnSurface| {
-        let stroke = planned.flat(on_surface);
-        let mut points: Vec<Point3<f64>> = on_surface.points.iter().map(|at| at.position).collect();
-        points.truncate(points.len() - usize::from(stroke.closed));
-        SpacePath { layer: format!("{} {}", kind(stroke.kind), on_surface.layer + 1), points, closed: stroke.closed }
-    };
-    planned.strokes.iter().map(path).collect()
 }
 
 /// How often the nozzle stops, also in the middle of a stroke.
@@ -180,10 +202,9 @@ fn widths(planned: &Planned) -> [f64; 2] {
     [least.min(most), most]
 }
 
-pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
+pub fn table(args: &Args, planned: &Planned, plan: &Plan, printed: &Printed) -> Table {
     let coverage = &planned.coverage;
-    let print = &printed.program.print;
-    let points = printed.points(planned);
+    let points = plan.points();
     let [least, most] = widths(planned);
     let mut table = Table::new(["", "this run", "thesis"]);
     let mut row = |name: &str, ours: String, thesis: &str| _ = table.row([name.to_owned(), ours, thesis.to_owned()]);
@@ -202,6 +223,14 @@ pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
     row("covered twice", percent(coverage.overlap), "");
     row("outside of the design", percent(coverage.outside), "");
     row("largest distortion", percent(planned.distortion.largest), "");
+    program_rows(args, printed, &mut table);
+    table
+}
+
+/// Rows of the program.
+fn program_rows(args: &Args, printed: &Printed, table: &mut Table) {
+    let print = &printed.program.print;
+    let mut row = |name: &str, ours: String, thesis: &str| _ = table.row([name.to_owned(), ours, thesis.to_owned()]);
     row("axis 6 degrees", format!("{:.1}", printed.axis6_span_deg()), "");
     row("returns home", printed.returns_home.to_string(), "one a contour");
     row("strokes not printed", print.faults.len().to_string(), "");
@@ -215,12 +244,15 @@ pub fn table(args: &Args, planned: &Planned, printed: &Printed) -> Table {
     row("modules", (printed.program.written.modules + 1).to_string(), "1, too large to load");
     row("read back within mm", format!("{:.1e}", printed.round_trip_mm), "");
     row("file to program s", format!("{:.3}", printed.seconds.as_secs_f64()), "");
-    table
 }
 
-fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings) -> Result<Summary, Failure> {
-    let print = &printed.program.print;
-    let points = printed.points(planned);
+fn summary(
+    args: &Args,
+    planned: &Planned,
+    plan: &Plan,
+    printed: &Printed,
+    findings: &Findings,
+) -> Result<Summary, Failure> {
     let [least, most] = widths(planned);
     let layers: Vec<String> =
         planned.drawing.layers().into_iter().map(|(name, count)| format!("{name} {count}")).collect();
@@ -254,10 +286,7 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("regions", planned.overlaps.regions.len())?
         .set("area_sum_mm2", planned.area_sum_mm2)?
         .set("area_union_mm2", planned.area_union_mm2)?
-        .set("contour_points", points[0])?
-        .set("fill_points", points[1])?
         .set("stops", stops(args, planned, printed))?
-        .set("splits", print.splits)?
         .set("stops_scan_lines", planned.stops_scan_lines * args.layers as usize)?
         .set("on_printed", planned.on_printed)?
         .set("thinned_mm", planned.thinned_mm)?
@@ -267,7 +296,21 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("overlap_fraction", planned.coverage.overlap)?
         .set("outside_fraction", planned.coverage.outside)?
         .set("mean_distortion", planned.distortion.mean)?
-        .set("largest_distortion", planned.distortion.largest)?
+        .set("largest_distortion", planned.distortion.largest)?;
+    program_summary(args, plan, printed, &mut summary)?;
+    findings.summary(&mut summary)?;
+    summary.set_seconds("seconds", printed.seconds)?;
+    Ok(summary)
+}
+
+/// Keys of the program.
+fn program_summary(args: &Args, plan: &Plan, printed: &Printed, summary: &mut Summary) -> Result<(), Failure> {
+    let print = &printed.program.print;
+    let points = plan.points();
+    summary
+        .set("contour_points", points[0])?
+        .set("fill_points", points[1])?
+        .set("splits", print.splits)?
         .set("axis6_min_deg", print.axis6[0].to_degrees())?
         .set("axis6_max_deg", print.axis6[1].to_degrees())?
         .set("axis6_span_deg", printed.axis6_span_deg())?
@@ -289,21 +332,18 @@ fn summary(args: &Args, planned: &Planned, printed: &Printed, findings: &Finding
         .set("moves", printed.program.written.moves)?
         .set("modules", printed.program.written.modules + 1)?
         .set("round_trip_mm", printed.round_trip_mm)?;
-    findings.summary(&mut summary)?;
-    summary.set_seconds("seconds", printed.seconds)?;
-    Ok(summary)
+    Ok(())
 }
 
 /// The design as the program prints it on the dome, with the times of the program.
-fn build(args: &Args, planned: &Planned, printed: &Printed) -> Model {
+fn build(args: &Args, plan: &Plan, printed: &Printed) -> Model {
     let mut steps = Vec::new();
     for (path, (printed, run)) in (0..).zip(printed.program.print.strokes.iter().zip(&printed.run.strokes)) {
-        let on_surface = &planned.strokes[printed.stroke];
-        let stroke = planned.flat(on_surface);
+        let stroke = &plan.strokes[printed.stroke];
         let kind = match stroke.kind {
-            StrokeKind::Outline => 0,
-            StrokeKind::Fill => 1,
-            StrokeKind::Open => 2,
+            PlanKind::Outline => 0,
+            PlanKind::Fill => 1,
+            PlanKind::Open => 2,
         };
         let length = printed.lengths.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
         for (k, pose) in printed.poses.iter().enumerate() {
@@ -315,10 +355,10 @@ fn build(args: &Args, planned: &Planned, printed: &Printed) -> Model {
             steps.push(Step {
                 tip,
                 direction: *direction,
-                width: stroke.width,
+                width: stroke.width_mm,
                 height: args.layer_height_mm,
                 kind,
-                layer: on_surface.layer,
+                layer: stroke.layer - 1,
                 path,
                 seconds,
             });
@@ -329,40 +369,52 @@ fn build(args: &Args, planned: &Planned, printed: &Printed) -> Model {
         let seconds = printed.run.seconds - steps.iter().map(|step| step.seconds).sum::<f64>();
         steps.push(Step { kind: Step::TRAVEL, seconds, ..last });
     }
-    let (vertices, triangles) = pictures::mesh_of(planned);
     Model {
         name: "a drawing on a dome".to_owned(),
-        layers: vec![Mesh { vertices, triangles }],
         kinds: ["outline", "fill", "open contour"].map(str::to_owned).to_vec(),
         steps,
         ..Model::default()
     }
 }
 
-fn report(args: &Args, planned: &Planned, printed: &Printed, findings: &Findings, drawn: &[Vec<u8>]) -> Report {
-    let mut report = Report::new("A drawing on a dome");
-    findings.report(&mut report);
-    let print = &printed.program.print;
-    let run = &printed.run;
-    report.paragraph(&format!(
-        "The entities of the design are joined to contours; what an earlier contour fills is removed from later ones; what is left is \
-         drawn in beads, and projected onto a platform that an {} holds under a fixed nozzle. The program has {} strokes in {} \
-         poses; {} strokes are not printed. It takes {:.0} minutes at the speeds of its moves, {:.0} of them with the extruder on, without \
-         accelerations and the loading of modules.",
+/// The program in words.
+fn program_words(args: &Args, printed: &Printed) -> String {
+    let (print, run) = (&printed.program.print, &printed.run);
+    format!(
+        "a platform that an {} holds under a fixed nozzle. The program has {} strokes in {} poses; {} strokes are not printed. It takes {:.0} \
+         minutes at the speeds of its moves, {:.0} of them with the extruder on, without accelerations and the loading of modules.",
         args.setup.arm_name(),
         print.strokes.len(),
         print.points(),
         print.faults.len(),
         run.seconds / 60.0,
         run.printing_s / 60.0
+    )
+}
+
+fn report(
+    args: &Args,
+    planned: &Planned,
+    plan: &Plan,
+    printed: &Printed,
+    findings: &Findings,
+    drawn: &[Vec<u8>],
+) -> Report {
+    let mut report = Report::new("A drawing on a dome");
+    findings.report(&mut report);
+    report.paragraph(&format!(
+        "The entities of the design are joined to contours; what an earlier contour fills is removed from later ones; what is left is \
+         drawn in beads, and projected onto {}",
+        program_words(args, printed)
     ));
-    report.table("This run, beside the thesis", &table(args, planned, printed));
+    report.table("This run, beside the thesis", &table(args, planned, plan, printed));
     let mut layers = Table::new(["layer", "entities"]);
     for (name, count) in planned.drawing.layers() {
         layers.row([name, count.to_string()]);
     }
     report.table("Layers of the file", &layers);
-    report.viewer(&build(args, planned, printed));
+    let (vertices, triangles) = pictures::mesh_of(planned);
+    report.viewer(&Model { layers: vec![Mesh { vertices, triangles }], ..build(args, plan, printed) });
     let captions = [
         "the entities of the file, a colour each",
         "joined contours: closed ones dark, open ones orange",

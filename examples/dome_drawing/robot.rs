@@ -1,6 +1,7 @@
 //! The robot: an arm, in the thesis an IRB 120, that holds the platform under a nozzle. Its program, and the checks of it.
 
 use super::plan::Planned;
+use super::saved::Plan;
 use super::stream::Command;
 use super::{Args, stream};
 use curvlay_examples::args::Failure;
@@ -10,12 +11,12 @@ use curvlay_kinematics::program::link::{
     LinkMessage, LinkOptions, LinkProgress, LinkRapidOptions, LinkTranslator, MAX_NUMBER, write_link_rapid,
 };
 use curvlay_kinematics::program::{
-    DomeOptions, DomePrint, DomeRig, DomeRun, DomeStroke, Goal, Move, PrintedStroke, ProgramLimits, RapidOptions,
-    RapidWritten, Step, print_on_dome, read_rapid, run_on_dome, write_rapid,
+    DomeOptions, DomePrint, DomeRig, DomeRun, Goal, Move, PrintedStroke, ProgramLimits, RapidOptions, RapidWritten,
+    Step, print_on_dome, read_rapid, run_on_dome, write_rapid,
 };
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, nozzle_frame};
-use curvlay_toolpath::drawing::{StrokeKind, Surface};
+use curvlay_toolpath::drawing::Surface;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -79,15 +80,6 @@ pub struct Printed {
 }
 
 impl Printed {
-    /// Points of outlines and open contours, and of fill.
-    pub fn points(&self, planned: &Planned) -> [usize; 2] {
-        let mut counts = [0, 0];
-        for stroke in &planned.strokes {
-            counts[usize::from(planned.flat(stroke).kind == StrokeKind::Fill)] += stroke.points.len();
-        }
-        counts
-    }
-
     pub fn axis6_span_deg(&self) -> f64 {
         (self.program.print.axis6[1] - self.program.print.axis6[0]).to_degrees()
     }
@@ -128,23 +120,10 @@ impl Write for Shared {
 }
 
 /// Plans the motion and writes the program into memory.
-pub fn program(args: &Args, planned: &Planned, bars: &Bars) -> Result<Program, Failure> {
+pub fn program(args: &Args, plan: &Plan, bars: &Bars) -> Result<Program, Failure> {
     bars.update("robot", 4, 5);
     let arm = Arm::new(args.setup.arm())?;
-    let strokes: Vec<DomeStroke> = planned
-        .strokes
-        .iter()
-        .map(|on_surface| {
-            let stroke = planned.flat(on_surface);
-            let separate = stroke.kind == StrokeKind::Fill && args.fill != super::FillKind::Spiral;
-            DomeStroke {
-                points: on_surface.points.iter().map(|at| (at.position, at.normal)).collect(),
-                closed: stroke.closed,
-                feed: args.setup.rpm_per_mm() * stroke.width,
-                above: if separate { args.setup.fill_lift_mm() } else { 0.0 },
-            }
-        })
-        .collect();
+    let strokes = plan.dome_strokes();
     let options = args.setup.options(args);
     let print = print_on_dome(&args.setup.rig(), &arm, &strokes, &options);
     if print.strokes.is_empty() {
@@ -217,7 +196,7 @@ pub fn stream(
 }
 
 /// The platform: the mesh that it is, or the hull of a surface of revolution, which is convex.
-fn platform(args: &Args, planned: &Planned) -> Shape {
+pub fn platform(args: &Args, planned: &Planned) -> Shape {
     if let Some(mesh) = &planned.mesh {
         return Shape::Mesh { points: mesh.vertices.clone(), triangles: mesh.triangles.clone() };
     }
@@ -247,7 +226,7 @@ pub fn on_platform(rig: &DomeRig, base_flange: &Isometry3<f64>) -> (Point3<f64>,
 }
 
 /// The scene: the arm, the platform in its hand, and the nozzle.
-fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
+fn scene(args: &Args, plan: &Plan, arm: Arm) -> Result<Scene, Failure> {
     let rig = args.setup.rig();
     let tip = rig.contact() + Vector3::z() * SKIN_MM;
     let nozzle = nozzle_frame(&tip, &-Vector3::z_axis());
@@ -258,7 +237,7 @@ fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
     let cone = Shape::Hull { points: circle(0.5, 0.0).chain(circle(8.5, 8.0)).collect(), radius: 0.0 };
     let body = |name: &str, mount, mount_body, shape| Body { name: name.into(), mount, mount_body, shape };
     let bodies = vec![
-        body("platform", Mount::Link(6), flange_platform(&rig), platform(args, planned)),
+        body("platform", Mount::Link(6), flange_platform(&rig), plan.shape()),
         body("nozzle", Mount::Base, nozzle, cone),
         body("hot end", Mount::Base, nozzle, Shape::cylinder(10.0, 8.0, 60.0)),
     ];
@@ -266,15 +245,9 @@ fn scene(args: &Args, planned: &Planned, arm: Arm) -> Result<Scene, Failure> {
 }
 
 /// Looks at the postures in the scene, at the ways between strokes, and reads the program back.
-pub fn check(
-    args: &Args,
-    planned: &Planned,
-    program: Program,
-    seconds: Duration,
-    bars: &Bars,
-) -> Result<Printed, Failure> {
+pub fn check(args: &Args, plan: &Plan, program: Program, seconds: Duration, bars: &Bars) -> Result<Printed, Failure> {
     let arm = Arm::new(args.setup.arm())?;
-    let scene = scene(args, planned, arm)?;
+    let scene = scene(args, plan, arm)?;
     let hop_mm = args.setup.options(args).hop_mm;
     let mut touching: BTreeMap<String, usize> = BTreeMap::new();
     let (mut checked, mut blocked_travels) = (0, 0);

@@ -116,7 +116,7 @@ impl Setup {
     }
 
     /// The key of what is out of range, and what it must be.
-    fn check(&self) -> Result<(), (&'static str, String)> {
+    pub(super) fn check(&self) -> Result<(), (&'static str, String)> {
         if self.version != VERSION {
             return Err(("version", format!("is {}: this program reads version {VERSION}", self.version)));
         }

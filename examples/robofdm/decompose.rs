@@ -10,9 +10,9 @@ use curvlay_examples::shapes;
 use curvlay_layers::Progress;
 use curvlay_layers::planar::Solid;
 use curvlay_layers::planar::robofdm::{
-    AuditOptions, AuditedPart, BeamOptions, BuildSequence, Decomposition, Head, PartsAudit, RoboFdmError, Root,
-    SegmentOptions, Segmentation, SequenceOptions, TuningOptions, WorstLayer, audit_parts, beam_search,
-    crossing_sections, plan_sequence, segment, tune,
+    AuditOptions, AuditedPart, BeamOptions, BuildSequence, Decomposition, Head, Hold, Left, LeftReason, PartsAudit,
+    Pedestal, RoboFdmError, Root, SegmentOptions, Segmentation, SequenceOptions, TuningOptions, WorstLayer,
+    audit_parts, beam_search, crossing_sections, lowest_pedestal, plan_sequence, segment, tune,
 };
 use std::time::{Duration, Instant};
 
@@ -28,6 +28,10 @@ pub struct Divided {
     pub sequence: BuildSequence,
     /// What must meet nothing that stands, if that is what counts.
     pub head: Option<Head>,
+    /// What the part stands on, if it is not the plate.
+    pub pedestal: Option<Pedestal>,
+    /// How parts were sought, in that order.
+    pub tries: Vec<Try>,
     pub parts: Decomposition,
     pub audit: PartsAudit,
     /// Parts whose base sections cross.
@@ -36,6 +40,117 @@ pub struct Divided {
     pub audit_time: Duration,
     /// What there is to say about the mesh.
     pub of_mesh: Findings,
+}
+
+/// A way in which parts were sought, and what it left.
+pub struct Try {
+    pub method: Method,
+    pub pedestal_mm: f64,
+    pub parts: usize,
+    pub risky_mm2: f64,
+    /// Whether the audit accepts it.
+    pub is_accepted: bool,
+    /// Whether it was taken.
+    pub is_taken: bool,
+}
+
+/// With a pedestal so much less of the risky area must be left, as a share of all, that it is taken.
+const PEDESTAL_GAIN: f64 = 0.02;
+
+/// A pedestal is sought at so many times the radius of the head, and then lowered: with a head that looks down a little most is taken off.
+const PEDESTAL_RADII: f64 = 2.0;
+
+/// Parts that were found in some way, with the head and the pedestal that go with them.
+struct Found {
+    parts: Decomposition,
+    head: Option<Head>,
+    audit: PartsAudit,
+    audit_time: Duration,
+    /// Which of the tries.
+    number: usize,
+}
+
+impl Found {
+    /// Whether neither risky area nor the audit says that it fails.
+    fn passes(&self, args: &Args) -> bool {
+        self.parts.risky_mm2() <= args.allow_risky * self.parts.risky_before_mm2 && self.audit.is_ok
+    }
+
+    fn pedestal_mm(&self) -> f64 {
+        self.head.map_or(0.0, |head| head.pedestal)
+    }
+
+    /// Whether it is worth more than another one.
+    fn is_better(&self, known: &Found, args: &Args) -> bool {
+        if self.passes(args) != known.passes(args) {
+            return self.passes(args);
+        }
+        let extra = if self.pedestal_mm() > known.pedestal_mm() { PEDESTAL_GAIN } else { 0.0 };
+        self.parts.risky_mm2() + extra * self.parts.risky_before_mm2 < known.parts.risky_mm2()
+    }
+}
+
+/// Seeks parts in one way after the other until they pass; the best, and all ways.
+fn sought(
+    args: &Args,
+    solid: &Solid,
+    sequence: &BuildSequence,
+    tuning: &TuningOptions,
+    bars: &Bars,
+) -> Result<(Found, Vec<Try>), Failure> {
+    let show = |at: Progress| bars.show(at.stage, at.done, at.total);
+    let methods: &[Method] = match args.method {
+        Method::Auto => &[Method::Robofdm, Method::Beam],
+        Method::Robofdm => &[Method::Robofdm],
+        Method::Beam => &[Method::Beam],
+    };
+    let pedestals = match (args.pedestal_mm, tuning.head) {
+        (Some(height), _) => vec![height],
+        (None, Some(head)) => vec![0.0, PEDESTAL_RADII * head.radius(f64::INFINITY)],
+        (None, None) => vec![0.0],
+    };
+    let mut best: Option<Found> = None;
+    let mut tries: Vec<Try> = Vec::new();
+    for (pedestal, &method) in pedestals.iter().flat_map(|&height| methods.iter().map(move |method| (height, method))) {
+        let with = |pedestal: f64| tuning.head.map(|head| Head { pedestal, ..head });
+        let tuning = TuningOptions { head: with(pedestal), ..*tuning };
+        let parts = if method == Method::Beam {
+            let options = BeamOptions { tuning, width: usize::from(args.width), ..BeamOptions::default() };
+            beam_search(solid, Some(sequence), &options, &show)?
+        } else {
+            tune(solid, sequence, &tuning, &show)?
+        };
+        let wanted = with(pedestal).filter(|_| args.pedestal_mm.is_none());
+        let head = with(wanted.map_or(pedestal, |head| lowest_pedestal(solid, &parts.parts, &head)));
+        let start = Instant::now();
+        let audited: Vec<AuditedPart> = parts.parts.iter().map(|part| part.audited()).collect();
+        let options = AuditOptions {
+            max_angle: tuning.max_angle,
+            head,
+            max_unsupported: args.allow_unsupported,
+            ..AuditOptions::default()
+        };
+        let audit = audit_parts(solid, &audited, &options, &show)?;
+        let found = Found { parts, head, audit, audit_time: start.elapsed(), number: tries.len() };
+        tries.push(Try {
+            method,
+            pedestal_mm: found.pedestal_mm(),
+            parts: found.parts.parts.len(),
+            risky_mm2: found.parts.risky_mm2(),
+            is_accepted: found.audit.is_ok,
+            is_taken: false,
+        });
+        let passes = found.passes(args);
+        if best.as_ref().is_none_or(|known| found.is_better(known, args)) {
+            best = Some(found);
+        }
+        if passes {
+            break;
+        }
+    }
+    let Some(best) = best else { unreachable!("there is a way in which parts are sought") };
+    tries[best.number].is_taken = true;
+    Ok((best, tries))
 }
 
 /// Divides the file, or the shape made in code.
@@ -69,7 +184,6 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     placed.translation = onto_plate(&mut mesh).into();
     let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright).map_err(no_root)?;
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
-    let show = |at: Progress| bars.show(at.stage, at.done, at.total);
     let head = if args.avoid == Avoid::Head { Some(print::head(args, &mesh)?) } else { None };
     let tuning = TuningOptions {
         max_angle,
@@ -86,21 +200,15 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         max_parts: usize::from(args.max_parts),
         min_piece: args.min_part,
         head,
+        strength: args.strength(),
         ..TuningOptions::default()
     };
-    let parts = match args.method {
-        Method::Robofdm => tune(&solid, &sequence, &tuning, &show)?,
-        Method::Beam => {
-            let options = BeamOptions { tuning, width: usize::from(args.width), ..BeamOptions::default() };
-            beam_search(&solid, Some(&sequence), &options, &show)?
-        }
-    };
-    let decompose_time = start.elapsed();
-
-    let start = Instant::now();
-    let audited: Vec<AuditedPart> = parts.parts.iter().map(|part| part.audited()).collect();
-    let options = AuditOptions { max_angle, head, max_unsupported: args.allow_unsupported, ..AuditOptions::default() };
-    let audit = audit_parts(&solid, &audited, &options, &show)?;
+    let (Found { parts, head, audit, audit_time, .. }, tries) = sought(args, &solid, &sequence, &tuning, bars)?;
+    let pedestal = head.and_then(|head| {
+        let first = parts.parts.first()?;
+        Pedestal::new(&first.solid, &first.direction, head.layer, head.pedestal)
+    });
+    let decompose_time = start.elapsed().saturating_sub(audit_time);
     Ok(Divided {
         name,
         mesh,
@@ -109,13 +217,35 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         placed,
         sequence,
         head,
+        pedestal,
+        tries,
         crossing: crossing_sections(&parts.parts),
         parts,
         audit,
         decompose_time,
-        audit_time: start.elapsed(),
+        audit_time,
         of_mesh,
     })
+}
+
+/// Parts whose reason is in the finding; the others are in the table.
+const MAX_CAUSES: usize = 5;
+
+/// Why risky area is left in a part, in words without a comma.
+pub fn reason(left: &Left) -> String {
+    let best = format!("the best plane would save {:.1} mm2 but", left.promise_mm2);
+    match left.reason {
+        LeftReason::NoPlane => "no plane takes enough of it off".to_owned(),
+        LeftReason::NoPiece => "planes take off too small pieces or such that would float".to_owned(),
+        LeftReason::MaxParts => format!("{best} there are --max-parts"),
+        LeftReason::TooLittle => "what planes take off is hardly less risky".to_owned(),
+        LeftReason::Platform => format!("{best} the head would be in the plate"),
+        LeftReason::Part(part) if part == left.part => format!("{best} the head would be in what is left of it"),
+        LeftReason::Part(part) => format!("{best} the head would be in part {}", part + 1),
+        LeftReason::Weak => format!("{best} a seam would be too weak"),
+        LeftReason::Unsound => format!("{best} a piece would touch itself along an edge"),
+        _ => format!("{best} the search ended before"),
+    }
 }
 
 /// A root that is none is an argument of the user's.
@@ -149,6 +279,52 @@ impl Divided {
         self.parts.risky_mm2() / self.parts.risky_before_mm2.max(f64::MIN_POSITIVE)
     }
 
+    /// How high the pedestal lifts the part.
+    pub fn raised_mm(&self) -> f64 {
+        self.pedestal.as_ref().map_or(0.0, Pedestal::height_mm)
+    }
+
+    /// What is printed before the parts: the pedestal, if there is one.
+    pub fn before_parts(&self) -> usize {
+        usize::from(self.pedestal.is_some())
+    }
+
+    /// All that is printed, on the plate: the part, on its pedestal.
+    pub fn standing(&self) -> Mesh {
+        let mut mesh = self.mesh.clone();
+        if let Some(pedestal) = &self.pedestal {
+            let (vertices, triangles) = pedestal.mesh();
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend(vertices);
+            mesh.triangles.extend(triangles.into_iter().map(|corners| corners.map(|v| v + first)));
+            let raised_mm = self.raised_mm();
+            mesh.vertices.iter_mut().for_each(|vertex| vertex.z += raised_mm);
+        }
+        mesh
+    }
+
+    /// Why risky area is left in a part, if it was asked.
+    pub fn left(&self, part: usize) -> Option<&Left> {
+        self.parts.left.iter().find(|left| left.part == part)
+    }
+
+    /// How a part is held.
+    pub fn hold(&self, part: usize) -> Option<&Hold> {
+        self.parts.holds.get(part)
+    }
+
+    /// All reasons, the part with the most risky area first.
+    fn causes(&self) -> String {
+        let mut left: Vec<&Left> = self.parts.left.iter().collect();
+        left.sort_by(|a, b| b.risky_mm2.total_cmp(&a.risky_mm2));
+        let one = |left: &&Left| format!("part {}, {:.1} mm2: {}", left.part + 1, left.risky_mm2, reason(left));
+        let mut causes: Vec<String> = left.iter().take(MAX_CAUSES).map(one).collect();
+        if left.len() > MAX_CAUSES {
+            causes.push(format!("{} more in parts.csv", left.len() - MAX_CAUSES));
+        }
+        causes.join("; ")
+    }
+
     /// What is wrong.
     pub fn find(&self, args: &Args, findings: &mut Findings) {
         let (share, goal) = (self.risky_share(), TuningOptions::default().goal);
@@ -156,18 +332,38 @@ impl Divided {
         if share > goal.min(args.allow_risky) {
             let amount = format!("{:.1} mm2, {} of the risky area", self.parts.risky_mm2(), percent(share));
             let advice = |holds: bool, what: &'static str| if holds { what } else { "" };
+            let has = |of: &dyn Fn(LeftReason) -> bool| self.parts.left.iter().any(|left| of(left.reason));
+            let is_in_way = |reason| matches!(reason, LeftReason::Platform | LeftReason::Part(_));
             findings
                 .explain(Severity::above(share, args.allow_risky), "sides lean out over nothing", amount, "parts.csv")
+                .cause(self.causes())
                 .try_to(advice(is_full, "a larger --max-parts"))
                 .try_to(advice(args.base != Base::Best, "--base best"))
-                .try_to("a smaller --min-part")
-                .try_to(advice(self.head.is_some(), "a workcell with a more slender head"))
+                .try_to(advice(has(&|reason| reason == LeftReason::NoPiece), "a smaller --min-part"))
+                .try_to(advice(has(&is_in_way), "a workcell with a more slender head"))
+                .try_to(advice(has(&|reason| reason == LeftReason::Platform), "a higher --pedestal"))
+                .try_to(advice(has(&|reason| reason == LeftReason::Weak), "a smaller --safety"))
                 .try_to("curved layers, with support where they need it: the example curved_layers")
                 .allow(accept("--allow-risky", share));
         }
         if is_full {
             let amount = args.max_parts.to_string();
             findings.add(Severity::Told, "there are as many parts as may be", amount, "--max-parts");
+        }
+        if let Some(pedestal) = &self.pedestal {
+            let amount = format!("{:.1} mm high, {:.0} mm3", pedestal.height_mm(), pedestal.volume_mm3());
+            findings
+                .explain(Severity::Told, "the part stands on a pedestal that is to be cut off", amount, "pedestal.stl")
+                .try_to("--pedestal 0, without one");
+        }
+        for hold in self.parts.holds.iter().filter(|hold| hold.share() > 1.0) {
+            let what = if hold.on_platform { "the foot is too small to hold the part" } else { "a seam is too weak" };
+            let amount = format!("{:.1} MPa, {:.1} allowed", hold.stress_mpa, hold.allowed_mpa);
+            let place = format!("part {}, which carries {:.1} cm3", hold.part + 1, 1e-3 * hold.carried_mm3);
+            findings
+                .explain(Severity::Told, what, amount, place)
+                .try_to(if hold.on_platform && args.base != Base::Best { "--base best" } else { "" })
+                .try_to("a brim, or what is known of the bond: --bond, --plate-bond, --print-force, --safety");
         }
         let audit = &self.audit;
         if audit.volume_error.abs() > AuditOptions::default().max_volume_error {

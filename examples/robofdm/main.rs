@@ -20,7 +20,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::Printed;
 use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::output::OutputFolder;
-use curvlay_layers::planar::robofdm::TuningOptions;
+use curvlay_layers::planar::robofdm::{SeamStrength, TuningOptions};
 use decompose::Divided;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -45,8 +45,12 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value = "up")]
     base: Base,
     /// How the parts are found
-    #[arg(long, value_name = "NAME", default_value = "robofdm")]
+    #[arg(long, value_name = "NAME", default_value = "auto")]
     method: Method,
+    /// Height of the pedestal between the plate and the first part in millimetres, a prism below its first layer that is cut off afterwards, so that
+    /// a tilted head has room; 0 for none [default: none, or where more than --allow-risky is left without one the lowest that makes room]
+    #[arg(long = "pedestal", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true)]
+    pedestal_mm: Option<f64>,
     /// What keeps the head out of what stands
     #[arg(long, value_name = "NAME", default_value = "head")]
     avoid: Avoid,
@@ -122,9 +126,30 @@ pub struct Args {
     /// Time to change a filament, in seconds
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = from_zero, allow_negative_numbers = true)]
     change_s: f64,
+    /// Density of the material in g/cm3
+    #[arg(long = "density", value_name = "G_CM3", default_value_t = SeamStrength::default().density_g_cm3, value_parser = from_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
+    density_g_cm3: f64,
+    /// Force of the nozzle on the part in newtons: from any side, at the farthest place
+    #[arg(long = "print-force", value_name = "N", default_value_t = SeamStrength::default().print_force_n, value_parser = from_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
+    print_force_n: f64,
+    /// Strength of the bond between parts in MPa
+    #[arg(long = "bond", value_name = "MPA", default_value_t = SeamStrength::default().bond_mpa, value_parser = above_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
+    bond_mpa: f64,
+    /// Strength of the bond to the plate in MPa
+    #[arg(long = "plate-bond", value_name = "MPA", default_value_t = SeamStrength::default().platform_bond_mpa, value_parser = above_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
+    plate_bond_mpa: f64,
+    /// By which factor the stress in a seam must stay below that
+    #[arg(long, value_name = "FACTOR", default_value_t = SeamStrength::default().safety, value_parser = from_one, allow_negative_numbers = true, help_heading = STRENGTH)]
+    safety: f64,
+    /// Seams of any size, as in the paper
+    #[arg(long, help_heading = STRENGTH)]
+    any_seam: bool,
     #[command(flatten)]
     common: Common,
 }
+
+/// Heading of the strength of seams.
+const STRENGTH: &str = "Strength of seams";
 
 /// Heading of `--help`; defaults are the paper's, but for `--halvings` and constraint I.
 const TUNING: &str = "Tuning of planes";
@@ -152,6 +177,8 @@ pub enum Base {
 /// How the parts are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Method {
+    /// `robofdm`, and where it leaves more than `--allow-risky` the beam search as well; of both what leaves less.
+    Auto,
     /// Segments by skeleton and thickness, their sequence, planes that are tuned.
     Robofdm,
     /// A beam search over cutting planes, after Wu et al. (2020), from these segments and from the solid in one piece.
@@ -197,6 +224,18 @@ fn direction(text: &str) -> Result<Vector3<f64>, String> {
 }
 
 impl Args {
+    /// What seams must hold.
+    fn strength(&self) -> Option<SeamStrength> {
+        let strength = SeamStrength {
+            density_g_cm3: self.density_g_cm3,
+            print_force_n: self.print_force_n,
+            bond_mpa: self.bond_mpa,
+            platform_bond_mpa: self.plate_bond_mpa,
+            safety: self.safety,
+        };
+        (!self.any_seam).then_some(strength)
+    }
+
     fn bead_mm(&self) -> f64 {
         self.bead.unwrap_or(1.5 * self.layer_height)
     }
@@ -220,6 +259,11 @@ impl Made {
         let load = self.load?;
         let angles = self.divided.parts.parts[part].seams.iter().filter_map(|seam| seam.load_angle(&load));
         angles.reduce(f64::min)
+    }
+
+    /// The number of the part of a layer, from 1; 0 is the pedestal.
+    pub fn part_of(&self, printed: &Printed, layer: u32) -> usize {
+        printed.part_of(layer as usize) + 1 - self.divided.before_parts()
     }
 
     /// That of all seams.

@@ -1,7 +1,8 @@
 //! What the example leaves behind: the tables on stdout, meshes of the parts, `parts.csv`, lists of what is left out and of faults,
 //! programs, pictures, `report.html` and `summary.json`.
 
-use super::{Args, Base, Made, drawing};
+use super::decompose::{Divided, reason};
+use super::{Args, Base, Made, Method, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::{Findings, percent};
 use curvlay_examples::mesh::Mesh;
@@ -11,6 +12,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::{Table, direction};
 use curvlay_examples::viewer::{self, Mark, Marks, Model};
+use curvlay_layers::planar::robofdm::Pedestal;
 use curvlay_layers::planar::{FlatLayer, Solid};
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
 use curvlay_toolpath::surface::marked_moves;
@@ -36,6 +38,10 @@ pub fn write(
 ) -> Result<(), Failure> {
     folder.clear(is_ours)?;
     let divided = &made.divided;
+    if let Some(pedestal) = &divided.pedestal {
+        let (vertices, triangles) = pedestal.mesh();
+        folder.write_with("pedestal.stl", |out| Mesh { vertices, triangles }.write_stl(out))?;
+    }
     for (k, part) in divided.parts.parts.iter().enumerate() {
         folder.write_with(&format!("part_{:02}.stl", k + 1), |out| mesh_of(&part.solid).write_stl(out))?;
     }
@@ -52,9 +58,9 @@ pub fn write(
             .map_err(io::Error::other)
         })?;
         let left_out = &printed.plan.resolved.left_out;
-        folder.write_list("left_out.csv", !left_out.is_empty(), |out| write_left_out(printed, out))?;
+        folder.write_list("left_out.csv", !left_out.is_empty(), |out| write_left_out(made, printed, out))?;
         if let Some(moved) = &printed.moved {
-            folder.write_list("faults.csv", !moved.faults.is_empty(), |out| write_faults(printed, moved, out))?;
+            folder.write_list("faults.csv", !moved.faults.is_empty(), |out| write_faults(made, printed, moved, out))?;
             for (name, bytes) in &moved.files {
                 folder.write(name, bytes)?;
             }
@@ -86,7 +92,8 @@ pub fn is_ours(name: &str) -> bool {
         || is_numbered(name, "step_", 2, ".png")
         || is_program(name)
         || drawing::SEGMENTS.iter().any(|(picture, _)| *picture == name)
-        || [GCODE, "parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"].contains(&name)
+        || [GCODE, "pedestal.stl", "parts.csv", "left_out.csv", "faults.csv", "parts.png", "report.html"]
+            .contains(&name)
 }
 
 fn mesh_of(solid: &Solid) -> Mesh {
@@ -96,7 +103,7 @@ fn mesh_of(solid: &Solid) -> Mesh {
 fn write_parts(made: &Made, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
-        "part,dx,dy,dz,base_mm,on,volume_mm3,risky_mm2,seam_mm2,unsupported_mm2,layers,layer_mm,filament,load_angle_deg"
+        "part,dx,dy,dz,base_mm,on,volume_mm3,risky_mm2,seam_mm2,unsupported_mm2,layers,layer_mm,filament,load_angle_deg,carried_mm3,stress_mpa,allowed_mpa,left_because"
     )?;
     let divided = &made.divided;
     for (k, part) in divided.parts.parts.iter().enumerate() {
@@ -108,24 +115,29 @@ fn write_parts(made: &Made, out: &mut dyn Write) -> io::Result<()> {
         write!(out, ",{volume:.6},{:.6},{:.6},{unsupported:.6}", part.risky_mm2, part.seam_mm2)?;
         match &made.printed {
             Some(printed) => {
-                let layers = &printed.layers[k];
+                let layers = &printed.layers[k + divided.before_parts()];
                 write!(out, ",{},{:.6}", layers.layers.len(), layers.height_mm)?;
             }
             None => write!(out, ",,")?,
         }
-        write!(out, ",{}", k as u32 % made.filaments + 1)?;
+        write!(out, ",{}", (k + divided.before_parts()) as u32 % made.filaments + 1)?;
         match made.load_angle(k) {
-            Some(angle) => writeln!(out, ",{:.4}", angle.to_degrees())?,
-            None => writeln!(out, ",")?,
+            Some(angle) => write!(out, ",{:.4}", angle.to_degrees())?,
+            None => write!(out, ",")?,
         }
+        match divided.hold(k) {
+            Some(hold) => write!(out, ",{:.4},{:.6},{:.6}", hold.carried_mm3, hold.stress_mpa, hold.allowed_mpa)?,
+            None => write!(out, ",,,")?,
+        }
+        writeln!(out, ",{}", divided.left(k).map_or_else(String::new, reason))?;
     }
     Ok(())
 }
 
-fn write_left_out(printed: &Printed, out: &mut dyn Write) -> io::Result<()> {
+fn write_left_out(made: &Made, printed: &Printed, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "part,layer,curve,from_mm,to_mm,x_mm,y_mm,z_mm,depth_mm,nozzle,obstacle")?;
     for piece in &printed.plan.resolved.left_out {
-        let (part, tip) = (printed.part_of(piece.layer as usize) + 1, piece.tip);
+        let (part, tip) = (made.part_of(printed, piece.layer), piece.tip);
         write!(out, "{part},{},{},{:.4},{:.4}", piece.layer + 1, piece.curve, piece.arcs[0], piece.arcs[1])?;
         write!(out, ",{:.4},{:.4},{:.4},{:.4}", tip.x, tip.y, tip.z, piece.depth)?;
         writeln!(out, ",{},{}", piece.part, piece.obstacle)?;
@@ -133,10 +145,10 @@ fn write_left_out(printed: &Printed, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn write_faults(printed: &Printed, moved: &Moved, out: &mut dyn Write) -> io::Result<()> {
+fn write_faults(made: &Made, printed: &Printed, moved: &Moved, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "part,layer,path,waypoint,kind,what")?;
     for fault in &moved.faults {
-        let part = printed.part_of(fault.layer as usize) + 1;
+        let part = made.part_of(printed, fault.layer);
         let what = fault.what.replace(',', ";");
         writeln!(out, "{part},{},{},{},{},{what}", fault.layer + 1, fault.path, fault.waypoint, fault.kind.name())?;
     }
@@ -145,7 +157,8 @@ fn write_faults(printed: &Printed, moved: &Moved, out: &mut dyn Write) -> io::Re
 
 /// A line for each part.
 pub fn parts_table(made: &Made) -> Table {
-    let mut table = Table::new(["part", "direction", "on", "volume mm3", "risky mm2", "seam mm2", "layers"]);
+    let mut table =
+        Table::new(["part", "direction", "on", "volume mm3", "risky mm2", "seam mm2", "stress MPa", "layers"]);
     for (k, part) in made.divided.parts.parts.iter().enumerate() {
         let on: Vec<String> = part.on.iter().map(|on| (on + 1).to_string()).collect();
         table.row([
@@ -155,7 +168,10 @@ pub fn parts_table(made: &Made) -> Table {
             format!("{:.0}", part.solid.volume()),
             format!("{:.1}", part.risky_mm2),
             format!("{:.1}", part.seam_mm2),
-            made.printed.as_ref().map_or_else(String::new, |printed| printed.layers[k].layers.len().to_string()),
+            made.divided.hold(k).map_or_else(String::new, |hold| format!("{:.2}", hold.stress_mpa)),
+            made.printed.as_ref().map_or_else(String::new, |printed| {
+                printed.layers[k + made.divided.before_parts()].layers.len().to_string()
+            }),
         ]);
     }
     table
@@ -231,6 +247,19 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("risky_after_mm2", divided.parts.risky_mm2())?
         .set("allow_risky", args.allow_risky)?
         .set("seam_mm2", divided.parts.seam_mm2())?
+        .set("taken_method", divided.tries.iter().find(|a| a.is_taken).map_or("", |a| method_name(a.method)))?
+        .set("tries", divided.tries.len())?
+        .set("pedestal_mm", divided.raised_mm())?
+        .set("pedestal_mm3", divided.pedestal.as_ref().map_or(0.0, Pedestal::volume_mm3))?
+        .set("density_g_cm3", args.density_g_cm3)?
+        .set("print_force_n", args.print_force_n)?
+        .set("bond_mpa", args.bond_mpa)?
+        .set("plate_bond_mpa", args.plate_bond_mpa)?
+        .set("safety", args.safety)?
+        .set("any_seam", args.any_seam)?
+        .set("weakest_seam_share", weakest(divided, false))?
+        .set("foot_share", weakest(divided, true))?
+        .set("weak_seams", divided.parts.holds.iter().filter(|hold| hold.share() > 1.0).count())?
         .set("audit_ok", divided.audit.is_ok)?
         .set_seconds("audit_s", divided.audit_time)?
         .set("volume_error", divided.audit.volume_error)?
@@ -278,17 +307,53 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
     Ok(summary)
 }
 
+/// The greatest stress as a share of what it may be, of seams with the plate or of others. 1e9 for a seam without area, which JSON has no
+/// number for.
+fn weakest(divided: &Divided, on_platform: bool) -> f64 {
+    let of = divided.parts.holds.iter().filter(|hold| hold.on_platform == on_platform);
+    of.map(|hold| hold.share().min(1e9)).fold(0.0, f64::max)
+}
+
+fn method_name(method: Method) -> &'static str {
+    if method == Method::Beam { "beam" } else { "robofdm" }
+}
+
+/// The ways in which parts were sought.
+fn tries(divided: &Divided) -> Table {
+    let mut table = Table::new(["method", "pedestal mm", "parts", "risky area left", "audit", "taken"]);
+    for a in &divided.tries {
+        table.row([
+            method_name(a.method).to_owned(),
+            format!("{:.1}", a.pedestal_mm),
+            a.parts.to_string(),
+            percent(a.risky_mm2 / divided.parts.risky_before_mm2.max(f64::MIN_POSITIVE)),
+            if a.is_accepted { "passes" } else { "does not" }.to_owned(),
+            if a.is_taken { "yes" } else { "" }.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// What is left, and why.
+fn left(divided: &Divided) -> Table {
+    let mut table = Table::new(["part", "risky mm2", "why it is left"]);
+    for left in &divided.parts.left {
+        table.row([(left.part + 1).to_string(), format!("{:.1}", left.risky_mm2), reason(left)]);
+    }
+    table
+}
+
 /// The parts as they are printed.
 fn build(made: &Made, printed: &Printed) -> Model {
     let sheet =
         |layer: &FlatLayer| viewer::Mesh { vertices: layer.vertices.clone(), triangles: layer.triangles.clone() };
     let left_out = printed.plan.resolved.left_out.iter().map(|piece| Mark { at: piece.tip, path: None });
     let marks = Marks { what: "paths left out".to_owned(), colour: LEFT_OUT, places: left_out.collect() };
-    let mesh = &made.divided.mesh;
+    let mesh = made.divided.standing();
     let moved = printed.moved.as_ref();
     Model {
         name: "RoboFDM".to_owned(),
-        part: viewer::Mesh { vertices: mesh.vertices.clone(), triangles: mesh.triangles.clone() },
+        part: viewer::Mesh { vertices: mesh.vertices, triangles: mesh.triangles },
         layers: printed.layers.iter().flat_map(|part| part.layers.iter().map(sheet)).collect(),
         kinds: shown::kinds(),
         // What the robot does, where its motion is planned.
@@ -323,6 +388,10 @@ fn report(args: &Args, made: &Made, findings: &Findings, pictures: &Pictures) ->
         percent(made.divided.risky_share())
     ));
     report.table("Parts", &parts_table(made));
+    report.table("How parts were sought", &tries(&made.divided));
+    if !made.divided.parts.left.is_empty() {
+        report.table("What is left, and why", &left(&made.divided));
+    }
     report.table("This run, beside Table 2.1 of the dissertation", &comparison(args, made));
     made.printed.iter().for_each(|printed| _ = report.viewer(&build(made, printed)));
     report.picture("all parts, in the order of their colours", parts);

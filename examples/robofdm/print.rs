@@ -7,7 +7,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{FlatPrint, Printed, UR3_CELL, nozzle_of, plate_mm, print_parts};
-use curvlay_examples::nalgebra::Isometry3;
+use curvlay_examples::nalgebra::{Isometry3, Vector3};
 use curvlay_kinematics::workcell::{AnyWorkcell, Held, WorkcellModel};
 use curvlay_kinematics::{ReachOptions, fullest_box, reachable_points};
 use curvlay_layers::planar::flat_layers;
@@ -19,11 +19,17 @@ const FRONT_MM: f64 = 150.0;
 
 /// Everything behind the parts.
 pub fn print(args: &Args, divided: &Divided, bars: &Bars) -> Result<Printed, Failure> {
-    let parts = divided.parts.parts.iter();
-    let layers: Vec<_> =
-        parts.map(|part| flat_layers(&part.solid, &part.direction, args.layer_height)).collect::<Result<_, _>>()?;
+    let up = Isometry3::from(Vector3::z() * divided.raised_mm());
+    let mut layers = Vec::new();
+    if let Some(pedestal) = &divided.pedestal {
+        layers.push(pedestal.layers(args.layer_height)?.moved(&up));
+    }
+    for part in &divided.parts.parts {
+        layers.push(flat_layers(&part.solid, &part.direction, args.layer_height)?.moved(&up));
+    }
+    let mesh = divided.standing();
     let print = FlatPrint {
-        mesh: &divided.mesh,
+        mesh: &mesh,
         layers: &layers,
         bead_mm: args.bead_mm(),
         pattern: match args.pattern {

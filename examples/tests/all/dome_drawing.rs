@@ -25,7 +25,7 @@ fn place(name: &str) -> PathBuf {
 /// Runs the example in a folder of its own.
 pub(crate) fn run(name: &str, words: &[&str]) -> Result<(PathBuf, Outcome), String> {
     let folder = common::folder("dome_drawing", name);
-    let (_, _, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder)
+    let (_, _, _, outcome) = example::work(&arguments(words).unwrap(), &Bars::new(true), &folder)
         .map_err(|failure| failure.message().to_owned())?;
     Ok((place(name), outcome))
 }
@@ -155,6 +155,87 @@ fn a_saved_design_is_printed_again() {
     // The circle is one of four cubic pieces, which are too large by less than 3e-4.
     let sum = summary(&first)["area_sum_mm2"].as_f64().unwrap();
     assert!(sum > 225.0 * std::f64::consts::PI);
+}
+
+/// The vertices of the polylines of a DXF file: pairs of a code and a value; 0 begins an entity, 10, 20 and 30 are coordinates.
+fn polylines(text: &str) -> Vec<Vec<[f64; 3]>> {
+    let mut lines: Vec<Vec<[f64; 3]>> = Vec::new();
+    let mut in_vertex = false;
+    let rows: Vec<&str> = text.lines().map(str::trim).collect();
+    for pair in rows.chunks_exact(2) {
+        match (pair[0], pair[1]) {
+            ("0", kind) => {
+                in_vertex = kind == "VERTEX";
+                match (kind, lines.last_mut()) {
+                    ("POLYLINE", _) => lines.push(Vec::new()),
+                    ("VERTEX", Some(line)) => line.push([f64::NAN; 3]),
+                    _ => {}
+                }
+            }
+            (code @ ("10" | "20" | "30"), value) if in_vertex => {
+                let at = ["10", "20", "30"].iter().position(|known| *known == code).unwrap();
+                lines.last_mut().unwrap().last_mut().unwrap()[at] = value.parse().unwrap();
+            }
+            _ => {}
+        }
+    }
+    lines
+}
+
+/// Of a plan that was saved the same program is written again, without the design; it comes back bit for bit.
+#[test]
+fn a_saved_plan_is_printed_again() {
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60">
+        <circle cx="20" cy="20" r="15"/><path d="M 40 10 L 55 50"/></svg>"#;
+    let svg = file("planned.svg", svg);
+    let setup = file("planned.json", r#"{"name": "low", "print_mm_s": 15, "fill_lift_mm": 0.3}"#);
+    let words = ["--svg", &svg, "--setup", &setup, "--fill", "lines", "--step", "3", "--layers", "2"];
+    let options = ["--layer-height", "0.9", "--nozzle-height", "0.1", "--moves-per-module", "300"];
+    let (first, outcome) = run("planned", &[&words[..], &options].concat()).unwrap();
+    let plan = file("kept_plan.json", &fs::read_to_string(first.join("plan.json")).unwrap());
+    let folder = common::folder("dome_drawing", "planned_again");
+    let args = arguments(&["--plan", &plan, "--moves-per-module", "300"]).unwrap();
+    let (_, _, again) = example::work_again(&args, Path::new(&plan), &Bars::new(true), &folder).unwrap();
+    let second = place("planned_again");
+    assert_eq!(again, outcome);
+    let names = |path: &Path| {
+        let mut names: Vec<String> =
+            fs::read_dir(path).unwrap().map(|file| file.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    let programs: Vec<String> = names(&first).into_iter().filter(|name| name.ends_with(".mod")).collect();
+    assert!(programs.len() >= 5, "{programs:?}");
+    for name in programs.iter().map(String::as_str).chain(["plan.json", "setup.json", "strokes.csv", "strokes.dxf"]) {
+        assert!(fs::read(first.join(name)).unwrap() == fs::read(second.join(name)).unwrap(), "{name}");
+    }
+    let (before, after) = (summary(&first), summary(&second));
+    for key in ["setup", "moves", "contour_points", "fill_points", "program_min", "material_mm3", "touching"] {
+        assert_eq!(before[key], after[key], "{key}");
+    }
+    assert_documented(&second);
+    // The points in space: of each stroke as many as it has, in their places, by the rules of the format alone.
+    let value: serde_json::Value = serde_json::from_str(&fs::read_to_string(&plan).unwrap()).unwrap();
+    let strokes = value["strokes"].as_array().unwrap();
+    let lines = polylines(&fs::read_to_string(second.join("strokes.dxf")).unwrap());
+    assert_eq!(lines.len(), strokes.len());
+    for (line, stroke) in lines.iter().zip(strokes) {
+        let points = stroke["points"].as_array().unwrap();
+        assert_eq!(line.len() + usize::from(stroke["closed"].as_bool().unwrap()), points.len());
+        for (at, point) in line.iter().zip(points) {
+            assert!((0..3).all(|k| (at[k] - point[k].as_f64().unwrap()).abs() < 1e-6), "{at:?} {point}");
+        }
+    }
+    // A plan that cannot be is refused, and leaves what is there.
+    let broken = file(
+        "broken_plan.json",
+        &fs::read_to_string(&plan).unwrap().replace("\"version\":1,\"name\"", "\"version\":7,\"name\""),
+    );
+    let failure = example::work_again(&args, Path::new(&broken), &Bars::new(true), &folder).err().unwrap();
+    assert!(failure.message().ends_with("broken_plan.json: it has version 7: this program reads version 1"));
+    assert!(second.join("drawing.mod").exists());
+    assert!(arguments(&["--plan", "a", "--bead", "2"]).is_err() && arguments(&["--plan", "a", "b.dxf"]).is_err());
+    assert!(arguments(&["--plan", "a", "--setup", "b"]).is_err());
 }
 
 /// A cone as a mesh is unrolled exactly; a dome is not, and says to take the meridian.

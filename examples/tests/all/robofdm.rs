@@ -160,6 +160,66 @@ fn risky_area_that_is_left_is_a_finding() {
     assert!(share > 0.05 && findings.contains(&accept("--allow-unsupported", share)), "{share}: {findings}");
 }
 
+/// On a pedestal all is printed higher by its height, the pedestal first, and it is a part of no other file.
+#[test]
+fn a_pedestal_is_printed_below_the_first_part() {
+    let mut tee = shapes::tee();
+    tee.vertices.iter_mut().for_each(|vertex| *vertex *= 0.3);
+    let tee = obj("on_pedestal.obj", &tee, usize::MAX);
+    let words = ["--mesh", tee.to_str().unwrap(), "--stage", "paths", "--layer-height", "1", "--pedestal", "6"];
+    let (path, _) = run("pedestal", &words).unwrap();
+    let figures = summary(&path);
+    let figure = |key: &str| figures[key].as_f64().unwrap();
+    assert!((figure("pedestal_mm") - 6.0).abs() < 1e-9 && figure("pedestal_mm3") > 10.0);
+    assert!(figures["findings"].as_str().unwrap().contains("a pedestal that is to be cut off"));
+    let mesh = read_mesh(&path.join("pedestal.stl")).unwrap();
+    let report = inspect(&mesh.vertices, &mesh.triangles).unwrap();
+    assert_eq!(report.open_edges.count, 0);
+    assert!((report.signed_volume_mm3 / figure("pedestal_mm3") - 1.0).abs() < 0.01);
+    let file = fs::read(path.join("parts.gcode")).unwrap();
+    let moves = GcodeReader::new(&file[..], ReadOptions::default()).unwrap().collect::<Result<Vec<Move>, _>>().unwrap();
+    let laid = moves.iter().filter_map(|step| match step {
+        Move::Print { tip, .. } => Some(tip.z),
+        _ => None,
+    });
+    let (low, high) = laid.clone().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)));
+    // A tee of 27 mm on 6 mm.
+    assert!((0.0..1.6).contains(&low) && (31.5..33.5).contains(&high), "{low} {high}");
+    // Without one the part stands on the plate, and no file of the pedestal stays.
+    let (path, _) = run("pedestal", &[&words[..7], &["--pedestal", "0"]].concat()).unwrap();
+    assert!(!path.join("pedestal.stl").exists() && summary(&path)["pedestal_mm"].as_f64().unwrap() < 1e-9);
+}
+
+/// What is left has a reason for each part; what seams bear and may bear is there for each.
+#[test]
+fn what_is_left_has_a_reason_and_seams_a_stress() {
+    let tee = obj("reasons.obj", &shapes::tee(), usize::MAX);
+    let words = ["--mesh", tee.to_str().unwrap(), "--stage", "parts", "--allow-unsupported", "1", "--pedestal", "0"];
+    let column = |path: &Path, name: &str| -> Vec<String> {
+        let text = fs::read_to_string(path.join("parts.csv")).unwrap();
+        let at = text.lines().next().unwrap().split(',').position(|known| known == name).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').nth(at).unwrap().to_owned()).collect()
+    };
+    // One part may be made: nothing is cut off, and that is the reason.
+    let (path, outcome) = run("reasons", &[&words[..], &["--max-parts", "1"]].concat()).unwrap();
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)));
+    let reasons = column(&path, "left_because");
+    assert!(reasons.len() == 1 && reasons[0].ends_with("there are --max-parts"), "{reasons:?}");
+    // With all that is wanted no reason is given, and seams hold.
+    let (path, _) = run("reasons", &words).unwrap();
+    let figures = summary(&path);
+    assert!(column(&path, "left_because").iter().all(String::is_empty));
+    let shares: Vec<f64> = column(&path, "stress_mpa").iter().map(|stress| stress.parse().unwrap()).collect();
+    assert!(shares.len() > 1 && shares.iter().all(|stress| *stress > 0.0), "{shares:?}");
+    assert!(figures["weakest_seam_share"].as_f64().unwrap() < 1.0 && figures["weak_seams"] == 0);
+    // Where no bond holds the arms they are not cut off.
+    let (path, _) = run("reasons", &[&words[..], &["--bond", "0.001"]].concat()).unwrap();
+    assert_eq!(summary(&path)["parts"], 1);
+    assert!(!column(&path, "left_because")[0].is_empty());
+    let (path, _) = run("reasons", &[&words[..], &["--bond", "0.001", "--any-seam"]].concat()).unwrap();
+    assert!(summary(&path)["parts"].as_u64().unwrap() > 1 && column(&path, "stress_mpa").iter().all(String::is_empty));
+}
+
 /// The constants of the paper and its constraint I are options, and go where they belong.
 #[test]
 fn constants_of_the_paper_are_options() {

@@ -18,7 +18,7 @@ use super::parallel::mapped;
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
-use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain};
+use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain, polished};
 use crate::Progress;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
@@ -116,7 +116,10 @@ impl Candidate {
             parts: state.nodes.len() + trial.parts.len() - 1,
             seam: state.seam() - seam + trial.seam(),
         };
-        let counts = risky - trial.risky() >= least && state.trial_passes(self.node, &trial) && trial.is_sound();
+        let counts = risky - trial.risky() >= least
+            && state.trial_passes(self.node, &trial)
+            && trial.is_sound()
+            && state.holds_when_cut(self.node, &self.plane);
         counts.then_some((rank, trial))
     }
 }
@@ -291,10 +294,7 @@ pub fn beam_search(
             state = own;
         }
     }
+    state = polished(state, before, &tell)?;
     let after = state.risky();
-    Ok(Decomposition {
-        parts: state.printed()?,
-        risky_before_mm2: before,
-        risky_after_phases_mm2: [first, first, after],
-    })
+    Decomposition::of(&state, before, [first, first, after], &tell)
 }

@@ -28,6 +28,7 @@ pub(super) fn contacts(parts: &[AuditedPart], head: &Head) -> (Vec<usize>, f64) 
     let [low, high] = box_of.unwrap_or([Point3::origin(); 2]);
     let step = STEP.max((high - low).max() / MAX_POINTS);
     let mut standing = platform(first, low + (high - low) / 2.0, head, step);
+    pedestal(first, head, step, &mut standing);
     let (mut counts, mut deepest) = (Vec::new(), 0.0f64);
     for part in parts {
         let depths = depths(part, &standing, head, step);
@@ -44,13 +45,33 @@ pub(super) fn contacts(parts: &[AuditedPart], head: &Head) -> (Vec<usize>, f64) 
 fn platform(first: &AuditedPart, middle: Point3<f64>, head: &Head, step: f64) -> Vec<Point3<f64>> {
     let n = first.direction;
     let [foot, _] = first.solid.extent(&n);
-    let centre = middle + n * (foot - middle.coords.dot(&n));
+    let centre = middle + n * (foot - head.pedestal - middle.coords.dot(&n));
     let u = if n.x.abs() < 0.6 { n.cross(&Vector3::x()) } else { n.cross(&Vector3::y()) }.normalize();
     let v = n.cross(&u);
     let count = (head.platform_radius / step) as i32;
     let rows = (-count..=count).flat_map(|i| (-count..=count).map(move |j| (f64::from(i) * step, f64::from(j) * step)));
     let within = rows.filter(|(x, y)| x.hypot(*y) <= head.platform_radius && head.platform_radius > 0.0);
     within.map(|(x, y)| centre + u * x + v * y).collect()
+}
+
+/// Points on the sides of the pedestal: below the outlines of the first layer of the first part.
+fn pedestal(first: &AuditedPart, head: &Head, step: f64, points: &mut Vec<Point3<f64>>) {
+    let n = first.direction;
+    let [foot, high] = first.solid.extent(&n);
+    let Ok(lowest) = CutPlane::through(&Point3::from(n * foot), &n) else { return };
+    if head.pedestal <= 0.0 {
+        return;
+    }
+    let frame = PlaneFrame::of(&lowest);
+    let middle = lowest.moved(0.5 * head.layer.min(high - foot));
+    let levels = (head.pedestal / step).ceil() as usize;
+    for [a, b] in Region::of(&slice(first.solid, &middle, &frame)).edges() {
+        let count = ((b - a).norm() / step).ceil().max(1.0) as usize;
+        for k in 0..count {
+            let at = frame.place(&(a + (b - a) * (k as f64 / count as f64)));
+            points.extend((0..=levels).map(|level| at - n * (head.pedestal * level as f64 / levels as f64)));
+        }
+    }
 }
 
 /// Points on a triangle, corners and edges included, at most a step apart.

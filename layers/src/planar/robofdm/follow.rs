@@ -124,11 +124,16 @@ impl State {
             }
         }
         let Some((_, plane, place)) = best else { return false };
+        let whole = self.clone();
         let made = detach(Arc::make_mut(&mut self.partition), cell, &plane, &place);
         let Some(Detached { lower, upper, .. }) = made else { unreachable!("the same cut was made on the part alone") };
         (self.nodes[node].cell, self.nodes[node].walls) = (lower, Arc::default());
         self.nodes.push(Node::new(upper, plane.normal(), Some(plane)));
         self.refresh(&[cell]);
+        if !self.holds_like(&whole) {
+            *self = whole;
+            return false;
+        }
         true
     }
 }

@@ -26,6 +26,10 @@ pub struct Head {
     pub block_radius: f64,
     /// Radius of the platform around the middle of the solid's box, in mm; 0 for none. Default 60.
     pub platform_radius: f64,
+    /// Height of the pedestal between the platform and the first part, in mm: a prism with the section of its first layer (see
+    /// [`super::Pedestal`]), which is printed first and cut off afterwards. Near the platform a tilted head has no room: with a pedestal as high
+    /// as the head is wide it has. Default 0: the first part stands on the platform.
+    pub pedestal: f64,
     /// Height of the tip over what it prints on, in mm: a layer. Default 0.5.
     pub layer: f64,
     /// Edge of a pixel, in mm. Default 1.
@@ -40,6 +44,7 @@ impl Default for Head {
             cone_height: 8.0,
             block_radius: 10.0,
             platform_radius: 60.0,
+            pedestal: 0.0,
             layer: 0.5,
             pixel: 1.0,
         }
@@ -73,6 +78,7 @@ impl Head {
             ("head.cone_height", self.cone_height, 0.0, 1e6),
             ("head.block_radius", self.block_radius, 0.0, 1e6),
             ("head.platform_radius", self.platform_radius, 0.0, 1e6),
+            ("head.pedestal", self.pedestal, 0.0, 1e6),
             ("head.layer", self.layer, 1e-6, 1e6),
             ("head.pixel", self.pixel, 1e-3, 1e6),
         ];

@@ -7,6 +7,7 @@ use super::error::RoboFdmError;
 use super::promise::{Judge, area_vector, promising};
 use super::random::Random;
 use super::split::{Trial, divide};
+use super::strength::{Body, Hold, Joined, SeamSection, holds};
 use super::tuning::{PrintedPart, Seam, TuningOptions};
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Partition, Solid};
@@ -28,11 +29,13 @@ pub(super) struct Node {
     /// Risky area, and area on earlier parts.
     pub(super) risky: f64,
     pub(super) seam: f64,
+    /// Its mass and box.
+    body: Body,
 }
 
 impl Node {
     pub(super) fn new(cell: u32, direction: Vector3<f64>, base: Option<CutPlane>) -> Self {
-        Node { cell, direction, base, walls: Arc::default(), risky: 0.0, seam: 0.0 }
+        Node { cell, direction, base, walls: Arc::default(), risky: 0.0, seam: 0.0, body: Body::of([].iter()) }
     }
 
     /// The middle of its box.
@@ -50,7 +53,7 @@ pub(super) struct State {
     pub(super) nodes: Vec<Node>,
     pub(super) options: TuningOptions,
     pub(super) up: Vector3<f64>,
-    /// The middle of the platform.
+    /// The middle of the platform, below a pedestal if there is one.
     foot: Point3<f64>,
     pub(super) diagonal: f64,
     volume: f64,
@@ -63,6 +66,9 @@ pub(super) fn are_near(a: &CutPlane, b: &CutPlane, spacing: f64) -> bool {
     a.normal().dot(&b.normal()) > 0.966 && (a.offset() - b.offset()).abs() < 2.0 * spacing
 }
 
+/// By how much a seam that is not cut may seem weaker: rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Planes of the fine decomposition that are tried on the solid, the most promising first.
 const TRIALS: usize = 60;
 
@@ -71,7 +77,11 @@ impl State {
     pub(super) fn whole(solid: &Solid, up: Vector3<f64>, options: &TuningOptions) -> Self {
         let [low, high] = solid.bounds();
         let middle = low + (high - low) / 2.0;
-        let foot = middle + up * (solid.extent(&up)[0] - middle.coords.dot(&up));
+        let lowest = solid.extent(&up)[0];
+        let pedestal = options.head.map_or(0.0, |head| head.pedestal);
+        let foot = middle + up * (lowest - pedestal - middle.coords.dot(&up));
+        // Of the pedestal itself nothing is known before the first part is. It lies below its foot, so below all planes that look up.
+        let platform = options.head.map_or(Vec::new(), |head| head.platform(&foot, &up));
         let mut state = State {
             partition: Arc::new(Partition::new(solid)),
             nodes: vec![Node::new(0, up, None)],
@@ -80,7 +90,7 @@ impl State {
             options: *options,
             diagonal: (high - low).norm(),
             volume: solid.volume(),
-            platform: options.head.map_or(Vec::new(), |head| head.platform(&foot, &up)),
+            platform,
         };
         state.refresh(&[]);
         state
@@ -95,7 +105,8 @@ impl State {
                 let walls = self.partition.walls(*cell);
                 let judge = self.judge(node, &walls);
                 let (risky, seam) = (judge.risky(&walls), judge.seam(&walls));
-                self.nodes[node] = Node { walls: Arc::new(walls), risky, seam, ..self.nodes[node].clone() };
+                let body = Body::of(walls.iter().map(|wall| &wall.places));
+                self.nodes[node] = Node { walls: Arc::new(walls), risky, seam, body, ..self.nodes[node].clone() };
             }
         }
     }
@@ -110,6 +121,12 @@ impl State {
         let Some(head) = self.options.head else { return true };
         let standing = standing.flatten().map(|wall| &wall.places).chain(&self.platform);
         !head.meets(direction, part.iter().map(|wall| &wall.places), standing)
+    }
+
+    /// The same for what stands alone, without the platform.
+    pub(super) fn head_passes_of(&self, direction: &Vector3<f64>, part: &[Wall], standing: &[Wall]) -> bool {
+        let Some(head) = self.options.head else { return true };
+        !head.meets(direction, part.iter().map(|wall| &wall.places), standing.iter().map(|wall| &wall.places))
     }
 
     pub(super) fn risky(&self) -> f64 {
@@ -185,7 +202,7 @@ impl State {
             }
             if !self.trial_passes(node, &trial) {
                 blocked.push((node, plane));
-            } else if trial.is_sound() {
+            } else if trial.is_sound() && self.holds_when_cut(node, &plane) {
                 best = Some((saved, node, plane));
             }
         }
@@ -210,7 +227,8 @@ impl State {
             let Ok(near) = CutPlane::through(&place, &normal) else { continue };
             let Some(trial) = self.tried(node, &near) else { continue };
             let so_far = self.saved(node, &trial);
-            if so_far > saved && self.trial_passes(node, &trial) && trial.is_sound() {
+            if so_far > saved && self.trial_passes(node, &trial) && trial.is_sound() && self.holds_when_cut(node, &near)
+            {
                 (plane, saved) = (near, so_far);
             }
         }
@@ -244,6 +262,53 @@ impl State {
         })
     }
 
+    /// How each part is held by what is below it; nothing without [`TuningOptions::strength`].
+    pub(super) fn holds(&self) -> Vec<Hold> {
+        let Some(strength) = self.options.strength else { return Vec::new() };
+        let joined = |node: usize| {
+            let Node { body, base, ref walls, .. } = self.nodes[node];
+            let on = self.touched(node);
+            let judge = self.judge(node, walls);
+            let is_seam = |wall: &&Wall| match wall.beyond {
+                Some(beyond) => judge.earlier.contains(&beyond),
+                // What looks up in the first layer does not lie on the platform.
+                None => {
+                    base.is_none() && judge.is_supported(wall) && area_vector(&wall.places).dot(&judge.direction) < 0.0
+                }
+            };
+            let seam: Vec<_> = walls.iter().filter(is_seam).map(|wall| wall.places).collect();
+            Joined { body, section: SeamSection::of(&seam), on_platform: base.is_none() && on.is_empty(), on }
+        };
+        let joined: Vec<Joined> = (0..self.nodes.len()).map(joined).collect();
+        let pedestal = self.options.head.map_or(0.0, |head| head.pedestal);
+        holds(&joined, &strength, &(self.up * pedestal))
+    }
+
+    /// The greatest stress as a share of what it may be, of seams with the platform and of others; 0 without [`TuningOptions::strength`].
+    fn strain(&self) -> [f64; 2] {
+        let holds = self.holds();
+        [true, false].map(|on_platform| {
+            let of = holds.iter().filter(|hold| hold.on_platform == on_platform);
+            of.map(Hold::share).fold(0.0, f64::max)
+        })
+    }
+
+    /// Whether all seams hold, or where they do not are no weaker than in another state.
+    pub(super) fn holds_like(&self, before: &State) -> bool {
+        let [now, then] = [self, before].map(State::strain);
+        now.iter().zip(then).all(|(now, then)| *now <= then.max(1.0) * (1.0 + ROUNDING))
+    }
+
+    /// Whether the parts still hold when one is cut by a plane as it was tried, or no worse than without if they do not.
+    pub(super) fn holds_when_cut(&self, node: usize, plane: &CutPlane) -> bool {
+        if self.options.strength.is_none() {
+            return true;
+        }
+        let mut next = self.clone();
+        next.split(node, plane);
+        next.holds_like(self)
+    }
+
     fn min_mm3(&self) -> f64 {
         self.options.min_piece * self.volume
     }
@@ -264,7 +329,7 @@ impl State {
 
     pub(super) fn printed(&self) -> Result<Vec<PrintedPart>, RoboFdmError> {
         let part = |node: usize| {
-            let Node { cell, direction, base, ref walls, risky: risky_mm2, seam: seam_mm2 } = self.nodes[node];
+            let Node { cell, direction, base, ref walls, risky: risky_mm2, seam: seam_mm2, .. } = self.nodes[node];
             let on = self.touched(node);
             let seam = |&on: &usize| {
                 let cell = self.nodes[on].cell;

@@ -11,8 +11,10 @@
 use super::audit::AuditedPart;
 use super::error::RoboFdmError;
 use super::head::Head;
+use super::reasons::{Left, left};
 use super::sequence::BuildSequence;
 use super::state::{Promises, State};
+use super::strength::{Hold, SeamStrength};
 use crate::Progress;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
@@ -57,6 +59,9 @@ pub struct TuningOptions {
     /// The head of the printer, which must meet nothing that stands when a part is printed; it takes the place of constraint II. Default
     /// `None`: constraint II, all base planes look up.
     pub head: Option<Head>,
+    /// What seams must hold: a cut that makes one too weak is not made, unless another was weaker before. Default `None`: seams of any size,
+    /// as in the paper.
+    pub strength: Option<SeamStrength>,
 }
 
 impl Default for TuningOptions {
@@ -78,6 +83,7 @@ impl Default for TuningOptions {
             max_parts: 40,
             goal: 0.01,
             head: None,
+            strength: None,
         }
     }
 }
@@ -148,9 +154,24 @@ pub struct Decomposition {
     /// Risky area after the planes of the sequence were perturbed, after parts were merged, and after the fine
     /// decomposition, in mm2.
     pub risky_after_phases_mm2: [f64; 3],
+    /// How each part is held by what is below it; empty without [`TuningOptions::strength`].
+    pub holds: Vec<Hold>,
+    /// Why risky area is left, by parts in their order; empty where the goal is met.
+    pub left: Vec<Left>,
 }
 
 impl Decomposition {
+    /// The parts of a state that is done.
+    pub(super) fn of(state: &State, before: f64, after: [f64; 3], tell: &Tell) -> Result<Self, RoboFdmError> {
+        Ok(Decomposition {
+            parts: state.printed()?,
+            risky_before_mm2: before,
+            risky_after_phases_mm2: after,
+            holds: state.holds(),
+            left: left(state, before, tell)?,
+        })
+    }
+
     /// Risky area of all parts, in mm2.
     pub fn risky_mm2(&self) -> f64 {
         self.parts.iter().map(|part| part.risky_mm2).sum()
@@ -227,9 +248,9 @@ pub fn tune(
         state = whole;
     }
     after[1] = state.risky();
-    state = finely_decomposed(&state, before, &tell)?;
+    state = polished(finely_decomposed(&state, before, &tell)?, before, &tell)?;
     after[2] = state.risky();
-    Ok(Decomposition { parts: state.printed()?, risky_before_mm2: before, risky_after_phases_mm2: after })
+    Decomposition::of(&state, before, after, &tell)
 }
 
 /// Says what is done, and whether to go on.
@@ -254,6 +275,19 @@ pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Resu
         }
     }
     Ok(best.unwrap_or_else(|| state.clone()))
+}
+
+/// Cuts a state on as long as that pays at the finest distance of planes: merging makes parts through which planes were not tried yet, and a beam
+/// may end before all of its last state were.
+pub(super) fn polished(mut state: State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
+    let (mut known, least) = (Promises::new(), least_gain(state.options.halvings) * before);
+    while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
+        tell("cuts", state.nodes.len(), state.options.max_parts)?;
+        if !state.cut_finely(&mut known, least, true) {
+            break;
+        }
+    }
+    Ok(state)
 }
 
 /// The best cut of one of the riskiest parts, again and again.
@@ -302,7 +336,8 @@ impl TuningOptions {
             ("max_parts", self.max_parts as f64, 1.0, 1e6),
             ("goal", self.goal, 0.0, 1.0),
         ];
-        match named.into_iter().find(|(_, value, low, high)| !(low..=high).contains(&value)) {
+        let strength = self.strength.iter().flat_map(SeamStrength::ranges);
+        match named.into_iter().chain(strength).find(|(_, value, low, high)| !(low..=high).contains(&value)) {
             Some((name, value, ..)) => Err(RoboFdmError::Option { name, value }),
             None => Ok(()),
         }

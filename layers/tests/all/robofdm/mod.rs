@@ -4,6 +4,7 @@ mod cuts;
 mod heads;
 mod mixtures;
 mod parts;
+mod pedestals;
 mod segments;
 mod sequences;
 mod shapes;
