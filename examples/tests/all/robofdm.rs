@@ -186,7 +186,7 @@ fn a_pedestal_is_printed_below_the_first_part() {
     // A tee of 27 mm on 6 mm.
     assert!((0.0..1.6).contains(&low) && (31.5..33.5).contains(&high), "{low} {high}");
     // Without one the part stands on the plate, and no file of the pedestal stays.
-    let (path, _) = run("pedestal", &[&words[..7], &["--pedestal", "0"]].concat()).unwrap();
+    let (path, _) = run("pedestal", &[&words[..6], &["--pedestal", "0"]].concat()).unwrap();
     assert!(!path.join("pedestal.stl").exists() && summary(&path)["pedestal_mm"].as_f64().unwrap() < 1e-9);
 }
 
