@@ -100,15 +100,20 @@ impl Loaded<'_> {
         self.loads.iter().map(of).sum()
     }
 
+    fn solved(&self, bars: &Bars) -> Result<Elastic, Failure> {
+        let grid = &self.solid.grid;
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let (material, cell_mm) = (self.material(), grid.cell_mm());
+        let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
+        Ok(solve_elastic(&part, &ElasticOptions::default(), &|p| bars.show(p.stage, p.done, p.total))?)
+    }
+
     /// Stresses at the centres of cells, in the frame of the boxes.
     fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, Solved), Failure> {
         let grid = &self.solid.grid;
-        let cells = Cells::new(grid.dims(), grid.rows())?;
-        let material = self.material();
         let cell_mm = grid.cell_mm();
-        let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
         let begin = Instant::now();
-        let solved = solve_elastic(&part, &ElasticOptions::default(), &|p| bars.show(p.stage, p.done, p.total))?;
+        let solved = self.solved(bars)?;
         let time = begin.elapsed();
         let [nx, ny, _] = grid.dims();
         let place = |cell: u32| {
@@ -192,6 +197,36 @@ pub fn arc(specimen: &Specimen, options: &TapeOptions, smoothing: f64, bars: &Ba
     })
 }
 
+/// Does something with a part on the plate.
+fn in_workpiece<T>(
+    part: &Part,
+    solid: &Voxelisation,
+    volume_mm3: f64,
+    work: impl FnOnce(&Workpiece) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let (mesh, grid) = (&part.mesh, &solid.grid);
+    let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
+    let cells = Cells::new(grid.dims(), grid.rows())?;
+    let [low, high] = mesh.bounds().unwrap_or([Point3::origin(); 2]);
+    let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
+    work(&Workpiece {
+        vertices: &vertices,
+        triangles: &mesh.triangles,
+        cells,
+        cell_mm: grid.cell_mm(),
+        origin: grid.origin(),
+        platform: &Platform::under(&cells, radius)?,
+        rules: Rules::default(),
+        volume_mm3,
+        guides: Guides::default(),
+    })
+}
+
+/// The stresses of the cells of the user's part, by rising number, from the solver.
+pub fn part_stresses(args: &Args, part: &Part, solid: &Voxelisation, bars: &Bars) -> Result<Vec<[f64; 6]>, Failure> {
+    Ok(user_load(args, part, solid).0.solved(bars)?.stresses_mpa)
+}
+
 /// The layers of the user's part, in the frame of the plate.
 pub struct PartLayers {
     /// Its cells.
@@ -210,26 +245,21 @@ impl PartLayers {
         let voxels = VoxelOptions { resolution, ..VoxelOptions::default() };
         let mesh = &part.mesh;
         let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
-        let grid = &solid.grid;
-        let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
-        let cells = Cells::new(grid.dims(), grid.rows())?;
-        let [low, high] = mesh.bounds().unwrap_or([Point3::origin(); 2]);
-        let radius = 0.5 * (high - low).xy().norm() / grid.cell_mm();
-        let volume_mm3 = inspect(&vertices, &mesh.triangles)?.volume_mm3();
-        let workpiece = Workpiece {
-            vertices: &vertices,
-            triangles: &mesh.triangles,
-            cells,
-            cell_mm: grid.cell_mm(),
-            origin: grid.origin(),
-            platform: &Platform::under(&cells, radius)?,
-            rules: Rules::default(),
-            volume_mm3,
-            guides: Guides::default(),
-        };
-        let height_mm = args.layer_height_mm.unwrap_or(grid.cell_mm());
-        let layered = workpiece.layers(None, height_mm, &|p| bars.show(p.stage, p.done, p.total))?;
+        let volume_mm3 = inspect(&mesh.vertices, &mesh.triangles)?.volume_mm3();
+        let height_mm = args.layer_height_mm.unwrap_or(solid.grid.cell_mm());
+        let layered = in_workpiece(part, &solid, volume_mm3, |workpiece| {
+            Ok(workpiece.layers(None, height_mm, &|p| bars.show(p.stage, p.done, p.total))?)
+        })?;
         Ok(PartLayers { solid, layered, volume_mm3 })
+    }
+
+    /// Does something with the part as it is layered.
+    pub fn in_workpiece<T>(
+        &self,
+        part: &Part,
+        work: impl FnOnce(&Workpiece) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        in_workpiece(part, &self.solid, self.volume_mm3, work)
     }
 
     /// As the planner of tool paths takes them.

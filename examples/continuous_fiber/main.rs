@@ -12,6 +12,7 @@
 
 mod arcs;
 mod drawing;
+mod follow_load;
 mod layer;
 mod motion;
 mod outputs;
@@ -100,6 +101,9 @@ pub struct Args {
     /// dissertation comes apart where it did]
     #[arg(long = "bond", value_name = "MPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     bond_mpa: Option<f64>,
+    /// Writes growth.csv, directions of growth across the largest stresses for `curved_layers --directions`, and says how much nearer layers come to these
+    #[arg(long, conflicts_with = "stress", help_heading = LOAD)]
+    follow_load: bool,
     /// Wires on the loaded layer: a point x,y,z a line in mm of the file of the part, an empty line between two wires
     #[arg(long = "wire", value_name = "FILE", help_heading = LOAD)]
     wires: Option<PathBuf>,
@@ -247,6 +251,7 @@ impl Args {
             ("--support", !self.supports.is_empty()),
             ("--load", !self.loads.is_empty()),
             ("--young", self.young_gpa.is_some()),
+            ("--follow-load", self.follow_load),
         ];
         match of_part.into_iter().find(|(_, is_given)| *is_given) {
             Some((option, _)) if self.mesh.path().is_none() => {

@@ -3,6 +3,7 @@
 //! C. Dai 2020, section 5.3.1: a layer of thermoplastic is the substrate of the tapes, the next one embeds them. Tapes lie on the top of their layer, along
 //! the principal stresses there, where beads lie below and above them.
 
+use super::follow_load::FollowedLoad;
 use super::layer::{LoadedLayer, PartLayers, Reinforced, Solved};
 use super::part_motion::{self, PartMotion};
 use super::specimens::Specimen;
@@ -55,6 +56,8 @@ pub struct PartRun {
     pub solved: Option<Solved>,
     /// What the tapes do under the load; none with stresses of a file.
     pub reinforced: Option<Reinforced>,
+    /// Directions in which layers would follow the load.
+    pub followed: Option<FollowedLoad>,
     /// Thermoplastic; none if it was not asked for.
     pub print: Option<PrintPlan>,
     /// What tapes lie on, and what lies on them; none without thermoplastic.
@@ -174,6 +177,7 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
         Some(_) => Some(layers.reinforced((args, part), &tapes, of_dissertation(args, bars)?, bars)?),
         None => None,
     };
+    let followed = args.follow_load.then(|| FollowedLoad::new(args, part, &layers, bars)).transpose()?;
     let motion = match (&print, &filled) {
         (Some(print), Some(filled)) if args.stage >= Stage::Motion => {
             let work = part_motion::Work {
@@ -203,6 +207,7 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
         source: stress.source,
         solved: stress.solved,
         reinforced,
+        followed,
         print,
         bedding,
         moves,

@@ -31,7 +31,7 @@ const LOST: f64 = 0.01;
 /// Whether a file is one that the example writes for a part.
 pub fn is_ours(name: &str) -> bool {
     let is_module = |name: &str| is_numbered(name, "fiber_", 3, ".mod") || name == "fiber.mod";
-    name == "part.gcode" || is_numbered(name, "part_", 3, ".script") || is_module(name)
+    name == "part.gcode" || name == "growth.csv" || is_numbered(name, "part_", 3, ".script") || is_module(name)
 }
 
 fn layers(list: &[TapedLayer]) -> String {
@@ -222,6 +222,9 @@ pub fn write(
         write_gcode(run.moves.iter().copied(), &WriteOptions::default(), &mut file)?;
         folder.write("part.gcode", file)?;
     }
+    if let Some(followed) = &run.followed {
+        folder.write_with("growth.csv", |out: &mut dyn Write| followed.write(out))?;
+    }
     for (name, bytes) in run.motion.iter().flat_map(|motion| &motion.files) {
         folder.write(name, bytes)?;
     }
@@ -311,6 +314,13 @@ fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> R
             .set("elastic_iterations", solved.iterations)?
             .set_seconds("elastic_s", solved.time)?;
     }
+    if let Some(followed) = &run.followed {
+        summary
+            .set("load_angle_directed_deg", followed.angle_deg[0])?
+            .set("load_angle_followed_deg", followed.angle_deg[1])?
+            .set("missed_directed", followed.missed[0])?
+            .set("missed_followed", followed.missed[1])?;
+    }
     if let Some(reinforced) = &run.reinforced {
         summary
             .set("stiffness_gain", reinforced.gain)?
@@ -392,6 +402,14 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
             reinforced.bond_mpa,
             reinforced.apart[1],
             reinforced.apart[0]
+        ));
+    }
+    if let Some(followed) = &run.followed {
+        let [directed, guided] = followed.angle_deg;
+        let [missed, missed_by_guided] = followed.missed;
+        report.paragraph(&format!(
+            "Where the part is worst stressed, in a tenth of its cells, directed layers lean by {directed:.1} degrees from the largest stress; along growth.csv by {guided:.1} (curved_layers \
+             --directions growth.csv). Without support these orders miss {missed} and {missed_by_guided} cells.",
         ));
     }
     if let Some(bedding) = &run.bedding {

@@ -64,6 +64,18 @@ impl Up {
             Up::NegZ => [x, 0.0 - y, 0.0 - z],
         }
     }
+
+    /// A vector turned back, as the file has it.
+    pub fn back(self, v: [f64; 3]) -> [f64; 3] {
+        let inverse = match self {
+            Up::X => Up::NegX,
+            Up::NegX => Up::X,
+            Up::Y => Up::NegY,
+            Up::NegY => Up::Y,
+            Up::Z | Up::NegZ => self,
+        };
+        inverse.turned(v)
+    }
 }
 
 /// How a mesh is brought to millimetres with z up.
@@ -100,6 +112,20 @@ impl Placement {
     /// A place of the file, turned and scaled, in millimetres.
     pub fn place(&self, place: [f64; 3]) -> Point3<f64> {
         Point3::from(self.up.turned(place)) * (self.unit.millimetres() * self.scale)
+    }
+
+    /// A place in millimetres, as the file has it: the inverse of [`Placement::place`].
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_examples::mesh::{Placement, Unit, Up};
+    /// for up in [Up::X, Up::Y, Up::Z, Up::NegX, Up::NegY, Up::NegZ] {
+    ///     let placement = Placement { unit: Unit::Cm, scale: 0.5, up, ..Placement::default() };
+    ///     assert_eq!(placement.of_file(placement.place([1.0, 2.0, -4.0])), [1.0, 2.0, -4.0]);
+    /// }
+    /// ```
+    pub fn of_file(&self, place: Point3<f64>) -> [f64; 3] {
+        self.up.back((place / (self.unit.millimetres() * self.scale)).into())
     }
 
     /// Turns and scales `mesh`. A part farther than [`LARGE_MM`] from the origin is moved there, its middle over it in x

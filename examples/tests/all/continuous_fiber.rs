@@ -11,6 +11,7 @@ use clap::Parser;
 use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::nalgebra::Point3;
+use curvlay_examples::waypoints::read_waypoints;
 use curvlay_kinematics::program::{Goal, HeadInput, HeadSignal, Step, UrScriptReader};
 use curvlay_toolpath::gcode::{FiberCommand, GcodeReader, Move, ReadOptions, Tool};
 use example::Args;
@@ -212,6 +213,42 @@ fn beam() -> (PathBuf, [&'static str; 14]) {
         "43,-inf,-inf,inf,inf,inf:0,0,-20",
     ];
     (path, words)
+}
+
+/// A wall that is pushed along its top: where it bends most it is pulled upright, and layers along growth.csv come nearer to that, wherever the file has its axes.
+#[test]
+fn layers_can_follow_the_load() {
+    let file = place("files").join("wall.obj");
+    let text = fs::read_to_string(block("wall_of_60.obj")).unwrap();
+    // 40 mm long, 6 thick and 30 high, along z of the file, as an animation program has it.
+    let lines = text.lines().map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+        ["v", x, y, z] => {
+            let [x, y, z] = [(x, "40"), (y, "6"), (z, "30")].map(|(k, far)| if k == "0" { k } else { far });
+            format!("v {x} {z} -{y}\n")
+        }
+        _ => line.to_owned() + "\n",
+    });
+    let text: String = lines.collect();
+    fs::write(&file, text).unwrap();
+    let words = ["--stage", "tapes", "--cell", "2", "--mesh", file.to_str().unwrap(), "--up", "y", "--bond", "5"];
+    let held = ["--support", "-inf,-inf,-inf,inf,inf,0.5", "--load", "-inf,-inf,29.5,inf,inf,inf:200,0,0"];
+    let (path, _) = run("follows", &[&words[..], &held, &["--follow-load"]].concat()).unwrap();
+    check_keys(&path);
+    let summary = summary(&path);
+    let figure = |key: &str| summary[key].as_f64().unwrap();
+    let [directed, followed] = [figure("load_angle_directed_deg"), figure("load_angle_followed_deg")];
+    assert!(directed > 30.0 && followed < directed - 10.0, "{directed} {followed}");
+    assert!(figure("missed_directed") + figure("missed_followed") < 0.5);
+    // Places in the numbers of the file: y is up there.
+    let lines = read_waypoints(&path.join("growth.csv")).unwrap();
+    assert_eq!(lines.len(), 20 * 3 * 15);
+    for line in &lines {
+        let [x, y, z, i, j, k] = line.values;
+        assert!((0.0..40.0).contains(&x) && (0.0..30.0).contains(&y) && (-6.0..0.0).contains(&z), "{line:?}");
+        assert!((i.hypot(j).hypot(k) - 1.0).abs() < 1e-5, "{line:?}");
+    }
+    let (again, _) = run("follows", &[&words[..], &held].concat()).unwrap();
+    assert!(!again.join("growth.csv").exists());
 }
 
 /// Beads, tapes, beads, tapes, beads: in the machine file and in the robot's program, from home to home, with tool, heat, press and cut.

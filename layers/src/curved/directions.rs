@@ -127,7 +127,7 @@ impl Workpiece<'_> {
     ///
     /// Skin hangs over by the angle that its normal dips below the plane across the direction of growth: a wall along the direction by 0. What hangs over most in a cell decides, at places no
     /// farther apart than half a cell; level undersides look to no side, and turn nothing. Directions change as little as they can from cell to cell: each is the mean of its face neighbours', drawn upright a
-    /// little, and turned towards the normal of its skin as far as that needs (projected relaxation, [`SWEEPS`] at most).
+    /// little, and turned towards the normal of its skin as far as that needs (projected relaxation, 300 rounds at most).
     ///
     /// # Arguments
     /// * `max_overhang`: in radians, above 0 and below a right angle. Beads hold on each other up to about 45 degrees.
@@ -136,7 +136,7 @@ impl Workpiece<'_> {
     /// [`DirectionsError::Overhang`].
     ///
     /// # Cost
-    /// Two places for each triangle or some four for each cell of the skin; [`SWEEPS`] looks at each cell, some 1 s for 60,000, one thread.
+    /// Two places for each triangle or some four for each cell of the skin; 300 looks at each cell, some 1 s for 60,000, one thread.
     ///
     /// # Example
     /// As in [`Workpiece::layers`], a block stands upright: `part.upright_directions(0.8)?` has `Vector3::z()` in all of its cells.
