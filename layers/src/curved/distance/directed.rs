@@ -90,9 +90,7 @@ pub(super) fn directed(
     }
     let mut directions: Vec<Vector3<f64>> = wanted.into_iter().map(|wanted| leaning(wanted, max_tilt)).collect();
     for _ in 0..ROUNDS {
-        let around =
-            |k: usize| faces[k].iter().flatten().map(|&other| directions[other as usize]).sum::<Vector3<f64>>();
-        directions = (0..solid.len()).map(|k| leaning(directions[k] + around(k), max_tilt)).collect();
+        directions = (0..solid.len()).map(|k| leaning(with_neighbours(&faces, &directions, k), max_tilt)).collect();
     }
     let is_base: Vec<bool> = solid.iter().map(|cell| base.binary_search_by_key(cell, |base| base.0).is_ok()).collect();
     let system = System { faces: &faces, is_known: &is_base };
@@ -135,13 +133,16 @@ fn extend(faces: &[[Option<u32>; 6]], given: impl Iterator<Item = Vector3<f64>>,
         }
     }
     for _ in 0..ROUNDS_OF_GIVEN {
-        let mean = |cell: usize| {
-            let around = faces[cell].iter().flatten().map(|&other| directions[other as usize]);
-            let count = 1 + faces[cell].iter().flatten().count();
-            around.fold(directions[cell], |sum, other| sum + other) / count as f64
-        };
-        *directions = (0..faces.len()).map(|cell| if is_free[cell] { mean(cell) } else { directions[cell] }).collect();
+        let count = |cell: usize| 1.0 + faces[cell].iter().flatten().count() as f64;
+        let mean = |cell| with_neighbours(faces, directions, cell) / count(cell);
+        let next = |cell| if is_free[cell] { mean(cell) } else { directions[cell] };
+        *directions = (0..faces.len()).map(next).collect();
     }
+}
+
+/// The sum of the direction of a cell and those of its face neighbours.
+fn with_neighbours(faces: &[[Option<u32>; 6]], directions: &[Vector3<f64>], cell: usize) -> Vector3<f64> {
+    directions[cell] + faces[cell].iter().flatten().map(|&other| directions[other as usize]).sum::<Vector3<f64>>()
 }
 
 /// The normal equations: for each cell whose value is not known the sum, over its face neighbours, of its value less theirs.
