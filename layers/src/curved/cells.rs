@@ -1,5 +1,6 @@
 //! A set of cells as bits, borrowed from whoever made it.
 
+use nalgebra::Vector3;
 use std::iter;
 
 /// A set of cells: bit `x % 64` of word `x / 64` of row `y + ny * z`, each row padded to whole words.
@@ -94,6 +95,17 @@ impl<'a> Cells<'a> {
     /// Number of rows, `ny * nz`.
     pub fn row_count(&self) -> usize {
         self.dims[1] as usize * self.dims[2] as usize
+    }
+
+    /// Number of cells of the grid, empty ones included.
+    pub(crate) fn grid_len(&self) -> usize {
+        self.dims.iter().map(|&side| side as usize).product()
+    }
+
+    /// The cell of the grid, empty or not, in which a place lies that is in cells from the grid's corner.
+    pub(crate) fn cell_of(&self, place: &Vector3<f64>) -> Option<[u32; 3]> {
+        let is_inside = place.iter().zip(self.dims).all(|(along, cells)| (0.0..f64::from(cells)).contains(along));
+        is_inside.then(|| [place.x, place.y, place.z].map(|along| along as u32))
     }
 
     /// Number of cells in the set.

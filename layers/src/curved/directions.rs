@@ -98,7 +98,7 @@ impl Workpiece<'_> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn directions_at(&self, places: &[DirectionAt]) -> Result<CellDirections, DirectionsError> {
-        let len = self.cells.dims().iter().map(|&side| side as usize).product();
+        let len = self.cells.grid_len();
         let (mut directions, mut counts) = (vec![Vector3::zeros(); len], vec![0u32; len]);
         let mut outside = 0;
         for (index, at) in places.iter().enumerate() {
@@ -145,7 +145,7 @@ impl Workpiece<'_> {
             return Err(DirectionsError::Overhang { angle: max_overhang });
         }
         let skin = self.hanging_skin(max_overhang);
-        let mut directions = vec![Vector3::zeros(); self.cells.dims().iter().map(|&side| side as usize).product()];
+        let mut directions = vec![Vector3::zeros(); self.cells.grid_len()];
         let cells: Vec<u32> = self.cells.iter().collect();
         cells.iter().for_each(|&cell| directions[cell as usize] = Vector3::z());
         for sweep in 0..SWEEPS {
@@ -201,10 +201,8 @@ impl Workpiece<'_> {
 
     /// The cell of the part in which a place lies.
     fn cell_at(&self, place: &Point3<f64>) -> Option<u32> {
-        let at = (place - self.origin) / self.cell_mm;
-        let in_grid = at.iter().zip(self.cells.dims()).all(|(along, cells)| (0.0..f64::from(cells)).contains(along));
-        let cell = [at.x, at.y, at.z].map(|along| along as u32);
-        (in_grid && self.cells.contains(cell)).then(|| self.cells.id(cell))
+        let cell = self.cells.cell_of(&((place - self.origin) / self.cell_mm))?;
+        self.cells.contains(cell).then(|| self.cells.id(cell))
     }
 }
 

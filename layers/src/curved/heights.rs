@@ -79,8 +79,7 @@ impl Workpiece<'_> {
         if up.abs() < LEAST_UPWARD {
             return Err(HeightsError::NoUpperSide);
         }
-        let dims = self.cells.dims();
-        let all = dims.iter().map(|&side| side as usize).product();
+        let all = self.cells.grid_len();
         let height = |cell: usize| surface.height(&centre(&self.cells, cell as u32)) * up.signum();
         let heights = in_parallel(all, AT_A_TIME, height);
         let nearest = self.cells.iter().map(|cell| heights[cell as usize].abs()).fold(f64::INFINITY, f64::min);

@@ -98,7 +98,7 @@ pub fn peel(
     rules.check(cells, platform)?;
     let mut skin = Skin::new(cells, platform, rules, rules.depth()?)?;
     let mut rest = CellSet::of(cells);
-    let mut sheets = vec![0; cells.dims().iter().map(|&side| side as usize).product()];
+    let mut sheets = vec![0; cells.grid_len()];
     let (mut left, total) = (cells.count() as u64, cells.count() as u64);
     let mut sheet = 0;
     while left > 0 {

@@ -182,7 +182,7 @@ pub fn load_field(
     let corners = nodes.of_cells(&points);
     let start = start(&corners, &points, nodes.len(), base);
     let (at_nodes, iterations) = Poisson::new(&points, &nodes, &corners, &terms).solve(start, progress)?;
-    let mut values = vec![f64::NAN; cells.dims().iter().map(|&side| side as usize).product()];
+    let mut values = vec![f64::NAN; cells.grid_len()];
     for (cell, corners) in corners.iter().enumerate() {
         values[points.ids[cell] as usize] = corners.iter().map(|&node| at_nodes[node as usize]).sum::<f64>() / 8.0;
     }
@@ -238,7 +238,7 @@ struct Stresses {
 
 impl Stresses {
     fn new(cells: &Cells, stresses: &[[f64; 6]], field: &LayerField, share: f64) -> Result<Self, FollowError> {
-        let (count, in_grid) = (cells.count(), cells.dims().iter().map(|&side| side as usize).product());
+        let (count, in_grid) = (cells.count(), cells.grid_len());
         if stresses.len() != count {
             return Err(FollowError::Stresses { stresses: stresses.len(), cells: count });
         }

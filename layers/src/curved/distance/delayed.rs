@@ -144,7 +144,7 @@ pub(super) struct Floors {
 
 impl Floors {
     pub(super) fn none(cells: &Cells) -> Self {
-        let len: usize = cells.dims().iter().map(|&d| d as usize).product();
+        let len: usize = cells.grid_len();
         Floors { values: vec![0.0; len], raised: BinaryHeap::new() }
     }
 

@@ -19,7 +19,7 @@ type Queued = Reverse<(u64, u32)>;
 /// Distances by cell number, from the cells of `base`, which have theirs; NaN where there is no cell or no way. No value is below its
 /// `floor`, those of the base neither; where floors of neighbours differ by no more than 1, so do values.
 pub(super) fn distances(cells: &Cells, base: &[OnBase], floor: &(dyn Fn(u32) -> f64 + '_)) -> Vec<f64> {
-    let len = cells.dims().iter().map(|&d| d as usize).product();
+    let len = cells.grid_len();
     let (values, known) = (vec![f64::NAN; len], vec![false; len]);
     let mut march = March { cells: *cells, values, known, base, queue: BinaryHeap::new(), floor };
     for &(cell, value) in base {

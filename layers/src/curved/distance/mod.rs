@@ -149,7 +149,7 @@ fn in_cells(cells: &Cells, values: Vec<f64>) -> LayerField {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn distance_layers(cells: &Cells, distances: &LayerField, order: &LayerOrder) -> Result<LayerField, FieldError> {
-    let len = cells.dims().iter().map(|&d| d as usize).product();
+    let len = cells.grid_len();
     if let Some(&cell) = order.cells().iter().find(|&&cell| cell as usize >= len) {
         return Err(FieldError::OutsideGrid { cell, len });
     }

@@ -147,7 +147,7 @@ pub fn grow_directed(
     let tilt = options.tilt_for(nozzle)?;
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let base = &job.base;
-    let len = grid_len(cells);
+    let len = cells.grid_len();
     let is_unsound = |given: &[Vector3<f64>]| given.len() != len || given.iter().flatten().any(|k| !k.is_finite());
     if given.is_some_and(is_unsound) {
         return Err(GrowthError::Directions { len });
@@ -195,7 +195,7 @@ pub fn grow_by_heights(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<DistanceOrder, GrowthError> {
     let mut job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
-    let len = grid_len(cells);
+    let len = cells.grid_len();
     if heights.len() != len || cells.iter().any(|cell| !heights[cell as usize].is_finite()) {
         return Err(GrowthError::Heights { len });
     }
@@ -204,11 +204,6 @@ pub fn grow_by_heights(
     job.base.iter_mut().for_each(|(cell, value)| *value = values[*cell as usize]);
     let grown = job.grown(in_cells(cells, lifted(cells, &job.base, &values)))?;
     Ok(job.order(grown, 0))
-}
-
-/// How many cells a grid has, empty ones included.
-fn grid_len(cells: &Cells) -> usize {
-    cells.dims().iter().map(|&side| side as usize).product()
 }
 
 struct Job<'a> {

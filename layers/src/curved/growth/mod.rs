@@ -265,7 +265,7 @@ fn check(cells: &Cells, platform: &Platform, rules: &Rules, governor: Option<&Sh
     if cells.rows().iter().all(|&word| word == 0) {
         return Err(GrowthError::NoCell);
     }
-    let in_grid = cells.dims().iter().map(|&d| d as usize).product();
+    let in_grid = cells.grid_len();
     match governor.map(|field| field.len()).filter(|&field| field != in_grid) {
         Some(field) => Err(GrowthError::Field { field, cells: in_grid }),
         None => Ok(()),

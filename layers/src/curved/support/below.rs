@@ -44,7 +44,7 @@ impl Workpiece<'_> {
         let mut below = BTreeSet::new();
         let mut middles = BTreeSet::new();
         let places = places.iter().map(|place| (place - self.origin) / self.cell_mm);
-        for at in places.filter(|at| self.is_in_grid(at)) {
+        for at in places.filter(|at| self.cells.cell_of(at).is_some()) {
             self.column_below(at, &trimmer, &mut below);
             for [x, y] in AROUND {
                 let cell = (at + Vector3::new(x, y, 0.0)).map(f64::floor);
@@ -58,17 +58,9 @@ impl Workpiece<'_> {
         Ok(below.into_iter().collect())
     }
 
-    /// Whether a place, which is in cells, lies in the grid.
-    fn is_in_grid(&self, at: &Vector3<f64>) -> bool {
-        self.cells.dims().iter().zip(at.iter()).all(|(&cells, at)| (0.0..f64::from(cells)).contains(at))
-    }
-
     /// Adds the cells below a place, which is in cells.
     fn column_below(&self, at: Vector3<f64>, trimmer: &Trimmer, below: &mut BTreeSet<u32>) {
-        if !self.is_in_grid(&at) {
-            return;
-        }
-        let [x, y, top] = [at.x, at.y, at.z].map(|k| k as u32);
+        let Some([x, y, top]) = self.cells.cell_of(&at) else { return };
         let is_solid = |z: u32| {
             let bottom = self.origin + Vector3::new(at.x, at.y, f64::from(z) + ABOVE_BOTTOM) * self.cell_mm;
             let cell = [x, y, z];

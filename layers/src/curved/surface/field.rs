@@ -74,7 +74,7 @@ impl LayerField {
     /// # Errors
     /// [`FieldError`] for values that do not fit the cells, or if there is none.
     pub fn new(cells: &Cells, values: Vec<f64>, layer_cells: f64) -> Result<Self, FieldError> {
-        let in_grid = cells.dims().iter().map(|&d| d as usize).product();
+        let in_grid = cells.grid_len();
         if values.len() != in_grid {
             return Err(FieldError::Length { values: values.len(), cells: in_grid });
         }

@@ -23,7 +23,7 @@ use crate::curved::{Cells, LayerOrder};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plain_field(cells: &Cells, order: &LayerOrder) -> Result<LayerField, FieldError> {
-    let len = cells.dims().iter().map(|&d| d as usize).product();
+    let len = cells.grid_len();
     if let Some(&cell) = order.cells().iter().find(|&&cell| cell as usize >= len) {
         return Err(FieldError::OutsideGrid { cell, len });
     }

@@ -31,7 +31,7 @@ pub(super) fn put_off(
         all: CellSet::of(cells),
         seen: CellSet::none(cells),
         offsets: rules.neighbours.offsets(),
-        layer_of: order.field(cells.dims().iter().map(|&side| side as usize).product()),
+        layer_of: order.field(cells.grid_len()),
     };
     // What comes into each layer from earlier ones.
     let mut added: Vec<Vec<u32>> = vec![Vec::new(); order.len()];

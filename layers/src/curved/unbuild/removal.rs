@@ -67,7 +67,7 @@ impl Removal {
         detours: &[Detour],
         progress: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Result<Option<Self>, GrowthError> {
-        let in_grid = cells.dims().iter().map(|&side| side as usize).product();
+        let in_grid = cells.grid_len();
         let removal = Removal {
             ranks: vec![NONE; in_grid],
             plane_of: vec![NONE; in_grid],

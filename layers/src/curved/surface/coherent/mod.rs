@@ -142,7 +142,7 @@ pub fn coherent_field(
 
 /// The field of times in steps, evened.
 fn field_of(cells: &Cells, part: &Part, times: &[f64]) -> Result<LayerField, FieldError> {
-    let mut values = vec![f64::NAN; cells.dims().iter().map(|&d| d as usize).product()];
+    let mut values = vec![f64::NAN; cells.grid_len()];
     part.cells.iter().zip(times).for_each(|(&cell, time)| values[cell as usize] = time / STEPS);
     let slope = Lattice::of(&LayerField::new(cells, values.clone(), 1.0)?).mean_slope();
     let field = LayerField::new(cells, values, if slope > 0.0 { 1.0 / slope } else { 1.0 })?;
