@@ -1146,7 +1146,21 @@ fn layers_are_parallel_to_a_surface() {
     assert_eq!(status, 2);
 }
 
-/// Layers lie across the directions of a file, in the unit and axis of the part. What cannot be used is refused before anything is written, and what is not followed is told.
+/// How far the nozzle leans towards x in the middle of all waypoints between two heights, in degrees.
+fn median_lean(out: &str, heights_mm: std::ops::Range<f64>) -> f64 {
+    let text = fs::read_to_string(Path::new(out).join("toolpath.csv")).unwrap();
+    let mut leans = Vec::new();
+    for line in text.lines().filter(|line| line.starts_with("print")) {
+        let number = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
+        if heights_mm.contains(&number(3)) {
+            leans.push(number(4).atan2(number(6)).to_degrees());
+        }
+    }
+    leans.sort_by(f64::total_cmp);
+    leans[leans.len() / 2]
+}
+
+/// Layers lie across the directions of a file, in the unit and axis of the part. What cannot be used is refused before anything is written, and what is not followed is a finding.
 #[test]
 fn layers_follow_directions() {
     let scratch = Scratch::new("directions");
@@ -1167,16 +1181,7 @@ fn layers_follow_directions() {
     let figures = summary(&out);
     assert_eq!((&figures["layers_by_used"], &figures["missed_cells"]), (&"directed".into(), &Value::from(0)));
     assert!(String::from_utf8_lossy(&output.stdout).contains("layers across the directions of "));
-    let text = fs::read_to_string(Path::new(&out).join("toolpath.csv")).unwrap();
-    let mut leans = Vec::new();
-    for line in text.lines().filter(|line| line.starts_with("print")) {
-        let number = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
-        if (20.0..28.0).contains(&number(3)) {
-            leans.push(number(4).atan2(number(6)).to_degrees());
-        }
-    }
-    leans.sort_by(f64::total_cmp);
-    let median = leans[leans.len() / 2];
+    let median = median_lean(&out, 20.0..28.0);
     assert!((median - 20.0).abs() < 4.0, "{median}");
 
     fs::remove_dir_all(&out).unwrap();
@@ -1218,16 +1223,7 @@ fn layers_are_as_level_as_the_overhang_allows() {
     let figures = summary(&out);
     assert_eq!((&figures["max_overhang_deg"], &figures["missed_cells"]), (&"30".into(), &Value::from(0)));
     assert!(figures["unsupported_share"].as_f64().unwrap() < 0.001, "{figures}");
-    let text = fs::read_to_string(Path::new(&out).join("toolpath.csv")).unwrap();
-    let mut leans = Vec::new();
-    for line in text.lines().filter(|line| line.starts_with("print")) {
-        let number = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
-        if (8.0..16.0).contains(&number(3)) {
-            leans.push(number(4).atan2(number(6)).to_degrees());
-        }
-    }
-    leans.sort_by(f64::total_cmp);
-    let median = leans[leans.len() / 2];
+    let median = median_lean(&out, 8.0..16.0);
     assert!((median - 25.0).abs() < 5.0, "{median}");
     for angle in ["0", "90", "-5", "x"] {
         let (status, _) = status_and_line(&run(&[&args[..], &["--max-overhang", angle]].concat()));

@@ -1,6 +1,6 @@
 //! Layers that follow directions: those given at places, and those that the overhang of the skin asks for.
 
-use crate::common::go;
+use crate::common::{BOX, go};
 use curvlay_layers::curved::{
     Cells, DirectedOptions, DirectionAt, DirectionsError, DistanceOrder, GrowthError, Guides, NozzleRule, Platform,
     Rules, Workpiece, grow_directed,
@@ -12,7 +12,6 @@ struct Bar {
     dims: [u32; 3],
     rows: Vec<u64>,
     vertices: Vec<Point3<f64>>,
-    triangles: Vec<[u32; 3]>,
     platform: Platform,
 }
 
@@ -34,10 +33,8 @@ impl Bar {
             let [x, y, z] = [x * f64::from(width), y * f64::from(depth), z * f64::from(height)];
             Point3::new(x + shear * z, y, z)
         };
-        let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let platform = Platform::under(&Cells::new(dims, &rows).unwrap(), 60.0).unwrap();
-        Bar { dims, rows, vertices: (0..8).map(corner).collect(), triangles, platform }
+        Bar { dims, rows, vertices: (0..8).map(corner).collect(), platform }
     }
 
     fn cells(&self) -> Cells<'_> {
@@ -47,7 +44,7 @@ impl Bar {
     fn workpiece(&self) -> Workpiece<'_> {
         Workpiece {
             vertices: &self.vertices,
-            triangles: &self.triangles,
+            triangles: &BOX,
             cells: self.cells(),
             cell_mm: 1.0,
             origin: Point3::origin(),
@@ -150,7 +147,7 @@ fn skin_hangs_over_by_no_more_than_asked_for() {
     }
 }
 
-/// What cannot be used is told.
+/// What cannot be used is refused, with the reason.
 #[test]
 fn unsound_directions_are_refused() {
     let mast = Bar::new([4, 4, 8], 0.0);

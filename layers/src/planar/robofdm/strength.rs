@@ -266,26 +266,13 @@ fn hold(parts: &[Joined], part: usize, strength: &SeamStrength, lowered: &Vector
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::planar::solid::BOX;
 
     /// A box as triangles, counter-clockwise from outside.
     fn block(low: [f64; 3], high: [f64; 3]) -> Vec<[Point3<f64>; 3]> {
         let corner =
-            |i: usize| Point3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { high[axis] } else { low[axis] }));
-        let faces = [
-            [0, 2, 3],
-            [0, 3, 1],
-            [4, 5, 7],
-            [4, 7, 6],
-            [0, 1, 5],
-            [0, 5, 4],
-            [2, 6, 7],
-            [2, 7, 3],
-            [0, 4, 6],
-            [0, 6, 2],
-            [1, 3, 7],
-            [1, 7, 5],
-        ];
-        faces.map(|face| face.map(corner)).to_vec()
+            |i: u32| Point3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { high[axis] } else { low[axis] }));
+        BOX.map(|face| face.map(corner)).to_vec()
     }
 
     fn rectangle(low: [f64; 2], high: [f64; 2], z: f64) -> Option<SeamSection> {

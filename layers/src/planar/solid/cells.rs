@@ -484,21 +484,7 @@ mod tests {
     #[test]
     fn a_cell_alone_is_cut_as_in_the_whole() {
         let points: Vec<Point3<f64>> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from).into()).collect();
-        let faces = [
-            [0, 2, 3],
-            [0, 3, 1],
-            [4, 5, 7],
-            [4, 7, 6],
-            [0, 1, 5],
-            [0, 5, 4],
-            [2, 6, 7],
-            [2, 7, 3],
-            [0, 4, 6],
-            [0, 6, 2],
-            [1, 3, 7],
-            [1, 7, 5],
-        ];
-        let mut whole = Partition::new(&Solid::new(&points, &faces).unwrap());
+        let mut whole = Partition::new(&Solid::new(&points, &crate::planar::solid::BOX).unwrap());
         let plane = |k: f64| {
             let normal = Vector3::new((k * 1.7).sin(), (k * 2.9).cos(), (k * 0.7).sin() + 0.2);
             CutPlane::through(&Point3::new(0.5, 0.4 + 0.02 * k, 0.5), &normal).unwrap()
