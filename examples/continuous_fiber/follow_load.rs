@@ -1,7 +1,7 @@
 //! Layers that follow the load: directions of growth for `curved_layers --directions`, and what they gain.
 
 use super::Args;
-use super::layer::{PartLayers, WORST, part_stresses};
+use super::layer::{PartLayers, WORST};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::nalgebra::{Point3, Vector3};
@@ -22,9 +22,17 @@ pub struct FollowedLoad {
 
 impl FollowedLoad {
     /// Finds directions for the part under its load, and orders it by them.
-    pub fn new(args: &Args, part: &Part, layers: &PartLayers, bars: &Bars) -> Result<Self, Failure> {
+    ///
+    /// # Arguments
+    /// * `stresses`: of the cells, by rising number.
+    pub fn new(
+        args: &Args,
+        part: &Part,
+        layers: &PartLayers,
+        stresses: &[[f64; 6]],
+        bars: &Bars,
+    ) -> Result<Self, Failure> {
         let progress = |p: curvlay_layers::Progress| bars.show(p.stage, p.done, p.total);
-        let stresses = part_stresses(args, part, &layers.solid, bars)?;
         layers.in_workpiece(part, |workpiece| {
             let height_mm = args.layer_height_mm.unwrap_or(workpiece.cell_mm);
             let options =
@@ -37,10 +45,10 @@ impl FollowedLoad {
                 Ok((order.field.ok_or_else(|| Failure::new("a directed order has no field"))?, missed))
             };
             let (directed, missed) = ordered(None)?;
-            let wanted = wanted(&cells, &stresses, &directed, bars)?;
+            let wanted = wanted(&cells, stresses, &directed, bars)?;
             let (followed, missed_by_followed) = ordered(Some(&wanted))?;
             let degrees = |field: &LayerField| -> Result<f64, Failure> {
-                Ok(load_angle(&cells, &stresses, field, WORST)?.mean.to_degrees())
+                Ok(load_angle(&cells, stresses, field, WORST)?.mean.to_degrees())
             };
             let placement = args.mesh.placement();
             let directions = cells.iter().map(|cell| {

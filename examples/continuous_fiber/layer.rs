@@ -100,20 +100,15 @@ impl Loaded<'_> {
         self.loads.iter().map(of).sum()
     }
 
-    fn solved(&self, bars: &Bars) -> Result<Elastic, Failure> {
-        let grid = &self.solid.grid;
-        let cells = Cells::new(grid.dims(), grid.rows())?;
-        let (material, cell_mm) = (self.material(), grid.cell_mm());
-        let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
-        Ok(solve_elastic(&part, &ElasticOptions::default(), &|p| bars.show(p.stage, p.done, p.total))?)
-    }
-
-    /// Stresses at the centres of cells, in the frame of the boxes.
+    /// Stresses at the centres of cells, by rising number, in the frame of the boxes.
     fn samples(&self, bars: &Bars) -> Result<(Vec<StressSample>, Solved), Failure> {
         let grid = &self.solid.grid;
+        let cells = Cells::new(grid.dims(), grid.rows())?;
+        let material = self.material();
         let cell_mm = grid.cell_mm();
+        let part = ElasticPart { cells: &cells, cell_mm, material, supports: &self.supports, loads: &self.loads };
         let begin = Instant::now();
-        let solved = self.solved(bars)?;
+        let solved = solve_elastic(&part, &ElasticOptions::default(), &|p| bars.show(p.stage, p.done, p.total))?;
         let time = begin.elapsed();
         let [nx, ny, _] = grid.dims();
         let place = |cell: u32| {
@@ -220,11 +215,6 @@ fn in_workpiece<T>(
         volume_mm3,
         guides: Guides::default(),
     })
-}
-
-/// The stresses of the cells of the user's part, by rising number, from the solver.
-pub fn part_stresses(args: &Args, part: &Part, solid: &Voxelisation, bars: &Bars) -> Result<Vec<[f64; 6]>, Failure> {
-    Ok(user_load(args, part, solid).0.solved(bars)?.stresses_mpa)
 }
 
 /// The layers of the user's part, in the frame of the plate.
@@ -352,6 +342,14 @@ pub struct PartStress {
 }
 
 impl PartStress {
+    /// The stresses of the cells by rising number, xx, yy, zz, xy, yz, zx, where they are of the solver.
+    pub fn of_cells(&self) -> Option<Vec<[f64; 6]>> {
+        let components = |StressSample { stress: s, .. }: &StressSample| {
+            [s[(0, 0)], s[(1, 1)], s[(2, 2)], s[(0, 1)], s[(1, 2)], s[(2, 0)]]
+        };
+        self.solved.map(|_| self.samples.iter().map(components).collect())
+    }
+
     /// Tapes along these stresses on a surface.
     pub fn follow(&self, args: &Args, surface: SurfaceMesh, name: String, bars: &Bars) -> Result<LoadedLayer, Failure> {
         let named = |failure: Failure| match &args.stress {

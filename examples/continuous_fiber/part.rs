@@ -177,7 +177,10 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
         Some(_) => Some(layers.reinforced((args, part), &tapes, of_dissertation(args, bars)?, bars)?),
         None => None,
     };
-    let followed = args.follow_load.then(|| FollowedLoad::new(args, part, &layers, bars)).transpose()?;
+    let followed = match stress.of_cells().filter(|_| args.follow_load) {
+        Some(stresses) => Some(FollowedLoad::new(args, part, &layers, &stresses, bars)?),
+        None => None,
+    };
     let motion = match (&print, &filled) {
         (Some(print), Some(filled)) if args.stage >= Stage::Motion => {
             let work = part_motion::Work {
