@@ -1,18 +1,18 @@
 //! From the mesh to audited parts.
 
-use super::{Args, Avoid, Base, Method, print};
+use super::ways::{Found, Ways, sought};
+use super::{Args, Avoid, Base, print};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use curvlay_examples::shapes;
-use curvlay_layers::Progress;
 use curvlay_layers::planar::Solid;
 use curvlay_layers::planar::robofdm::{
-    AuditOptions, AuditedPart, BeamOptions, BuildSequence, Decomposition, Head, Hold, Left, LeftReason, PartsAudit,
-    Pedestal, RoboFdmError, Root, SegmentOptions, Segmentation, SequenceOptions, TuningOptions, WorstLayer,
-    audit_parts, beam_search, crossing_sections, lowest_pedestal, plan_sequence, segment, tune,
+    AuditOptions, BuildSequence, Decomposition, Head, Hold, Left, LeftReason, PartsAudit, Pedestal, RoboFdmError, Root,
+    SegmentOptions, Segmentation, SequenceOptions, TuningOptions, WorstLayer, crossing_sections, plan_sequence,
+    segment,
 };
 use std::time::{Duration, Instant};
 
@@ -30,8 +30,8 @@ pub struct Divided {
     pub head: Option<Head>,
     /// What the part stands on, if it is not the plate.
     pub pedestal: Option<Pedestal>,
-    /// How parts were sought, in that order.
-    pub tries: Vec<Try>,
+    /// How parts were sought.
+    pub ways: Ways,
     pub parts: Decomposition,
     pub audit: PartsAudit,
     /// Parts whose base sections cross.
@@ -40,117 +40,6 @@ pub struct Divided {
     pub audit_time: Duration,
     /// What there is to say about the mesh.
     pub of_mesh: Findings,
-}
-
-/// A way in which parts were sought, and what it left.
-pub struct Try {
-    pub method: Method,
-    pub pedestal_mm: f64,
-    pub parts: usize,
-    pub risky_mm2: f64,
-    /// Whether the audit accepts it.
-    pub is_accepted: bool,
-    /// Whether it was taken.
-    pub is_taken: bool,
-}
-
-/// With a pedestal so much less of the risky area must be left, as a share of all, that it is taken.
-const PEDESTAL_GAIN: f64 = 0.02;
-
-/// A pedestal is sought at so many times the radius of the head, and then lowered: with a head that looks down a little most is taken off.
-const PEDESTAL_RADII: f64 = 2.0;
-
-/// Parts that were found in some way, with the head and the pedestal that go with them.
-struct Found {
-    parts: Decomposition,
-    head: Option<Head>,
-    audit: PartsAudit,
-    audit_time: Duration,
-    /// Which of the tries.
-    number: usize,
-}
-
-impl Found {
-    /// Whether neither risky area nor the audit says that it fails.
-    fn passes(&self, args: &Args) -> bool {
-        self.parts.risky_mm2() <= args.allow_risky * self.parts.risky_before_mm2 && self.audit.is_ok
-    }
-
-    fn pedestal_mm(&self) -> f64 {
-        self.head.map_or(0.0, |head| head.pedestal)
-    }
-
-    /// Whether it is worth more than another one.
-    fn is_better(&self, known: &Found, args: &Args) -> bool {
-        if self.passes(args) != known.passes(args) {
-            return self.passes(args);
-        }
-        let extra = if self.pedestal_mm() > known.pedestal_mm() { PEDESTAL_GAIN } else { 0.0 };
-        self.parts.risky_mm2() + extra * self.parts.risky_before_mm2 < known.parts.risky_mm2()
-    }
-}
-
-/// Seeks parts in one way after the other until they pass; the best, and all ways.
-fn sought(
-    args: &Args,
-    solid: &Solid,
-    sequence: &BuildSequence,
-    tuning: &TuningOptions,
-    bars: &Bars,
-) -> Result<(Found, Vec<Try>), Failure> {
-    let show = |at: Progress| bars.show(at.stage, at.done, at.total);
-    let methods: &[Method] = match args.method {
-        Method::Auto => &[Method::Robofdm, Method::Beam],
-        Method::Robofdm => &[Method::Robofdm],
-        Method::Beam => &[Method::Beam],
-    };
-    let pedestals = match (args.pedestal_mm, tuning.head) {
-        (Some(height), _) => vec![height],
-        (None, Some(head)) => vec![0.0, PEDESTAL_RADII * head.radius(f64::INFINITY)],
-        (None, None) => vec![0.0],
-    };
-    let mut best: Option<Found> = None;
-    let mut tries: Vec<Try> = Vec::new();
-    for (pedestal, &method) in pedestals.iter().flat_map(|&height| methods.iter().map(move |method| (height, method))) {
-        let with = |pedestal: f64| tuning.head.map(|head| Head { pedestal, ..head });
-        let tuning = TuningOptions { head: with(pedestal), ..*tuning };
-        let parts = if method == Method::Beam {
-            let options = BeamOptions { tuning, width: usize::from(args.width), ..BeamOptions::default() };
-            beam_search(solid, Some(sequence), &options, &show)?
-        } else {
-            tune(solid, sequence, &tuning, &show)?
-        };
-        let wanted = with(pedestal).filter(|_| args.pedestal_mm.is_none());
-        let head = with(wanted.map_or(pedestal, |head| lowest_pedestal(solid, &parts.parts, &head)));
-        let start = Instant::now();
-        let audited: Vec<AuditedPart> = parts.parts.iter().map(|part| part.audited()).collect();
-        let options = AuditOptions {
-            max_angle: tuning.max_angle,
-            head,
-            max_unsupported: args.allow_unsupported,
-            ..AuditOptions::default()
-        };
-        let audit = audit_parts(solid, &audited, &options, &show)?;
-        let found = Found { parts, head, audit, audit_time: start.elapsed(), number: tries.len() };
-        tries.push(Try {
-            method,
-            pedestal_mm: found.pedestal_mm(),
-            parts: found.parts.parts.len(),
-            risky_mm2: found.parts.risky_mm2(),
-            is_accepted: found.audit.is_ok,
-            is_taken: false,
-        });
-        let passes = found.passes(args);
-        if best.as_ref().is_none_or(|known| found.is_better(known, args)) {
-            best = Some(found);
-        }
-        if passes {
-            break;
-        }
-    }
-    let Some(best) = best else { unreachable!("there is a way in which parts are sought") };
-    tries[best.number].is_taken = true;
-    Ok((best, tries))
 }
 
 /// Divides the file, or the shape made in code.
@@ -203,7 +92,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         strength: args.strength(),
         ..TuningOptions::default()
     };
-    let (Found { parts, head, audit, audit_time, .. }, tries) = sought(args, &solid, &sequence, &tuning, bars)?;
+    let (Found { parts, head, audit, audit_time }, ways) = sought(args, &solid, &sequence, &tuning, bars)?;
     let pedestal = head.and_then(|head| {
         let first = parts.parts.first()?;
         Pedestal::new(&first.solid, &first.direction, head.layer, head.pedestal)
@@ -218,7 +107,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         sequence,
         head,
         pedestal,
-        tries,
+        ways,
         crossing: crossing_sections(&parts.parts),
         parts,
         audit,

@@ -25,9 +25,19 @@ fn colour(part: usize, parts: usize) -> Rgb {
     ramp(0.1 + 0.85 * part as f64 / (parts.max(2) - 1) as f64)
 }
 
-/// All parts with their directions.
-pub fn parts(divided: &Divided) -> Vec<u8> {
+/// What stands there before the parts: the pedestal, if there is one.
+fn begun(divided: &Divided) -> Scene {
     let mut scene = scene();
+    if let Some(pedestal) = &divided.pedestal {
+        let (vertices, triangles) = pedestal.mesh();
+        scene.mesh(&vertices, &triangles, GREY);
+    }
+    scene
+}
+
+/// All parts with their directions, on their pedestal.
+pub fn parts(divided: &Divided) -> Vec<u8> {
+    let mut scene = begun(divided);
     let all = &divided.parts.parts;
     for (k, part) in all.iter().enumerate() {
         scene.mesh(part.solid.vertices(), part.solid.triangles(), colour(k, all.len()));
@@ -39,7 +49,7 @@ pub fn parts(divided: &Divided) -> Vec<u8> {
 
 /// What stands after a part is printed: earlier parts grey, this one in its colour with its direction.
 pub fn step(divided: &Divided, step: usize) -> Vec<u8> {
-    let mut scene = scene();
+    let mut scene = begun(divided);
     let all = &divided.parts.parts;
     for (k, part) in all.iter().enumerate().take(step + 1) {
         let colour = if k == step { colour(k, all.len()) } else { GREY };

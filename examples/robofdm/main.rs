@@ -13,6 +13,7 @@ mod decompose;
 mod drawing;
 mod outputs;
 mod print;
+mod ways;
 
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
@@ -142,7 +143,7 @@ pub struct Args {
     #[arg(long, value_name = "FACTOR", default_value_t = SeamStrength::default().safety, value_parser = from_one, allow_negative_numbers = true, help_heading = STRENGTH)]
     safety: f64,
     /// Seams of any size, as in the paper
-    #[arg(long, help_heading = STRENGTH)]
+    #[arg(long, conflicts_with_all = ["density_g_cm3", "print_force_n", "bond_mpa", "plate_bond_mpa", "safety"], help_heading = STRENGTH)]
     any_seam: bool,
     #[command(flatten)]
     common: Common,
@@ -285,6 +286,9 @@ fn main() -> ExitCode {
 /// From the mesh to the files.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Outcome), Failure> {
     let start = Instant::now();
+    if args.avoid == Avoid::Planes && args.pedestal_mm.is_some() {
+        return Err(Failure::of_arguments("--pedestal gives the head room: it does nothing with --avoid planes"));
+    }
     // Read once before the work: a workcell that is not there is no news for the end of it.
     print::model(args)?;
     let divided = decompose::divide(args, bars)?;

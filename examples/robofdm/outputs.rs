@@ -247,8 +247,8 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("risky_after_mm2", divided.parts.risky_mm2())?
         .set("allow_risky", args.allow_risky)?
         .set("seam_mm2", divided.parts.seam_mm2())?
-        .set("taken_method", divided.tries.iter().find(|a| a.is_taken).map_or("", |a| method_name(a.method)))?
-        .set("tries", divided.tries.len())?
+        .set("taken_method", method_name(divided.ways.tries[divided.ways.taken].method))?
+        .set("tries", divided.ways.tries.len())?
         .set("pedestal_mm", divided.raised_mm())?
         .set("pedestal_mm3", divided.pedestal.as_ref().map_or(0.0, Pedestal::volume_mm3))?
         .set("density_g_cm3", args.density_g_cm3)?
@@ -321,14 +321,14 @@ fn method_name(method: Method) -> &'static str {
 /// The ways in which parts were sought.
 fn tries(divided: &Divided) -> Table {
     let mut table = Table::new(["method", "pedestal mm", "parts", "risky area left", "audit", "taken"]);
-    for a in &divided.tries {
+    for (k, tried) in divided.ways.tries.iter().enumerate() {
         table.row([
-            method_name(a.method).to_owned(),
-            format!("{:.1}", a.pedestal_mm),
-            a.parts.to_string(),
-            percent(a.risky_mm2 / divided.parts.risky_before_mm2.max(f64::MIN_POSITIVE)),
-            if a.is_accepted { "passes" } else { "does not" }.to_owned(),
-            if a.is_taken { "yes" } else { "" }.to_owned(),
+            method_name(tried.method).to_owned(),
+            format!("{:.1}", tried.pedestal_mm),
+            tried.parts.to_string(),
+            percent(tried.risky_mm2 / divided.parts.risky_before_mm2.max(f64::MIN_POSITIVE)),
+            if tried.is_accepted { "passes" } else { "does not pass" }.to_owned(),
+            if k == divided.ways.taken { "yes" } else { "" }.to_owned(),
         ]);
     }
     table

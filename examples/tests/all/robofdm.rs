@@ -185,6 +185,9 @@ fn a_pedestal_is_printed_below_the_first_part() {
     let (low, high) = laid.clone().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)));
     // A tee of 27 mm on 6 mm.
     assert!((0.0..1.6).contains(&low) && (31.5..33.5).contains(&high), "{low} {high}");
+    // Without a head there is nothing to give room to; without seams that must hold nothing says how strong they are.
+    assert!(run("pedestal", &[&words[..], &["--avoid", "planes"]].concat()).unwrap_err().contains("--pedestal"));
+    assert!(arguments(&["--any-seam", "--bond", "3"]).is_err());
     // Without one the part stands on the plate, and no file of the pedestal stays.
     let (path, _) = run("pedestal", &[&words[..6], &["--pedestal", "0"]].concat()).unwrap();
     assert!(!path.join("pedestal.stl").exists() && summary(&path)["pedestal_mm"].as_f64().unwrap() < 1e-9);
@@ -216,7 +219,7 @@ fn what_is_left_has_a_reason_and_seams_a_stress() {
     let (path, _) = run("reasons", &[&words[..], &["--bond", "0.001"]].concat()).unwrap();
     assert_eq!(summary(&path)["parts"], 1);
     assert!(!column(&path, "left_because")[0].is_empty());
-    let (path, _) = run("reasons", &[&words[..], &["--bond", "0.001", "--any-seam"]].concat()).unwrap();
+    let (path, _) = run("reasons", &[&words[..], &["--any-seam"]].concat()).unwrap();
     assert!(summary(&path)["parts"].as_u64().unwrap() > 1 && column(&path, "stress_mpa").iter().all(String::is_empty));
 }
 
