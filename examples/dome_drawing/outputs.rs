@@ -71,10 +71,7 @@ pub fn write_again(args: &Args, plan: &Plan, printed: &Printed, folder: &OutputF
 /// The table of a run with `--plan`.
 pub fn table_again(args: &Args, plan: &Plan, printed: &Printed) -> Table {
     let mut table = Table::new(["", "this run", "thesis"]);
-    let points = plan.points();
-    table.row(["contour points".to_owned(), points[0].to_string(), "66661".to_owned()]);
-    table.row(["fill points".to_owned(), points[1].to_string(), "27758".to_owned()]);
-    program_rows(args, printed, &mut table);
+    program_rows(args, plan, printed, &mut table);
     table
 }
 
@@ -204,7 +201,6 @@ fn widths(planned: &Planned) -> [f64; 2] {
 
 pub fn table(args: &Args, planned: &Planned, plan: &Plan, printed: &Printed) -> Table {
     let coverage = &planned.coverage;
-    let points = plan.points();
     let [least, most] = widths(planned);
     let mut table = Table::new(["", "this run", "thesis"]);
     let mut row = |name: &str, ours: String, thesis: &str| _ = table.row([name.to_owned(), ours, thesis.to_owned()]);
@@ -214,8 +210,6 @@ pub fn table(args: &Args, planned: &Planned, plan: &Plan, printed: &Printed) -> 
     row("open contours", (planned.contours.len() - planned.closed()).to_string(), "");
     row("area of the contours mm2", format!("{:.1}", planned.area_sum_mm2), "");
     row("without overlaps mm2", format!("{:.1}", planned.area_union_mm2), "");
-    row("contour points", points[0].to_string(), "66661");
-    row("fill points", points[1].to_string(), "27758");
     row("bead mm", format!("{least:.2} to {most:.2}"), "3.2 to 6.4");
     row("stops", stops(args, planned, printed).to_string(), "");
     row("stops with scan lines", (planned.stops_scan_lines * args.layers as usize).to_string(), "");
@@ -223,14 +217,17 @@ pub fn table(args: &Args, planned: &Planned, plan: &Plan, printed: &Printed) -> 
     row("covered twice", percent(coverage.overlap), "");
     row("outside of the design", percent(coverage.outside), "");
     row("largest distortion", percent(planned.distortion.largest), "");
-    program_rows(args, printed, &mut table);
+    program_rows(args, plan, printed, &mut table);
     table
 }
 
 /// Rows of the program.
-fn program_rows(args: &Args, printed: &Printed, table: &mut Table) {
+fn program_rows(args: &Args, plan: &Plan, printed: &Printed, table: &mut Table) {
     let print = &printed.program.print;
+    let points = plan.points();
     let mut row = |name: &str, ours: String, thesis: &str| _ = table.row([name.to_owned(), ours, thesis.to_owned()]);
+    row("contour points", points[0].to_string(), "66661");
+    row("fill points", points[1].to_string(), "27758");
     row("axis 6 degrees", format!("{:.1}", printed.axis6_span_deg()), "");
     row("returns home", printed.returns_home.to_string(), "one a contour");
     row("strokes not printed", print.faults.len().to_string(), "");
