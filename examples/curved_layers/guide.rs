@@ -10,6 +10,9 @@ use curvlay_examples::waypoints::{fault, read_waypoints};
 use curvlay_layers::curved::{CompleteOptions, DirectionAt, Workpiece};
 use nalgebra::{Point3, Vector3};
 
+/// Directions are steeper than the limit from so much on, in degrees: files are rounded.
+const ROUNDED_DEG: f64 = 0.01;
+
 /// What layers are guided by.
 pub enum Guide {
     /// They are parallel to a surface.
@@ -116,9 +119,6 @@ impl Guide {
         }
     }
 }
-
-/// Directions are steeper than the limit from so much on, in degrees: files are rounded.
-const ROUNDED_DEG: f64 = 0.01;
 
 impl GivenDirections {
     /// Says which of them are not followed.

@@ -78,15 +78,15 @@ struct Args {
     #[arg(long = "on", value_name = "FILE", help_heading = "Part")]
     mould: Option<PathBuf>,
     /// Layers parallel to this surface in place of an order that is searched: an open mesh across the part and beyond, with the same origin, unit, scale and axis
-    #[arg(long = "base", value_name = "FILE", conflicts_with_all = ["resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = "Part")]
+    #[arg(long = "base", value_name = "FILE", conflicts_with_all = SEARCHED_ORDER, help_heading = "Part")]
     base: Option<PathBuf>,
     /// Layers that follow these directions in place of an order that is searched, as far as layers may lean: a file with six numbers a line, `x y z i j k`, a place with the unit, scale and axis of the part and the
     /// way in which the part is to grow there. Each place of the part has the direction nearest to it inside the part, evened out where two meet
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["base", "resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = "Part")]
+    #[arg(long, value_name = "FILE", conflicts_with = "base", conflicts_with_all = SEARCHED_ORDER, help_heading = "Part")]
     directions: Option<PathBuf>,
     /// Layers as level as the skin allows in place of an order that is searched: it hangs out over them by no more than this angle, in degrees above 0 and below 90, as far as layers may lean; 45 is
     /// what beads hold
-    #[arg(long = "max-overhang", value_name = "DEGREES", value_parser = overhang, allow_negative_numbers = true, conflicts_with_all = ["base", "directions", "resume", "layers_by", "strategy", "nozzle_growth", "coherent"], help_heading = CELLS)]
+    #[arg(long = "max-overhang", value_name = "DEGREES", value_parser = overhang, allow_negative_numbers = true, conflicts_with_all = ["base", "directions"], conflicts_with_all = SEARCHED_ORDER, help_heading = CELLS)]
     max_overhang_deg: Option<f64>,
     /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
@@ -161,6 +161,9 @@ struct Args {
     #[command(flatten)]
     common: Common,
 }
+
+/// Options of an order that is searched, or saved: a guide takes its place.
+const SEARCHED_ORDER: [&str; 5] = ["resume", "layers_by", "strategy", "nozzle_growth", "coherent"];
 
 /// Heading of `--help` for what concerns cells, as in the shared arguments.
 const CELLS: &str = "Cells and their order";

@@ -149,7 +149,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("base", args.base.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()))?
         .set(
-            "guiding_directions",
+            "directions",
             args.directions.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()),
         )?
         .set("max_overhang_deg", args.max_overhang_deg.map_or("none".to_owned(), |degrees| degrees.to_string()))?
