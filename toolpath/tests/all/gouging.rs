@@ -9,11 +9,12 @@ use crate::common::nozzle;
 
 use crate::common::go_on;
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
-use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::{
-    GougingError, GougingOptions, LayerStack, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, Pose,
-    ResolvedPaths, ToolPath, Waypoint,
+use curvlay_toolpath::gouging::{
+    GougingError, GougingOptions, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, ResolvedPaths,
 };
+use curvlay_toolpath::layer::LayerStack;
+use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use curvlay_toolpath::orientation::{OrientOptions, Pose, ToolPath, Waypoint};
 use layers::{Layer, path, with_stack};
 use nozzle::{inside, to_profile};
 use proptest::prelude::*;

@@ -8,10 +8,10 @@ use crate::common::layers;
 
 use crate::common::go_on;
 use creases::{H, PIECE, groove, groove_of, last_touched, nowhere, rows, slow_depth};
+use curvlay_toolpath::gouging::{GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{
-    GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ResolvedPaths, ToolPath, TravelOptions, Waypoint,
-};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::travel::TravelOptions;
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
 use std::f64::consts::PI;

@@ -7,10 +7,11 @@ use crate::common::layers;
 
 use crate::common::go_on;
 use creases::{H, PIECE, groove_of, nowhere, rows, sheets};
+use curvlay_toolpath::deposit::deposit_along;
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{
-    GougingOptions, Nozzle, ResolvedPaths, ToolPath, TravelOptions, Turns, Waypoint, deposit_along,
-};
+use curvlay_toolpath::orientation::{ToolPath, Turns, Waypoint};
+use curvlay_toolpath::travel::TravelOptions;
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_4;
