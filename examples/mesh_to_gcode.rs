@@ -9,8 +9,12 @@ use curvlay_examples::input::Inputs;
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{LayerOptions, Platform, Workpiece};
+use curvlay_toolpath::fill::fill_layers;
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::PrintOptions;
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, fs::File, ops::ControlFlow::Continue, process::ExitCode};
 

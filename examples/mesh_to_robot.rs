@@ -13,7 +13,11 @@ use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, Pa
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{LayerOptions, Platform, Workpiece};
-use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
+use curvlay_toolpath::fill::fill_layers;
+use curvlay_toolpath::gouging::{Contacts, GougingOptions};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::{self, PrintPlan};
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, io::BufWriter, ops::ControlFlow::Continue, path::Path, process::ExitCode};
@@ -47,7 +51,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
     let filled = fill_layers(&surfaces, &PathOptions { bead: CELL_MM, ..PathOptions::default() }, &|_| Continue(()))?;
     let (nozzle, stack) = (nozzle_of(cell.equipment())?, filled.stack(&surfaces)?);
-    let plan = filled.plan(&surfaces, &nozzle, &surface::PrintOptions::for_robot(), &|_| Continue(()))?;
+    let plan = filled.plan(&surfaces, &nozzle, &plan::PrintOptions::for_robot(), &|_| Continue(()))?;
 
     // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
     let grown = PartCells {

@@ -13,11 +13,14 @@ use curvlay_layers::elastic::{
     Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, load_factor, plies,
     solve_composite, solve_elastic, stress_matrix,
 };
-use curvlay_toolpath::surface::{
-    DirectionField, LayerStress, LayerSurface, LayerTapes, Principal, PrincipalAngle, StressOptions, StressSample,
-    SurfaceMesh, TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd,
-    read_stress_vtk,
-};
+use curvlay_toolpath::fiber::direction::DirectionField;
+use curvlay_toolpath::fiber::head::LayerTapes;
+use curvlay_toolpath::fiber::measure::{PrincipalAngle, angle_to_principal};
+use curvlay_toolpath::fiber::stress::{LayerStress, Principal, StressOptions, StressSample};
+use curvlay_toolpath::fiber::stress_files::{read_stress_csv, read_stress_frd, read_stress_vtk};
+use curvlay_toolpath::fiber::tapes::{TapeOptions, TapePlan, lay_tapes};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_voxel::inspect::inspect;
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use std::io::BufReader;

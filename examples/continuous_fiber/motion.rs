@@ -18,8 +18,9 @@ use curvlay_kinematics::program::{
     TimedSignal, UrScriptOptions, Zone, print_stream, print_targets, write_urscript,
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
+use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::gcode::Tool;
-use curvlay_toolpath::surface::{LayerTapes, Tape, TapeHead};
 use curvlay_trajectory::print::{
     Clearance, Fault, LegKind, PrintCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, Run, Steered,
     Waypoint, plan_print,

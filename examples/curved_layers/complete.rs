@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use curvlay_examples::args::{from_zero, typed_name};
 use curvlay_layers::curved::{self, DirectedOptions, LayerOptions, NozzleRule, NozzleUse, SupportOptions};
-use curvlay_toolpath::surface::Nozzle;
+use curvlay_toolpath::gouging::Nozzle;
 
 /// Cells that no order builds by the hull rule.
 #[derive(Args, Clone, Copy, Debug)]

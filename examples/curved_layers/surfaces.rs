@@ -13,7 +13,7 @@ use curvlay_layers::curved::{
     Growth, LayerSurfaces, LayeredPart, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet, Workpiece,
 };
 use curvlay_layers::nalgebra::Vector3;
-use curvlay_toolpath::surface::{DirectionHints, LayerSurface};
+use curvlay_toolpath::layer::{DirectionHints, LayerSurface};
 use curvlay_voxel::Resolution;
 use std::fmt::Display;
 use std::io::BufReader;

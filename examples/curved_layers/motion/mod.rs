@@ -27,7 +27,7 @@ use curvlay_kinematics::workcell::{
 };
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::surface::{GougingOptions, Nozzle};
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, TipSpeed, Waypoint, plan_print};
