@@ -1,6 +1,6 @@
 //! What a RAPID program has declared, and what the controller knows by itself; warnings of the reader.
 
-use super::instruction::Op;
+use super::op::Op;
 use super::{
     FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidAcceleration, RapidTool, RapidWorkObject, SPEEDS, TOOL0,
     WOBJ0, ZONES,

@@ -1,7 +1,8 @@
 //! A whole RAPID module in memory: declarations and procedures.
 
 use super::data::Data;
-use super::instruction::{self, Op};
+use super::instruction;
+use super::op::Op;
 use super::{RapidTool, RapidWorkObject};
 use crate::program::ReadError;
 use crate::program::tokens::{Token, Tokens};

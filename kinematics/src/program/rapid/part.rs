@@ -2,8 +2,9 @@
 
 use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
-use super::instruction::{self, Op};
+use super::instruction;
 use super::main::{end, head, next_procedure};
+use super::op::Op;
 use crate::program::tokens::Tokens;
 use crate::program::{ReadError, Step, until_error};
 use std::io::BufRead;

@@ -2,8 +2,8 @@
 
 use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
-use super::instruction::Op;
 use super::main::{Module, Procedure, RapidMain};
+use super::op::Op;
 use super::part::RapidPart;
 use crate::program::{ReadError, Step};
 use std::io::{self, BufRead};

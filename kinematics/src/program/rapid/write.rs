@@ -1,10 +1,10 @@
 //! RAPID, written.
 
 use super::options::check_options;
-use super::trigger::{Place, Triggers, Waiting, place};
+use super::trigger::{Place, Triggers, Waiting, place, write_filament_value};
 use super::{
-    ACCELERATION, DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION,
-    RapidAcceleration, RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
+    ACCELERATION, DEGREES, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidAcceleration,
+    RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
 use crate::program::check::Checker;
 use crate::program::seconds::Clock;
@@ -284,13 +284,6 @@ fn write_switch(text: &mut Text, signal: &Step, options: &RapidOptions) {
         }
         Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => {}
     }
-}
-
-pub(super) fn write_filament_value(text: &mut Text, mm_s: f64, options: &RapidOptions) {
-    match options.filament_output {
-        FilamentOutput::Analog => text.fixed(mm_s, FILAMENT),
-        FilamentOutput::Group { step_mm_s, .. } => text.fixed((mm_s / step_mm_s).round(), 0),
-    };
 }
 
 /// A move, with the signals on its path; only lines have any.
