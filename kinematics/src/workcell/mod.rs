@@ -82,8 +82,8 @@ pub use six::SixAxisCell;
 
 use crate::cell::{Cell, Waypoint};
 use crate::limits::JointLimits;
-use crate::program::{ConfData, Target};
 use crate::scene;
+use crate::target::{ConfData, Target};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 

@@ -6,7 +6,7 @@ use super::{
     WOBJ0, ZONES,
 };
 use crate::program::check::LARGEST;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Step, Target, Zone};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use std::collections::{BTreeMap, VecDeque};

@@ -4,7 +4,7 @@ use super::RapidAcceleration;
 use super::data::{Data, truth};
 use super::op::Op;
 use crate::program::check::LARGEST;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{ExternalAxes, Goal, HeadInput, HeadSignal, Move, ReadError, Speed, Step, Zone};
 use std::io::BufRead;
 

@@ -5,7 +5,7 @@ use super::instruction;
 use super::op::Op;
 use super::{RapidTool, RapidWorkObject};
 use crate::program::ReadError;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use std::io::BufRead;
 
 /// What stands in a main module.

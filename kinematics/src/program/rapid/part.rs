@@ -5,8 +5,8 @@ use super::data::{Data, ReadWarning};
 use super::instruction;
 use super::main::{end, head, next_procedure};
 use super::op::Op;
-use crate::program::tokens::Tokens;
-use crate::program::{ReadError, Step, until_error};
+use crate::program::text::tokens::Tokens;
+use crate::program::{ReadError, Step, step::until_error};
 use std::io::BufRead;
 
 /// The steps of a module with one procedure, one after the other, in memory that its declarations need. Ends after the

@@ -7,7 +7,7 @@ use super::{
     RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
 use crate::program::check::Checker;
-use crate::program::seconds::Clock;
+use crate::program::check::Clock;
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadInput, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
