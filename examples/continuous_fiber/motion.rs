@@ -13,9 +13,11 @@ use curvlay_examples::motion::programs::LIFT_POSTURES;
 use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, from_home, programs};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::centred_on_plate;
+use curvlay_kinematics::print_program::{
+    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_stream, print_targets,
+};
 use curvlay_kinematics::program::{
-    Goal, HeadInput, HeadSignal, Move, PrintKnot, Speed, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
-    TimedSignal, UrScriptOptions, Zone, print_stream, print_targets, write_urscript,
+    Goal, HeadInput, HeadSignal, Move, Speed, Step, TimedSignal, UrScriptOptions, Zone, write_urscript,
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
 use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};

@@ -14,9 +14,9 @@ use curvlay_examples::motion::shown::{self, Played};
 use curvlay_examples::motion::{NO_HOME, OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, waypoints};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_examples::viewer;
+use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    Goal, HeadInput, HeadSignal, Move, RapidOptions, ReadError, Step, StreamOptions, UrScriptReader, read_rapid,
-    write_urscript,
+    Goal, HeadInput, HeadSignal, Move, RapidOptions, ReadError, Step, UrScriptReader, read_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};

@@ -15,8 +15,15 @@
 //! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
 //! * [`calibrate_tip`], [`calibrate_tool`]: where a tip is, from poses that touch one point. [`fit_arm`]: what an arm is really like, from
 //!   measured poses; [`ArmDeviation`] and [`Arm::calibrated`]: such an arm. [`Measurements`]: the files.
-//! * [`program`]: robot programs written and read: RAPID, URScript, CSV.
+//! * [`program`]: robot programs written and read: RAPID, URScript, CSV; [`program::link`] streams them.
+//! * [`print_program`]: programs of planned prints, for a workcell.
 //! * [`stewart`]: Stewart platforms, both ways.
+//!
+//! # Who stands on whom
+//!
+//! From below: angles, poses, limits; [`Arm`] and [`Positioner`]; targets ([`program::Target`]); [`Cell`] and [`scene`]; [`workcell`];
+//! placement. [`program`] stands on arms and targets and knows no workcell, [`workcell`] knows no program. [`print_program`] stands on
+//! both. Calibration stands on arms, [`stewart`] on poses alone.
 
 mod angle;
 mod arm;
@@ -28,17 +35,18 @@ mod limits;
 mod placement;
 mod pose;
 mod positioner;
+pub mod print_program;
 pub mod program;
 mod progress;
 pub mod scene;
 pub mod stewart;
+mod target;
 mod trig;
 pub mod workcell;
 
-pub use arm::robots;
 pub use arm::{
     ANGLE_TOLERANCE, Arm, ArmDeviation, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths,
-    POSITION_TOLERANCE, Rates, SAME, Shoulder, Solutions, Wrist,
+    POSITION_TOLERANCE, Rates, SAME, Shoulder, Solutions, Wrist, robots,
 };
 pub use calibration::{
     ArmFit, ArmParameter, Calibration, CalibrationError, FitError, FitOptions, FitResiduals, FitScope, FittedParameter,

@@ -9,8 +9,9 @@
 //! At zero all links stand upright. Then axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
 
 use super::branches::{Branch, Solutions, slot};
+use super::error::{ArmError, within_reach};
+use super::numbers::{Frames, HELD, MovedAxes, ROUNDING, SHORTEST, meets};
 use super::planar::{Free, REACH, Turn, aim, bend, shoulder};
-use super::{ArmError, Frames, HELD, MovedAxes, ROUNDING, SHORTEST, meets, within_reach};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;

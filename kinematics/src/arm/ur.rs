@@ -12,8 +12,8 @@
 
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
+use super::numbers::{ANGLE_TOLERANCE, Frames, HELD, MovedAxes, POSITION_TOLERANCE, ROUNDING};
 use super::planar::{Free, aim, bend, lift, shoulder, swing};
-use super::{ANGLE_TOLERANCE, Frames, HELD, MovedAxes, POSITION_TOLERANCE, ROUNDING};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};

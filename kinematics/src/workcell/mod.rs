@@ -82,8 +82,8 @@ pub use six::SixAxisCell;
 
 use crate::cell::{Cell, Waypoint};
 use crate::limits::JointLimits;
-use crate::program::{ConfData, Target};
 use crate::scene;
+use crate::target::{ConfData, Target};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
@@ -226,7 +226,7 @@ impl AnyWorkcell {
     /// # Example
     /// ```
     /// use curvlay_kinematics::nalgebra::Point3;
-    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, LinkMeshModel, FrameModel, WorkcellModel};
+    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, FrameModel, LinkMeshModel, WorkcellModel};
     /// # #[cfg(feature = "serde")] {
     /// let mut model = WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes())?;
     /// let mesh = |link| LinkMeshModel { link, file: "link.stl".into(), unit_mm: 1000.0, frame: FrameModel::default() };

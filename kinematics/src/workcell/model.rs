@@ -50,7 +50,7 @@ pub struct WorkcellModel {
 
 /// Settings of the programs of a cell: [`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell),
 /// [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell) and
-/// [`StreamOptions::of_workcell`](crate::program::StreamOptions::of_workcell) take them.
+/// [`StreamOptions::of_workcell`](crate::print_program::StreamOptions::of_workcell) take them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ControllerModel {

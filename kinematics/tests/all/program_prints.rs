@@ -4,10 +4,12 @@
 
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
+use curvlay_kinematics::print_program::{
+    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
+};
 use curvlay_kinematics::program::{
-    Goal, Move, PrintKnot, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, StreamLeg,
-    StreamOptions, TargetMotion, TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream,
-    print_targets, program_seconds, read_rapid, write_rapid, write_urscript,
+    Goal, Move, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, UrScriptOptions, UrScriptReader,
+    Zone, program_seconds, read_rapid, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::{
     AnyWorkcell, ArmGeometry, ControllerModel, EightAxisCell, Equipment, SixAxisCell, Workcell, WorkcellModel,

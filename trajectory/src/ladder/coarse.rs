@@ -15,8 +15,8 @@
 //! image next to it alone, so that they keep between the stops at no cost. A path that was found with a few samples at
 //! every waypoint is refined in the same way, by bands about it.
 
-use super::Plan;
 use super::nodes::{Kind, Window, nearest, wrapped};
+use super::paths::Plan;
 use super::search::{Path, Stuck, Windows};
 use crate::bounds::ON_STOP;
 use crate::robot::{FreeRange, Posture, Robot};

@@ -4,7 +4,7 @@
 //! `q` follows from them in closed form on its branch, so that the equation holds at every step. A step's quadratic
 //! program is the same in both: the joints that meet a linearised `x = f(q)` are those on the tangents `dq/dtheta`.
 
-use super::clear::{ClearOf, Clearances};
+use super::clearances::{ClearOf, Clearances};
 use super::program::{Row, least};
 use crate::Bounds;
 use crate::robot::{FreeRange, Posture, Robot};

@@ -7,60 +7,14 @@
 use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
 use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions};
-use super::plan::{Fault, FaultKind, PrintPlan, Run, Travel, sampled, seconds};
+use super::plan::{Arrival, Departure, Fault, FaultKind, PrintPlan, Run, Travel};
 use super::postures::samples_of;
 use super::travel::{arrive, depart, has_way, lifted};
 use crate::Progress;
-use crate::spline::Trajectory;
-use crate::transfer::Transfer;
 use crate::vectors::square;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{ControlFlow, Range};
-
-/// From home to a run.
-#[derive(Clone, Debug)]
-pub struct Arrival<const N: usize> {
-    /// From home to above the start of the run.
-    pub way: Transfer<N>,
-    /// Down to it.
-    pub approach: Trajectory<N>,
-}
-
-/// From a run home.
-#[derive(Clone, Debug)]
-pub struct Departure<const N: usize> {
-    /// Off the end of the run.
-    pub lift: Trajectory<N>,
-    /// Home.
-    pub way: Transfer<N>,
-}
-
-impl<const N: usize> Arrival<N> {
-    /// In seconds.
-    pub fn duration(&self) -> f64 {
-        self.way.duration() + seconds(&self.approach)
-    }
-
-    /// Postures by which it is followed in straight motions of the joints: the corners of the way, home first, and `count` along
-    /// the approach at even times, the last at its end.
-    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
-        self.way.corners().iter().copied().chain(sampled(&self.approach, count)).collect()
-    }
-}
-
-impl<const N: usize> Departure<N> {
-    /// In seconds.
-    pub fn duration(&self) -> f64 {
-        seconds(&self.lift) + self.way.duration()
-    }
-
-    /// Postures by which it is followed in straight motions of the joints: `count` along the lift at even times, the last at its
-    /// end, and the corners of the way home.
-    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
-        sampled(&self.lift, count).into_iter().chain(self.way.corners().iter().copied()).collect()
-    }
-}
 
 /// Heights of a home posture above the part, in millimetres, the one wanted most first.
 const ABOVE_MM: [f64; 6] = [100.0, 70.0, 50.0, 30.0, 15.0, 8.0];

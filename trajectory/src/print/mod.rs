@@ -34,9 +34,8 @@ mod ways;
 
 pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, PrintRobotFn, Waypoint};
 pub use course::path_deviations;
-pub use home::{Arrival, Departure};
 pub use legs::{Leg, LegKind};
 pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath, TipSpeed};
-pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
+pub use plan::{Arrival, Departure, Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
 pub use planner::{PrintPlanner, plan_print};
 pub use steered::Steered;

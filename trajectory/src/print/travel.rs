@@ -7,9 +7,8 @@
 
 use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
 use super::course::Task;
-use super::home::{Arrival, Departure};
 use super::options::TipSpeed;
-use super::plan::{Run, Travel};
+use super::plan::{Arrival, Departure, Run, Travel};
 use crate::transfer::{Transfer, TransferError, TransferOptions, plan_transfer};
 use crate::{Bounds, TimePathOptions, Trajectory, time_path};
 use nalgebra::Vector3;

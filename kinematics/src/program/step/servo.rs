@@ -1,6 +1,6 @@
 //! A timed trajectory as a stream of joints at the controller's own rate: [`resample`].
 
-use super::{Step, until_error};
+use super::data::{Step, until_error};
 use std::collections::VecDeque;
 
 /// A sample of a trajectory.

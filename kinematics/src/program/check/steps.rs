@@ -1,7 +1,8 @@
 //! What every writer asks of a step before it writes it.
 
-use super::{ExternalAxes, Goal, Move, Payload, Step, Zone};
+use crate::arm::Arm;
 use crate::limits::JointLimits;
+use crate::program::step::{ExternalAxes, Goal, Move, Payload, Step, Zone};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::io;
@@ -162,7 +163,7 @@ pub enum WriteError {
 }
 
 /// Positions, angles, speeds and times beyond this are no cell's: neither written nor read.
-pub(super) const LARGEST: f64 = 1e6;
+pub(crate) const LARGEST: f64 = 1e6;
 
 /// Quarter turns beyond this are no joint's: 250 whole turns.
 const QUARTERS: f64 = 1000.0;
@@ -171,7 +172,7 @@ const QUARTERS: f64 = 1000.0;
 const LAST_BRANCH: f64 = 7.0;
 
 /// Speeds, blends and times below this come out as zero, or nearly so, in some format.
-pub(super) const LEAST: f64 = 1e-3;
+pub(crate) const LEAST: f64 = 1e-3;
 
 /// How far the length of a quaternion may be from 1.
 const UNIT: f64 = 1e-9;
@@ -184,7 +185,7 @@ fn within(index: u64, what: &'static str, value: f64, least: f64, most: f64) -> 
 
 /// Follows the steps of a program.
 #[derive(Debug)]
-pub(super) struct Checker<'a> {
+pub(crate) struct Checker<'a> {
     limits: &'a ProgramLimits,
     index: u64,
     moves: u64,
@@ -301,12 +302,12 @@ impl<'a> Checker<'a> {
 }
 
 /// Whether an option is a number of the kind that is asked for.
-pub(super) fn check_option(what: &'static str, value: f64, fits: bool, need: &'static str) -> Result<(), WriteError> {
+pub(crate) fn check_option(what: &'static str, value: f64, fits: bool, need: &'static str) -> Result<(), WriteError> {
     if fits && value.is_finite() { Ok(()) } else { Err(WriteError::Option { what, value, need }) }
 }
 
 /// Whether the frame of an option is a pose that can be written.
-pub(super) fn check_frame(what: &'static str, pose: &nalgebra::Isometry3<f64>) -> Result<(), WriteError> {
+pub(crate) fn check_frame(what: &'static str, pose: &nalgebra::Isometry3<f64>) -> Result<(), WriteError> {
     let off = (pose.rotation.as_ref().norm() - 1.0).abs();
     check_option(what, off, off <= UNIT, "its quaternion must be of length 1")?;
     let far = farthest(&pose.translation.vector);
@@ -314,7 +315,7 @@ pub(super) fn check_frame(what: &'static str, pose: &nalgebra::Isometry3<f64>) -
 }
 
 /// Whether the mass of an option can be one: above 0 as it is written, its centre a place.
-pub(super) fn check_payload(what: [&'static str; 2], payload: &Payload) -> Result<(), WriteError> {
+pub(crate) fn check_payload(what: [&'static str; 2], payload: &Payload) -> Result<(), WriteError> {
     let mass = payload.mass_kg;
     check_option(what[0], mass, (1e-3..1e5).contains(&mass), "it must be from 0.001 kg to 1e5 kg")?;
     let far = farthest(&payload.centre.coords);
@@ -322,6 +323,23 @@ pub(super) fn check_payload(what: [&'static str; 2], payload: &Payload) -> Resul
 }
 
 /// The largest coordinate, by size; NaN if any is.
-pub(super) fn farthest(place: &Vector3<f64>) -> f64 {
+pub(crate) fn farthest(place: &Vector3<f64>) -> f64 {
     if place.iter().any(|x| x.is_nan()) { f64::NAN } else { place.amax() }
+}
+
+/// What splines may pass the limits by, so that a motion at its limit is not refused: radians, and a share of the speed.
+const SLACK: f64 = 2e-6;
+
+impl ProgramLimits {
+    /// The limits of an arm, passed by 2e-6 (radians, and of the speed as a share) at most, by which planned motions at their
+    /// limits may be off.
+    pub fn of_arm(arm: &Arm) -> Self {
+        let mut joints = *arm.limits();
+        for joint in 0..6 {
+            joints.lower[joint] -= SLACK;
+            joints.upper[joint] += SLACK;
+            joints.velocity[joint] *= 1.0 + SLACK;
+        }
+        ProgramLimits { joints, ..ProgramLimits::default() }
+    }
 }

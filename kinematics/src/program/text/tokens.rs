@@ -1,6 +1,6 @@
 //! Words and numbers on their way out of a file, with the place of each; memory is one line.
 
-use super::check::LARGEST;
+use crate::program::check::LARGEST;
 use std::io::{self, BufRead};
 
 /// Longest line that is read, in bytes: our lines have less than 400, and nobody's file may fill the memory.
@@ -80,7 +80,7 @@ pub enum ReadError {
 
 /// What stands in a file. Words and texts are places in the line that is being read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Token {
+pub(crate) enum Token {
     Word(usize, usize),
     Text(usize, usize),
     Number(f64),
@@ -121,7 +121,7 @@ fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
 
 /// Tokens of a file in which comments run from one character to the end of the line.
 #[derive(Debug)]
-pub(super) struct Tokens<R> {
+pub(crate) struct Tokens<R> {
     reader: R,
     comment: u8,
     line: Vec<u8>,

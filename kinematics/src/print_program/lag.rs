@@ -1,6 +1,6 @@
 //! Signals that come later, as the arm is behind its stream, or earlier, as the equipment is behind the arm.
 
-use super::Step;
+use crate::program::Step;
 use std::collections::VecDeque;
 
 /// Passes signals on after so many more steps of a stream. At the end the last posture is held until the last signal has come:

@@ -3,9 +3,10 @@
 //! The counterpart of [`print_on_dome`](super::print_on_dome), and a judge of it: it knows the rig and the arm, and nothing of the plan. Pass it the
 //! steps of a program that was read back.
 
-use super::seconds::Clock;
-use super::{DomeRig, Goal, Move, Step, Target};
+use super::rig::DomeRig;
 use crate::arm::Arm;
+use crate::program::check::Clock;
+use crate::program::{Goal, Move, Step, Target};
 use nalgebra::{Isometry3, Point3, Translation3};
 
 /// Pieces of a move in which the speed of the nozzle is taken: between two targets the flange goes straight and turns evenly, and the

@@ -1,6 +1,6 @@
 //! Names that a controller takes: form, length, and words that the language keeps for itself.
 
-use super::WriteError;
+use crate::program::check::WriteError;
 
 /// Words of the RAPID grammar (*RAPID Overview*, basic characteristics, reserved words), `TASK` included, which stands
 /// before declarations. Case does not count.
@@ -37,7 +37,7 @@ const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
 
 /// Which language a name is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Language {
+pub(crate) enum Language {
     Rapid,
     UrScript,
 }
@@ -64,7 +64,7 @@ fn is_numbered(name: &str) -> bool {
 }
 
 /// Letters, digits and `_`, a letter first, not too long.
-pub(super) fn check_form(what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
+pub(crate) fn check_form(what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
     let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if plain && name.len() <= most && name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         return Ok(());
@@ -74,7 +74,7 @@ pub(super) fn check_form(what: &'static str, name: &str, most: usize) -> Result<
 }
 
 /// Whether a controller takes a name of ours.
-pub(super) fn check_name(language: Language, what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
+pub(crate) fn check_name(language: Language, what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
     check_form(what, name, most)?;
     match kept(language, name) {
         None => Ok(()),
@@ -83,7 +83,7 @@ pub(super) fn check_name(language: Language, what: &'static str, name: &str, mos
 }
 
 /// Names that must all differ, whatever their case: RAPID has one table for modules, routines, data and signals.
-pub(super) fn check_distinct(names: &[(&'static str, &str)]) -> Result<(), WriteError> {
+pub(crate) fn check_distinct(names: &[(&'static str, &str)]) -> Result<(), WriteError> {
     for (k, &(what, name)) in names.iter().enumerate() {
         if let Some((other, _)) = names[..k].iter().find(|(_, before)| before.eq_ignore_ascii_case(name)) {
             let need = format!("`{other}` has the same name; RAPID wants two");

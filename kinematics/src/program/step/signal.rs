@@ -46,7 +46,7 @@ impl HeadSignal {
     ];
 
     /// Its number in [`HeadSignal::ALL`].
-    pub(super) fn number(self) -> usize {
+    pub(crate) fn number(self) -> usize {
         self as usize
     }
 
@@ -90,7 +90,7 @@ impl HeadInput {
     pub const ALL: [HeadInput; 3] = [HeadInput::ToolReady, HeadInput::Hot, HeadInput::Fed];
 
     /// Its number in [`HeadInput::ALL`].
-    pub(super) fn number(self) -> usize {
+    pub(crate) fn number(self) -> usize {
         self as usize
     }
 

@@ -4,7 +4,7 @@
 //! `angle / rad_s` (*RAPID Reference Manual*, `speeddata`). What a plan takes between the same waypoints is another time, since lines are
 //! merged and slow turns are written faster. Accelerations, blends, waits and the loading of modules are not counted.
 
-use super::{ExternalAxes, Goal, Move, Speed, Step};
+use crate::program::step::{ExternalAxes, Goal, Move, Speed, Step};
 use nalgebra::Isometry3;
 
 /// Pieces of a move by joints whose chords are added up: an arc of half a turn is 0.2 percent too short.
@@ -18,7 +18,7 @@ const PIECES: u32 = 16;
 ///
 /// # Arguments
 /// * `work_tool`: the pose of the tool in the work object, in mm, at joints of the arm and of the table; `None` where it is not known.
-///   [`RapidOptions::work_tool`](super::RapidOptions::work_tool) is one.
+///   [`RapidOptions::work_tool`](crate::program::RapidOptions::work_tool) is one.
 ///
 /// # Returns
 /// Seconds, 0 or more for steps that a writer takes.
@@ -50,7 +50,7 @@ pub fn program_seconds(
 
 /// Follows the steps of a program.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Clock {
+pub(crate) struct Clock {
     pub seconds: f64,
     place: Option<Isometry3<f64>>,
     joints: Option<([f64; 6], Option<ExternalAxes>)>,

@@ -5,7 +5,7 @@ const POWERS: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
 /// A line, or a few, not yet written.
 #[derive(Debug, Default)]
-pub(super) struct Text(pub Vec<u8>);
+pub(crate) struct Text(pub Vec<u8>);
 
 impl Text {
     pub fn word(&mut self, word: &str) -> &mut Self {

@@ -8,8 +8,10 @@
 //! the platform, while the flange, to which RAPID's speed refers, may hardly move ([`run_on_dome`](super::run_on_dome) verifies it from
 //! the program); the way to the next stroke is by joints.
 
-use super::{ConfData, DomeRig, Goal, Move, Speed, Step, Target, TurnError, TurnPath, Zone, choose_turns};
+use super::rig::DomeRig;
+use super::turns::{TurnError, TurnPath, choose_turns};
 use crate::arm::Arm;
+use crate::program::{ConfData, Goal, Move, Speed, Step, Target, Zone};
 use nalgebra::{Isometry3, Point3, UnitVector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;

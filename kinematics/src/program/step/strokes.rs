@@ -1,6 +1,7 @@
 //! The steps of a print: approach, extruder on, the stroke, extruder off, retract; stroke after stroke.
 
-use super::{Goal, Move, Speed, Step, Target, Zone};
+use super::data::{Goal, Move, Speed, Step, Zone};
+use crate::target::Target;
 use nalgebra::Translation3;
 
 /// How strokes are printed.
