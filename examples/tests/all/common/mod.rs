@@ -31,6 +31,13 @@ pub fn format_section(page: &str, example: &str) -> String {
     section.split("\n## ").next().unwrap().to_owned()
 }
 
+/// The Rust listings of a chapter of the guide, in their order.
+pub fn listings(chapter: &str) -> Vec<String> {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/guide");
+    let page = fs::read_to_string(guide.join(chapter)).unwrap();
+    page.split("```rust\n").skip(1).map(|rest| rest.split_once("```").unwrap().0.to_owned()).collect()
+}
+
 /// Boxes as OBJ.
 pub fn boxes_as_obj(boxes: &[[[i32; 3]; 2]]) -> String {
     let mut text = String::new();
