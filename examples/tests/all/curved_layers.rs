@@ -1795,7 +1795,7 @@ fn a_saved_field_must_be_one() {
     }
 }
 
-/// Bug: the version in the summary was 0.0.0, and the README asks to cite it.
+/// Bug: the version in the summary was 0.0.0, and the guide asks to cite it.
 #[test]
 fn the_version_is_that_of_the_crates() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
