@@ -46,8 +46,8 @@ pub struct Made {
 
 impl Made {
     /// Of the layers of an order.
-    pub fn of(layered: LayeredPart, support: Option<PartSupport>, rule: NozzleRule) -> Self {
-        let LayeredPart { growth, uniform, surfaces: layers, .. } = layered;
+    pub fn of(layered: LayeredPart, rule: NozzleRule) -> Self {
+        let LayeredPart { growth, uniform, surfaces: layers, support, .. } = layered;
         let mut aids = PrintAids { rule, nozzle: growth.nozzle, ..PrintAids::default() };
         if let Some(PartSupport { cells, gap, contact, .. }) = &support {
             (aids.support, aids.gap, aids.contact) = (cells.clone(), gap.clone(), contact.clone());

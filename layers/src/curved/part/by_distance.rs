@@ -3,9 +3,12 @@
 //! [`grow_by_distance`] or [`grow_directed`] orders what the nozzle that prints reaches that way. What is left is built after it by
 //! [`grow_with_nozzle`], in layers of its own; what is missed then gets support, and part and support are ordered together in the same way.
 
-use super::complete::{CompleteOptions, CompleteOrder, LayersBy, NozzleUse};
-use super::workpiece::{LayersError, Workpiece, begin};
+use super::error::{LayersError, begin};
+use super::options::{LayerOptions, LayersBy, NozzleUse};
+use super::order::PartOrder;
+use super::workpiece::Workpiece;
 use crate::Progress;
+use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::curved::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
 use crate::curved::buildable::standing::carried;
@@ -15,7 +18,6 @@ use crate::curved::nozzle::grow_with_nozzle;
 use crate::curved::strategy::Strategy;
 use crate::curved::support::{NoSupport, SupportError, SupportOptions, Supported, add_support, missed_bound};
 use crate::curved::surface::{LayerField, UniformError, UniformField, UniformMethod, jumps};
-use std::ops::ControlFlow;
 
 /// Rounds of support at most. Each solves field and reach anew, several times; what two do not carry are pits that no column gets to.
 const SUPPORT_ROUNDS: u32 = 2;
@@ -25,12 +27,11 @@ impl Workpiece<'_> {
     pub(crate) fn order_by_distance(
         &self,
         layers_by: LayersBy,
-        height_mm: f64,
-        options: &CompleteOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<CompleteOrder, LayersError> {
+        options: &LayerOptions,
+        progress: ProgressFn,
+    ) -> Result<PartOrder, LayersError> {
         let Workpiece { platform, rules, cell_mm, .. } = *self;
-        let touching = self.touching(height_mm, progress)?;
+        let touching = self.touching(self.height_mm(options), progress)?;
         // Cells of the part that hold support on the plate begin there as well.
         let given = if options.support.is_some() { self.guides.support } else { &[] };
         let ordered = |cells: &Cells| {
@@ -41,7 +42,7 @@ impl Workpiece<'_> {
             let base: Vec<u32> = carried(cells, platform, &rules).into_iter().filter(is_base).collect();
             match layers_by {
                 LayersBy::Directed => {
-                    let CompleteOptions { rule, directed, .. } = options;
+                    let LayerOptions { rule, directed, .. } = options;
                     let given = self.guides.directions;
                     grow_directed(cells, cell_mm, platform, &rules, Some(&base), rule, given, directed, progress)
                 }
@@ -83,7 +84,7 @@ impl Workpiece<'_> {
                 no_support = Some(NoSupport::NoHelp);
             }
         }
-        let mut order = CompleteOrder {
+        let mut order = PartOrder {
             layers_by,
             strategy: Strategy::Unbuild,
             growth,
@@ -92,9 +93,10 @@ impl Workpiece<'_> {
             missed_by_hull: Vec::new(),
             audit: AuditReport::default(),
             field: None,
+            layers: None,
         };
         let united = order.united(&self.cells)?;
-        let field = distance_layers(&united, &distances, &order.taken().order).map_err(UniformError::from)?;
+        let field = distance_layers(&united, &distances, &order.final_growth().order).map_err(UniformError::from)?;
         order.field = Some(field);
         order.audit = self.audited(&order, options, progress)?;
         Ok(order)
@@ -116,17 +118,17 @@ fn regrown(found: &mut Supported, cells: &Cells, grow_in: &GrowIn) -> Result<Lay
 }
 
 /// The field of an order by distance, or of a directed one, with its audit.
-pub(crate) fn by_distance(
+pub(super) fn field_by_distance(
     cells: &Cells,
     part: &Workpiece,
-    found: &CompleteOrder,
+    found: &PartOrder,
     field: &LayerField,
     judged: &JudgedByNozzle,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<UniformField, UniformError> {
     let Workpiece { platform, rules, .. } = part;
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
-    let (order, growth) = (field.order(), found.taken());
+    let (order, growth) = (field.order(), found.final_growth());
     let audit = if order == growth.order {
         // What was audited before.
         found.audit.clone()
