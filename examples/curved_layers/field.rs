@@ -37,7 +37,7 @@ pub struct FieldOptions {
 }
 
 /// Cells that a part gets unless the user says. With more of them layers wait for each other at more places: a hollow bunny of 92 mm has
-/// eight times the curves with a million (docs/decisions.md). With fewer cells, thin walls get none.
+/// eight times the curves with a million (docs/decisions/02-voxels.md). With fewer cells, thin walls get none.
 const CELLS: u64 = 100_000;
 
 /// Large parts get more, so that cells are no higher than this many layers: contours take layers down to a fifth of a cell.

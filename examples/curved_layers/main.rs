@@ -6,7 +6,7 @@
 //! cargo run --release --example curved_layers -- part.stl --layer-height 0.3 --bead 0.5
 //! cargo run --release --example curved_layers -- part.stl --voxels 100000   # for research: layers and beads as the cells
 //! ```
-//! Without a mesh it takes a jug made in code. `--help` lists the options, the README the files that it writes.
+//! Without a mesh it takes a jug made in code. `--help` lists the options, `docs/formats` the files that it writes.
 
 mod arguments;
 mod choice;
@@ -93,7 +93,7 @@ struct Args {
     /// what beads hold
     #[arg(long = "max-overhang", value_name = "DEGREES", value_parser = overhang, allow_negative_numbers = true, conflicts_with_all = ["base", "directions"], conflicts_with_all = SEARCHED_ORDER, help_heading = CELLS)]
     max_overhang_deg: Option<f64>,
-    /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
+    /// Settings of a printer, a JSON file (docs/formats/profiles.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     profile: Option<PathBuf>,
     /// The last stage to run
