@@ -8,7 +8,7 @@ mod picked;
 use crate::common;
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Output;
 
 /// Runs the example.

@@ -44,7 +44,8 @@ pub struct SurfaceCrossings {
 /// ```
 /// use curvlay_layers::trim::count_crossings;
 /// use curvlay_layers::nalgebra::Point3;
-/// /// let level = [[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [0.0, 4.0, 1.0]].map(Point3::from);
+/// use std::ops::ControlFlow;
+/// let level = [[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [0.0, 4.0, 1.0]].map(Point3::from);
 /// let leaning = [[1.0, 1.0, 0.5], [6.0, 1.0, 3.0], [1.0, 6.0, 3.0]].map(Point3::from);
 /// let surfaces = [(&level[..], &[[0, 1, 2]][..]), (&leaning[..], &[[0, 1, 2]][..])];
 /// let found = count_crossings(&surfaces, &|_| ControlFlow::Continue(()))?;

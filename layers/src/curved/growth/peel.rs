@@ -80,7 +80,8 @@ impl SheetField {
 /// ```
 /// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::curved::{Platform, Rules, peel};
-/// /// let rows = [0b11111; 5];
+/// use std::ops::ControlFlow;
+/// let rows = [0b11111; 5];
 /// let cells = Cells::new([5, 1, 5], &rows)?;
 /// let platform = Platform::under(&cells, 30.0)?;
 /// let field = peel(&cells, &platform, &Rules::default(), &|_| ControlFlow::Continue(()))?;

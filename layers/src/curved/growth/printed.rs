@@ -47,7 +47,8 @@ use std::collections::BTreeSet;
 /// ```
 /// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::curved::{Platform, Prevention, Rules, grow_as_printed, peel};
-/// /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
+/// use std::ops::ControlFlow;
+/// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
 /// let cells = Cells::new([5, 1, 5], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 10.0)?, Rules::default());
 /// let go = |_| ControlFlow::Continue(());
