@@ -19,8 +19,9 @@
 
 use super::built::{after, before, built, touched};
 use super::deepest::{Contact, Scene, Stand};
+use super::error::GougingError;
 use super::nozzle::Nozzle;
-use super::{GougingError, GougingOptions};
+use super::options::GougingOptions;
 use crate::Progress;
 use crate::layer::{Keys, LayerStack};
 use crate::orientation::{Pose, farthest, lean};

@@ -17,8 +17,10 @@
 use super::along::{FreedPath, tilted};
 use super::built::{Laid, built, touched};
 use super::deepest::Scene;
+use super::error::GougingError;
+use super::gouge::{Gouge, LeftOut};
 use super::nozzle::Nozzle;
-use super::{Gouge, GougingError, GougingOptions, LeftOut};
+use super::options::GougingOptions;
 use crate::Progress;
 use crate::layer::LayerStack;
 use crate::orientation::ToolPath;

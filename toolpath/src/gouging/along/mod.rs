@@ -24,8 +24,9 @@ mod turns;
 
 use super::built::{after, before};
 use super::deepest::{Contact, Scene, Stand};
+use super::gouge::Gouge;
+use super::options::GougingOptions;
 use super::tilt::Points;
-use super::{Gouge, GougingOptions};
 use crate::layer::DirectionHints;
 use crate::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3, Vector3};
