@@ -7,10 +7,11 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
-use curvlay_layers::curved::{Cells, Guides, LayeredPart, Platform, Rules, Workpiece};
+use curvlay_layers::cells::Cells;
+use curvlay_layers::curved::{Guides, LayerOptions, LayeredPart, Platform, Rules, Workpiece, layer_normal};
 use curvlay_layers::elastic::{
-    Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, layer_normal, load_factor,
-    plies, solve_composite, solve_elastic, stress_matrix,
+    Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, load_factor, plies,
+    solve_composite, solve_elastic, stress_matrix,
 };
 use curvlay_toolpath::fiber::direction::DirectionField;
 use curvlay_toolpath::fiber::head::LayerTapes;
@@ -239,9 +240,9 @@ impl PartLayers {
         let mesh = &part.mesh;
         let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
         let volume_mm3 = inspect(&mesh.vertices, &mesh.triangles)?.volume_mm3();
-        let height_mm = args.layer_height_mm.unwrap_or(solid.grid.cell_mm());
+        let options = LayerOptions { height_mm: args.layer_height_mm, ..LayerOptions::hull_rule() };
         let layered = in_workpiece(part, &solid, volume_mm3, |workpiece| {
-            Ok(workpiece.layers(None, height_mm, &|p| bars.show(p.stage, p.done, p.total))?)
+            Ok(workpiece.layers(&options, &|p| bars.show(p.stage, p.done, p.total))?)
         })?;
         Ok(PartLayers { solid, layered, volume_mm3 })
     }

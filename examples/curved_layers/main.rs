@@ -18,6 +18,7 @@ mod guide;
 mod machine;
 mod motion;
 mod mould;
+mod order;
 mod outputs;
 mod paths;
 mod ranges;
@@ -40,9 +41,9 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::settings::{self, BEAD_MM, LAYER_HEIGHT_MM, NOZZLE, PLATFORM_DIAMETER_MM, Settings};
 use curvlay_examples::shapes::{jug, small_jug};
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_layers::curved::Rules;
 use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
+use curvlay_layers::curved::{LayerOptions, Rules};
 use curvlay_toolpath::deposit::DepositionOptions;
 use curvlay_toolpath::gouging::Nozzle;
 use curvlay_toolpath::path::{PathOptions, Pattern};
@@ -314,7 +315,8 @@ impl Args {
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
-        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
+        let layers = LayerOptions { strategy, height_mm, ..complete };
+        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, layers }
     }
 
     /// Turns the part into its best pose.

@@ -4,13 +4,13 @@
 //! for points in space in which parts they are, and slices every part into layers: each must lie on the one below or on earlier parts,
 //! but for what the self-support angle lets it lean out.
 
+use super::audited::AuditedPart;
 use super::contacts::contacts;
 use super::error::RoboFdmError;
 use super::head::Head;
-use crate::Progress;
 use crate::planar::{CutPlane, PlaneFrame, Region, Solid, slice};
-use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
+use crate::{Progress, ProgressFn};
+use nalgebra::Point3;
 
 /// How parts are checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,17 +42,6 @@ impl Default for AuditOptions {
             head: None,
         }
     }
-}
-
-/// A part to be checked: its mesh, the direction in which it is printed, and whether it stands on the platform.
-#[derive(Clone, Copy, Debug)]
-pub struct AuditedPart<'a> {
-    /// Its closed mesh.
-    pub solid: &'a Solid,
-    /// The direction in which it is printed.
-    pub direction: Vector3<f64>,
-    /// Whether its lowest layer lies on the platform.
-    pub on_platform: bool,
 }
 
 /// What a check found.
@@ -115,8 +104,7 @@ const SHIFTS: [f64; 3] = [0.414_213_562, 0.618_033_988, 0.732_050_807];
 /// use curvlay_layers::nalgebra::{Point3, Vector3};
 /// use curvlay_layers::planar::Solid;
 /// use curvlay_layers::planar::robofdm::{AuditOptions, AuditedPart, audit_parts};
-/// use std::ops::ControlFlow;
-/// let points: Vec<_> = (0..8).map(|i| Point3::new(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1) * 4.0, f64::from(i >> 2) * 40.0)).collect();
+/// /// let points: Vec<_> = (0..8).map(|i| Point3::new(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1) * 4.0, f64::from(i >> 2) * 40.0)).collect();
 /// let faces = [
 ///     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
 ///     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
@@ -131,7 +119,7 @@ pub fn audit_parts(
     solid: &Solid,
     parts: &[AuditedPart],
     options: &AuditOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<PartsAudit, RoboFdmError> {
     options.check()?;
     let Some(first) = parts.first() else { return Err(RoboFdmError::Empty) };
