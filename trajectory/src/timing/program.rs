@@ -64,7 +64,7 @@ struct Fields {
 }
 
 pub(super) struct Program {
-    /// Widths of the cells; the first and the last join an unknown with itself.
+    /// Widths of the segments; the first and the last join an unknown with itself.
     pub widths: Vec<f64>,
     pub upper: Vec<f64>,
     pub rows: Vec<Row>,
@@ -79,15 +79,15 @@ impl Program {
         Program { widths, upper: one.clone(), rows, x: one.clone(), upper_multipliers: one, near: Vec::new() }
     }
 
-    /// The unknowns of a cell.
-    fn ends(&self, cell: usize) -> (usize, usize) {
+    /// The unknowns of a segment.
+    fn ends(&self, segment: usize) -> (usize, usize) {
         let last = self.x.len() - 1;
-        (cell.saturating_sub(1), cell.min(last))
+        (segment.saturating_sub(1), segment.min(last))
     }
 
     pub fn time(&self) -> f64 {
-        let of = |(cell, width): (usize, &f64)| {
-            let (a, b) = self.ends(cell);
+        let of = |(segment, width): (usize, &f64)| {
+            let (a, b) = self.ends(segment);
             2.0 * width / (self.x[a].sqrt() + self.x[b].sqrt())
         };
         self.widths.iter().enumerate().map(of).sum()
@@ -117,15 +117,15 @@ impl Program {
 
     /// Starts from the solution on a coarser grid.
     pub fn start_like(&mut self, coarse: &Program) {
-        let (mut cell, mut begin, mut sigma) = (0, 0.0, 0.0);
+        let (mut segment, mut begin, mut sigma) = (0, 0.0, 0.0);
         for k in 0..self.x.len() {
             sigma += self.widths[k];
-            while cell + 1 < coarse.widths.len() && begin + coarse.widths[cell] < sigma {
-                begin += coarse.widths[cell];
-                cell += 1;
+            while segment + 1 < coarse.widths.len() && begin + coarse.widths[segment] < sigma {
+                begin += coarse.widths[segment];
+                segment += 1;
             }
-            let (from, to) = coarse.ends(cell);
-            let share = ((sigma - begin) / coarse.widths[cell]).min(1.0);
+            let (from, to) = coarse.ends(segment);
+            let share = ((sigma - begin) / coarse.widths[segment]).min(1.0);
             self.x[k] = ((1.0 - share) * coarse.x[from] + share * coarse.x[to]).min(0.9 * self.upper[k]);
         }
         // A constant more leaves second differences and allows more of them.
@@ -342,11 +342,11 @@ impl Program {
         band.fill([0.0; 3]);
         gradient.fill(0.0);
         let mut time = 0.0;
-        for (cell, &width) in self.widths.iter().enumerate() {
-            let (i, j) = self.ends(cell);
+        for (segment, &width) in self.widths.iter().enumerate() {
+            let (i, j) = self.ends(segment);
             let (u, v) = (self.x[i].sqrt(), self.x[j].sqrt());
             if i == j {
-                // The two equal ends of an outermost cell.
+                // The two equal ends of an outermost segment.
                 time += width / u;
                 gradient[i] -= 0.5 * width / (u * self.x[i]);
                 band[i][0] += 0.75 * width / (u * self.x[i] * self.x[i]);
