@@ -38,6 +38,7 @@ mod positioner;
 pub mod print_program;
 pub mod program;
 mod progress;
+mod random;
 pub mod scene;
 mod setup;
 pub mod stewart;

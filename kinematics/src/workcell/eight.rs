@@ -4,12 +4,13 @@ use super::check::{Table, WorkcellError};
 use super::equipment::Equipment;
 use super::model::Held;
 use super::{ControllerPose, Following, FreeRange, Stance, Workcell};
+use crate::angle::short_way;
 use crate::arm::{ANGLE_TOLERANCE, Branch, POSITION_TOLERANCE};
 use crate::limits::JointLimits;
 use crate::scene;
 use crate::setup::{Setup, TableSetup, Waypoint, nozzle_frame};
 use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// An arm with the nozzle in its hand over a table that carries the part. Free are the tilt and the turn of the table; the
 /// table's joints are the last two of eight.
@@ -81,7 +82,7 @@ impl EightAxisWorkcell {
     /// The table and the setup with it, tilted and turned as said. The turn may have come round.
     fn turned(&self, tilt: f64, turn: f64) -> Option<([f64; 2], Setup)> {
         let turn = match self.free[1] {
-            FreeRange::Turn => turn - TAU * (turn / TAU).round(),
+            FreeRange::Turn => short_way(turn),
             FreeRange::Within(..) => turn,
         };
         let table = [tilt, turn];

@@ -7,6 +7,7 @@
 
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath};
 use super::workcell::{Clearance, Moment, OnPath, PrintRobot, PrintWorkcell, Waypoint};
+use crate::angle::nearest_image;
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, FlowLimits, LadderNode, TimePathError, TimePathStatus, Trajectory, time_path};
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector3};
@@ -299,7 +300,7 @@ fn nearest<const N: usize, const F: usize>(
     let mut best: Option<LadderNode<N, F>> = None;
     for _ in 0..MAX_STEPS {
         let Some(Posture { joints, rates }) = robot.posture(0, &free, branch) else { break };
-        let joints = std::array::from_fn(|j| joints[j] + TAU * ((near[j] - joints[j]) / TAU).round());
+        let joints = std::array::from_fn(|j| nearest_image(joints[j], near[j]));
         let node = LadderNode { joints, free, branch };
         if best.is_some_and(|best| apart(&node, near) >= apart(&best, near)) {
             break;

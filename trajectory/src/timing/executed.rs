@@ -31,9 +31,9 @@ const WARM: f64 = 0.02;
 /// rough path of seven joints took 0.8 % more than the program (and `NEAR` at 0.6), with 12 it took 0.1 %.
 const AROUND: usize = 12;
 
-/// How often they are, and the excess that is left to the uniform stretch.
+/// How often they are, and the excess that is left to the uniform stretch: a duration grows by at most this share for it.
 const LOCAL_STRETCHES: usize = 6;
-const ROUNDING: f64 = 1e-5;
+const MAX_EXCESS: f64 = 1e-5;
 
 /// How often the stretched spline is checked again: rounding is all that is left after the first time.
 const STRETCHES: usize = 8;
@@ -206,7 +206,7 @@ fn stretch<const N: usize>(
         if whole * this.times[last] < best.0 {
             best = (whole * this.times[last], this.times.iter().map(|time| time * whole).collect());
         }
-        if whole <= 1.0 + ROUNDING {
+        if whole <= 1.0 + MAX_EXCESS {
             break;
         }
         spline = Some(Spline::new(this.stretched(&excess), inner)?);

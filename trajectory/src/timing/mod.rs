@@ -18,7 +18,6 @@
 
 mod curve;
 mod executed;
-mod factors;
 mod free;
 mod limits;
 mod local;

@@ -8,9 +8,9 @@
 //! never leaves the rows, and every iterate is a timing. A row has three neighbouring unknowns: the Newton matrix is
 //! pentadiagonal, and a round costs linear time.
 
-use super::factors::Factors;
 use super::local::{RADIUS, smooth_minimum, window_sums};
 use super::row::{Near, Row};
+use crate::banded::Pentadiagonal;
 
 /// How near to the boundary a step may come.
 const FRACTION: f64 = 0.98;
@@ -219,7 +219,7 @@ impl Program {
     /// Iterates until the gap is below `tolerance` of the value, from unknowns within all rows.
     pub fn solve(&mut self, tolerance: f64, limit: usize, stop: &mut dyn FnMut() -> bool) -> Outcome {
         let n = self.x.len();
-        let mut factors = Factors { band: vec![[0.0; 3]; n] };
+        let mut factors = Pentadiagonal { band: vec![[0.0; 3]; n] };
         let (mut gradient, mut predicted, mut right) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut upper_step = vec![0.0; n];
         let mut fields = Fields::new(n);
