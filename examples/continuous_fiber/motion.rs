@@ -20,8 +20,9 @@ use curvlay_kinematics::program::{
     Goal, HeadInput, HeadSignal, Move, Speed, Step, TimedSignal, UrScriptOptions, Zone, write_urscript,
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisWorkcell, Workcell};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
+use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::gcode::Tool;
-use curvlay_toolpath::surface::{LayerTapes, Tape, TapeHead};
 use curvlay_trajectory::print::{
     Clearance, Fault, LegKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintWorkcell, Run,
     Steered, Waypoint, plan_print,

@@ -1,8 +1,7 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
 
 use super::arcs::ArcTest;
-use super::layer::LoadedLayer;
-use super::layer::Solved;
+use super::layer::{LoadedLayer, Solved};
 use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, Predictions, deflection_mm};
 use super::tapes::Planned;
 use super::{Args, Run, drawing, part_outputs};
@@ -12,8 +11,9 @@ use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_toolpath::fiber::head::LayerTapes;
+use curvlay_toolpath::fiber::tapes::{Tape, TapePlan};
 use curvlay_toolpath::gcode::{Move, Tool, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{LayerTapes, Tape, TapePlan};
 use std::io::{self, Write};
 use std::time::Instant;
 

@@ -20,7 +20,11 @@ use curvlay_kinematics::program::{
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisWorkcell, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
-use curvlay_toolpath::surface::{FilledLayers, GougingOptions, LayerSurface, LayerTapes, Nozzle, PrintPlan, TapeHead};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
+use curvlay_toolpath::fill::FilledLayers;
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::plan::PrintPlan;
 use curvlay_trajectory::print::{self, Fault, LegKind, PrintLimits, PrintOptions, plan_print};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io;

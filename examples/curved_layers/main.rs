@@ -6,7 +6,7 @@
 //! cargo run --release --example curved_layers -- part.stl --layer-height 0.3 --bead 0.5
 //! cargo run --release --example curved_layers -- part.stl --voxels 100000   # for research: layers and beads as the cells
 //! ```
-//! Without a mesh it takes a jug made in code. `--help` lists the options, the README the files that it writes.
+//! Without a mesh it takes a jug made in code. `--help` lists the options, `docs/formats` the files that it writes.
 
 mod arguments;
 mod choice;
@@ -18,6 +18,7 @@ mod guide;
 mod machine;
 mod motion;
 mod mould;
+mod order;
 mod outputs;
 mod paths;
 mod ranges;
@@ -40,10 +41,14 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::settings::{self, BEAD_MM, LAYER_HEIGHT_MM, NOZZLE, PLATFORM_DIAMETER_MM, Settings};
 use curvlay_examples::shapes::{jug, small_jug};
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_layers::curved::Rules;
 use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
-use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, Pattern, PrintOptions, SupportOptions};
+use curvlay_layers::curved::{LayerOptions, Rules};
+use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::path::{PathOptions, Pattern};
+use curvlay_toolpath::plan::PrintOptions;
+use curvlay_toolpath::support::SupportOptions;
 use curvlay_voxel::inspect::thinner_than;
 use estimate::Memory;
 use field::{FieldOptions, FieldRun, Given};
@@ -88,7 +93,7 @@ struct Args {
     /// what beads hold
     #[arg(long = "max-overhang", value_name = "DEGREES", value_parser = overhang, allow_negative_numbers = true, conflicts_with_all = ["base", "directions"], conflicts_with_all = SEARCHED_ORDER, help_heading = CELLS)]
     max_overhang_deg: Option<f64>,
-    /// Settings of a printer, a JSON file (docs/formats.md; three in examples/profiles); options that are typed win
+    /// Settings of a printer, a JSON file (docs/formats/profiles.md; three in examples/profiles); options that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     profile: Option<PathBuf>,
     /// The last stage to run
@@ -310,7 +315,8 @@ impl Args {
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
-        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
+        let layers = LayerOptions { strategy, height_mm, ..complete };
+        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, layers }
     }
 
     /// Turns the part into its best pose.

@@ -6,10 +6,11 @@
 use crate::args::{Failure, above_zero, celsius, from_zero, share};
 use crate::input;
 use clap::{Args, ValueEnum};
+use curvlay_toolpath::deposit::DepositionOptions;
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{
-    DepositionOptions, GougingOptions, InfillOptions, InfillPattern, Nozzle, TravelOptions,
-};
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
+use curvlay_toolpath::path::{InfillOptions, InfillPattern};
+use curvlay_toolpath::travel::TravelOptions;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

@@ -46,10 +46,9 @@ mod target;
 mod trig;
 pub mod workcell;
 
-pub use arm::robots;
 pub use arm::{
     ANGLE_TOLERANCE, Arm, ArmDeviation, ArmError, ArmModel, Branch, DhTable, Elbow, Geometry, OrthoLengths,
-    POSITION_TOLERANCE, Rates, SAME, Shoulder, Solutions, Wrist,
+    POSITION_TOLERANCE, Rates, SAME, Shoulder, Solutions, Wrist, robots,
 };
 pub use calibration::{
     ArmFit, ArmParameter, Calibration, CalibrationError, FitError, FitOptions, FitResiduals, FitScope, FittedParameter,

@@ -27,7 +27,7 @@ use curvlay_kinematics::workcell::{
 };
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::surface::{GougingOptions, Nozzle};
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan, TipSpeed, Waypoint, plan_print};
@@ -55,7 +55,7 @@ pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
     #[arg(long, conflicts_with = "workcell")]
     pub cell8: bool,
-    /// Plans the motion in the workcell of a JSON file; docs/formats.md describes it, examples/cells has three
+    /// Plans the motion in the workcell of a JSON file; kinematics/docs/workcells.md describes it, examples/cells has three
     #[arg(long, value_name = "FILE")]
     pub workcell: Option<PathBuf>,
     /// The robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with a
@@ -143,7 +143,7 @@ impl MotionArgs {
         let file = self.workcell.as_ref().map_or_else(String::new, |file| format!("{}: ", file.display()));
         Err(failure(format!(
             "{file}arm: the bodies of its links are not known, so no motion can be proven free of collisions; give `arm.bodies` \
-             (docs/formats.md), or --no-links to plan without"
+             (kinematics/docs/workcells.md), or --no-links to plan without"
         )))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.5: a UR3 that holds the part under a
 //! fixed nozzle, and an arm with the nozzle over a table that tilts and turns. Here these are two files, and a workcell of your
-//! own is a third one: see [`WorkcellModel`], and `docs/formats.md` for the JSON file (cargo feature `serde`).
+//! own is a third one: see [`WorkcellModel`], and [below](#workcells) for the JSON file (cargo feature `serde`).
 //!
 //! [`AnyWorkcell::new`] checks the numbers of a model. What comes out answers all that planners of motions ask of a robot:
 //! [`Workcell`]. There are two kinds, which differ in the number of their joints `N` and of the parameters `F` that a
@@ -57,6 +57,8 @@
 //! assert!(free > 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+#![doc = include_str!("../../docs/workcells.md")]
 
 mod check;
 mod eight;
@@ -226,7 +228,7 @@ impl AnyWorkcell {
     /// # Example
     /// ```
     /// use curvlay_kinematics::nalgebra::Point3;
-    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, LinkMeshModel, FrameModel, WorkcellModel};
+    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, FrameModel, LinkMeshModel, WorkcellModel};
     /// # #[cfg(feature = "serde")] {
     /// let mut model = WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes())?;
     /// let mesh = |link| LinkMeshModel { link, file: "link.stl".into(), unit_mm: 1000.0, frame: FrameModel::default() };
@@ -247,7 +249,7 @@ impl AnyWorkcell {
         })
     }
 
-    /// Reads a workcell from a JSON file, as `docs/formats.md` describes it, and checks it.
+    /// Reads a workcell from a JSON file, as the [module](crate::workcell) describes it, and checks it.
     ///
     /// # Errors
     /// [`WorkcellFileError`] names line and column, or the field.

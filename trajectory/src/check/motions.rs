@@ -4,8 +4,7 @@ use super::curve::Curve;
 use super::data::{CheckedMotion, MotionKind, PathPoint};
 use super::error::CheckError;
 use super::options::CheckOptions;
-use super::report::Findings;
-use super::report::{MotionReport, PrintReport};
+use super::report::{Findings, MotionReport, PrintReport};
 use super::scene::PrintScene;
 use super::{limits, samples};
 use crate::{Bounds, Progress};
@@ -30,8 +29,7 @@ use std::ops::ControlFlow;
 /// # Example
 /// ```
 /// use curvlay_trajectory::Bounds;
-/// use curvlay_trajectory::check::{CheckOptions, CheckedMotion, Contact, Moment, MotionKind, PathPoint};
-/// use curvlay_trajectory::check::{FindingKind, PrintSceneFn, check_print};
+/// use curvlay_trajectory::check::{CheckOptions, CheckedMotion, Contact, FindingKind, Moment, MotionKind, PathPoint, PrintSceneFn, check_print};
 /// use curvlay_trajectory::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 /// use std::ops::ControlFlow;
 ///

@@ -1,9 +1,8 @@
 //! A whole RAPID module in memory: declarations and procedures.
 
 use super::data::Data;
-use super::instruction;
 use super::op::Op;
-use super::{RapidTool, RapidWorkObject};
+use super::{RapidTool, RapidWorkObject, instruction};
 use crate::program::ReadError;
 use crate::program::text::tokens::{Token, Tokens};
 use std::io::BufRead;

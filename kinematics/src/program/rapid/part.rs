@@ -1,10 +1,9 @@
 //! A RAPID module with one procedure, read step by step.
 
-use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
-use super::instruction;
 use super::main::{end, head, next_procedure};
 use super::op::Op;
+use super::{RapidAcceleration, instruction};
 use crate::program::text::tokens::Tokens;
 use crate::program::{ReadError, Step, step::until_error};
 use std::io::BufRead;

@@ -2,7 +2,7 @@
 //!
 //! A module declares its triggers as `triggdata` and sets each up before its first use; that of the filament anew for each speed, since `TriggL` takes
 //! a copy with it: `triggdata` of a procedure may end before the tool is there. `TriggSpeed`, which multiplies the tip's actual speed, is not
-//! used: it knows analog outputs only, and has no filament for a tool that turns on the spot. `docs/decisions/servo.md` has what is not tried.
+//! used: it knows analog outputs only, and has no filament for a tool that turns on the spot. The repository's `docs/decisions/23-robot-programs.md` lists what is not tried.
 
 use super::{FILAMENT, FilamentOutput, LAG, RapidOptions, RapidSwitching, TRIGGERS};
 use crate::program::Step;

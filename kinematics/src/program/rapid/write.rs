@@ -6,8 +6,7 @@ use super::{
     ACCELERATION, DEGREES, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidAcceleration,
     RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
-use crate::program::check::Checker;
-use crate::program::check::Clock;
+use crate::program::check::{Checker, Clock};
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadInput, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,

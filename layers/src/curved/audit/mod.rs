@@ -17,14 +17,14 @@ mod wrap;
 pub use impossible::{ProofError, check_impossible};
 pub use nozzle::JudgedByNozzle;
 
-use super::{Cells, LayerOrder, Neighbours, NozzleRuleError, Platform, Rules, RulesError};
-use crate::Progress;
+use super::{Neighbours, NozzleRuleError, Platform, Rules, RulesError};
+use crate::cells::{Cells, LayerOrder};
+use crate::{Progress, ProgressFn};
 use body::Body;
 use depth::{Depths, Question};
 use nozzle::{Meets, Obstructions};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
-use std::ops::ControlFlow;
 
 /// Faults of each kind that are listed one by one; the rest are only counted. More would tell a reader nothing new,
 /// and for each cell inside the hull that is listed its depth is worked out, which is slow.
@@ -273,7 +273,8 @@ pub enum AuditError {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Fault, LayerOrder, Platform, Rules, audit};
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{Fault, Platform, Rules, audit};
 /// use std::ops::ControlFlow;
 /// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
 /// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
@@ -290,7 +291,7 @@ pub fn audit(
     rules: &Rules,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     audit_any(cells, platform, rules, None, order, missed, progress)
 }
@@ -307,9 +308,8 @@ pub fn audit(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{
-///     Cells, Fault, JudgedByNozzle, LayerOrder, NozzleCell, NozzleRule, Platform, Rules, audit_with_nozzle,
-/// };
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{Fault, JudgedByNozzle, NozzleCell, NozzleRule, Platform, Rules, audit_with_nozzle};
 /// use curvlay_layers::nalgebra::Vector3;
 /// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
 /// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
@@ -329,7 +329,7 @@ pub fn audit_with_nozzle(
     judged: &JudgedByNozzle,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     audit_any(cells, platform, rules, Some(judged), order, missed, progress)
 }
@@ -341,7 +341,7 @@ fn audit_any(
     judged: Option<&JudgedByNozzle>,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     rules.check(cells, platform)?;
     if let Some(judged) = judged {

@@ -16,25 +16,24 @@
 //!   with the least number.
 //! * The step of the threshold is one sheet.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::peel::SheetField;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::standing::standing;
 use super::front::{Front, Protected};
+use super::grow::check;
+use super::peel::SheetField;
 use super::prevention::{self, Selection};
-use super::{Growth, GrowthError, GrowthStatistics, Prevention, check};
-use crate::Progress;
+use super::{Growth, GrowthError, GrowthStatistics, Prevention};
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::standing;
+use crate::{Progress, ProgressFn};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 
 /// Grows an order of the cells by Algorithm 5 of Dai 2020 as it is printed, to compare [`grow`](super::grow()) with.
 ///
 /// # Arguments
 /// * `prevention`: [`Prevention::Adaptive`] for Algorithm 3, which line 20 names, [`Prevention::Incremental`] for Algorithm 2,
 ///   [`Prevention::None`] for none. [`Prevention::FewerThanAll`] and [`Prevention::FewerThan`] are those of another work, and refused.
-/// * `governor`: the field `F-bar`; by the letter that of [`peel`](super::super::peel()). A field of one value gives
+/// * `governor`: the field `F-bar`; by the letter that of [`peel`](super::peel()). A field of one value gives
 ///   Algorithm 1 with prevention, without a governor.
 /// * `progress`: called with the stage `grow` and the number of cells built after each layer; may cancel.
 ///
@@ -46,7 +45,8 @@ use std::ops::ControlFlow;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Prevention, Rules, grow_as_printed, peel};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Prevention, Rules, grow_as_printed, peel};
 /// use std::ops::ControlFlow;
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
 /// let cells = Cells::new([5, 1, 5], &rows)?;
@@ -63,7 +63,7 @@ pub fn grow_as_printed(
     rules: &Rules,
     prevention: Prevention,
     governor: &SheetField,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Growth, GrowthError> {
     check(cells, platform, rules, Some(governor))?;
     if matches!(prevention, Prevention::FewerThanAll | Prevention::FewerThan(_)) {

@@ -16,17 +16,15 @@
 mod forced;
 mod search;
 
-use super::bits::CellSet;
-use super::cells::Cells;
 use super::growth::GrowthError;
-use super::platform::Platform;
-use super::rules::Rules;
-use super::standing::{joined, standing};
-use crate::Progress;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::{joined, standing};
+use crate::{Progress, ProgressFn};
 use forced::forced_cells;
 use search::{Found, Search};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// Proofs after which the cells are looked for to which no chain leads any more. That costs one pass over all cells.
 const PROOFS_PER_PASS: usize = 32;
@@ -62,7 +60,8 @@ pub struct Impossible {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Rules, check_impossible, prove_impossible};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Rules, check_impossible, prove_impossible};
 /// use std::ops::ControlFlow::Continue;
 /// // A mast of 9 cells with an arm at its top, from the end of which 3 cells hang down.
 /// let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);
@@ -83,7 +82,7 @@ pub fn prove_impossible(
     platform: &Platform,
     rules: &Rules,
     asked: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Impossible>, GrowthError> {
     rules.check(cells, platform)?;
     if asked.is_empty() {

@@ -16,13 +16,11 @@
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
-use super::slices::SurfaceSlices;
 use super::tree::Tree;
-use super::{Report, in_parallel_watched};
-use crate::Progress;
-use crate::curved::trim::Trimmer;
+use crate::ProgressFn;
+use crate::parallel::in_parallel_watched;
+use crate::trim::{SurfaceSlices, Trimmer};
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// How far a neighbour may be, in layer heights. Spacing of hop counts goes up to twice its mean where a front
 /// sweeps round a corner; a ray that goes farther has left the part, and finds another branch of it.
@@ -157,7 +155,7 @@ struct Found {
 pub fn measure_spacing(
     surfaces: &[SurfaceSlices],
     height_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
     measure(surfaces, None, height_mm, progress)
 }
@@ -175,7 +173,8 @@ pub fn measure_spacing(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{surface::measure_spacing_within, trim::Trimmer};
+/// use curvlay_layers::curved::surface::measure_spacing_within;
+/// use curvlay_layers::trim::Trimmer;
 /// use curvlay_layers::nalgebra::Point3;
 /// # let corner = |k: u32| Point3::from([0, 1, 2].map(|bit| if k >> bit & 1 == 1 { 10.0 } else { 0.0 }));
 /// # let cube: Vec<_> = (0..8).map(corner).collect();
@@ -196,7 +195,7 @@ pub fn measure_spacing_within(
     surfaces: &[SurfaceSlices],
     solid: &Trimmer,
     height_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
     measure(surfaces, Some(solid), height_mm, progress)
 }
@@ -205,7 +204,7 @@ fn measure(
     surfaces: &[SurfaceSlices],
     solid: Option<&Trimmer>,
     height_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
     if !(height_mm > 0.0 && height_mm.is_finite()) {
         return Err(SpacingError::Height { height_mm });
@@ -221,7 +220,7 @@ fn measure(
         }
     }
     let tree = Tree::new(surfaces);
-    let of_surface = |surface: usize, _: Report| -> Vec<Found> {
+    let of_surface = |surface: usize, _: ProgressFn| -> Vec<Found> {
         let (points, triangles) = surfaces[surface];
         let has = [surface > 0, surface + 1 < surfaces.len()];
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);

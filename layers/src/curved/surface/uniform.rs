@@ -18,10 +18,10 @@ use super::field::{FieldError, LayerField};
 use super::lattice::Lattice;
 use super::plain::plain_field;
 use super::slope::evened;
-use crate::Progress;
+use crate::cells::{Cells, LayerOrder};
 use crate::curved::growth::grow_by_clock;
-use crate::curved::{AuditError, AuditReport, Cells, GrowthError, LayerOrder, Platform, Rules, audit};
-use std::ops::ControlFlow;
+use crate::curved::{AuditError, AuditReport, GrowthError, Platform, Rules, audit};
+use crate::{Progress, ProgressFn};
 
 /// How many layers before its own layer in the order a cell may be built: tried one after the other. With a longer
 /// lead parts with arms that dip below their root are left with cells that cannot be built any more; with a shorter one
@@ -96,7 +96,9 @@ pub enum UniformError {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, GrowthOptions, Platform, Rules, grow, surface::uniform_field};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{GrowthOptions, Platform, Rules, grow};
+/// use curvlay_layers::curved::surface::uniform_field;
 /// use std::ops::ControlFlow;
 /// // An upright T, one cell thick: a stem of four cells below a bar of five.
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
@@ -116,7 +118,7 @@ pub fn uniform_field(
     rules: &Rules,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<UniformField, UniformError> {
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
     let plain = plain_field(cells, order)?;

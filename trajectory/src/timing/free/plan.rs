@@ -51,7 +51,7 @@ pub struct FreeMotion<const N: usize, const F: usize> {
 ///
 /// # Example
 /// ```
-/// use curvlay_trajectory::{Bounds, FreeRange, Posture, RobotFn, LadderNode, TimeFreeOptions, time_path_free};
+/// use curvlay_trajectory::{Bounds, FreeRange, LadderNode, Posture, RobotFn, TimeFreeOptions, time_path_free};
 /// use std::ops::ControlFlow;
 /// // Two joints that add up to what is asked. The start leaves it all to the first.
 /// let joints = |waypoint: usize, free: &[f64; 1]| [0.1 * waypoint as f64 - free[0], free[0]];

@@ -26,13 +26,12 @@ mod cube;
 mod qef;
 
 use super::extend::ExtendedField;
-use super::{Report, in_parallel_watched};
-use crate::Progress;
+use crate::ProgressFn;
+use crate::parallel::in_parallel_watched;
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use qef::Qef;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// Nearest that a vertex comes to a face of its cube, in cells. Vertices of different cubes are twice as far apart
 /// then, which keeps triangles from having no height; a larger margin would move surfaces that lie in the planes of
@@ -117,7 +116,8 @@ impl ExtendedField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::{LayerField, extend}};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::{LayerField, extend};
     /// let cells = Cells::new([1, 1, 4], &[1; 4])?;
     /// let field = extend(&LayerField::new(&cells, vec![0.5, 1.5, 2.5, 3.5], 1.0)?, &cells);
     /// assert_eq!(field.levels(0.8, 1.0)?, [0.625, 1.875, 3.125]); // in layers of a cell, here 0.8 mm
@@ -165,7 +165,8 @@ fn check_cell(cell_mm: f64, origin: Point3<f64>) -> Result<(), ContourError> {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, surface::{LayerField, contour, extend}};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::surface::{LayerField, contour, extend};
 /// let cells = Cells::new([1, 1, 2], &[1, 1])?;
 /// let field = extend(&LayerField::new(&cells, vec![0.5, 1.5], 1.0)?, &cells);
 /// let silent = |_| std::ops::ControlFlow::Continue(());
@@ -179,7 +180,7 @@ pub fn contour(
     levels: &[f64],
     cell_mm: f64,
     origin: Point3<f64>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Surface>, ContourError> {
     contour_with(field, levels, cell_mm, origin, VertexPlacement::default(), progress)
 }
@@ -191,7 +192,8 @@ pub fn contour(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, surface::{LayerField, VertexPlacement, contour_with, extend}};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::surface::{LayerField, VertexPlacement, contour_with, extend};
 /// // A front that goes on along the longer of two ways: its surfaces have an edge at x = z.
 /// let cells = Cells::new([8, 1, 8], &[0xff; 8])?;
 /// let values = (0..64).map(|cell: u32| f64::from((cell % 8).max(cell / 8)) + 0.5).collect();
@@ -210,12 +212,12 @@ pub fn contour_with(
     cell_mm: f64,
     origin: Point3<f64>,
     placement: VertexPlacement,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Surface>, ContourError> {
     check_cell(cell_mm, origin)?;
     let crossings = crossings(field, levels);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
-    let one = |k: usize, _: Report| Contour::new(field, levels[k], placement).run(&crossings[k], cell_mm, low);
+    let one = |k: usize, _: ProgressFn| Contour::new(field, levels[k], placement).run(&crossings[k], cell_mm, low);
     in_parallel_watched(levels.len(), "contour", progress, one).ok_or(ContourError::Cancelled)
 }
 

@@ -1,0 +1,10 @@
+//! Surfaces as triangle meshes with a boundary, checked at the door, and points on them.
+//!
+//! All else begins here: a layer is a [`SurfaceMesh`], and a place on it is a [`SurfacePoint`].
+
+mod point;
+mod surface_mesh;
+
+pub use point::SurfacePoint;
+pub use surface_mesh::{MeshError, Regions, SurfaceMesh};
+pub(crate) use surface_mesh::{NONE, next, previous};
